@@ -32,6 +32,8 @@ MOST_NUMBERS = 10_000_000
 MOST_POINTS_OF_STUDY = 10_000_000_000
 # Of one kind, to each attractor of a rotor.
 MOST_SHOCKS = 10_000_000
+# A figure with more panels cannot be read.
+MOST_PANELS = 12
 # Powers of larger numbers leave the range of doubles.
 LARGEST_NUMBER = 1e15
 # The spacing of doubles at the end of a motion, in radians of the revolution or in time.
@@ -271,6 +273,16 @@ def check_points(*axes: Sized, most: int = MOST_NUMBERS) -> None:
 def is_scalar(name: str, value: object) -> bool:
     """Return whether a value, whatever it is, has no dimensions."""
     return _array(name, value).ndim == 0
+
+
+def check_panels(panels: int) -> int:
+    """Return a number of panels of a figure that can still be read."""
+    if panels > MOST_PANELS:
+        raise InputError(
+            f"figure can show at most {MOST_PANELS} combinations of zeta, delta0 and what else "
+            f"varies, got {panels}"
+        )
+    return panels
 
 
 def _scalar(name: str, value: object) -> object:

@@ -16,7 +16,7 @@ from rotor_ida.basins.following import FollowedStarts, Starts
 from rotor_ida.basins.kernel import CHAOTIC, LOWEST, Labels
 from rotor_ida.basins.known import ContactFree, followed_alone, may_roll
 from rotor_ida.checks import State
-from rotor_ida.cycles.limit_cycle import follow
+from rotor_ida.cycles.limit_cycle import sampled_orbit
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Stop
@@ -232,7 +232,7 @@ def family_of(attractors: list[Attractor]) -> tuple[int, ...]:
 
 def attractor_of_cycle(cycle: Cycle, has_section: bool, stop: Stop) -> Attractor:
     """Return a limit cycle as an attractor, and whether a section of it holds starts."""
-    states = follow(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)[:-1]
+    states = sampled_orbit(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)[:-1]
     whirl = complex(states[:, 0].mean(), states[:, 1].mean())
     return Attractor(
         cycle.response, abs(whirl), phase_lag_of(whirl), cycle.radius_min, cycle.radius_max,

@@ -210,7 +210,7 @@ class ContactFree:
 def contact_free_whirls(rotor: Rotor, stop: Stop, *, fading: bool) -> ContactFree | None:
     """Return the contact-free whirls of a rotor, if they fit; with `fading`, what touches fade."""
     kappa = rotor.shaft_stiffness
-    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta, kappa if kappa > 0.0 else None))
+    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta, kappa))
     room = rotor.delta0 - abs(whirl)
     if not room > 0.0:
         return None

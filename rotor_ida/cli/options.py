@@ -30,19 +30,6 @@ from rotor_ida.model.table import (
 )
 from rotor_ida.simulation.options import Backend, Flight, Method
 
-# A figure with more cannot be read.
-MOST_PANELS = 12
-
-
-def check_panels(panels: int) -> int:
-    """Return a number of panels that can still be read."""
-    if panels > MOST_PANELS:
-        raise InputError(
-            f"figure can show at most {MOST_PANELS} combinations of zeta, delta0 and what else "
-            f"varies, got {panels}"
-        )
-    return panels
-
 
 def check_varies(*axes: Sequence[float]) -> None:
     """Refuse a figure of an atlas in which nothing varies."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import shown
+from rotor_ida.checks import check_panels, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report
 from rotor_ida.errors import ArchiveError, InputError, RotorError, SimulationError
@@ -47,7 +47,7 @@ class Output:
                 raise InputError(f"out must end in {OUT_ENDING}, got {shown(self.out)}")
             check_target("out", self.out, overwrite=self.force, permission=FORCED)
         if self.figure is not None:
-            options.check_panels(panels)
+            check_panels(panels)
             if self.figure.suffix not in {"", *PICTURES} or self.figure.name in {"", ".."}:
                 word = shown(self.figure)
                 raise InputError(f"figure must be NAME, NAME.png or NAME.svg, got {word}")

@@ -5,6 +5,7 @@ other's independent witness.
 """
 
 from rotor_ida.closed_forms.backward_whirl import backward_whirl
+from rotor_ida.closed_forms.clearance_curve import clearance_curve
 from rotor_ida.closed_forms.contact_free import (
     ContactFreeWhirl,
     contact_free_whirl,
@@ -25,7 +26,7 @@ from rotor_ida.closed_forms.impact import impact
 from rotor_ida.closed_forms.late_jumps import late_jumps
 from rotor_ida.closed_forms.peaks import backbone, peak_amplitude, peaks, speeds_at_amplitude
 from rotor_ida.closed_forms.ramp_flight import ramp_flight
-from rotor_ida.closed_forms.response_curve import clearance_curve, response_curve
+from rotor_ida.closed_forms.response_curve import response_curve
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.closed_forms.restoring import restoring_field
 from rotor_ida.closed_forms.sommerfeld import sommerfeld_curve, whirl_torque

@@ -28,6 +28,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
+from rotor_ida.closed_forms.contact_laws import force_at_depth
 from rotor_ida.closed_forms.rest import slowest_rate
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
@@ -96,21 +97,21 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
     kappa, surface = rotor.shaft_stiffness, rho * rotor.omega
     speed = -(zeta + math.sqrt(zeta * zeta + mu * mu * kappa)) / mu
     # Omega**2 - kappa, with nothing that cancels
-    depth = slipping_depth(-2.0 * zeta * speed / mu, rotor.delta0, rotor.contact_exponent)
+    depth = _slipping_depth(-2.0 * zeta * speed / mu, rotor)
     radius = rotor.delta0 + depth
     birth = radius * -speed / rho if rho > 0.0 and math.isfinite(radius) else math.nan
 
     rows = {"slipping": (math.nan,) * 5, "rolling": (math.nan,) * 5}
     stability = {"slipping": "absent", "rolling": "absent"}
     if rotor.omega >= birth and surface > 0.0:
-        force, slope = _contact(depth, rotor.contact_exponent)
+        force, slope = force_at_depth(depth, rotor)
         if depth > 0.0:
             growth = _saddle_rate(rotor, radius, speed, force, slope)
             rows["slipping"] = radius, speed, growth, force, mu * force
             stability["slipping"] = "unstable"
-        settled = rolling_depth(surface, rotor.delta0, kappa, rotor.contact_exponent)
+        settled = _rolling_depth(rotor)
         radius = rotor.delta0 + settled
-        force, slope = _contact(settled, rotor.contact_exponent)
+        force, slope = force_at_depth(settled, rotor)
         stiffness = kappa + slope + (surface / radius) ** 2
         growth = slowest_rate(zeta + 0.5 * c * force, stiffness)
         rows["rolling"] = radius, -surface / radius, growth, force, 2.0 * zeta * surface
@@ -156,17 +157,10 @@ def _checked(rotor: Rotor) -> float:
     return check_nonnegative("disc_radius", rotor.disc_radius, LARGEST_NUMBER)
 
 
-def slipping_depth(secant: float, delta0: float, exponent: float) -> float:
-    """Return the indentation at which ``f(r)/r`` is `secant`, NaN where there is none.
-
-    Examples
-    --------
-    >>> round(1.0 + slipping_depth(1.0, 1.0, 1.5), 9)
-    3.147899036
-    >>> slipping_depth(0.5, 1.0, 1.0), slipping_depth(1.0, 1.0, 1.0)
-    (1.0, nan)
-    """
-    if exponent != HERTZ_EXPONENT:
+def _slipping_depth(secant: float, rotor: Rotor) -> float:
+    """Return the indentation at which ``f(r)/r`` is `secant`, NaN where there is none."""
+    delta0 = rotor.delta0
+    if rotor.contact_exponent != HERTZ_EXPONENT:
         return secant * delta0 / (1.0 - secant) if secant < 1.0 else math.nan
     # u**2 (u - secant) = secant delta0: convex beyond, and Newton's method comes down to the root
     u = secant + math.cbrt(secant * delta0)
@@ -179,21 +173,15 @@ def slipping_depth(secant: float, delta0: float, exponent: float) -> float:
     return u * u
 
 
-def rolling_depth(surface: float, delta0: float, kappa: float, exponent: float) -> float:
-    """Return the indentation at which ``r f + kappa r**2`` is the square of the surface's speed.
-
-    Examples
-    --------
-    >>> round(1.0 + rolling_depth(6.29579808, 1.0, 0.0, 1.5), 6)
-    4.984178
-    >>> rolling_depth(2.0, 1.0, 4.0, 1.0)
-    0.0
-    """
+def _rolling_depth(rotor: Rotor) -> float:
+    """Return the indentation at which ``r f + kappa r**2`` is the square of the surface's speed."""
+    delta0, kappa = rotor.delta0, rotor.shaft_stiffness
+    surface = (rotor.disc_radius or 0.0) * rotor.omega
     # exactly, as the two may nearly cancel
     excess = float(Fraction(surface) ** 2 - Fraction(kappa) * Fraction(delta0) ** 2)
     if excess <= 0.0:
         return 0.0
-    if exponent != HERTZ_EXPONENT:
+    if rotor.contact_exponent != HERTZ_EXPONENT:
         first = delta0 * (1.0 + 2.0 * kappa)
         return 2.0 * excess / (first + math.sqrt(first * first + 4.0 * (1.0 + kappa) * excess))
     # u**5 + kappa u**4 + delta0 u**3 + 2 kappa delta0 u**2 is convex, and none of its terms alone
@@ -209,14 +197,6 @@ def rolling_depth(surface: float, delta0: float, kappa: float, exponent: float) 
             break
         u = lower
     return u * u
-
-
-def _contact(depth: float, exponent: float) -> tuple[float, float]:
-    """Return force and slope of the contact at a depth."""
-    if exponent != HERTZ_EXPONENT:
-        return depth, 1.0
-    root = math.sqrt(depth)
-    return depth * root, 1.5 * root
 
 
 def _saddle_rate(rotor: Rotor, radius: float, speed: float, force: float, slope: float) -> float:

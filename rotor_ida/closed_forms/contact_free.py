@@ -67,7 +67,7 @@ class ContactFreeWhirl:
 
 
 def complex_amplitude(
-    omega: npt.ArrayLike, zeta: npt.ArrayLike, shaft_stiffness: npt.ArrayLike | None = None
+    omega: npt.ArrayLike, zeta: npt.ArrayLike, shaft_stiffness: npt.ArrayLike = 0.0
 ) -> ComplexValues:
     """Return ``a = -omega/(omega - 2 i zeta)`` of the contact-free whirl ``c + a exp(i omega t)``.
 
@@ -82,7 +82,7 @@ def complex_amplitude(
     >>> complex(complex_amplitude(1.0, 0.0, 3.0))
     (0.5+0j)
     """
-    if shaft_stiffness is not None:
+    if np.any(shaft_stiffness):
         return _held_amplitude(*np.broadcast_arrays(omega, zeta, shaft_stiffness))
     speed, resistance = np.broadcast_arrays(
         np.asarray(omega, dtype=np.float64), 2.0 * np.asarray(zeta, dtype=np.float64)
@@ -153,7 +153,7 @@ def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
     if rotor.load > 0.0:
         raise InputError(f"load must be 0 for a whirl about the bearing axis, got {rotor.load!r}")
     kappa = rotor.shaft_stiffness
-    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta, kappa if kappa > 0.0 else None))
+    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta, kappa))
     room = rotor.delta0 - abs(whirl)
     offset = room if kappa == 0.0 else 0.0
     return ContactFreeWhirl(

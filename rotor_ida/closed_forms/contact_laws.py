@@ -1,10 +1,16 @@
-"""Both contact laws, by Hertz and of a linear spring, over arrays of exponents."""
+"""Both contact laws, by Hertz and of a linear spring, over arrays; and what restores one rotor."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from types import MappingProxyType
+
 import numpy as np
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Column, Values
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_real
 from rotor_ida.model.contact import (
     HERTZ_EXPONENT,
     contact_force,
@@ -12,6 +18,11 @@ from rotor_ida.model.contact import (
     indentation,
     secant_stiffness,
 )
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import DEFAULTS, check_clearance_needed, check_exponent
+
+# Smallest, but zero, and largest value of a parameter [1].
+Range = tuple[float, float]
 
 
 def force(radius: Values, delta0: Values, exponent: Values) -> Values:
@@ -26,7 +37,9 @@ def force(radius: Values, delta0: Values, exponent: Values) -> Values:
     return np.where(exponent == HERTZ_EXPONENT, contact_force(radius, delta0), linear)
 
 
-def stiffnesses(radius: Values, delta0: Values, exponent: Values) -> tuple[Values, Values]:
+def stiffnesses(
+    radius: Values, delta0: Values | float, exponent: Values | float
+) -> tuple[Values, Values]:
     """Return the slope ``f'(r)`` and the secant stiffness ``f(r)/r`` [1].
 
     Where a linear contact begins, the slope is 1, and the secant without clearance as well.
@@ -36,9 +49,98 @@ def stiffnesses(radius: Values, delta0: Values, exponent: Values) -> tuple[Value
     >>> stiffnesses(np.array([4.5]), np.array([0.5]), np.array([1.0]))[0]
     array([1.])
     """
-    hertz = exponent == HERTZ_EXPONENT
+    hertz = np.asarray(exponent) == HERTZ_EXPONENT
     slope = np.where(hertz, contact_stiffness(radius, delta0), np.where(radius < delta0, 0.0, 1.0))
     depth = indentation(radius, delta0)
-    start = np.broadcast_to(np.where(delta0 > 0.0, 0.0, 1.0), depth.shape).copy()
+    start = np.broadcast_to(np.where(np.asarray(delta0) > 0.0, 0.0, 1.0), depth.shape).copy()
     secant = np.divide(depth, radius, out=start, where=radius > 0.0)
     return slope, np.where(hertz, secant_stiffness(radius, delta0), secant)
+
+
+def force_at_depth(depth: float, rotor: Rotor) -> tuple[float, float]:
+    """Return the force and its slope at one indentation [1], of a rotor that touches.
+
+    Examples
+    --------
+    >>> force_at_depth(4.0, Rotor(omega=1.0, zeta=0.0, delta0=1.0))
+    (8.0, 3.0)
+    """
+    if rotor.contact_exponent == HERTZ_EXPONENT:
+        root = math.sqrt(depth)
+        return depth * root, HERTZ_EXPONENT * root
+    return depth, 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class RestoringLaw:
+    """What springs back on one rotor, and rubs [1].
+
+    In terms of ``u = sqrt(A - delta0)`` the amplitude A, the force ``g(A) = f(A) + kappa A`` of
+    contact and shaft together and ``W = A f'(A) - f(A)`` are polynomials, by Hertz as well.
+    """
+
+    delta0: float
+    shaft_stiffness: float = 0.0
+    contact_exponent: float = HERTZ_EXPONENT
+    friction: float = 0.0
+
+    @classmethod
+    def checked(
+        cls, values: Mapping[str, object], ranges: Mapping[str, Range] = MappingProxyType({})
+    ) -> RestoringLaw:
+        """Return the law of numbers that a user gave by name, some of them within a range.
+
+        Examples
+        --------
+        >>> RestoringLaw.checked({"shaft_stiffness": 0.25}).coordinates
+        {'shaft_stiffness': ((), 0.25)}
+        """
+        given = {"delta0": 0.0} | {name: check_real(name, each) for name, each in values.items()}
+        for name, value in given.items():
+            smallest, largest = ranges.get(name, (0.0, LARGEST_NUMBER))
+            check_axis(name, value, smallest=smallest, largest=largest)
+        law = cls(**given)
+        check_exponent(law.contact_exponent)
+        if law.delta0 == 0.0:
+            check_clearance_needed({"friction": law.friction, "contact_damping": 0.0})
+        return law
+
+    @property
+    def hertz(self) -> bool:
+        """Whether the contact is that of Hertz."""
+        return self.contact_exponent == HERTZ_EXPONENT
+
+    @property
+    def coordinates(self) -> dict[str, Column]:
+        """Parameters beside the clearance that are not the paper's, as coordinates of a result."""
+        return {
+            name: ((), value)
+            for name, value in asdict(self).items()
+            if name in DEFAULTS and value != DEFAULTS[name]
+        }
+
+    def forces(self, u: Values) -> tuple[Values, Values, Values]:
+        """Return A, g and W at ``u = sqrt(A - delta0)``."""
+        square = u * u
+        A = self.delta0 + square
+        if self.hertz:
+            return A, square * u + self.shaft_stiffness * A, 0.5 * u * (A + 2.0 * self.delta0)
+        return A, square + self.shaft_stiffness * A, self.delta0 + 0.0 * u
+
+    def slopes(self, u: Values) -> tuple[Values, Values]:
+        """Return the derivatives of g and W by A."""
+        if self.hertz:
+            return 1.5 * u + self.shaft_stiffness, 0.75 * (self.delta0 + u * u) / u
+        return 1.0 + self.shaft_stiffness + 0.0 * u, 0.0 * u
+
+    def polynomials(self) -> tuple[np.poly1d, np.poly1d, np.poly1d]:
+        """Return A, g and 2 W as polynomials in u."""
+        u = np.poly1d([1.0, 0.0])
+        A = u * u + self.delta0
+        if self.hertz:
+            return A, u * u * u + self.shaft_stiffness * A, u * (A + 2.0 * self.delta0)
+        return A, u * u + self.shaft_stiffness * A, np.poly1d([2.0 * self.delta0])
+
+    def stiffness(self, A: Values) -> Values:
+        """Return ``g/A`` at amplitudes."""
+        return stiffnesses(A, self.delta0, self.contact_exponent)[1] + self.shaft_stiffness

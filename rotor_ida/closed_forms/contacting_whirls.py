@@ -30,6 +30,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.double_double import DoubleDouble
+from rotor_ida.closed_forms.rotor_columns import RotorColumns
 
 Rows = npt.NDArray[np.int_]
 Evaluate = Callable[[Values, Rows], tuple[Values, Values]]
@@ -59,60 +60,45 @@ class ContactingWhirls:
 
 @dataclass(frozen=True, slots=True)
 class _Equation:
-    """The polynomial P of many rotors, or m P with friction, with its parameters to 32 digits."""
+    """The polynomial m P of many rotors, with its parameters to 32 digits."""
 
     q: DoubleDouble
     p: DoubleDouble  # q, less the stiffness of the shaft
     damping: DoubleDouble  # 4 zeta**2 q
     delta0: DoubleDouble
-    lead: DoubleDouble | None  # m, with friction
+    lead: DoubleDouble  # m
 
-    def precise(self, u: DoubleDouble, rows: Rows) -> tuple[Values, Values, Values]:
-        """Return P, its slope and F at `u`; P and F come from 32-digit arithmetic."""
+    def precise(self, u: DoubleDouble, rows: Rows) -> tuple[Values, Values]:
+        """Return P, from 32-digit arithmetic, and its slope at `u`."""
         q, p, damping = self.q[rows], self.p[rows], self.damping[rows]
         square = u * u
         amplitude = self.delta0[rows] + square
-        cube, drive, steepness = square * u, q * q, 3.0 * u.high
-        if self.lead is not None:
-            lead = self.lead[rows]
-            cube, drive, steepness = lead * cube, lead * drive, lead.high * steepness
-        force_excess = cube - p * amplitude
+        lead = self.lead[rows]
+        force_excess = lead * (square * u) - p * amplitude
+        drive = lead * (q * q)
         value = (force_excess * force_excess - drive) + damping * (amplitude * amplitude)
-        slope = 2.0 * force_excess.high * (steepness - 2.0 * p.high) * u.high
+        slope = 2.0 * force_excess.high * (3.0 * lead.high * u.high - 2.0 * p.high) * u.high
         slope += 4.0 * damping.high * amplitude.high * u.high
-        return value.high, slope, force_excess.high
+        return value.high, slope
 
     def plain(self, u: Values, rows: Rows) -> tuple[Values, Values]:
         """Return P and its slope in plain doubles."""
         q, p, damping = self.q.high[rows], self.p.high[rows], self.damping.high[rows]
         amplitude = self.delta0.high[rows] + u * u
-        cube, drive, steepness = u * u * u, q * q, 3.0 * u
-        if self.lead is not None:
-            lead = self.lead.high[rows]
-            cube, drive, steepness = lead * cube, lead * drive, lead * steepness
-        force_excess = cube - p * amplitude
-        value = force_excess * force_excess - drive + damping * amplitude * amplitude
-        slope = 2.0 * force_excess * (steepness - 2.0 * p) * u + 4.0 * damping * amplitude * u
-        return value, slope
+        lead = self.lead.high[rows]
+        force_excess = lead * (u * u * u) - p * amplitude
+        value = force_excess * force_excess - lead * q * q + damping * amplitude * amplitude
+        slope = 2.0 * force_excess * (3.0 * lead * u - 2.0 * p) * u
+        return value, slope + 4.0 * damping * amplitude * u
 
 
-def contacting_whirls(
-    omega: Values,
-    zeta: Values,
-    delta0: Values,
-    shaft_stiffness: Values | None = None,
-    friction: Values | None = None,
-) -> ContactingWhirls:
-    """Return all whirls in contact of rotors with ``omega > 0``.
+def contacting_whirls(rotors: RotorColumns) -> ContactingWhirls:
+    """Return all whirls in contact of rotors with ``omega > 0`` and the Hertz exponent.
 
     Parameters
     ----------
-    omega, zeta, delta0 : ndarray, shape (n,)
-        Spin speed, damping ratio and clearance [1].
-    shaft_stiffness : ndarray, shape (n,), optional
-        Stiffness kappa of the shaft [1]; none by default.
-    friction : ndarray, shape (n,), optional
-        Coefficient of friction mu [1], beside a shaft; none by default.
+    rotors : RotorColumns, shape (n,)
+        Their parameters; the exponent and the contact damping are not used.
 
     Returns
     -------
@@ -131,45 +117,32 @@ def contacting_whirls(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> at = contacting_whirls(np.array([1.7]), np.array([0.07]), np.array([0.0]))
+    >>> rotors = RotorColumns.of({"omega": [1.7], "zeta": 0.07, "delta0": 0.0})
+    >>> at = contacting_whirls(rotors)
     >>> at.amplitude[0, :3].round(6)
     array([1.879631, 6.193211, 9.487207])
     """
-    q = DoubleDouble.of(omega) * DoubleDouble.of(omega)
-    four_zeta_squared = DoubleDouble.of(2.0 * zeta) * DoubleDouble.of(2.0 * zeta)
-    clearance = DoubleDouble.of(delta0)
-    damping = four_zeta_squared * q
-    if shaft_stiffness is None:
-        p, stiffness = q, q.high * (q.high + four_zeta_squared.high)
-        contact_free = (clearance * clearance * (q + four_zeta_squared) - q).high >= 0.0
-    else:
-        p = q - DoubleDouble.of(shaft_stiffness)
-        impedance = p * p + damping
-        stiffness = impedance.high
-        contact_free = (clearance * clearance * impedance - q * q).high >= 0.0
-    if friction is None or shaft_stiffness is None:
-        equation = _Equation(q, p, damping, clearance, None)
-        breakpoints = _extrema(q.high, p.high, stiffness, delta0)
-    else:
-        turned = turned_by_friction(p, omega, zeta, friction)
-        equation = _Equation(q, turned.p, turned.damping, clearance, turned.lead)
-        lead = turned.lead.high
-        reduced = q.high / np.sqrt(lead), turned.p.high / lead, stiffness / lead
-        breakpoints = _extrema(*reduced, delta0)
+    omega, clearance = DoubleDouble.of(rotors.omega), DoubleDouble.of(rotors.delta0)
+    q, two_zeta = omega * omega, DoubleDouble.of(2.0 * rotors.zeta)
+    p = q - DoubleDouble.of(rotors.shaft_stiffness)
+    impedance = p * p + two_zeta * two_zeta * q
+    contact_free = (clearance * clearance * impedance - q * q).high >= 0.0
+    turned = turned_by_friction(p, rotors)
+    equation = _Equation(q, turned.p, turned.damping, clearance, turned.lead)
+    lead = turned.lead.high
+    reduced = q.high / np.sqrt(lead), turned.p.high / lead, impedance.high / lead
+    breakpoints = _extrema(*reduced, rotors.delta0)
     signs = _signs(equation, breakpoints, contact_free)
     estimate, rising = _roots_between(equation.plain, breakpoints, signs)
     u = _polished(equation, breakpoints, estimate, rising)
 
     rows, columns = np.nonzero(np.isfinite(estimate))
-    _, slope, force_excess = equation.precise(u, rows)
-    amplitude = (clearance[rows] + u * u).high
-    loss, scale = 2.0 * zeta[rows] * omega[rows] * amplitude, 4.0 * u.high * amplitude
-    if equation.lead is not None and friction is not None:
-        cube = u * u * u
-        force_excess = (cube - p[rows] * (clearance[rows] + u * u)).high
-        loss, scale = loss + friction[rows] * cube.high, scale * equation.lead.high[rows]
-    lag = np.arctan2(loss, force_excess)
+    _, slope = equation.precise(u, rows)
+    radius, cube, whirling = clearance[rows] + u * u, u * u * u, rotors[rows]
+    amplitude = radius.high
+    loss = 2.0 * whirling.zeta * whirling.omega * amplitude + whirling.friction * cube.high
+    lag = np.arctan2(loss, (cube - p[rows] * radius).high)
+    scale = 4.0 * u.high * amplitude * lead[rows]
     # The direction in which P crosses zero is certain; the sign of a rounded D near 0 is not.
     size = np.maximum(np.abs(slope) / scale, np.finfo(np.float64).tiny)
     determinant = np.where(rising[rows, columns], size, -size)
@@ -191,11 +164,12 @@ class Turned:
     damping: DoubleDouble  # (h + mu p)**2
 
 
-def turned_by_friction(p: DoubleDouble, omega: Values, zeta: Values, friction: Values) -> Turned:
+def turned_by_friction(p: DoubleDouble, rotors: RotorColumns) -> Turned:
     """Return the terms with ``h = 2 zeta omega``: see the head of this module."""
-    mu, h = DoubleDouble.of(friction), DoubleDouble.of(2.0 * zeta) * DoubleDouble.of(omega)
+    mu = DoubleDouble.of(rotors.friction)
+    h = DoubleDouble.of(2.0 * rotors.zeta) * DoubleDouble.of(rotors.omega)
     across = h + mu * p
-    one = DoubleDouble.of(np.ones_like(omega))
+    one = DoubleDouble.of(np.ones_like(rotors.omega))
     return Turned(one + mu * mu, p - mu * h, across * across)
 
 
@@ -274,8 +248,7 @@ def _polished(
     rows, columns = np.nonzero(np.isfinite(estimate))
 
     def evaluate(u: Values, chosen: Rows) -> tuple[Values, Values]:
-        value, slope, _ = equation.precise(DoubleDouble.of(u), rows[chosen])
-        return value, slope
+        return equation.precise(DoubleDouble.of(u), rows[chosen])
 
     u = bracketed_newton(
         evaluate,

@@ -3,38 +3,38 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from scipy.optimize import minimize_scalar
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_axis, check_points, check_real
-from rotor_ida.closed_forms.fold_locus import LocusSide, fold_locus, folds_on_side, locus_points
-from rotor_ida.closed_forms.fold_locus_further import (
-    FurtherSide,
-    Ring,
-    further_folds,
-    further_locus,
-    points_on_side,
+from rotor_ida.closed_forms.contact_laws import RestoringLaw
+from rotor_ida.closed_forms.curve_polynomials import CurveEquations, Fold, exact_folds
+from rotor_ida.closed_forms.fold_locus import (
+    Cusp,
+    LocusSide,
+    fold_locus,
+    folds_on_side,
+    frictionless_cusp,
     undamped_folds,
 )
-from rotor_ida.closed_forms.fold_locus_rubbing import rub_cusp
-from rotor_ida.closed_forms.further_parameters import FurtherAxes, check_law, further_axes
-from rotor_ida.closed_forms.rubs import Rub, rub_folds
+from rotor_ida.closed_forms.fold_locus_with_friction import friction_cusp
+from rotor_ida.closed_forms.rotor_columns import RotorColumns, checked_rotors
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
-from rotor_ida.model.contact import HERTZ_EXPONENT
-from rotor_ida.model.table import check_exponent
+from rotor_ida.model.rotors import Rotors
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
+# Beyond these the locus leaves the range of doubles.
+_RANGE = (1e-20, 1e6)
+RANGES = dict.fromkeys(("zeta", "delta0", "shaft_stiffness", "friction"), _RANGE)
+# Of which the two sides of the locus are one.
+_MEETS_ALL_ALONG = RestoringLaw(1.0, contact_exponent=1.0)
 # At a fold two whirls are one, up to the root of rounding.
 _SAME = 1e-5
-# More than there are: up to four without a shaft.
-_MOST_FOLDS = 12
 # Between these clearances the damping of the cusp rises to its one maximum and falls again.
 _HUMP = (0.5, 0.8)
 
@@ -83,9 +83,9 @@ def folds(
     ``delta0 < 1``.
 
     The point where a branch first touches the ring, at A = delta0, is not a fold. With a shaft or a
-    linear contact the locus is that of `fold_locus_further`; a linear contact has folds only with
+    linear contact too the locus is that of `fold_locus`; a linear contact has folds only with
     clearance and damping, or friction. With friction the folds are roots of a polynomial in
-    ``u = sqrt(A - delta0)``, isolated in exact arithmetic: see `rubs`.
+    ``u = sqrt(A - delta0)``, isolated in exact arithmetic: see `curve_polynomials`.
 
     References
     ----------
@@ -99,33 +99,24 @@ def folds(
     >>> int(found.fold_omega.sel(zeta=0.2, delta0=0.0).count())
     0
     """
-    dampings, clearances = _checked("zeta", zeta), _checked("delta0", delta0)
-    further = further_axes(
-        shaft_stiffness=shaft_stiffness,
-        contact_exponent=contact_exponent,
-        contact_damping=contact_damping,
-        friction=friction,
-        delta0=clearances,
-    )
-    for name in ("shaft_stiffness", "friction"):
-        _checked(name, further.axes[name])
-    check_points(dampings, clearances, *further.axes.values())
-    if further.default:
-        table = fold_table(dampings, clearances)
-    else:
-        table = _further_table(dampings, clearances, further)
-    dims = ("zeta", "delta0", *further.dims, "fold")
-    return labelled_dataset(
-        "Folds of the synchronous whirls of a rotor with Hertz contact and clearance"
-        if further.default
-        else "Folds of the synchronous whirls of a rotor with contact and clearance",
-        {"fold_omega": (dims, table[..., 0]), "fold_amplitude": (dims, table[..., 1])},
+    rotors = checked_rotors(
         {
-            "zeta": ("zeta", dampings),
-            "delta0": ("delta0", clearances),
-            **further.coordinates,
-            "fold": ("fold", np.arange(table.shape[-2])),
+            "zeta": zeta,
+            "delta0": delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+            "contact_damping": contact_damping,
+            "friction": friction,
         },
+        RANGES,
+    )
+    table = fold_table(rotors)
+    dims, most = (*rotors.dims, "fold"), table.shape[-2]
+    contact = "contact" if rotors.optional else "Hertz contact"
+    return labelled_dataset(
+        f"Folds of the synchronous whirls of a rotor with {contact} and clearance",
+        {"fold_omega": (dims, table[..., 0]), "fold_amplitude": (dims, table[..., 1])},
+        rotors.coordinates | {"fold": ("fold", np.arange(most))},
         {
             "source": "rotor_ida closed forms: crossings of the damping along the locus of folds",
             "references": "Mechanika 25(6), 2019, Fig. 6",
@@ -236,7 +227,7 @@ def cusp_zeta(
     Notes
     -----
     The maximum of the damping along the locus of `fold_locus`, where two folds merge. With friction
-    the locus is that of `fold_locus_rubbing`.
+    the locus is that of `fold_locus_with_friction`.
 
     References
     ----------
@@ -247,15 +238,16 @@ def cusp_zeta(
     >>> round(cusp_zeta(0.0), 8)
     0.15604517
     """
-    clearance = _checked("delta0", check_real("delta0", delta0)).item()
-    stiffness = _checked("shaft_stiffness", check_real("shaft_stiffness", shaft_stiffness)).item()
-    exponent = check_real("contact_exponent", contact_exponent)
-    check_exponent(exponent)
-    mu = _checked("friction", check_real("friction", friction))
-    check_law(np.array([exponent]), 0.0 * mu, mu, np.array([clearance]))
-    if stiffness == 0.0 and exponent == HERTZ_EXPONENT and mu.item() == 0.0:
-        return _cusp(clearance)[0]
-    return _further_cusp(Ring(clearance, stiffness, exponent == HERTZ_EXPONENT, mu.item()))[0]
+    law = RestoringLaw.checked(
+        {
+            "delta0": delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+            "friction": friction,
+        },
+        RANGES,
+    )
+    return _cusp(law).zeta
 
 
 def cusp(
@@ -307,179 +299,76 @@ def cusp(
     >>> round(anywhere.cusp_zeta.item(), 8), round(anywhere.delta0.item(), 4)
     (0.25100303, 0.7009)
     """
-    clearances = _checked("delta0", _worst_clearance() if delta0 is None else delta0)
-    further = further_axes(
-        shaft_stiffness=shaft_stiffness,
-        contact_exponent=contact_exponent,
-        contact_damping=contact_damping,
-        friction=friction,
-        delta0=clearances,
+    rotors = checked_rotors(
+        {
+            "delta0": _worst_clearance() if delta0 is None else delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+            "contact_damping": contact_damping,
+            "friction": friction,
+        },
+        RANGES,
     )
-    for name in ("shaft_stiffness", "friction"):
-        _checked(name, further.axes[name])
-    if further.default:
-        table = np.array([_cusp(float(clearance)) for clearance in clearances])
-    elif delta0 is None:
-        raise InputError(f"delta0 must be given with {', '.join(further.coordinates)}, got None")
-    else:
-        check_points(clearances, *further.axes.values())
-        table = _over_rings(_further_cusp, clearances, further)
-    names = ("cusp_zeta", "cusp_omega", "cusp_amplitude")
-    dims = ("delta0", *further.dims)
+    if delta0 is None and rotors.optional:
+        raise InputError(f"delta0 must be given with {', '.join(rotors.optional)}, got None")
+    table = np.reshape([_cusp(law) for law in RotorColumns.grid(rotors).laws], (*rotors.sizes, 3))
     return labelled_dataset(
         "Cusps: damping above which the response curve has no fold",
-        {name: (dims, table[..., k]) for k, name in enumerate(names)},
-        {"delta0": ("delta0", clearances), **further.coordinates},
+        {f"cusp_{name}": (rotors.dims, table[..., k]) for k, name in enumerate(Cusp._fields)},
+        rotors.coordinates,
     )
 
 
 def _worst_clearance() -> float:
     """Return the clearance whose cusp has the largest damping, which has one hump over it."""
-    found = minimize_scalar(
-        lambda delta0: -_cusp(delta0)[0], bounds=_HUMP, method="bounded", options={"xatol": 1e-9}
-    )
+
+    def falling(delta0: float) -> float:
+        return -_cusp(RestoringLaw(float(delta0))).zeta
+
+    found = minimize_scalar(falling, bounds=_HUMP, method="bounded", options={"xatol": 1e-9})
     return float(found.x)
 
 
-def _cusp(delta0: float) -> tuple[float, float, float]:
-    """Return damping ratio, speed and amplitude where the last two folds merge."""
-    best, place, where = -1.0, 0.0, 0
-    for locus in fold_locus(delta0, 1e-3):
-        damping = np.where(np.isfinite(locus.damping), locus.damping, -1.0)
-        largest = int(damping.argmax())
-        if damping[largest] > best:
-            best, place, where = float(damping[largest]), float(locus.u[largest]), locus.side
-    b = float(locus_points(place, delta0, where).b)
-    return 0.5 * math.sqrt(best), math.sqrt(place**3 / b), delta0 + place**2
+def _cusp(law: RestoringLaw) -> Cusp:
+    """Return where the last two folds merge."""
+    return friction_cusp(law) if law.friction > 0.0 else frictionless_cusp(law)
 
 
-def _further_cusp(ring: Ring) -> tuple[float, float, float]:
-    """Return the cusp with a shaft, a linear contact or friction."""
-    if ring.friction > 0.0:
-        return rub_cusp(ring)
-    best, place, where = 0.0, math.nan, 0
-    for locus in further_locus(ring, 1e-3):
-        damping = np.where(np.isfinite(locus.damping), locus.damping, -1.0)
-        largest = int(damping.argmax())
-        if damping[largest] > best:
-            best, place, where = float(damping[largest]), float(locus.u[largest]), locus.side
-    if best == 0.0:
-        return math.nan, math.nan, math.nan
-    u = np.array([place])
-    amplitude, force, _ = ring.forces(u)
-    b = points_on_side(u, ring, where).b
-    return 0.5 * math.sqrt(best), math.sqrt((force / b).item()), amplitude.item()
-
-
-def _over_rings(
-    of_ring: Callable[[Ring], npt.ArrayLike], delta0: Values, further: FurtherAxes
-) -> Values:
-    """Return what depends on the ring alone, on (delta0, the dimensions of `further`, ...)."""
-    axes = further.axes
-    rings = [
-        of_ring(Ring(clearance, stiffness, exponent == HERTZ_EXPONENT, friction))
-        for clearance in delta0.tolist()
-        for stiffness in axes["shaft_stiffness"].tolist()
-        for exponent in axes["contact_exponent"].tolist()
-        for friction in axes["friction"].tolist()
-    ]
-    found = np.array(rings)
-    found = found.reshape(-1, 1, axes["friction"].size, *found.shape[1:])
-    found = np.repeat(found, axes["contact_damping"].size, axis=1)
-    return found.reshape(delta0.size, *further.sizes, *found.shape[3:])
-
-
-def _further_table(zeta: Values, delta0: Values, further: FurtherAxes) -> Values:
-    """Return speed and amplitude of every fold, shape (m, k, ..., most, 2)."""
-    dampings = tuple(zeta.tolist())
-
-    def of_ring(ring: Ring) -> Values:
-        table = np.full((zeta.size, _MOST_FOLDS, 2), np.nan)
-        found = _folds_of_ring(dampings, ring)
-        table[:, : found.shape[1]] = found
-        return table
-
-    table = np.moveaxis(_over_rings(of_ring, delta0, further), -3, 0)
-    most = max(1, int(np.isfinite(table[..., 0]).sum(axis=-1).max()))
-    return table[..., :most, :]
+def fold_table(rotors: Rotors) -> Values:
+    """Return speed and amplitude of every fold, as `folds` labels them: dimensions, fold, 2."""
+    dampings = tuple(rotors.axis("zeta").tolist())
+    others = {name: axis for name, axis in rotors.axes.items() if name != "zeta"}
+    laws = RotorColumns.grid(replace(rotors, axes=others)).laws
+    found = [each for law in laws for each in _folds_of(dampings, law)]
+    most = max(1, *map(len, found))
+    table = np.full((len(found), most, 2), np.nan)
+    for row, points in zip(table, found, strict=True):
+        row[: len(points)] = np.reshape(points, (-1, 2))
+    by_damping = table.reshape(len(laws), len(dampings), most, 2).swapaxes(0, 1)
+    return by_damping.reshape(*rotors.sizes, most, 2)
 
 
 @lru_cache(maxsize=16)
-def _further_locus(ring: Ring, power: int) -> tuple[FurtherSide, ...]:
-    return tuple(further_locus(ring, 10.0**power))
-
-
-@lru_cache(maxsize=16)
-def _folds_of_ring(dampings: tuple[float, ...], ring: Ring) -> Values:
-    """Return speed and amplitude of the folds with one shaft and contact, shape (m, most, 2)."""
-    zeta = np.array(dampings)
-    found: list[list[tuple[float, float]]] = [[] for _ in zeta]
-    rest = ring.delta0, ring.shaft_stiffness, ring.friction, ring.hertz
-    if ring.friction > 0.0:
-        return _tabled([list(rub_folds(Rub(each, *rest))) for each in dampings])
-    damped = np.nonzero(zeta > 0.0)[0]
-    if rest == (1.0, 0.0, 0.0, False):  # there the sides of the locus meet all along
-        for one in damped.tolist():
-            found[one] += rub_folds(Rub(dampings[one], *rest))
-    elif damped.size:
-        smallest = math.floor(math.log10(4.0 * float(zeta[damped].min()) ** 2))
-        for side in _further_locus(ring, smallest):
-            rows, omega, amplitude = further_folds(side, zeta[damped])
-            for number, *fold in zip(damped[rows], omega, amplitude, strict=True):
-                found[number].append((float(fold[0]), float(fold[1])))
-    for number in np.nonzero(zeta == 0.0)[0]:
-        found[number] += undamped_folds(ring)
-    return _tabled(found)
-
-
-def _tabled(found: list[list[tuple[float, float]]]) -> Values:
-    """Return the folds of each damping in order of speed, NaN behind them, shape (m, most, 2)."""
-    table = np.full((len(found), max(len(each) for each in found), 2), np.nan)
-    for number, each in enumerate(found):
-        table[number, : len(each)] = np.reshape(sorted(each), (-1, 2))
-    return table
-
-
-def _checked(name: str, values: object) -> Values:
-    """Return the axis, refusing magnitudes for which the locus leaves the range of doubles."""
-    return check_axis(name, values, smallest=1e-20, largest=1e6)
-
-
-def fold_table(zeta: Values, delta0: Values) -> Values:
-    """Return speed and amplitude of every fold, shape (m, k, most, 2), as `folds` labels them."""
-    zeta, delta0 = _checked("zeta", zeta), _checked("delta0", delta0)
-    dampings = tuple(zeta.tolist())
-    columns = [_folds_of(dampings, clearance) for clearance in delta0.tolist()]
-    most = max(1, *(column.shape[1] for column in columns))
-    table = np.full((zeta.size, delta0.size, most, 2), np.nan)
-    for number, column in enumerate(columns):
-        table[:, number, : column.shape[1]] = column
-    return table
-
-
-@lru_cache(maxsize=16)
-def _locus(delta0: float, power: int) -> tuple[LocusSide, ...]:
+def _locus(law: RestoringLaw, power: int) -> tuple[LocusSide, ...]:
     """Return the locus of folds down to a power of ten of the damping: kept for many dampings."""
-    return tuple(fold_locus(delta0, 10.0**power))
+    return tuple(fold_locus(law, 10.0**power))
 
 
 # The response curve needs them, and so does whoever marks them on it.
 @lru_cache(maxsize=16)
-def _folds_of(dampings: tuple[float, ...], delta0: float) -> Values:
-    """Return speed and amplitude of the folds of one clearance, shape (m, most, 2)."""
-    zeta = np.array(dampings)
-    found: list[list[tuple[float, float]]] = [[] for _ in zeta]
-    damped = np.nonzero(zeta > 0.0)[0]
-    if damped.size:
-        smallest = math.floor(math.log10(4.0 * float(zeta[damped].min()) ** 2))
-        for side in _locus(delta0, smallest):
-            rows, omega, amplitude = folds_on_side(side, zeta[damped])
-            for number, *fold in zip(damped[rows], omega, amplitude, strict=True):
-                found[number].append((float(fold[0]), float(fold[1])))
-    if delta0 < 1.0:
-        # the one fold at zeta = 0, where u**3 = q (A - 1) has a double root
-        u = np.sqrt(3.0 * (1.0 - delta0))
-        undamped = (float(np.sqrt(u**3 / (2.0 * (1.0 - delta0)))), 3.0 - 2.0 * delta0)
-        for number in np.nonzero(zeta == 0.0)[0]:
-            found[number].append(undamped)
-    return _tabled(found)
+def _folds_of(dampings: tuple[float, ...], law: RestoringLaw) -> list[list[Fold]]:
+    """Return the folds of each damping, in order of speed."""
+    if law.friction > 0.0:
+        return [list(exact_folds(CurveEquations(zeta, law))) for zeta in dampings]
+    found = [[] if zeta > 0.0 else undamped_folds(law) for zeta in dampings]
+    damped = [number for number, zeta in enumerate(dampings) if zeta > 0.0]
+    if law == _MEETS_ALL_ALONG:
+        for number in damped:
+            found[number] += exact_folds(CurveEquations(dampings[number], law))
+    elif damped:
+        zeta = np.array(dampings)[damped]
+        smallest = math.floor(math.log10(4.0 * float(zeta.min()) ** 2))
+        for side in _locus(law, smallest):
+            for number, points in zip(damped, folds_on_side(side, zeta), strict=True):
+                found[number] += points
+    return [sorted(each) for each in found]

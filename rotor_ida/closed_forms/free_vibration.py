@@ -16,14 +16,12 @@ from scipy.optimize import brentq
 from scipy.special import beta
 
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_points, check_real
-from rotor_ida.closed_forms.further_parameters import law_of
+from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.schema import labelled, labelled_dataset
 
 SMALLEST_DEPTH = 1e-200
-# Time in which a rotor released at indentation 1 leaves the contact: (1/sqrt 5) B(2/5, 1/2).
-_LEAVING_TIME = float(beta(0.4, 0.5)) / math.sqrt(5.0)
 # Places and weights of Gauss's quadrature from 0 to 1, of an analytic integrand.
 _NODES, _WEIGHTS = (0.5 * each for each in np.polynomial.legendre.leggauss(96))
 
@@ -69,12 +67,16 @@ def circular_period(
     >>> round(circular_period(2.0), 5), round(circular_period(8.0), 5)
     (5.28351, 3.736)
     """
-    depth, clearance = _depth_and_clearance(amplitude, delta0)
-    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
-    if not beyond:
-        return 2.0 * math.pi * math.sqrt(clearance + depth) / math.pow(depth, 0.75)
-    by_ring = math.pow(depth, 0.5 * exponent) / math.sqrt(clearance + depth)
-    return 2.0 * math.pi / math.hypot(math.sqrt(kappa), by_ring)
+    law = RestoringLaw.checked(
+        {
+            "delta0": delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+        }
+    )
+    depth = _depth(amplitude, law)
+    by_ring = math.pow(depth, 0.5 * law.contact_exponent) / math.sqrt(law.delta0 + depth)
+    return 2.0 * math.pi / math.hypot(math.sqrt(law.shaft_stiffness), by_ring)
 
 
 def planar_period(
@@ -124,14 +126,15 @@ def planar_period(
     >>> round(planar_period(1.0), 12)
     6.581363388638
     """
-    depth, clearance = _depth_and_clearance(amplitude, delta0)
-    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
-    if beyond:
-        return 4.0 * (
-            _leaving_time(depth, clearance, kappa, exponent)
-            + _flight_time(depth, clearance, kappa, exponent)
-        )
-    return 4.0 * (_LEAVING_TIME * math.pow(depth, -0.25) + clearance / _speed(depth))
+    law = RestoringLaw.checked(
+        {
+            "delta0": delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+        }
+    )
+    depth = _depth(amplitude, law)
+    return 4.0 * (_leaving_time(depth, law) + _flight_time(depth, law))
 
 
 def centre_speed(
@@ -170,11 +173,16 @@ def centre_speed(
     >>> round(centre_speed(1.5, delta0=0.5), 12)
     0.894427191
     """
-    depth, clearance = _depth_and_clearance(amplitude, delta0)
-    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
-    if not beyond:
-        return _speed(depth)
-    return math.hypot(math.sqrt(kappa) * (clearance + depth), _push(depth, exponent))
+    law = RestoringLaw.checked(
+        {
+            "delta0": delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+        }
+    )
+    depth = _depth(amplitude, law)
+    by_shaft = math.sqrt(law.shaft_stiffness) * (law.delta0 + depth)
+    return math.hypot(by_shaft, _push(depth, law))
 
 
 def amplitude_from_speed(
@@ -215,13 +223,16 @@ def amplitude_from_speed(
     1.903653938716
     """
     leaving = check_nonnegative("speed", abs(check_real("speed", speed)), LARGEST_NUMBER)
-    clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
     if leaving == 0.0:
         raise InputError("speed must not be zero, got 0.0: the rotor would stay where it is")
-    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
-    if not beyond:
-        return clearance + math.pow(math.sqrt(1.25) * leaving, 0.8)
-    return _reach(leaving, clearance, kappa, exponent)
+    law = RestoringLaw.checked(
+        {
+            "delta0": delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+        }
+    )
+    return _reach(leaving, law)
 
 
 def free_periods(
@@ -271,66 +282,63 @@ def free_periods(
     sizes = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
     clearances = check_axis("delta0", delta0, largest=LARGEST_NUMBER)
     check_points(clearances, sizes)
-    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
-    given = {"shaft_stiffness": kappa, "contact_exponent": exponent}
-    laws = {"circular_period": circular_period, "planar_period": planar_period}
+    given = {"shaft_stiffness": shaft_stiffness, "contact_exponent": contact_exponent}
+    coordinates = RestoringLaw.checked(given).coordinates
+    contact = "contact" if coordinates else "Hertz contact"
+    periods = {"circular_period": circular_period, "planar_period": planar_period}
     variables = {
         name: (("delta0", "amplitude"), [
-            [law(size, clearance, **given) if size > clearance else math.nan for size in sizes]
+            [period(size, clearance, **given) if size > clearance else math.nan for size in sizes]
             for clearance in clearances
         ])
-        for name, law in laws.items()
+        for name, period in periods.items()
     }  # fmt: skip
     largest = labelled("amplitude", "amplitude", sizes)
     largest.attrs["long_name"] = "largest distance from the bearing axis"
     return labelled_dataset(
-        f"Periods of free vibration of a rotor with {'contact' if beyond else 'Hertz contact'} "
-        "and clearance",
+        f"Periods of free vibration of a rotor with {contact} and clearance",
         variables,
-        {"delta0": ("delta0", clearances), "amplitude": largest, **beyond},
+        {"delta0": ("delta0", clearances), "amplitude": largest, **coordinates},
     )
 
 
-def _depth_and_clearance(amplitude: float, delta0: float) -> tuple[float, float]:
-    """Return the largest indentation, which must be positive, and the clearance."""
-    clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
+def _depth(amplitude: float, law: RestoringLaw) -> float:
+    """Return the largest indentation, which must be positive."""
     size = check_real("amplitude", amplitude)
-    depth = size - clearance
+    depth = size - law.delta0
     if depth <= 0.0:
         raise InputError(
-            f"amplitude must be above delta0 = {clearance!r} for the rotor to touch, got {size!r}"
+            f"amplitude must be above delta0 = {law.delta0!r} for the rotor to touch, got {size!r}"
         )
     if not SMALLEST_DEPTH <= depth <= LARGEST_NUMBER:
         allowed = f"from {SMALLEST_DEPTH:g} to {LARGEST_NUMBER:g}"
         raise InputError(f"amplitude must be {allowed} above delta0, got {size!r}")
-    return depth, clearance
+    return depth
 
 
-def _speed(depth: float) -> float:
-    return math.sqrt(0.8) * math.pow(depth, 1.25)
-
-
-def _push(depth: float, exponent: float) -> float:
+def _push(depth: float, law: RestoringLaw) -> float:
     """Return the speed to which the contact alone brings the rotor, ``sqrt(2 V)``."""
-    return math.sqrt(2.0 / (exponent + 1.0)) * math.pow(depth, 0.5 * (exponent + 1.0))
+    power = law.contact_exponent + 1.0
+    return math.sqrt(2.0 / power) * math.pow(depth, 0.5 * power)
 
 
-def _flight_time(depth: float, clearance: float, kappa: float, exponent: float) -> float:
+def _flight_time(depth: float, law: RestoringLaw) -> float:
     """Return the time from the ring to the axis."""
-    by_shaft = math.sqrt(kappa) * math.sqrt(depth) * math.sqrt(2.0 * clearance + depth)
-    speed, frequency = math.hypot(by_shaft, _push(depth, exponent)), math.sqrt(kappa)
+    frequency, clearance = math.sqrt(law.shaft_stiffness), law.delta0
+    by_shaft = frequency * math.sqrt(depth) * math.sqrt(2.0 * clearance + depth)
+    speed = math.hypot(by_shaft, _push(depth, law))
     if frequency * clearance <= 1e-20 * speed:
         return clearance / speed
     return math.atan2(frequency * clearance, speed) / frequency
 
 
-def _leaving_time(depth: float, clearance: float, kappa: float, exponent: float) -> float:
+def _leaving_time(depth: float, law: RestoringLaw) -> float:
     """Return the time from rest at the largest indentation to the ring."""
-    power = exponent + 1.0
+    kappa, clearance, power = law.shaft_stiffness, law.delta0, law.contact_exponent + 1.0
     if kappa == 0.0:
         factor = float(beta(1.0 / power, 0.5)) / math.sqrt(2.0 * power)
-        return factor * math.pow(depth, 0.5 * (1.0 - exponent))
-    if exponent == 1.0:
+        return factor * math.pow(depth, 1.0 - 0.5 * power)
+    if not law.hertz:
         frequency = math.sqrt(1.0 + kappa)
         speed = math.sqrt(depth) * math.sqrt(kappa * (2.0 * clearance + depth) + depth)
         return math.atan2(speed / frequency, clearance * (kappa / (1.0 + kappa))) / frequency
@@ -343,13 +351,14 @@ def _leaving_time(depth: float, clearance: float, kappa: float, exponent: float)
     return math.pi * math.sqrt(depth) * float(_WEIGHTS @ slowness)
 
 
-def _reach(speed: float, clearance: float, kappa: float, exponent: float) -> float:
+def _reach(speed: float, law: RestoringLaw) -> float:
     """Return the amplitude to which a speed at the axis leads."""
-    power, frequency = exponent + 1.0, math.sqrt(kappa)
+    kappa, clearance, power = law.shaft_stiffness, law.delta0, law.contact_exponent + 1.0
+    frequency = math.sqrt(kappa)
     if frequency * clearance >= speed:
         return speed / frequency
     # both bound the indentation, the energy in the contact and that in the shaft
-    highest = math.pow(0.5 * power * speed * speed, 1.0 / power)
+    highest = math.pow(math.sqrt(0.5 * power) * speed, 2.0 / power)
     if frequency > 0.0:
         highest = min(highest, speed / frequency - clearance)
     else:

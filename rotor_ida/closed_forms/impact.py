@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points, is_scalar
-from rotor_ida.closed_forms.further_parameters import check_exponents
-from rotor_ida.schema import Column, labelled_dataset
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points
+from rotor_ida.closed_forms.rotor_columns import checked_rotors
+from rotor_ida.schema import labelled_dataset
 
 # Powers of smaller ones leave the range of doubles.
 SMALLEST = 1e-100
@@ -74,30 +74,26 @@ def impact(
     dampings = check_axis(
         "contact_damping", contact_damping, smallest=SMALLEST, largest=LARGEST_NUMBER
     )
-    exponents = check_exponents(contact_exponent)
+    contacts = checked_rotors({"contact_exponent": contact_exponent}, {})
+    exponents = contacts.axis("contact_exponent")
     check_points(speeds, dampings, exponents)
     v, c, n = np.meshgrid(speeds, dampings, exponents, indexing="ij")
     x = c * v
     lasting = n + 1.0
     indentation = (v * np.sqrt(lasting * _loss(x))) ** (2.0 / lasting)
-    given: dict[str, Column] = {
-        "entry_speed": ("entry_speed", speeds),
-        "contact_damping": ("contact_damping", dampings),
-    }
-    dims: tuple[str, ...] = tuple(given)
-    if not is_scalar("contact_exponent", contact_exponent):
-        given["contact_exponent"] = ("contact_exponent", exponents)
-        dims = tuple(given)
-    elif exponents[0] != 1.5:
-        given["contact_exponent"] = ((), exponents[0])
-    shape = tuple(each.size for each in (speeds, dampings, exponents))[: len(dims)]
+    dims = ("entry_speed", "contact_damping", *contacts.dims)
+    shape = (speeds.size, dampings.size, *contacts.sizes)
     return labelled_dataset(
         "Radial impacts on a ring with contact damping",
         {
             "restitution": (dims, restitution(x).reshape(shape)),
             "peak_indentation": (dims, indentation.reshape(shape)),
         },
-        given,
+        {
+            "entry_speed": ("entry_speed", speeds),
+            "contact_damping": ("contact_damping", dampings),
+            **contacts.coordinates,
+        },
     )
 
 

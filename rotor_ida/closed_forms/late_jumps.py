@@ -23,6 +23,8 @@ References
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
@@ -32,6 +34,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, is_scalar
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
 from rotor_ida.closed_forms.folds import folds
+from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.closed_forms.stability import eigenvalues
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
@@ -39,10 +42,6 @@ from rotor_ida.schema import labelled
 
 # The solution of ``x' = t + x**2`` that begins on the whirl is at infinity at this time.
 AIRY = -float(ai_zeros(1)[0][0])
-PARAMETERS = (
-    "zeta", "delta0", "shaft_stiffness", "contact_exponent", "contact_damping", "friction",
-)  # fmt: skip
-DEFAULTS = {"contact_exponent": 1.5}
 
 
 def late_jumps(
@@ -112,16 +111,16 @@ def late_jumps(
     )
     speeds = found["fold_omega"]
     dims, exists = speeds.dims, np.isfinite(speeds.values)
-    given = {
-        name: found[name].broadcast_like(speeds).transpose(*dims).values[exists]
-        if name in found.coords
-        else np.full(int(exists.sum()), DEFAULTS.get(name, 0.0))
-        for name in PARAMETERS
+    coordinates = {
+        str(name): each.broadcast_like(speeds).transpose(*dims).values[exists]
+        for name, each in found.coords.items()
+        if name != "fold"
     }
-    omega, amplitude = speeds.values[exists], found["fold_amplitude"].values[exists]
+    rotors = RotorColumns.of({"omega": speeds.values[exists], **coordinates})
+    amplitude = found["fold_amplitude"].values[exists]
     none = (np.empty(0),) * 3, np.empty(0, np.bool_)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        terms, leads = _coefficients(amplitude, omega, given) if omega.size else none
+        terms, leads = _coefficients(amplitude, rotors) if amplitude.size else none
     drift, curvature, _ = terms
     passage = np.where(leads, np.sign(drift * curvature), 0.0)
     names = ("fold_drift", "fold_curvature", "fold_remainder")
@@ -149,10 +148,11 @@ def late_jumps(
 
 
 def _coefficients(
-    A: Values, omega: Values, given: dict[str, Values]
+    A: Values, rotors: RotorColumns
 ) -> tuple[tuple[Values, Values, Values], npt.NDArray[np.bool_]]:
     """Return alpha, b and K of each fold, and whether a stable whirl leads to it."""
-    zeta, delta0, kappa, exponent, damping, mu = (given[name] for name in PARAMETERS)
+    omega, zeta, delta0, kappa = rotors.omega, rotors.zeta, rotors.delta0, rotors.shaft_stiffness
+    exponent, damping, mu = rotors.contact_exponent, rotors.contact_damping, rotors.friction
     f, q = force(A, delta0, exponent), omega * omega
     slope, s = stiffnesses(A, delta0, exponent)
     hertz = exponent == HERTZ_EXPONENT
@@ -177,7 +177,7 @@ def _coefficients(
     d_3 = -(2.0 * A * D_w * d_2 + (2.0 * D_A + A * D_AA) / 3.0) / P_w
     lambda_2 = (D_A * a1_A - a2 * D_A**2 / a1) / a1**2 - (0.5 * D_AA + D_w * d_2) / a1
     remainder = -(lambda_2 + alpha * d_3) / (6.0 * curved**2)
-    growth = eigenvalues(A, omega=omega, **given)
+    growth = eigenvalues(A, **asdict(rotors))
     size = np.abs(growth)
     others = np.where(size > size.min(axis=-1, keepdims=True), growth.real, -np.inf)
     leads = (others.max(axis=-1) < 0.0) & (a1 > 0.0) & np.isfinite(alpha * curved)

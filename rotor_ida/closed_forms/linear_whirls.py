@@ -22,26 +22,19 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls, turned_by_friction
 from rotor_ida.closed_forms.double_double import DoubleDouble
+from rotor_ida.closed_forms.rotor_columns import RotorColumns
 
 _COLUMNS = 5  # as many as with a Hertz contact, beside which these stand
 _LARGEST = 1e100  # squares of larger amplitudes leave the range of doubles
 
 
-def linear_whirls(
-    omega: Values,
-    zeta: Values,
-    delta0: Values,
-    shaft_stiffness: Values,
-    friction: Values | None = None,
-) -> ContactingWhirls:
+def linear_whirls(rotors: RotorColumns) -> ContactingWhirls:
     """Return all whirls in contact of rotors with ``omega > 0`` and the exponent 1.
 
     Parameters
     ----------
-    omega, zeta, delta0, shaft_stiffness : ndarray, shape (n,)
-        Spin speed, damping ratio, clearance and stiffness of the shaft [1].
-    friction : ndarray, shape (n,), optional
-        Coefficient of friction mu [1]; none by default.
+    rotors : RotorColumns, shape (n,)
+        Their parameters; the exponent and the contact damping are not used.
 
     Returns
     -------
@@ -56,23 +49,19 @@ def linear_whirls(
 
     Examples
     --------
-    >>> at = linear_whirls(*(np.array([each]) for each in (0.5, 0.5, 0.25, 0.0)))
+    >>> at = linear_whirls(RotorColumns.of({"omega": [0.5], "zeta": 0.5, "delta0": 0.25}))
     >>> at.amplitude[0, :1].round(6), at.contact_free
     (array([0.461538]), array([False]))
     """
-    one = DoubleDouble.of(np.ones_like(omega))
-    q = DoubleDouble.of(omega) * DoubleDouble.of(omega)
-    resistance = DoubleDouble.of(2.0 * zeta) * DoubleDouble.of(2.0 * zeta) * q
-    d, drive = DoubleDouble.of(delta0), q * q
-    p = q - DoubleDouble.of(shaft_stiffness)
-    contact_free = (d * d * (p * p + resistance) - drive).high >= 0.0
-    force = (one - p, d)  # f - p A is the first times A less the second
-    if friction is None:
-        k, start = one - p, one
-    else:
-        turned = turned_by_friction(p, omega, zeta, friction)
-        k, start, resistance = turned.lead - turned.p, turned.lead, turned.damping
-        d, drive = start * d, start * drive
+    one, omega = DoubleDouble.of(np.ones_like(rotors.omega)), DoubleDouble.of(rotors.omega)
+    q, two_zeta = omega * omega, DoubleDouble.of(2.0 * rotors.zeta)
+    clearance, delta0 = DoubleDouble.of(rotors.delta0), rotors.delta0[:, None]
+    p = q - DoubleDouble.of(rotors.shaft_stiffness)
+    impedance = p * p + two_zeta * two_zeta * q
+    contact_free = (clearance * clearance * impedance - q * q).high >= 0.0
+    turned = turned_by_friction(p, rotors)
+    start, resistance = turned.lead, turned.damping
+    k, d, drive = start - turned.p, start * clearance, start * (q * q)
     G = k * k + resistance
     inside = drive * G - resistance * d * d
     pair = contact_free & (inside.high > 0.0) & ((k * start - G).high > 0.0)
@@ -86,14 +75,13 @@ def linear_whirls(
     exists &= estimate < _LARGEST
     estimate = np.where(exists, estimate, 1.0)
     A = _polished(estimate, (k, G, d, drive), root)
-    amplitude, force_excess = A.high, (_column(force[0]) * A - _column(force[1])).high
-    loss = (2.0 * zeta * omega)[:, None] * amplitude
-    if friction is not None:
-        loss = loss + friction[:, None] * np.maximum(amplitude - delta0[:, None], 0.0)
+    amplitude, force_excess = A.high, (_column(one - p) * A - _column(clearance)).high
+    loss = (2.0 * rotors.zeta * rotors.omega)[:, None] * amplitude
+    loss = loss + rotors.friction[:, None] * np.maximum(amplitude - delta0, 0.0)
     scale = estimate * start.high[:, None]
     size = np.maximum(root[:, None] / scale, np.finfo(np.float64).tiny)
     columns = {
-        "amplitude": np.maximum(amplitude, delta0[:, None]),
+        "amplitude": np.maximum(amplitude, delta0),
         "phase_lag": np.arctan2(loss, force_excess),
         "determinant": size * np.array([-1.0, 1.0]),
     }

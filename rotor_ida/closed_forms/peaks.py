@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -11,22 +12,17 @@ import xarray as xr
 from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import (
-    LARGEST_NUMBER,
-    check_axis,
-    check_nonnegative,
-    check_points,
-    check_positive,
-)
-from rotor_ida.closed_forms.contact_laws import stiffnesses
-from rotor_ida.closed_forms.fold_locus_further import Ring, positive_roots
-from rotor_ida.closed_forms.further_parameters import check_law, further_axes, law_of
-from rotor_ida.closed_forms.rubs import Rub, flanks, rub_tips
-from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force, secant_stiffness
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_positive
+from rotor_ida.closed_forms.contact_laws import RestoringLaw, force
+from rotor_ida.closed_forms.curve_polynomials import CurveEquations, Tip, exact_tips, flanks
+from rotor_ida.closed_forms.fold_locus import positive_roots
+from rotor_ida.closed_forms.rotor_columns import RotorColumns, checked_rotors
+from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.schema import labelled_dataset
 
 # With less damping the tip lies beyond the range of doubles.
 SMALLEST_DAMPING = 1e-20
+_RANGES = dict.fromkeys(("zeta", "friction"), (SMALLEST_DAMPING, LARGEST_NUMBER))
 
 
 def backbone(
@@ -70,11 +66,15 @@ def backbone(
     >>> backbone([1.0, 16.0], shaft_stiffness=8.0, contact_exponent=1.0)
     array([3., 3.])
     """
-    clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
-    kappa, exponent, _ = law_of(shaft_stiffness, contact_exponent)
+    law = RestoringLaw.checked(
+        {
+            "delta0": delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+        }
+    )
     A = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
-    _, secant = stiffnesses(A, 0.0 * A + clearance, 0.0 * A + exponent)
-    return np.sqrt(secant + kappa)
+    return np.asarray(np.sqrt(law.stiffness(A)))
 
 
 def speeds_at_amplitude(
@@ -127,43 +127,29 @@ def speeds_at_amplitude(
     array([[0.48549177,        nan],
            [0.97098354, 1.68179283]])
     """
-    m = 4.0 * check_nonnegative("zeta", zeta, LARGEST_NUMBER) ** 2
+    damping = check_nonnegative("zeta", zeta, LARGEST_NUMBER)
     A = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
-    clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
-    kappa, exponent, _ = law_of(shaft_stiffness, contact_exponent)
-    mu = _checked_friction(friction, clearance)
-    if mu > 0.0:
-        rub = Rub(check_nonnegative("zeta", zeta), clearance, kappa, mu, exponent == HERTZ_EXPONENT)
-        return _speeds_of_rub(A, rub)
-    touching = secant_stiffness(A, clearance, exponent)
-    s = touching + kappa
-    inside = _discriminant(A, s, m)
-    exists = (touching > 0.0) & (inside >= 0.0) & ((A < 1.0) | (2.0 * s > m))
-    slower, faster = speeds_of_stiffness(A, m, s)
-    faster = np.where(A > 1.0, faster, np.nan)
-    return np.where(exists[:, None], np.stack([slower, faster], axis=1), np.nan)
-
-
-def _checked_friction(friction: object, delta0: float) -> float:
-    """Return the friction, which needs a clearance."""
-    mu = _friction_axis(check_nonnegative("friction", friction))
-    none = np.zeros(1)
-    check_law(none + HERTZ_EXPONENT, none, mu, none + delta0)
-    return float(mu[0])
-
-
-def _friction_axis(friction: object) -> Values:
-    return check_axis("friction", friction, smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER)
-
-
-def _speeds_of_rub(A: Values, rub: Rub) -> Values:
-    """Return both speeds with friction; NaN where the curve has none."""
-    found = np.full((A.size, 2), np.nan)
-    touching = np.nonzero(rub.delta0 < A)[0]
-    slower, faster, exists = flanks(A[touching], rub)
-    faster[A[touching] <= 1.0] = np.nan
-    found[touching] = np.where(exists[:, None], np.stack([slower, faster], axis=1), np.nan)
-    return found
+    law = RestoringLaw.checked(
+        {
+            "delta0": delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+            "friction": friction,
+        },
+        _RANGES,
+    )
+    slower, faster = np.full((2, A.size), np.nan)
+    touching = np.nonzero(law.delta0 < A)[0]
+    radii = A[touching]
+    if law.friction > 0.0:
+        slow, fast, exists = flanks(radii, CurveEquations(damping, law))
+    else:
+        s, m = law.stiffness(radii), 4.0 * damping**2
+        slow, fast = speeds_of_stiffness(radii, m, s)
+        exists = (_discriminant(radii, s, m) >= 0.0) & ((radii < 1.0) | (2.0 * s > m))
+    slower[touching] = np.where(exists, slow, np.nan)
+    faster[touching] = np.where(exists & (radii > 1.0), fast, np.nan)
+    return np.stack([slower, faster], axis=1)
 
 
 def _discriminant(A: Values, s: Values, m: float) -> Values:
@@ -175,13 +161,11 @@ def _discriminant(A: Values, s: Values, m: float) -> Values:
     return np.where(A >= 1.0, product, lean**2 + m**2 * (1.0 - A) * (1.0 + A))
 
 
-def flank_speeds(A: Values, m: float, delta0: float) -> tuple[Values, Values]:
-    """Return the slower and the faster speed at amplitudes that the curve has."""
-    return speeds_of_stiffness(A, m, secant_stiffness(A, delta0))
-
-
 def speeds_of_stiffness(A: Values, m: float, s: Values) -> tuple[Values, Values]:
-    """Return the same where force over radius is `s`, of ring and shaft together."""
+    """Return the slower and the faster speed at amplitudes that the curve without friction has.
+
+    ``m`` is ``4 zeta**2`` and ``s`` the force over radius, of contact and shaft together.
+    """
     middle = 2.0 * s - m
     root = np.sqrt(np.maximum(_discriminant(A, s, m), 0.0))
     # the slower speed is 2 s**2/(middle + root); written so that nothing cancels
@@ -242,87 +226,68 @@ def peak_amplitude(
     >>> round(tip, 6), speeds_at_amplitude(tip - 1e-9, zeta=0.07, delta0=0.0).round(3).tolist()
     (13.7..., [[1.9..., 1.9...]])
     """
-    clearance = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
-    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
-    mu = _checked_friction(friction, clearance)
-    given = check_nonnegative("zeta", zeta) if mu > 0.0 else check_positive("zeta", zeta)
-    damping = check_axis("zeta", given, smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER)
-    if mu > 0.0:
-        rub = Rub(float(damping[0]), clearance, kappa, mu, exponent == HERTZ_EXPONENT)
-        return max((A for A, _ in rub_tips(rub)), default=math.nan)
-    if beyond:
-        ring = Ring(clearance, kappa, exponent == HERTZ_EXPONENT)
-        found = tips_of_ring(float(damping[0]), ring)
-    else:
-        found = tips(float(damping[0]), clearance)
-    return found[-1] if found else math.nan
+    law = RestoringLaw.checked(
+        {
+            "delta0": delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+            "friction": friction,
+        },
+        _RANGES,
+    )
+    check = check_nonnegative if law.friction > 0.0 else check_positive
+    damping = check_axis(
+        "zeta", check("zeta", zeta), smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER
+    )
+    return _peak(damping.item(), law).amplitude
 
 
-def tips(zeta: float, delta0: float) -> list[float]:
-    """Return the amplitudes above 1 at which the flanks meet, ascending; none without damping."""
-    if zeta == 0.0:
-        return []
+def tips(zeta: float, law: RestoringLaw) -> list[Tip]:
+    """Return where the flanks meet, above amplitude 1, in order of amplitude.
 
-    def excess(A: float) -> float:
-        decay = float(A * A * (A + np.sqrt((A - 1.0) * (A + 1.0))))
-        return float((A - delta0) ** 1.5) / decay - 2.0 * zeta * zeta
-
-    lowest = max(1.0, delta0)
-    highest = max(lowest, (2.0 * zeta * zeta) ** (-2.0 / 3.0)) * 1.000001 + 1e-6
-    turns = np.roots([3.0, 0.0, 1.0 - 12.0 * delta0**2, -8.0 * delta0, 16.0 * delta0**2])
-    turns = np.sort(turns.real[np.abs(turns.imag) < 1e-9 * (1.0 + delta0)])
-    turns = turns[(turns > lowest) & (turns < highest)]
-    edges = [lowest, *(float(turn) for turn in turns), highest]
-    return [
-        float(brentq(excess, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
-        for low, high in pairwise(edges)
-        if (excess(low) >= 0.0) != (excess(high) >= 0.0)
-    ]
-
-
-def tip_speed(A: float, zeta: float, delta0: float) -> float:
-    """Return the one speed at a tip, ``omega**2 = A**2 (s - 2 zeta**2)/(A**2 - 1)``."""
-    s = float(secant_stiffness(A, delta0))
-    return math.sqrt(A * A * (s - 2.0 * zeta * zeta) / ((A - 1.0) * (A + 1.0)))
-
-
-def tips_of_ring(zeta: float, ring: Ring) -> list[float]:
-    """Return the amplitudes above 1 at which the flanks meet, ascending; none without damping.
-
-    There ``g/(A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``, where g is the force of ring and shaft.
-    Between two neighbouring extrema of the left-hand side, ``(A g' - 2 g) sqrt(A**2 - 1) = A g``,
-    is at most one tip.
+    Without friction ``g/(A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2`` there, where g is the force of
+    contact and shaft. Between two neighbouring extrema of the left-hand side,
+    ``(A g' - 2 g) sqrt(A**2 - 1) = A g``, is at most one tip, of the speed
+    ``omega**2 = A**2 (g/A - 2 zeta**2)/(A**2 - 1)``. Without damping there is none.
     """
+    if law.friction > 0.0:
+        return exact_tips(CurveEquations(zeta, law))
     if zeta == 0.0:
         return []
+    least, d, kappa = 2.0 * zeta * zeta, law.delta0, law.shaft_stiffness
+    power = 3 if law.hertz else 2
+
+    def terms(u: float) -> tuple[float, float, float]:
+        """Return A, g and ``A**2 - 1``."""
+        A = d + u * u
+        return A, u**power + kappa * A, ((d - 1.0) + u * u) * (A + 1.0)
 
     def excess(u: float) -> float:
-        A, force, _ = ring.forces(np.array(u))
-        decay = A * A * (A + np.sqrt(np.maximum((A - 1.0) * (A + 1.0), 0.0)))
-        return float(force / decay) - 2.0 * zeta * zeta
+        A, g, above = terms(u)
+        return g / (A * A * (A + math.sqrt(max(above, 0.0)))) - least
 
-    u = np.poly1d([1.0, 0.0])
-    A, d, kappa = u * u + ring.delta0, ring.delta0, ring.shaft_stiffness
-    force = (u * u * u if ring.hertz else u * u) + kappa * A
-    slope = (1.5 * u if ring.hertz else np.poly1d([1.0])) + kappa
-    lead = A * slope - 2.0 * force
-    turns = positive_roots(lead * lead * (A * A - 1.0) - A * A * force * force)
     lowest = math.sqrt(max(1.0 - d, 0.0))
-    least = 2.0 * zeta * zeta
     highest = 10.0 * (1.0 + math.sqrt(d) + math.cbrt(1.0 / least) + ((1.0 + kappa) / least) ** 0.25)
-    edges = [lowest, *np.sort(turns[(turns > lowest) & (turns < highest)]).tolist(), highest]
-    found = [
-        d + float(brentq(excess, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps)) ** 2
-        for low, high in pairwise(edges)
-        if (excess(low) >= 0.0) != (excess(high) >= 0.0)
-    ]
-    return [A for A in found if A > 1.0]  # at 1 itself they meet at no speed
+    turns = _extrema_between_flanks(law)
+    edges = [lowest, *turns[(turns > lowest) & (turns < highest)].tolist(), highest]
+    found = []
+    for low, high in pairwise(edges):
+        if (excess(low) >= 0.0) != (excess(high) >= 0.0):
+            u = float(brentq(excess, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
+            A, g, above = terms(u)
+            if A > 1.0:  # at 1 itself they meet at no speed
+                found.append(Tip(A, math.sqrt(A * (g - least * A) / above)))
+    return found
 
 
-def tip_speed_of_ring(A: float, zeta: float, ring: Ring) -> float:
-    """Return the one speed at a tip, as `tip_speed` does, of any ring."""
-    stiffness = float(ring.stiffness(np.array(A)))
-    return math.sqrt(A * A * (stiffness - 2.0 * zeta * zeta) / (A * A - 1.0))
+# Studies ask for the tips of one law at many dampings.
+@lru_cache(maxsize=1024)
+def _extrema_between_flanks(law: RestoringLaw) -> Values:
+    """Return where ``(A g' - 2 g) sqrt(A**2 - 1) = +- A g``, in u, ascending."""
+    A, g, _ = law.polynomials()
+    slope = np.poly1d([1.5, 0.0] if law.hertz else [1.0]) + law.shaft_stiffness
+    lead = A * slope - 2.0 * g
+    return np.sort(positive_roots(lead * lead * (A * A - 1.0) - A * A * g * g))
 
 
 def peaks(
@@ -371,49 +336,35 @@ def peaks(
     >>> found.peak_amplitude.values.round(3), found.peak_contact_force.values.round(2)
     (array([[13.768, 11.346]]), array([[51.09, 28.57]]))
     """
-    dampings = check_axis("zeta", zeta, smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER)
-    clearances = check_axis("delta0", delta0, largest=LARGEST_NUMBER)
-    further = further_axes(
-        shaft_stiffness=shaft_stiffness,
-        contact_exponent=contact_exponent,
-        contact_damping=0.0,
-        friction=friction,
-        delta0=clearances,
+    rotors = checked_rotors(
+        {
+            "zeta": zeta,
+            "delta0": delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+            "friction": friction,
+        },
+        _RANGES,
     )
-    _friction_axis(further.axes["friction"])
-    laws = [further.axes[name] for name in ("shaft_stiffness", "contact_exponent", "friction")]
-    check_points(dampings, clearances, *laws)
-    grid = np.meshgrid(dampings, clearances, *laws, indexing="ij")
-    rows = zip(*(axis.ravel().tolist() for axis in grid), strict=True)
-    shape = (dampings.size, clearances.size, *further.sizes)
-    table = np.array([_peak(*row) for row in rows]).reshape(*shape, 3)
-    names = ("peak_amplitude", "peak_omega", "peak_contact_force")
-    contact = "Hertz contact" if further.default else "contact"
+    grid = RotorColumns.grid(rotors)
+    for damping, mu in zip(grid.zeta.tolist(), grid.friction.tolist(), strict=True):
+        if mu == 0.0:
+            check_positive("zeta", damping)
+    found = [_peak(*row) for row in zip(grid.zeta.tolist(), grid.laws, strict=True)]
+    amplitude, omega = np.transpose(found)
+    columns = {
+        "peak_amplitude": amplitude,
+        "peak_omega": omega,
+        "peak_contact_force": force(amplitude, grid.delta0, grid.contact_exponent),
+    }
+    contact = "contact" if rotors.optional else "Hertz contact"
     return labelled_dataset(
         f"Largest contacting whirls of a rotor with {contact} and clearance",
-        {
-            name: (("zeta", "delta0", *further.dims), table[..., k].copy())
-            for k, name in enumerate(names)
-        },
-        {
-            "zeta": ("zeta", dampings),
-            "delta0": ("delta0", clearances),
-            **further.coordinates,
-        },
+        {name: (rotors.dims, each.reshape(rotors.sizes)) for name, each in columns.items()},
+        rotors.coordinates,
     )
 
 
-def _peak(
-    zeta: float, delta0: float, kappa: float, exponent: float, friction: float
-) -> tuple[float, float, float]:
-    if friction > 0.0:
-        rub = Rub(zeta, delta0, kappa, friction, exponent == HERTZ_EXPONENT)
-        A, omega = max(rub_tips(rub), default=(math.nan, math.nan))
-        return A, omega, float(contact_force(A, delta0, exponent))
-    A = peak_amplitude(zeta=zeta, delta0=delta0, shaft_stiffness=kappa, contact_exponent=exponent)
-    if math.isnan(A):
-        return math.nan, math.nan, math.nan
-    force = float(contact_force(A, delta0, exponent))
-    if kappa == 0.0 and exponent == HERTZ_EXPONENT:
-        return A, tip_speed(A, zeta, delta0), force
-    return A, tip_speed_of_ring(A, zeta, Ring(delta0, kappa, exponent == HERTZ_EXPONENT)), force
+def _peak(zeta: float, law: RestoringLaw) -> Tip:
+    """Return the highest tip; NaN where there is none."""
+    return max(tips(zeta, law), default=Tip(math.nan, math.nan))

@@ -8,6 +8,7 @@ from fractions import Fraction
 import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
+from rotor_ida.closed_forms.contact_laws import force_at_depth
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.model.parameters import Rotor, check_no_friction
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
@@ -60,7 +61,9 @@ def rest(rotor: Rotor) -> xr.Dataset:
     for name in ("zeta", "delta0", "shaft_stiffness", "contact_damping", "load"):
         check_nonnegative(name, getattr(rotor, name), LARGEST_NUMBER)
     kappa, depth = rotor.shaft_stiffness, _depth(rotor)
-    force, slope = _contact(depth, rotor)
+    force, slope = force_at_depth(depth, rotor)
+    if depth == 0.0 and rotor.delta0 > 0.0:  # a linear contact has not begun
+        slope = 0.0
     if depth > 0.0:
         radius = rotor.delta0 + depth
         secant = force / radius
@@ -109,15 +112,6 @@ def _depth(rotor: Rotor) -> float:
             break
         u = lower
     return u * u
-
-
-def _contact(depth: float, rotor: Rotor) -> tuple[float, float]:
-    """Return force and slope of the contact at a depth."""
-    if rotor.contact_exponent == HERTZ_EXPONENT:
-        root = math.sqrt(depth)
-        return depth * root, HERTZ_EXPONENT * root
-    begun = depth > 0.0 or rotor.delta0 == 0.0
-    return depth, 1.0 if begun else 0.0
 
 
 def slowest_rate(damping: float, stiffness: float) -> float:

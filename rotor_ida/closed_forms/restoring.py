@@ -7,7 +7,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points, check_vector
-from rotor_ida.closed_forms.further_parameters import law_of
+from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.model.contact import HERTZ_EXPONENT, contact_potential, secant_stiffness
 from rotor_ida.schema import labelled_dataset
 
@@ -64,12 +64,14 @@ def restoring_field(
     up = check_vector("y", y, largest=LARGEST_NUMBER)
     clearance = check_axis("delta0", delta0, largest=LARGEST_NUMBER)
     check_points(clearance, up, across)
-    kappa, exponent, beyond = law_of(shaft_stiffness, contact_exponent)
+    law = RestoringLaw.checked(
+        {"shaft_stiffness": shaft_stiffness, "contact_exponent": contact_exponent}
+    )
+    kappa, exponent = law.shaft_stiffness, law.contact_exponent
     radius = np.hypot(across, up[:, None])
-    secant = secant_stiffness(radius, clearance[:, None, None], exponent)
+    secant = secant_stiffness(radius, clearance[:, None, None], exponent) + kappa
     potential = contact_potential(radius, clearance[:, None, None], exponent)
-    if kappa > 0.0:
-        secant, potential = secant + kappa, potential + 0.5 * kappa * radius**2
+    potential = potential + 0.5 * kappa * radius**2
     dims = ("delta0", "y", "x")
     return labelled_dataset(
         "Restoring force and potential of a ring with clearance",
@@ -78,5 +80,5 @@ def restoring_field(
             "restoring_y": (dims, secant * up[:, None]),
             "potential": (dims, potential),
         },
-        {"delta0": ("delta0", clearance), "y": ("y", up), "x": ("x", across), **beyond},
+        {"delta0": ("delta0", clearance), "y": ("y", up), "x": ("x", across), **law.coordinates},
     )

@@ -19,6 +19,8 @@ References
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
@@ -33,6 +35,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
 from rotor_ida.closed_forms.response_curve import response_curve
+from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.errors import InputError
 from rotor_ida.model.table import check_exponent
 from rotor_ida.schema import STABILITY, labelled
@@ -40,9 +43,6 @@ from rotor_ida.schema import STABILITY, labelled
 SMALLEST_INERTIA, LARGEST_INERTIA = 1e-12, 1e15
 # Below this part of the largest eigenvalue a growth rate is rounding.
 ROUNDED = 1e-12
-DEFAULTS = {
-    "shaft_stiffness": 0.0, "contact_exponent": 1.5, "contact_damping": 0.0, "friction": 0.0,
-}  # fmt: skip
 
 
 def whirl_torque(
@@ -114,19 +114,21 @@ def whirl_torque(
         raise InputError(
             f"{', '.join(arrays)}, friction must broadcast, got arrays of shapes {shapes}"
         ) from None
-    return _torque(A, speed, damping, clearance, np.full(A.shape, exponent), mu, rho)
+    rotors = RotorColumns.of(
+        {
+            "omega": speed,
+            "zeta": damping,
+            "delta0": clearance,
+            "contact_exponent": exponent,
+            "friction": mu,
+        }
+    )
+    return _torque(A, rotors, rho)
 
 
-def _torque(
-    A: Values,
-    omega: Values,
-    zeta: Values,
-    delta0: Values,
-    exponent: Values,
-    mu: Values,
-    rho: Values,
-) -> Values:
-    return np.asarray(2.0 * zeta * omega * A**2 + mu * force(A, delta0, exponent) * (A + rho))
+def _torque(A: Values, rotors: RotorColumns, disc_radius: Values | float) -> Values:
+    rubbing = rotors.friction * force(A, rotors.delta0, rotors.contact_exponent)
+    return np.asarray(2.0 * rotors.zeta * rotors.omega * A**2 + rubbing * (A + disc_radius))
 
 
 def sommerfeld_curve(
@@ -201,25 +203,21 @@ def sommerfeld_curve(
         contact_exponent=contact_exponent, contact_damping=contact_damping, friction=friction,
     )  # fmt: skip
     dims = curve["amplitude"].dims
-    rotor = {
-        name: curve[name].broadcast_like(curve["amplitude"]).transpose(*dims).values
-        if name in curve.coords
-        else np.full(curve["amplitude"].shape, DEFAULTS[name])
-        for name in ("zeta", "delta0", *DEFAULTS)
+    coordinates = {
+        str(name): each.broadcast_like(curve["amplitude"]).transpose(*dims).values
+        for name, each in curve.coords.items()
+        if name != "point"
     }
-    if disc_radius is None and rotor["friction"].any():
+    rotors = RotorColumns.of({"omega": curve["omega"].values, **coordinates})
+    if disc_radius is None and rotors.friction.any():
         raise InputError(
-            f"disc_radius must be given with friction {rotor['friction'].max().item()!r}, got None"
+            f"disc_radius must be given with friction {rotors.friction.max().item()!r}, got None"
         )
-    A, omega, lag = (curve[name].values for name in ("amplitude", "omega", "phase_lag"))
-    torque = _torque(
-        A, omega, rotor["zeta"], rotor["delta0"], rotor["contact_exponent"], rotor["friction"],
-        np.full(A.shape, rho),
-    )  # fmt: skip
+    A, lag = curve["amplitude"].values, curve["phase_lag"].values
+    torque = _torque(A, rotors, rho)
     exists, free = curve["piece"].values >= 0, curve["in_contact"].values == 0
-    jacobian = _jacobian(A[exists], omega[exists], lag[exists], free[exists],
-                         {name: each[exists] for name, each in rotor.items()},
-                         (rho, falling, moment))  # fmt: skip
+    drive = _Drive(rho, falling, moment)
+    jacobian = _jacobian(A[exists], lag[exists], free[exists], rotors[exists], drive)
     stability = np.full(A.shape, STABILITY["absent"], dtype=np.int8)
     stability[exists] = _stability(jacobian)
     return curve.assign(
@@ -241,23 +239,25 @@ def _stability(jacobian: Values) -> npt.NDArray[np.int8]:
     return np.where(growth < -ROUNDED * size, STABILITY["stable"], words).astype(np.int8)
 
 
+class _Drive(NamedTuple):
+    """Radius of the disc, fall of the drive's torque with the speed, and inertia [1]."""
+
+    disc_radius: float
+    slope: float
+    inertia: float
+
+
 def _jacobian(
-    A: Values,
-    omega: Values,
-    lag: Values,
-    free: npt.NDArray[np.bool_],
-    rotor: dict[str, Values],
-    drive: tuple[float, float, float],
+    A: Values, lag: Values, free: npt.NDArray[np.bool_], rotors: RotorColumns, drive: _Drive
 ) -> Values:
     """Return the derivatives of the rates of radius, displacement across, velocities and speed.
 
     Displacement and velocity are those along the radius of the whirl and across it, on axes that
-    turn with the unbalance; the velocity is the one on fixed axes. `drive` is ``(rho, slope, j)``.
+    turn with the unbalance; the velocity is the one on fixed axes.
     """
     rho, slope, inertia = drive
-    zeta, delta0, kappa, exponent, damping, mu = (
-        rotor[name] for name in ("zeta", "delta0", *DEFAULTS)
-    )
+    omega, zeta, delta0, kappa = rotors.omega, rotors.zeta, rotors.delta0, rotors.shaft_stiffness
+    exponent, damping, mu = rotors.contact_exponent, rotors.contact_damping, rotors.friction
     steep, secant = stiffnesses(A, delta0, exponent)
     f = np.where(free, 0.0, force(A, delta0, exponent))
     steep, secant = np.where(free, 0.0, steep), np.where(free, 0.0, secant)

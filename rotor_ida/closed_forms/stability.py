@@ -13,9 +13,9 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_array, check_axis
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
-from rotor_ida.closed_forms.further_parameters import PAPERS, Further, check_law
+from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.errors import InputError
-from rotor_ida.model.contact import HERTZ_EXPONENT, contact_stiffness, secant_stiffness
+from rotor_ida.model.table import FRICTIONLESS, check_clearance_needed, check_exponent
 
 ComplexValues = npt.NDArray[np.complex128]
 
@@ -71,7 +71,7 @@ def stability_determinant(
     >>> round(float(stability_determinant(4.0, omega=1.0, zeta=0.5, delta0=0.0)), 12)
     3.0
     """
-    place = _checked(
+    A, rotors = _checked(
         {
             "amplitude": amplitude,
             "omega": omega,
@@ -83,20 +83,17 @@ def stability_determinant(
             "friction": friction,
         }
     )
-    return _determinant(*place)
+    return _determinant(A, rotors)
 
 
-def _determinant(
-    A: Values, omega: Values, zeta: Values, delta0: Values, further: Further | None
-) -> Values:
-    q = np.square(omega)
-    tangent, secant = _stiffnesses(A, delta0, further)
-    loss = 4.0 * np.square(zeta) * q
-    if further is None:
-        return np.asarray((tangent - q) * (secant - q) + loss)
-    mu = further.friction
-    loss = loss + mu * (2.0 * zeta * omega * (tangent + secant) + mu * tangent * secant)
-    excess = q - further.shaft_stiffness
+def _determinant(A: Values, rotors: RotorColumns) -> Values:
+    q, mu = np.square(rotors.omega), rotors.friction
+    tangent, secant = stiffnesses(A, rotors.delta0, rotors.contact_exponent)
+    loss = 4.0 * np.square(rotors.zeta) * q
+    loss = loss + mu * (
+        2.0 * rotors.zeta * rotors.omega * (tangent + secant) + mu * tangent * secant
+    )
+    excess = q - rotors.shaft_stiffness
     return np.asarray((tangent - excess) * (secant - excess) + loss)
 
 
@@ -147,7 +144,7 @@ def eigenvalues(
     >>> round(float(rates.max()), 5)
     0.0983
     """
-    place = _checked(
+    A, rotors = _checked(
         {
             "amplitude": amplitude,
             "omega": omega,
@@ -159,66 +156,45 @@ def eigenvalues(
             "friction": friction,
         }
     )
-    return _eigenvalues(_determinant(*place), *place)
+    return _eigenvalues(_determinant(A, rotors), A, rotors)
 
 
-def growth_rate(
-    amplitude: Values,
-    determinant: Values,
-    omega: Values,
-    zeta: Values,
-    delta0: Values,
-    further: Further | None = None,
-) -> Values:
+def growth_rate(amplitude: Values, determinant: Values, rotors: RotorColumns) -> Values:
     """Return the largest real part of the eigenvalues of whirls whose D is known already."""
-    rates = _eigenvalues(determinant, amplitude, omega, zeta, delta0, further).real
-    return np.asarray(rates.max(axis=-1))
+    return np.asarray(_eigenvalues(determinant, amplitude, rotors).real.max(axis=-1))
 
 
-def _checked(
-    given: dict[str, npt.ArrayLike],
-) -> tuple[Values, Values, Values, Values, Further | None]:
-    """Return amplitudes, speeds, dampings and clearances that broadcast, and what is beyond."""
-    arrays = [check_array(name, each, largest=LARGEST_NUMBER) for name, each in given.items()]
+def _checked(given: dict[str, npt.ArrayLike]) -> tuple[Values, RotorColumns]:
+    """Return amplitudes and rotors that broadcast."""
+    arrays = {name: check_array(name, each, largest=LARGEST_NUMBER) for name, each in given.items()}
     try:
-        A, omega, zeta, delta0, kappa, exponent, drag, mu = np.broadcast_arrays(*arrays)
+        A, *others = np.broadcast_arrays(*arrays.values())
     except ValueError:
-        shapes = ", ".join(str(array.shape) for array in arrays if array.shape)
+        shapes = ", ".join(str(array.shape) for array in arrays.values() if array.shape)
         raise InputError(
             f"{', '.join(given)} must broadcast, got arrays of shapes {shapes}"
         ) from None
-    for name in PAPERS.keys() & given.keys():
-        check_axis(name, np.ravel(given[name]))
-    check_law(exponent, drag, mu, delta0)
-    beyond = kappa.any() or drag.any() or mu.any() or (exponent != HERTZ_EXPONENT).any()
-    return A, omega, zeta, delta0, Further(kappa, exponent, drag, mu) if beyond else None
+    rotors = RotorColumns(*others)
+    for name in FRICTIONLESS.keys() | {"friction"}:
+        if name in arrays:
+            check_axis(name, np.ravel(arrays[name]))
+    for exponent in np.unique(rotors.contact_exponent).tolist():
+        check_exponent(exponent)
+    if (rotors.delta0 == 0.0).any():
+        needing = ("friction", "contact_damping")
+        check_clearance_needed({name: float(arrays[name].max(initial=0.0)) for name in needing})
+    return A, rotors
 
 
-def _stiffnesses(A: Values, delta0: Values, further: Further | None) -> tuple[Values, Values]:
-    """Return slope and secant of the contact force."""
-    if further is None:
-        return contact_stiffness(A, delta0), secant_stiffness(A, delta0)
-    return stiffnesses(A, delta0, further.contact_exponent)
-
-
-def _eigenvalues(
-    determinant: Values,
-    amplitude: Values,
-    omega: Values,
-    zeta: Values,
-    delta0: Values,
-    further: Further | None,
-) -> ComplexValues:
+def _eigenvalues(determinant: Values, amplitude: Values, rotors: RotorColumns) -> ComplexValues:
     """Return the eigenvalues in forms that keep the small ones accurate."""
-    q, damping = np.square(omega), zeta
-    tangent, secant = _stiffnesses(amplitude, delta0, further)
+    q, damping, kappa = np.square(rotors.omega), rotors.zeta, rotors.shaft_stiffness
+    tangent, secant = stiffnesses(amplitude, rotors.delta0, rotors.contact_exponent)
     # (f' + s + 2 q)**2 - 4 D, with the large terms cancelled by hand
     discriminant = (tangent - secant) ** 2 + 8.0 * q * (tangent + secant)
     discriminant = discriminant - 16.0 * damping**2 * q
-    both = tangent + secant + 2.0 * q
-    if further is not None:
-        discriminant = discriminant + 16.0 * q * further.shaft_stiffness
-        both = both + 2.0 * further.shaft_stiffness
+    discriminant = discriminant + 16.0 * q * kappa
+    both = tangent + secant + 2.0 * q + 2.0 * kappa
     total = both + np.sqrt(discriminant.astype(np.complex128))
     zero = np.zeros_like(total)
     sigmas = (
@@ -231,21 +207,20 @@ def _eigenvalues(
         sum_ = damping + root
         found += [np.divide(sigma, sum_, out=zero.copy(), where=sum_ != 0.0), -damping - root]
     eigenvalues = np.stack(found, axis=-1)
-    if further is None:
-        return eigenvalues
-    drag = further.contact_damping * force(amplitude, delta0, further.contact_exponent)
-    mu = further.friction
+    drag = rotors.contact_damping * force(amplitude, rotors.delta0, rotors.contact_exponent)
+    mu = rotors.friction
     others = (drag > 0.0) | (mu > 0.0)
     if others.any():
-        b = secant + further.shaft_stiffness - q
+        b = secant + kappa - q
         # what friction adds to the coefficients of L and L**2
-        turns = 2.0 * omega * mu
-        first = turns * (tangent + secant) + mu * drag * (2.0 * zeta * omega + mu * secant)
+        turns = 2.0 * rotors.omega * mu
+        first = turns * (tangent + secant)
+        first = first + mu * drag * (2.0 * damping * rotors.omega + mu * secant)
         terms = (
             determinant,
-            2.0 * zeta * both + drag * b + first,
-            2.0 * zeta * (2.0 * zeta + drag) + both + turns * drag,
-            4.0 * zeta + drag,
+            2.0 * damping * both + drag * b + first,
+            2.0 * damping * (2.0 * damping + drag) + both + turns * drag,
+            4.0 * damping + drag,
         )
         chosen = [each[others] for each in np.broadcast_arrays(*terms)]
         eigenvalues[others] = _roots_of_quartic(*chosen)

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points
+from rotor_ida.checks import LARGEST_NUMBER
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls, contacting_whirls
-from rotor_ida.closed_forms.further_parameters import Further, further_axes
 from rotor_ida.closed_forms.linear_whirls import linear_whirls
+from rotor_ida.closed_forms.rotor_columns import RotorColumns, checked_rotors
 from rotor_ida.closed_forms.stability import growth_rate
 from rotor_ida.schema import STABILITY, labelled_dataset
+
+Flags = npt.NDArray[np.bool_]
 
 _POINTS_AT_A_TIME = 16384  # keeps the working arrays inside the processor's cache
 SMALLEST_SPEED = 1e-50
@@ -92,54 +96,46 @@ def synchronous_response(
     >>> whirls.stability.sel(omega=1.7, zeta=0.07, delta0=1.0).values
     array([2, 1, 0], dtype=int8)
     """
-    axes = {
-        "omega": check_axis("omega", omega, smallest=SMALLEST_SPEED, largest=LARGEST_NUMBER),
-        "zeta": check_axis("zeta", zeta, largest=LARGEST_NUMBER),
-        "delta0": check_axis("delta0", delta0, largest=LARGEST_NUMBER),
-    }
-    further = further_axes(
-        shaft_stiffness=shaft_stiffness,
-        contact_exponent=contact_exponent,
-        contact_damping=contact_damping,
-        friction=friction,
-        delta0=axes["delta0"],
+    rotors = checked_rotors(
+        {
+            "omega": omega,
+            "zeta": zeta,
+            "delta0": delta0,
+            "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent,
+            "contact_damping": contact_damping,
+            "friction": friction,
+        },
+        {"omega": (SMALLEST_SPEED, LARGEST_NUMBER)},
     )
-    all_axes = list(axes.values()) + ([] if further.default else list(further.axes.values()))
-    check_points(*all_axes)
-    shape = (*(values.size for values in axes.values()), *further.sizes)
-    grid = [part.ravel() for part in np.meshgrid(*all_axes, indexing="ij")]
+    grid = RotorColumns.grid(rotors)
     parts = [
-        _branches(*(values[first : first + _POINTS_AT_A_TIME] for values in grid))
-        for first in range(0, grid[0].size, _POINTS_AT_A_TIME)
+        _branches(grid[first : first + _POINTS_AT_A_TIME])
+        for first in range(0, rotors.points, _POINTS_AT_A_TIME)
     ]
     columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     present = max(1, np.isfinite(columns["amplitude"]).sum(axis=1).max())
 
-    dims = ("omega", "zeta", "delta0", *further.dims, "branch")
+    dims = (*rotors.dims, "branch")
+    contact = "contact" if rotors.optional else "Hertz contact"
     return labelled_dataset(
-        "Synchronous whirls of a rotor with Hertz contact and clearance"
-        if further.default
-        else "Synchronous whirls of a rotor with contact and clearance",
+        f"Synchronous whirls of a rotor with {contact} and clearance",
         {
-            name: (dims, values[:, :present].reshape(*shape, present))
+            name: (dims, values[:, :present].reshape(*rotors.sizes, present))
             for name, values in columns.items()
         },
-        {name: (name, values) for name, values in axes.items()}
-        | further.coordinates
-        | {"branch": ("branch", np.arange(present))},
+        rotors.coordinates | {"branch": ("branch", np.arange(present))},
         {"source": _SOURCE, "references": _REFERENCES},
     )
 
 
-def _branches(
-    omega: Values, zeta: Values, delta0: Values, *beyond: Values
-) -> dict[str, npt.NDArray[np.generic]]:
+def _branches(rotors: RotorColumns) -> dict[str, npt.NDArray[np.generic]]:
     """Return every variable of a flat list of rotors, shape (n, 6), in order of amplitude."""
+    omega, zeta, delta0 = rotors.omega, rotors.zeta, rotors.delta0
     turning = omega > 0.0
-    further = Further(*beyond) if beyond else None
-    contacting = whirls_in_contact(np.where(turning, omega, 1.0), zeta, delta0, further)
+    contacting = whirls_in_contact(replace(rotors, omega=np.where(turning, omega, 1.0)))
     contact_free = contacting.contact_free | ~turning
-    free = complex_amplitude(omega, zeta, *beyond[:1])
+    free = complex_amplitude(omega, zeta, rotors.shaft_stiffness)
 
     touching = np.where(turning[:, None], contacting.amplitude, np.nan)
     amplitude = _side_by_side(np.minimum(np.abs(free), delta0), touching, contact_free)
@@ -147,34 +143,12 @@ def _branches(
     in_contact = _side_by_side(np.zeros_like(omega), np.ones_like(touching), contact_free)
     determinant = _side_by_side(np.ones_like(omega), contacting.determinant, contact_free)
 
-    present = np.isfinite(amplitude)
-    touches = in_contact == 1.0
-    undamped = zeta == 0.0
-    if further is not None:
-        undamped = undamped & (further.contact_damping == 0.0)
-        driven = undamped & (further.friction > 0.0)
-        undamped = undamped & ~driven
-    free_growth = _contact_free_growth(turning, zeta, delta0, further)
-    resting = np.where(touches, undamped[:, None], (free_growth == 0.0)[:, None])
-    neutral = present & (determinant > 0.0) & resting
-    growth = np.where(touches | ~present, np.nan, free_growth[:, None])
-    growth[neutral] = 0.0
-    moving = present & touches & ~neutral
-    rows = np.nonzero(moving)[0]
-    growth[moving] = growth_rate(
-        amplitude[moving],
-        determinant[moving],
-        omega[rows],
-        zeta[rows],
-        delta0[rows],
-        Further(*(each[rows] for each in beyond)) if beyond else None,
-    )
-
-    lasts = determinant > 0.0
-    if further is not None:  # contact damping or friction may drive a whirl
-        lasts &= ~(growth > 0.0) & ~(touches & driven[:, None])
+    present, touches = np.isfinite(amplitude), in_contact == 1.0
+    growth, driven = _growth_rates(rotors, amplitude, determinant, touches)
+    lasts = (determinant > 0.0) & ~(growth > 0.0) & ~driven
     stability = np.where(lasts, STABILITY["stable"], STABILITY["unstable"])
-    stability[neutral], stability[~present] = STABILITY["neutral"], STABILITY["absent"]
+    stability[lasts & (growth == 0.0)] = STABILITY["neutral"]
+    stability[~present] = STABILITY["absent"]
     return {
         "amplitude": amplitude,
         "phase_lag": np.where(present, lag, np.nan),
@@ -184,38 +158,42 @@ def _branches(
     }
 
 
-def whirls_in_contact(
-    omega: Values, zeta: Values, delta0: Values, further: Further | None
-) -> ContactingWhirls:
-    """Return the contacting whirls under either contact law, with friction or without."""
-    if further is None:
-        return contacting_whirls(omega, zeta, delta0)
-    given = (omega, zeta, delta0, further.shaft_stiffness)
-    linear, rubs = further.contact_exponent == 1.0, further.friction > 0.0
-    if linear.all() and not rubs.any():
-        return linear_whirls(*given)
-    found = contacting_whirls(*given)
-    for chosen in (linear & ~rubs, ~linear & rubs, linear & rubs):
-        if not chosen.any():
-            continue
-        rows = np.nonzero(chosen)[0]
-        here = omega[rows], zeta[rows], delta0[rows], further.shaft_stiffness[rows]
-        mu = further.friction[rows] if rubs[rows[0]] else None
-        others = linear_whirls(*here, mu) if linear[rows[0]] else contacting_whirls(*here, mu)
-        found.amplitude[rows], found.phase_lag[rows] = others.amplitude, others.phase_lag
-        found.determinant[rows] = others.determinant
+def _growth_rates(
+    rotors: RotorColumns, amplitude: Values, determinant: Values, touches: Flags
+) -> tuple[Values, Flags]:
+    """Return the largest real parts of the eigenvalues, and where friction alone drives a whirl."""
+    lossless = (rotors.zeta == 0.0) & (rotors.contact_damping == 0.0)
+    present = np.isfinite(amplitude)
+    touches = touches & present
+    driven = touches & (lossless & (rotors.friction > 0.0))[:, None]
+    growth = np.where(present & ~touches, _contact_free_growth(rotors)[:, None], np.nan)
+    growth[touches & lossless[:, None] & ~driven & (determinant > 0.0)] = 0.0
+    moving = touches & np.isnan(growth)
+    rows = np.nonzero(moving)[0]
+    growth[moving] = growth_rate(amplitude[moving], determinant[moving], rotors[rows])
+    return growth, driven
+
+
+def whirls_in_contact(rotors: RotorColumns) -> ContactingWhirls:
+    """Return the contacting whirls of rotors with ``omega > 0``, under either contact law."""
+    linear = rotors.contact_exponent == 1.0
+    if linear.all():
+        return linear_whirls(rotors)
+    if not linear.any():
+        return contacting_whirls(rotors)
+    found = contacting_whirls(rotors)
+    others = linear_whirls(rotors[linear])
+    found.amplitude[linear], found.phase_lag[linear] = others.amplitude, others.phase_lag
+    found.determinant[linear] = others.determinant
     return found
 
 
-def _contact_free_growth(
-    turning: npt.NDArray[np.bool_], zeta: Values, delta0: Values, further: Further | None
-) -> Values:
+def _contact_free_growth(rotors: RotorColumns) -> Values:
     """Return the largest real part of ``L**2 + 2 zeta L + kappa = 0``, in the fixed frame."""
-    if further is None:
-        return np.zeros_like(zeta)
-    kappa = further.shaft_stiffness
+    zeta = rotors.zeta
     # at rest without clearance a linear contact holds the rotor too
-    kappa = kappa + (~turning & (delta0 == 0.0) & (further.contact_exponent == 1.0))
+    at_rest = (rotors.omega == 0.0) & (rotors.delta0 == 0.0)
+    kappa = rotors.shaft_stiffness + (at_rest & (rotors.contact_exponent == 1.0))
     frequency = np.sqrt(kappa)
     creeps = zeta > frequency
     root = np.sqrt(np.maximum((zeta - frequency) * (zeta + frequency), 0.0))
@@ -223,7 +201,7 @@ def _contact_free_growth(
     return np.where(creeps, -slow, np.where(kappa > 0.0, -zeta, 0.0)) + 0.0
 
 
-def _side_by_side(free: Values, touching: Values, contact_free: npt.NDArray[np.bool_]) -> Values:
+def _side_by_side(free: Values, touching: Values, contact_free: Flags) -> Values:
     """Return the contact-free value, where that whirl exists, before the contacting ones."""
     nothing = np.full((len(free), 1), np.nan)
     with_free = np.concatenate([free[:, None], touching], axis=1)

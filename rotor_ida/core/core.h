@@ -6,10 +6,21 @@
 #ifndef ROTOR_IDA_CORE_H
 #define ROTOR_IDA_CORE_H
 
+#include <stdatomic.h>
 #include <stdint.h>
+
+#include "model.h"
 
 /* What the library shows to others; all else is hidden. */
 #define CORE_API __attribute__((visibility("default")))
+
+/* A byte by which another thread asks a call to stop, by anything but 0. */
+typedef _Atomic uint8_t stop_flag;
+
+static inline int asked_to_stop(const stop_flag *stop)
+{
+    return atomic_load_explicit(stop, memory_order_relaxed) != 0;
+}
 
 /* How a call ended; the flags of SUNDIALS are negative. */
 enum status {
@@ -38,14 +49,6 @@ struct rotor {
 struct piece {
     double end, rate, torque, slope, inverse_inertia, speed;
 };
-
-/* A library knows one model: the paper's rotor, the whole, or the whole with a speed that changes.
- */
-#ifdef WHOLE_MODEL
-enum { WHOLE = 1 };
-#else
-enum { WHOLE = 0 };
-#endif
 
 /* Who compiled this library, with which flags, for which processors, from which sources, for
  * which version of the package. */
@@ -95,6 +98,21 @@ enum event { ENTRY = 1, EXIT = -1, ROLL = 2, SLIP = -2, REVERSE = 3, PRESS = 4, 
 /* How a rotor with friction moves: sliding, by the sense in which it does, 1 or -1, or else. */
 enum way { FLIES = 0, SLIDES_FORWARDS = 1, SLIDES_BACKWARDS = -1, ROLLS = 2, IS_LOOSE = 3 };
 
+/* One contact; NaN where it began with the run, or has no end by its end. */
+struct contact {
+    double entry, exit, peak_time;
+    double peak_root; /* of the largest indentation */
+    double impulse, momentum;
+    double lost; /* energy, to contact damping */
+    double largest_force;
+    double heat; /* of sliding */
+};
+
+/* An extremum of the radius: a maximum, 1, or a minimum, -1. */
+struct extremum {
+    double time, radius, kind, state[4];
+};
+
 /* One run: what is asked, where it stands, and what is recorded of it.
  *
  * Every state is (x, y, vx, vy), read on the rotating axes of its time. Once the run is over, those
@@ -107,8 +125,8 @@ struct run {
     int32_t fixed_axes; /* whether all that is reported is to be read on axes that stand still */
     int32_t method;     /* of contacts; and of flight, where that is not exact, if CVODE's */
     int32_t exact_flight;
-    int32_t began;                   /* where it began: written */
-    const uint8_t *stop;             /* anything but 0 asks the run to stop */
+    int32_t began; /* where it began: written */
+    const stop_flag *stop;
     const struct sundials *sundials; /* NULL where Taylor series alone are wanted */
 
     double time, state[4];
@@ -124,10 +142,9 @@ struct run {
     int8_t *event_kinds;
     int8_t *event_ways; /* with friction: how it moves from each event on */
     int64_t event_room, events;
-    double *contacts; /* rows of entry, exit, time of the peak, its root q, impulse, momentum,
-                         energy lost by contact damping, largest force, heat of sliding */
+    struct contact *contacts;
     int64_t contact_room, contact_count;
-    double *extrema; /* of the radius: rows of time, radius, -1 or 1, state */
+    struct extremum *extrema;
     int64_t extremum_room, extremum_count;
     int64_t evaluations;
     int32_t way_began;  /* with friction: how it moved at its start: written */
@@ -167,7 +184,7 @@ CORE_API void core_fly(const struct rotor *rotor, const double *states, const do
 /* The time to the first touch of the ring from a state in flight; infinite if none comes by
  * `limit`, NaN where the search gets nowhere. */
 CORE_API double core_first_touch(const struct rotor *rotor, const double state[4], double limit,
-                                 const uint8_t *stop);
+                                 const stop_flag *stop);
 
 /* Turn rows of (x, y, vx, vy) by the angles omega t. */
 CORE_API void core_rotate(double *states, const double *times, double omega, int64_t count);
@@ -203,12 +220,12 @@ CORE_API int core_follow_lanes(const struct rotor *rotor, double *states, int16_
                                float *times, int64_t count, const double *regions,
                                int64_t region_count, const double free_whirl[4],
                                const double *sections, int64_t section_count, double duration,
-                               double tolerance, const uint8_t *stop);
+                               double tolerance, const stop_flag *stop);
 
 /* The least |L (s - c)|**2 with which each of many states passes a section of a limit cycle between
  * two times; infinite where one does not. */
 CORE_API int core_measure_returns(const struct rotor *rotor, const double *states, int64_t count,
                                   const double section[21], double earliest, double latest,
-                                  double tolerance, double *values, const uint8_t *stop);
+                                  double tolerance, double *values, const stop_flag *stop);
 
 #endif

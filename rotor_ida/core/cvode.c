@@ -14,27 +14,26 @@ enum { FEW_READINGS = 6 };
 
 static struct cvode *cvode_of(struct motion *motion) { return (struct cvode *)motion; }
 
-#ifdef WHOLE_MODEL
 /* How fast the direction of the load is drawn to where it points, in parts of how fast it turns. */
 static const double PULL = 0.1;
 
 static void draw_load(const struct motion *motion, double point, const double *values,
                       double *rates)
 {
-    if (motion->model.load == 0.0)
+    if (!HAS_LOAD || motion->model.load == 0.0)
         return;
     const struct vector down = load_of(motion, values, point);
     double turning = speed_of(motion, values);
     int place = CARTESIAN_DOWN_X;
     if (is_contact(motion)) {
-        const double q = values[CONTACT_Q], radius = motion->model.delta0 + q * q;
-        turning = fabs(q) * (turning + fabs(momentum_of(motion, values)) / (radius * radius));
+        const double radius = radius_in_contact(&motion->model, values);
+        turning = fabs(values[CONTACT_Q])
+                  * (turning + fabs(momentum_of(motion, values)) / (radius * radius));
         place = CONTACT_DOWN_R;
     }
     rates[place] += PULL * turning * (down.x - values[place]);
     rates[place + 1] += PULL * turning * (down.y - values[place + 1]);
 }
-#endif
 
 static int right_hand_side(double point, void *state, void *rate, void *user)
 {
@@ -45,13 +44,8 @@ static int right_hand_side(double point, void *state, void *rate, void *user)
     if (values == NULL || rates == NULL)
         return -1;
     motion->mode->field(&motion->model, values, rates);
-#ifdef WHOLE_MODEL
     draw_load(motion, point, values, rates);
-#else
-    (void)point;
-#endif
-#ifndef RUN_UP
-    if (!motion->tangents)
+    if (!HAS_NEIGHBOURS || !motion->tangents)
         return 0;
     double growth[4][4];
     motion->mode->growth(&motion->model, values, growth);
@@ -65,7 +59,6 @@ static int right_hand_side(double point, void *state, void *rate, void *user)
             apart_rates[DIFFERENCES * i + d] = sum;
         }
     }
-#endif
     return 0;
 }
 
@@ -82,7 +75,6 @@ static int derivative_of_it(double point, void *state, void *rate, void *matrix,
     return 0;
 }
 
-#ifdef WHOLE_MODEL
 /* So many roundings of a value no tolerance may ask for less than. */
 static const double LEAST_ERROR = 16.0 * ROUNDING;
 
@@ -104,16 +96,13 @@ static int weights_of(void *state, void *weights, void *user)
     }
     return 0;
 }
-#endif
 
 /* Hand the tolerances of a motion over. */
 static int set_tolerances(struct cvode *cvode)
 {
     const struct sundials *sundials = cvode->sundials;
-#ifdef WHOLE_MODEL
-    if (cvode->motion.model.friction > 0.0)
+    if (HAS_FRICTION && cvode->motion.model.friction > 0.0)
         return sundials->weigh_by(cvode->memory, weights_of);
-#endif
     return sundials->tolerances(cvode->memory, cvode->motion.rtol, cvode->tolerances);
 }
 

@@ -7,11 +7,18 @@
 
 struct parameters {
     double omega, zeta, delta0, felt;
+    double shaft_stiffness, contact_damping, load, hertz, linear, pressed, friction, disc_radius, rim, sigma, rate, torque, slope, inverse_inertia; /* of other models */
 };
 
 static inline struct parameters parameters_of(const struct rotor *rotor, double felt)
 {
-    return (struct parameters){rotor->omega, rotor->zeta, rotor->delta0, felt};
+    return (struct parameters){.omega = rotor->omega, .zeta = rotor->zeta, .delta0 = rotor->delta0, .felt = felt, .hertz = 1.0, .pressed = 1.0};
+}
+
+/* Whether a rotor is the paper's, but for friction, and its speed prescribed. */
+static inline int is_plain(const struct parameters *m)
+{
+    return m->shaft_stiffness == 0.0 && m->contact_damping == 0.0 && m->load == 0.0 && m->hertz == 1.0 && m->linear == 0.0 && m->pressed == 1.0 && m->torque == 0.0 && m->slope == 0.0 && m->inverse_inertia == 0.0;
 }
 
 enum { BY_OMEGA, BY_ZETA, BY_DELTA0, PARAMETERS };
@@ -19,5 +26,6 @@ enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_T, CONTACT
 enum { CONTACT_EXIT_GUARD = CONTACT_Q };
 enum { CONTACT_EXTREMUM_GUARD = CONTACT_P };
 enum { CARTESIAN_X, CARTESIAN_Y, CARTESIAN_VX, CARTESIAN_VY, CARTESIAN_SIZE };
+enum { BY_SHAFT_STIFFNESS = 0, BY_CONTACT_DAMPING = 0, BY_LOAD = 0, BY_FRICTION = 0, BY_DISC_RADIUS = 0, CONTACT_DOWN_R = 0, CONTACT_DOWN_T = 0, CONTACT_WORK = 0, CONTACT_SPENT = 0, CONTACT_SPEED = 0, CONTACT_ANGLE = 0, CARTESIAN_DOWN_X = 0, CARTESIAN_DOWN_Y = 0, CARTESIAN_SPEED = 0, CARTESIAN_ANGLE = 0, RUB_Q = 0, RUB_P = 0, RUB_SLIP = 0, RUB_C = 0, RUB_S = 0, RUB_DOWN_R = 0, RUB_DOWN_T = 0, RUB_T = 0, RUB_J = 0, RUB_WORK = 0, RUB_SPENT = 0, RUB_HEAT = 0, RUB_SIZE = 0, RUB_EXIT_GUARD = 0, RUB_EXTREMUM_GUARD = 0, RUB_ROLL_GUARD = 0, RUB_SPEED = 0, RUB_ANGLE = 0, ROLLING_Q = 0, ROLLING_P = 0, ROLLING_SLIP = 0, ROLLING_C = 0, ROLLING_S = 0, ROLLING_DOWN_R = 0, ROLLING_DOWN_T = 0, ROLLING_T = 0, ROLLING_J = 0, ROLLING_WORK = 0, ROLLING_SPENT = 0, ROLLING_HEAT = 0, ROLLING_SIZE = 0, ROLLING_EXIT_GUARD = 0, ROLLING_EXTREMUM_GUARD = 0, ROLLING_SPEED = 0, ROLLING_ANGLE = 0 }; /* of other models */
 
 #endif

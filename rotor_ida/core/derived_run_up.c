@@ -23,72 +23,75 @@ static void contact_field(const struct parameters *m,
     const double w5 = push * (1.0 + m->contact_damping * p);
     const double force = m->pressed * w5;
     const double r = m->delta0 + square;
+    const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
     const double around = ratio(h, r);
     const double spin = ratio(around, r);
     const double centrifugal = spin * around;
-    const double w11 = p * s;
-    const double w12 = around * c;
-    const double velocity = w11 + w12;
-    const double w14 = w5 * s;
-    const double w15 = r * s;
-    const double pull = m->pressed * w14 + m->shaft_stiffness * w15;
+    const double w12 = p * s;
+    const double w13 = around * c;
+    const double velocity = w12 + w13;
+    const double w15 = w5 * s;
+    const double w16 = r * s;
+    const double pull = m->pressed * w15 + m->shaft_stiffness * w16;
     const double left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull;
     const double faster = m->rate + m->inverse_inertia * left;
-    const double w19 = faster * s;
-    const double outwards = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r + centrifugal - w19;
+    const double w20 = faster * s;
+    const double outwards = radial + centrifugal - w20;
     const double of_p = outwards * q;
-    const double w22 = w1 * s;
-    const double w23 = faster * c;
-    const double sideways = -w22 - 2.0 * m->zeta * around + m->load * down_t - w23;
+    const double w23 = w1 * s;
+    const double tangential = -w23 - 2.0 * m->zeta * around + m->load * down_t;
+    const double w25 = faster * c;
+    const double sideways = tangential - w25;
     const double moment = sideways * r;
     const double of_h = moment * q;
     const double turned = spin * q;
-    const double w28 = q * speed;
-    const double turn = turned - w28;
-    const double w30 = turn * s;
-    const double of_c = -w30;
-    const double w32 = c * c;
-    const double w33 = s * s;
-    const double w34 = (1.0 - (w32 + w33)) * w28;
-    const double w35 = w34 * c;
+    const double w30 = q * speed;
+    const double turn = turned - w30;
+    const double w32 = turn * s;
+    const double of_c = -w32;
+    const double w34 = c * c;
+    const double w35 = s * s;
+    const double w36 = (1.0 - (w34 + w35)) * w30;
+    const double w37 = w36 * c;
     const double of_s = turn * c;
-    const double w37 = w34 * s;
+    const double w39 = w36 * s;
     const double of_down_r = turned * down_t;
-    const double w39 = down_r * down_r;
-    const double w40 = down_t * down_t;
-    const double w41 = (1.0 - (w39 + w40)) * w28;
-    const double w42 = w41 * down_r;
-    const double w43 = turned * down_r;
-    const double of_down_t = -w43;
-    const double w45 = w41 * down_t;
-    const double w46 = faster * q;
-    const double w47 = w5 * q;
-    const double of_j = m->pressed * w47;
-    const double w49 = w47 * p;
-    const double w50 = p * p;
-    const double w51 = around * around;
-    const double w52 = h * speed;
-    const double damped = 2.0 * m->zeta * (w50 + w51 - w52);
-    const double w54 = r * speed;
-    const double w55 = w54 * down_t;
-    const double w56 = (damped + m->load * w55) * q;
-    const double w57 = around * r;
-    const double w58 = r * c;
-    const double w59 = w58 * speed;
-    const double w60 = w46 * (velocity + w57 + w59);
+    const double w41 = down_r * down_r;
+    const double w42 = down_t * down_t;
+    const double w43 = (1.0 - (w41 + w42)) * w30;
+    const double w44 = w43 * down_r;
+    const double w45 = turned * down_r;
+    const double of_down_t = -w45;
+    const double w47 = w43 * down_t;
+    const double w48 = faster * q;
+    const double w49 = w5 * q;
+    const double of_j = m->pressed * w49;
+    const double w51 = w49 * p;
+    const double of_work = m->pressed * w51;
+    const double w53 = p * p;
+    const double w54 = around * around;
+    const double w55 = h * speed;
+    const double damped = 2.0 * m->zeta * (w53 + w54 - w55);
+    const double w57 = r * speed;
+    const double w58 = w57 * down_t;
+    const double w59 = (damped + m->load * w58) * q;
+    const double w60 = around * r;
+    const double w61 = r * c;
+    const double w62 = w61 * speed;
+    const double w63 = w48 * (velocity + w60 + w62);
     rate[CONTACT_Q] = of_q;
     rate[CONTACT_P] = of_p;
     rate[CONTACT_H] = of_h;
-    rate[CONTACT_C] = of_c + 0.1 * w35;
-    rate[CONTACT_S] = of_s + 0.1 * w37;
-    rate[CONTACT_DOWN_R] = of_down_r + 0.1 * w42;
-    rate[CONTACT_DOWN_T] = of_down_t + 0.1 * w45;
-    rate[CONTACT_SPEED] = w46;
+    rate[CONTACT_C] = of_c + 0.1 * w37;
+    rate[CONTACT_S] = of_s + 0.1 * w39;
+    rate[CONTACT_DOWN_R] = of_down_r + 0.1 * w44;
+    rate[CONTACT_DOWN_T] = of_down_t + 0.1 * w47;
+    rate[CONTACT_SPEED] = w48;
     rate[CONTACT_T] = q;
-    rate[CONTACT_ANGLE] = w28;
+    rate[CONTACT_ANGLE] = w30;
     rate[CONTACT_J] = of_j;
-    rate[CONTACT_WORK] = m->pressed * w49;
-    rate[CONTACT_SPENT] = w56 + w60;
+    rate[CONTACT_WORK] = of_work;
+    rate[CONTACT_SPENT] = w59 + w63;
 }
 
 /* Their derivatives by each of these, column by column. */
@@ -361,38 +364,41 @@ static void contact_expand(const struct parameters *m,
         const double w5 = times(series, 4, n, push, one * 1.0 + m->contact_damping * p);
         const double force = m->pressed * w5;
         const double r = one * m->delta0 + square;
+        const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
         const double around = over(series, 5, n, h, r, inverse_r); /* h / r */
         const double spin = over(series, 6, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 7, n, spin, around); /* spin * around */
-        const double w11 = times(series, 8, n, p, s); /* p * s */
-        const double w12 = times(series, 9, n, around, c); /* around * c */
-        const double velocity = w11 + w12;
-        const double w14 = times(series, 10, n, w5, s); /* w5 * s */
-        const double w15 = times(series, 11, n, r, s); /* r * s */
-        const double pull = m->pressed * w14 + m->shaft_stiffness * w15;
+        const double w12 = times(series, 8, n, p, s); /* p * s */
+        const double w13 = times(series, 9, n, around, c); /* around * c */
+        const double velocity = w12 + w13;
+        const double w15 = times(series, 10, n, w5, s); /* w5 * s */
+        const double w16 = times(series, 11, n, r, s); /* r * s */
+        const double pull = m->pressed * w15 + m->shaft_stiffness * w16;
         const double left = one * m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull;
         const double faster = one * m->rate + m->inverse_inertia * left;
-        const double w19 = times(series, 12, n, faster, s); /* faster * s */
-        const double outwards = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r + centrifugal - w19;
+        const double w20 = times(series, 12, n, faster, s); /* faster * s */
+        const double outwards = radial + centrifugal - w20;
         const double of_p = times(series, 13, n, outwards, q); /* outwards * q */
-        const double w22 = times(series, 14, n, w1, s); /* w1 * s */
-        const double w23 = times(series, 15, n, faster, c); /* faster * c */
-        const double sideways = -w22 - 2.0 * m->zeta * around + m->load * down_t - w23;
+        const double w23 = times(series, 14, n, w1, s); /* w1 * s */
+        const double tangential = -w23 - 2.0 * m->zeta * around + m->load * down_t;
+        const double w25 = times(series, 15, n, faster, c); /* faster * c */
+        const double sideways = tangential - w25;
         const double moment = times(series, 16, n, sideways, r); /* sideways * r */
         const double of_h = times(series, 17, n, moment, q); /* moment * q */
         const double turned = times(series, 18, n, spin, q); /* spin * q */
-        const double w28 = times(series, 19, n, q, speed); /* q * speed */
-        const double turn = turned - w28;
-        const double w30 = times(series, 20, n, turn, s); /* turn * s */
-        const double of_c = -w30;
+        const double w30 = times(series, 19, n, q, speed); /* q * speed */
+        const double turn = turned - w30;
+        const double w32 = times(series, 20, n, turn, s); /* turn * s */
+        const double of_c = -w32;
         const double of_s = times(series, 21, n, turn, c); /* turn * c */
         const double of_down_r = times(series, 22, n, turned, down_t); /* turned * down_t */
-        const double w34 = times(series, 23, n, turned, down_r); /* turned * down_r */
-        const double of_down_t = -w34;
-        const double w36 = times(series, 24, n, faster, q); /* faster * q */
-        const double w37 = times(series, 25, n, w5, q); /* w5 * q */
-        const double of_j = m->pressed * w37;
-        const double w39 = times(series, 26, n, w37, p); /* w37 * p */
+        const double w36 = times(series, 23, n, turned, down_r); /* turned * down_r */
+        const double of_down_t = -w36;
+        const double w38 = times(series, 24, n, faster, q); /* faster * q */
+        const double w39 = times(series, 25, n, w5, q); /* w5 * q */
+        const double of_j = m->pressed * w39;
+        const double w41 = times(series, 26, n, w39, p); /* w39 * p */
+        const double of_work = m->pressed * w41;
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -400,13 +406,58 @@ static void contact_expand(const struct parameters *m,
         terms[CONTACT_S] = of_s * share;
         terms[CONTACT_DOWN_R] = of_down_r * share;
         terms[CONTACT_DOWN_T] = of_down_t * share;
-        terms[CONTACT_SPEED] = w36 * share;
+        terms[CONTACT_SPEED] = w38 * share;
         terms[CONTACT_T] = q * share;
-        terms[CONTACT_ANGLE] = w28 * share;
+        terms[CONTACT_ANGLE] = w30 * share;
         terms[CONTACT_J] = of_j * share;
-        terms[CONTACT_WORK] = m->pressed * w39 * share;
+        terms[CONTACT_WORK] = of_work * share;
         terms[CONTACT_SPENT] = one * 0.0 * share;
         one = 0.0;
+    }
+}
+
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void contact_spent(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_T, CONTACT_SPEED};
+    vec4 read[7][AT_ONCE];
+    read_parts(series, order, reads, 7, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 h = read[2][v];
+        const vec4 c = read[3][v];
+        const vec4 s = read[4][v];
+        const vec4 down_t = read[5][v];
+        const vec4 speed = read[6][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 around = (h) / (r);
+        const vec4 w4 = around * around;
+        const vec4 w5 = h * speed;
+        const vec4 damped = 2.0 * m->zeta * (w0 + w4 - w5);
+        const vec4 w7 = r * speed;
+        const vec4 w8 = w7 * down_t;
+        const vec4 w9 = (damped + m->load * w8) * q;
+        const vec4 w10 = p * s;
+        const vec4 w11 = around * c;
+        const vec4 velocity = w10 + w11;
+        const vec4 push = (m->hertz * q + m->linear) * square;
+        const vec4 w14 = push * (1.0 + m->contact_damping * p);
+        const vec4 w15 = w14 * s;
+        const vec4 w16 = r * s;
+        const vec4 pull = m->pressed * w15 + m->shaft_stiffness * w16;
+        const vec4 left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull;
+        const vec4 faster = m->rate + m->inverse_inertia * left;
+        const vec4 w20 = faster * q;
+        const vec4 w21 = around * r;
+        const vec4 w22 = r * c;
+        const vec4 w23 = w22 * speed;
+        const vec4 w24 = w20 * (velocity + w21 + w23);
+        rate[v][0] = w9 + w24;
+        rate[v][1] = spread(0.0);
     }
 }
 
@@ -442,27 +493,30 @@ static void contact_expand_prescribed(const struct parameters *m,
         const double w5 = times(series, 4, n, push, one * 1.0 + m->contact_damping * p);
         const double force = m->pressed * w5;
         const double r = one * m->delta0 + square;
+        const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
         const double around = over(series, 5, n, h, r, inverse_r); /* h / r */
         const double spin = over(series, 6, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 7, n, spin, around); /* spin * around */
-        const double outwards = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r + centrifugal - m->rate * s;
+        const double outwards = radial + centrifugal - m->rate * s;
         const double of_p = times(series, 8, n, outwards, q); /* outwards * q */
-        const double w13 = times(series, 9, n, w1, s); /* w1 * s */
-        const double sideways = -w13 - 2.0 * m->zeta * around + m->load * down_t - m->rate * c;
+        const double w14 = times(series, 9, n, w1, s); /* w1 * s */
+        const double tangential = -w14 - 2.0 * m->zeta * around + m->load * down_t;
+        const double sideways = tangential - m->rate * c;
         const double moment = times(series, 10, n, sideways, r); /* sideways * r */
         const double of_h = times(series, 11, n, moment, q); /* moment * q */
         const double turned = times(series, 12, n, spin, q); /* spin * q */
-        const double w18 = times(series, 13, n, q, speed); /* q * speed */
-        const double turn = turned - w18;
-        const double w20 = times(series, 14, n, turn, s); /* turn * s */
-        const double of_c = -w20;
+        const double w20 = times(series, 13, n, q, speed); /* q * speed */
+        const double turn = turned - w20;
+        const double w22 = times(series, 14, n, turn, s); /* turn * s */
+        const double of_c = -w22;
         const double of_s = times(series, 15, n, turn, c); /* turn * c */
         const double of_down_r = times(series, 16, n, turned, down_t); /* turned * down_t */
-        const double w24 = times(series, 17, n, turned, down_r); /* turned * down_r */
-        const double of_down_t = -w24;
-        const double w26 = times(series, 18, n, w5, q); /* w5 * q */
-        const double of_j = m->pressed * w26;
-        const double w28 = times(series, 19, n, w26, p); /* w26 * p */
+        const double w26 = times(series, 17, n, turned, down_r); /* turned * down_r */
+        const double of_down_t = -w26;
+        const double w28 = times(series, 18, n, w5, q); /* w5 * q */
+        const double of_j = m->pressed * w28;
+        const double w30 = times(series, 19, n, w28, p); /* w28 * p */
+        const double of_work = m->pressed * w30;
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -472,11 +526,48 @@ static void contact_expand_prescribed(const struct parameters *m,
         terms[CONTACT_DOWN_T] = of_down_t * share;
         terms[CONTACT_SPEED] = m->rate * q * share;
         terms[CONTACT_T] = q * share;
-        terms[CONTACT_ANGLE] = w18 * share;
+        terms[CONTACT_ANGLE] = w20 * share;
         terms[CONTACT_J] = of_j * share;
-        terms[CONTACT_WORK] = m->pressed * w28 * share;
+        terms[CONTACT_WORK] = of_work * share;
         terms[CONTACT_SPENT] = one * 0.0 * share;
         one = 0.0;
+    }
+}
+
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void contact_spent_prescribed(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_T, CONTACT_SPEED};
+    vec4 read[7][AT_ONCE];
+    read_parts(series, order, reads, 7, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 h = read[2][v];
+        const vec4 c = read[3][v];
+        const vec4 s = read[4][v];
+        const vec4 down_t = read[5][v];
+        const vec4 speed = read[6][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 around = (h) / (r);
+        const vec4 w4 = around * around;
+        const vec4 w5 = h * speed;
+        const vec4 damped = 2.0 * m->zeta * (w0 + w4 - w5);
+        const vec4 w7 = r * speed;
+        const vec4 w8 = w7 * down_t;
+        const vec4 w9 = (damped + m->load * w8) * q;
+        const vec4 w10 = p * s;
+        const vec4 w11 = around * c;
+        const vec4 velocity = w10 + w11;
+        const vec4 w13 = around * r;
+        const vec4 w14 = r * c;
+        const vec4 w15 = w14 * speed;
+        const vec4 w16 = (velocity + w13 + w15) * q;
+        rate[v][0] = w9 + m->rate * w16;
+        rate[v][1] = spread(0.0);
     }
 }
 
@@ -505,21 +596,23 @@ static void contact_expand_plain(const struct parameters *m,
         const double w2 = times(series, 1, n, w1, c); /* w1 * c */
         const double square = times(series, 2, n, q, q); /* q * q */
         const double push = times(series, 3, n, square, q); /* square * q */
+        const double radial = w2 - 2.0 * m->zeta * p - push;
         const double r = one * m->delta0 + square;
         const double around = over(series, 4, n, h, r, inverse_r); /* h / r */
         const double spin = over(series, 5, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 6, n, spin, around); /* spin * around */
-        const double outwards = w2 - 2.0 * m->zeta * p - push + centrifugal - m->rate * s;
+        const double outwards = radial + centrifugal - m->rate * s;
         const double of_p = times(series, 7, n, outwards, q); /* outwards * q */
-        const double w11 = times(series, 8, n, w1, s); /* w1 * s */
-        const double sideways = -w11 - 2.0 * m->zeta * around - m->rate * c;
+        const double w12 = times(series, 8, n, w1, s); /* w1 * s */
+        const double tangential = -w12 - 2.0 * m->zeta * around;
+        const double sideways = tangential - m->rate * c;
         const double moment = times(series, 9, n, sideways, r); /* sideways * r */
         const double of_h = times(series, 10, n, moment, q); /* moment * q */
         const double turned = times(series, 11, n, spin, q); /* spin * q */
-        const double w16 = times(series, 12, n, q, speed); /* q * speed */
-        const double turn = turned - w16;
-        const double w18 = times(series, 13, n, turn, s); /* turn * s */
-        const double of_c = -w18;
+        const double w18 = times(series, 12, n, q, speed); /* q * speed */
+        const double turn = turned - w18;
+        const double w20 = times(series, 13, n, turn, s); /* turn * s */
+        const double of_c = -w20;
         const double of_s = times(series, 14, n, turn, c); /* turn * c */
         const double of_j = times(series, 15, n, push, q); /* push * q */
         terms[CONTACT_Q] = of_q * share;
@@ -531,11 +624,44 @@ static void contact_expand_plain(const struct parameters *m,
         terms[CONTACT_DOWN_T] = one * 0.0 * share;
         terms[CONTACT_SPEED] = m->rate * q * share;
         terms[CONTACT_T] = q * share;
-        terms[CONTACT_ANGLE] = w16 * share;
+        terms[CONTACT_ANGLE] = w18 * share;
         terms[CONTACT_J] = of_j * share;
         terms[CONTACT_WORK] = one * 0.0 * share;
         terms[CONTACT_SPENT] = one * 0.0 * share;
         one = 0.0;
+    }
+}
+
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void contact_spent_plain(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_SPEED};
+    vec4 read[6][AT_ONCE];
+    read_parts(series, order, reads, 6, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 h = read[2][v];
+        const vec4 c = read[3][v];
+        const vec4 s = read[4][v];
+        const vec4 speed = read[5][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 around = (h) / (r);
+        const vec4 w4 = around * around;
+        const vec4 w5 = h * speed;
+        const vec4 w6 = (w0 + w4 - w5) * q;
+        const vec4 w7 = p * s;
+        const vec4 w8 = around * c;
+        const vec4 velocity = w7 + w8;
+        const vec4 w10 = around * r;
+        const vec4 w11 = r * c;
+        const vec4 w12 = w11 * speed;
+        const vec4 w13 = (velocity + w10 + w12) * q;
+        rate[v][0] = 2.0 * m->zeta * w6 + m->rate * w13;
+        rate[v][1] = spread(0.0);
     }
 }
 
@@ -546,6 +672,9 @@ const struct mode contact_mode = {
     .expand = contact_expand,
     .expand_prescribed = contact_expand_prescribed,
     .expand_plain = contact_expand_plain,
+    .spent = contact_spent,
+    .spent_prescribed = contact_spent_prescribed,
+    .spent_plain = contact_spent_plain,
 };
 
 /* The rates of change of x, y, vx, vy, down_x, down_y, speed, angle. */
@@ -568,23 +697,22 @@ static void cartesian_field(const struct parameters *m,
     const double w6 = sqrt(sqrt(square));
     const double w7 = m->hertz * w6 + m->linear;
     const double w8 = w7 * x;
-    const double ax = w2 - 2.0 * m->zeta * vx - m->felt * w8 - m->shaft_stiffness * x + m->load * down_x;
-    const double w10 = vy * speed;
-    const double w11 = w7 * y;
-    const double w12 = m->felt * w11;
-    const double w13 = m->shaft_stiffness * y;
-    const double ay = -2.0 * m->zeta * vy - w12 - w13 + m->load * down_y;
-    const double w15 = vx * speed;
-    const double pull = w12 + w13;
-    const double faster = m->rate + m->inverse_inertia * (m->torque - m->slope * speed + 2.0 * m->zeta * vy + pull);
-    const double w18 = down_y * speed;
-    const double w19 = down_x * speed;
+    const double w9 = vy * speed;
+    const double w10 = w7 * y;
+    const double w11 = m->felt * w10;
+    const double w12 = m->shaft_stiffness * y;
+    const double w13 = vx * speed;
+    const double pull = w11 + w12;
+    const double left = m->torque - m->slope * speed + 2.0 * m->zeta * vy + pull;
+    const double faster = m->rate + m->inverse_inertia * left;
+    const double w17 = down_y * speed;
+    const double w18 = down_x * speed;
     rate[CARTESIAN_X] = vx + w0;
     rate[CARTESIAN_Y] = vy - w1;
-    rate[CARTESIAN_VX] = ax + w10;
-    rate[CARTESIAN_VY] = ay - w15 - faster;
-    rate[CARTESIAN_DOWN_X] = w18;
-    rate[CARTESIAN_DOWN_Y] = -w19;
+    rate[CARTESIAN_VX] = w2 - 2.0 * m->zeta * vx - m->felt * w8 - m->shaft_stiffness * x + m->load * down_x + w9;
+    rate[CARTESIAN_VY] = -2.0 * m->zeta * vy - w11 - w12 + m->load * down_y - w13 - faster;
+    rate[CARTESIAN_DOWN_X] = w17;
+    rate[CARTESIAN_DOWN_Y] = -w18;
     rate[CARTESIAN_SPEED] = faster;
     rate[CARTESIAN_ANGLE] = speed;
 }
@@ -677,23 +805,22 @@ static void cartesian_expand(const struct parameters *m,
         const double w6 = raised(series, 5, n, square, 0.25, one * first_w6, inverse_square);
         const double w7 = m->hertz * w6 + one * m->linear;
         const double w8 = times(series, 7, n, w7, x); /* w7 * x */
-        const double ax = w2 - 2.0 * m->zeta * vx - m->felt * w8 - m->shaft_stiffness * x + m->load * down_x;
-        const double w10 = times(series, 8, n, vy, speed); /* vy * speed */
-        const double w11 = times(series, 9, n, w7, y); /* w7 * y */
-        const double w12 = m->felt * w11;
-        const double w13 = m->shaft_stiffness * y;
-        const double ay = -2.0 * m->zeta * vy - w12 - w13 + m->load * down_y;
-        const double w15 = times(series, 10, n, vx, speed); /* vx * speed */
-        const double pull = w12 + w13;
-        const double faster = one * m->rate + m->inverse_inertia * (one * m->torque - m->slope * speed + 2.0 * m->zeta * vy + pull);
-        const double w18 = times(series, 11, n, down_y, speed); /* down_y * speed */
-        const double w19 = times(series, 12, n, down_x, speed); /* down_x * speed */
+        const double w9 = times(series, 8, n, vy, speed); /* vy * speed */
+        const double w10 = times(series, 9, n, w7, y); /* w7 * y */
+        const double w11 = m->felt * w10;
+        const double w12 = m->shaft_stiffness * y;
+        const double w13 = times(series, 10, n, vx, speed); /* vx * speed */
+        const double pull = w11 + w12;
+        const double left = one * m->torque - m->slope * speed + 2.0 * m->zeta * vy + pull;
+        const double faster = one * m->rate + m->inverse_inertia * left;
+        const double w17 = times(series, 11, n, down_y, speed); /* down_y * speed */
+        const double w18 = times(series, 12, n, down_x, speed); /* down_x * speed */
         terms[CARTESIAN_X] = (vx + w0) * share;
         terms[CARTESIAN_Y] = (vy - w1) * share;
-        terms[CARTESIAN_VX] = (ax + w10) * share;
-        terms[CARTESIAN_VY] = (ay - w15 - faster) * share;
-        terms[CARTESIAN_DOWN_X] = w18 * share;
-        terms[CARTESIAN_DOWN_Y] = -w19 * share;
+        terms[CARTESIAN_VX] = (w2 - 2.0 * m->zeta * vx - m->felt * w8 - m->shaft_stiffness * x + m->load * down_x + w9) * share;
+        terms[CARTESIAN_VY] = (-2.0 * m->zeta * vy - w11 - w12 + m->load * down_y - w13 - faster) * share;
+        terms[CARTESIAN_DOWN_X] = w17 * share;
+        terms[CARTESIAN_DOWN_Y] = -w18 * share;
         terms[CARTESIAN_SPEED] = faster * share;
         terms[CARTESIAN_ANGLE] = speed * share;
         one = 0.0;
@@ -733,19 +860,17 @@ static void cartesian_expand_prescribed(const struct parameters *m,
         const double w6 = raised(series, 5, n, square, 0.25, one * first_w6, inverse_square);
         const double w7 = m->hertz * w6 + one * m->linear;
         const double w8 = times(series, 7, n, w7, x); /* w7 * x */
-        const double ax = w2 - 2.0 * m->zeta * vx - m->felt * w8 - m->shaft_stiffness * x + m->load * down_x;
-        const double w10 = times(series, 8, n, vy, speed); /* vy * speed */
-        const double w11 = times(series, 9, n, w7, y); /* w7 * y */
-        const double ay = -2.0 * m->zeta * vy - m->felt * w11 - m->shaft_stiffness * y + m->load * down_y;
-        const double w13 = times(series, 10, n, vx, speed); /* vx * speed */
-        const double w14 = times(series, 11, n, down_y, speed); /* down_y * speed */
-        const double w15 = times(series, 12, n, down_x, speed); /* down_x * speed */
+        const double w9 = times(series, 8, n, vy, speed); /* vy * speed */
+        const double w10 = times(series, 9, n, w7, y); /* w7 * y */
+        const double w11 = times(series, 10, n, vx, speed); /* vx * speed */
+        const double w12 = times(series, 11, n, down_y, speed); /* down_y * speed */
+        const double w13 = times(series, 12, n, down_x, speed); /* down_x * speed */
         terms[CARTESIAN_X] = (vx + w0) * share;
         terms[CARTESIAN_Y] = (vy - w1) * share;
-        terms[CARTESIAN_VX] = (ax + w10) * share;
-        terms[CARTESIAN_VY] = (ay - w13 - one * m->rate) * share;
-        terms[CARTESIAN_DOWN_X] = w14 * share;
-        terms[CARTESIAN_DOWN_Y] = -w15 * share;
+        terms[CARTESIAN_VX] = (w2 - 2.0 * m->zeta * vx - m->felt * w8 - m->shaft_stiffness * x + m->load * down_x + w9) * share;
+        terms[CARTESIAN_VY] = (-2.0 * m->zeta * vy - m->felt * w10 - m->shaft_stiffness * y + m->load * down_y - w11 - one * m->rate) * share;
+        terms[CARTESIAN_DOWN_X] = w12 * share;
+        terms[CARTESIAN_DOWN_Y] = -w13 * share;
         terms[CARTESIAN_SPEED] = one * m->rate * share;
         terms[CARTESIAN_ANGLE] = speed * share;
         one = 0.0;
@@ -782,16 +907,14 @@ static void cartesian_expand_plain(const struct parameters *m,
         /* square**0.25 */
         const double w6 = raised(series, 5, n, square, 0.25, one * first_w6, inverse_square);
         const double w7 = times(series, 7, n, w6, x); /* w6 * x */
-        const double ax = w2 - 2.0 * m->zeta * vx - m->felt * w7;
-        const double w9 = times(series, 8, n, vy, speed); /* vy * speed */
-        const double w10 = times(series, 9, n, w6, y); /* w6 * y */
-        const double pull = m->felt * w10;
-        const double ay = -2.0 * m->zeta * vy - pull;
-        const double w13 = times(series, 10, n, vx, speed); /* vx * speed */
+        const double w8 = times(series, 8, n, vy, speed); /* vy * speed */
+        const double w9 = times(series, 9, n, w6, y); /* w6 * y */
+        const double pull = m->felt * w9;
+        const double w11 = times(series, 10, n, vx, speed); /* vx * speed */
         terms[CARTESIAN_X] = (vx + w0) * share;
         terms[CARTESIAN_Y] = (vy - w1) * share;
-        terms[CARTESIAN_VX] = (ax + w9) * share;
-        terms[CARTESIAN_VY] = (ay - w13 - one * m->rate) * share;
+        terms[CARTESIAN_VX] = (w2 - 2.0 * m->zeta * vx - m->felt * w7 + w8) * share;
+        terms[CARTESIAN_VY] = (-2.0 * m->zeta * vy - pull - w11 - one * m->rate) * share;
         terms[CARTESIAN_DOWN_X] = one * 0.0 * share;
         terms[CARTESIAN_DOWN_Y] = one * 0.0 * share;
         terms[CARTESIAN_SPEED] = one * m->rate * share;
@@ -829,84 +952,86 @@ static void rub_field(const struct parameters *m,
     const double w5 = push * (1.0 + m->contact_damping * p);
     const double force = m->pressed * w5;
     const double r = m->delta0 + square;
+    const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
     const double slip_speed = ratio(slip, r);
-    const double w9 = m->disc_radius * speed;
-    const double around = slip_speed - w9;
+    const double w10 = m->disc_radius * speed;
+    const double around = slip_speed - w10;
     const double spin = ratio(around, r);
     const double centrifugal = spin * around;
-    const double w13 = p * s;
-    const double w14 = around * c;
-    const double velocity = w13 + w14;
-    const double w16 = w5 * s;
-    const double w17 = r * s;
-    const double pull = m->pressed * w16 + m->shaft_stiffness * w17;
+    const double w14 = p * s;
+    const double w15 = around * c;
+    const double velocity = w14 + w15;
+    const double w17 = w5 * s;
+    const double w18 = r * s;
+    const double pull = m->pressed * w17 + m->shaft_stiffness * w18;
     const double lever = m->disc_radius - c;
-    const double w20 = w5 * lever;
-    const double left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - m->friction * m->sigma * m->pressed * w20;
+    const double w21 = w5 * lever;
+    const double left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - m->friction * m->sigma * m->pressed * w21;
     const double faster = m->rate + m->inverse_inertia * left;
-    const double w23 = faster * s;
-    const double outwards = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r + centrifugal - w23;
+    const double w24 = faster * s;
+    const double outwards = radial + centrifugal - w24;
     const double of_p = outwards * q;
-    const double w26 = w1 * s;
+    const double w27 = w1 * s;
     const double drag = m->friction * m->sigma * m->pressed * w5;
-    const double w28 = faster * lever;
-    const double sideways = -w26 - 2.0 * m->zeta * around + m->load * down_t - drag + w28;
-    const double w30 = sideways * r;
-    const double w31 = p * speed;
-    const double moment = w30 + m->disc_radius * w31;
+    const double tangential = -w27 - 2.0 * m->zeta * around + m->load * down_t - drag;
+    const double w30 = faster * lever;
+    const double sideways = tangential + w30;
+    const double w32 = sideways * r;
+    const double w33 = p * speed;
+    const double moment = w32 + m->disc_radius * w33;
     const double of_slip = moment * q;
     const double turned = spin * q;
-    const double w35 = q * speed;
-    const double turn = turned - w35;
-    const double w37 = turn * s;
-    const double of_c = -w37;
-    const double w39 = c * c;
-    const double w40 = s * s;
-    const double w41 = (1.0 - (w39 + w40)) * w35;
-    const double w42 = w41 * c;
+    const double w37 = q * speed;
+    const double turn = turned - w37;
+    const double w39 = turn * s;
+    const double of_c = -w39;
+    const double w41 = c * c;
+    const double w42 = s * s;
+    const double w43 = (1.0 - (w41 + w42)) * w37;
+    const double w44 = w43 * c;
     const double of_s = turn * c;
-    const double w44 = w41 * s;
+    const double w46 = w43 * s;
     const double of_down_r = turned * down_t;
-    const double w46 = down_r * down_r;
-    const double w47 = down_t * down_t;
-    const double w48 = (1.0 - (w46 + w47)) * w35;
-    const double w49 = w48 * down_r;
-    const double w50 = turned * down_r;
-    const double of_down_t = -w50;
-    const double w52 = w48 * down_t;
-    const double w53 = faster * q;
-    const double w54 = w5 * q;
-    const double of_j = m->pressed * w54;
-    const double w56 = w54 * p;
-    const double w57 = p * p;
-    const double w58 = r * speed;
-    const double h = slip - m->disc_radius * w58;
+    const double w48 = down_r * down_r;
+    const double w49 = down_t * down_t;
+    const double w50 = (1.0 - (w48 + w49)) * w37;
+    const double w51 = w50 * down_r;
+    const double w52 = turned * down_r;
+    const double of_down_t = -w52;
+    const double w54 = w50 * down_t;
+    const double w55 = faster * q;
+    const double w56 = w5 * q;
+    const double of_j = m->pressed * w56;
+    const double w58 = w56 * p;
+    const double w59 = p * p;
+    const double w60 = r * speed;
+    const double h = slip - m->disc_radius * w60;
     const double around_ = ratio(h, r);
-    const double w61 = around_ * around_;
-    const double w62 = h * speed;
-    const double damped = 2.0 * m->zeta * (w57 + w61 - w62);
-    const double w64 = w58 * down_t;
-    const double spent = (damped + m->load * w64) * q;
-    const double w66 = w54 * (w9 + w58);
-    const double w67 = around * r;
-    const double w68 = r * c;
-    const double w69 = w68 * speed;
-    const double w70 = w53 * (velocity + w67 + w69);
-    const double w71 = w54 * slip_speed;
+    const double w63 = around_ * around_;
+    const double w64 = h * speed;
+    const double damped = 2.0 * m->zeta * (w59 + w63 - w64);
+    const double w66 = w60 * down_t;
+    const double spent = (damped + m->load * w66) * q;
+    const double w68 = w56 * (w10 + w60);
+    const double w69 = around * r;
+    const double w70 = r * c;
+    const double w71 = w70 * speed;
+    const double w72 = w55 * (velocity + w69 + w71);
+    const double w73 = w56 * slip_speed;
     rate[RUB_Q] = of_q;
     rate[RUB_P] = of_p;
     rate[RUB_SLIP] = of_slip;
-    rate[RUB_C] = of_c + 0.1 * w42;
-    rate[RUB_S] = of_s + 0.1 * w44;
-    rate[RUB_DOWN_R] = of_down_r + 0.1 * w49;
-    rate[RUB_DOWN_T] = of_down_t + 0.1 * w52;
-    rate[RUB_SPEED] = w53;
+    rate[RUB_C] = of_c + 0.1 * w44;
+    rate[RUB_S] = of_s + 0.1 * w46;
+    rate[RUB_DOWN_R] = of_down_r + 0.1 * w51;
+    rate[RUB_DOWN_T] = of_down_t + 0.1 * w54;
+    rate[RUB_SPEED] = w55;
     rate[RUB_T] = q;
-    rate[RUB_ANGLE] = w35;
+    rate[RUB_ANGLE] = w37;
     rate[RUB_J] = of_j;
-    rate[RUB_WORK] = m->pressed * w56;
-    rate[RUB_SPENT] = spent - m->friction * m->sigma * m->pressed * w66 + w70;
-    rate[RUB_HEAT] = m->friction * m->sigma * m->pressed * w71;
+    rate[RUB_WORK] = m->pressed * w58;
+    rate[RUB_SPENT] = spent - m->friction * m->sigma * m->pressed * w68 + w72;
+    rate[RUB_HEAT] = m->friction * m->sigma * m->pressed * w73;
 }
 
 /* Their derivatives by each of these, column by column. */
@@ -1224,44 +1349,46 @@ static void rub_expand(const struct parameters *m,
         const double w5 = times(series, 4, n, push, one * 1.0 + m->contact_damping * p);
         const double force = m->pressed * w5;
         const double r = one * m->delta0 + square;
+        const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
         const double slip_speed = over(series, 5, n, slip, r, inverse_r); /* slip / r */
         const double around = slip_speed - m->disc_radius * speed;
         const double spin = over(series, 6, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 7, n, spin, around); /* spin * around */
-        const double w12 = times(series, 8, n, p, s); /* p * s */
-        const double w13 = times(series, 9, n, around, c); /* around * c */
-        const double velocity = w12 + w13;
-        const double w15 = times(series, 10, n, w5, s); /* w5 * s */
-        const double w16 = times(series, 11, n, r, s); /* r * s */
-        const double pull = m->pressed * w15 + m->shaft_stiffness * w16;
+        const double w13 = times(series, 8, n, p, s); /* p * s */
+        const double w14 = times(series, 9, n, around, c); /* around * c */
+        const double velocity = w13 + w14;
+        const double w16 = times(series, 10, n, w5, s); /* w5 * s */
+        const double w17 = times(series, 11, n, r, s); /* r * s */
+        const double pull = m->pressed * w16 + m->shaft_stiffness * w17;
         const double lever = one * m->disc_radius - c;
-        const double w19 = times(series, 12, n, w5, lever); /* w5 * lever */
-        const double left = one * m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - m->friction * m->sigma * m->pressed * w19;
+        const double w20 = times(series, 12, n, w5, lever); /* w5 * lever */
+        const double left = one * m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - m->friction * m->sigma * m->pressed * w20;
         const double faster = one * m->rate + m->inverse_inertia * left;
-        const double w22 = times(series, 13, n, faster, s); /* faster * s */
-        const double outwards = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r + centrifugal - w22;
+        const double w23 = times(series, 13, n, faster, s); /* faster * s */
+        const double outwards = radial + centrifugal - w23;
         const double of_p = times(series, 14, n, outwards, q); /* outwards * q */
-        const double w25 = times(series, 15, n, w1, s); /* w1 * s */
+        const double w26 = times(series, 15, n, w1, s); /* w1 * s */
         const double drag = m->friction * m->sigma * m->pressed * w5;
-        const double w27 = times(series, 16, n, faster, lever); /* faster * lever */
-        const double sideways = -w25 - 2.0 * m->zeta * around + m->load * down_t - drag + w27;
-        const double w29 = times(series, 17, n, sideways, r); /* sideways * r */
-        const double w30 = times(series, 18, n, p, speed); /* p * speed */
-        const double moment = w29 + m->disc_radius * w30;
+        const double tangential = -w26 - 2.0 * m->zeta * around + m->load * down_t - drag;
+        const double w29 = times(series, 16, n, faster, lever); /* faster * lever */
+        const double sideways = tangential + w29;
+        const double w31 = times(series, 17, n, sideways, r); /* sideways * r */
+        const double w32 = times(series, 18, n, p, speed); /* p * speed */
+        const double moment = w31 + m->disc_radius * w32;
         const double of_slip = times(series, 19, n, moment, q); /* moment * q */
         const double turned = times(series, 20, n, spin, q); /* spin * q */
-        const double w34 = times(series, 21, n, q, speed); /* q * speed */
-        const double turn = turned - w34;
-        const double w36 = times(series, 22, n, turn, s); /* turn * s */
-        const double of_c = -w36;
+        const double w36 = times(series, 21, n, q, speed); /* q * speed */
+        const double turn = turned - w36;
+        const double w38 = times(series, 22, n, turn, s); /* turn * s */
+        const double of_c = -w38;
         const double of_s = times(series, 23, n, turn, c); /* turn * c */
         const double of_down_r = times(series, 24, n, turned, down_t); /* turned * down_t */
-        const double w40 = times(series, 25, n, turned, down_r); /* turned * down_r */
-        const double of_down_t = -w40;
-        const double w42 = times(series, 26, n, faster, q); /* faster * q */
-        const double w43 = times(series, 27, n, w5, q); /* w5 * q */
-        const double of_j = m->pressed * w43;
-        const double w45 = times(series, 28, n, w43, p); /* w43 * p */
+        const double w42 = times(series, 25, n, turned, down_r); /* turned * down_r */
+        const double of_down_t = -w42;
+        const double w44 = times(series, 26, n, faster, q); /* faster * q */
+        const double w45 = times(series, 27, n, w5, q); /* w5 * q */
+        const double of_j = m->pressed * w45;
+        const double w47 = times(series, 28, n, w45, p); /* w45 * p */
         terms[RUB_Q] = of_q * share;
         terms[RUB_P] = of_p * share;
         terms[RUB_SLIP] = of_slip * share;
@@ -1269,14 +1396,68 @@ static void rub_expand(const struct parameters *m,
         terms[RUB_S] = of_s * share;
         terms[RUB_DOWN_R] = of_down_r * share;
         terms[RUB_DOWN_T] = of_down_t * share;
-        terms[RUB_SPEED] = w42 * share;
+        terms[RUB_SPEED] = w44 * share;
         terms[RUB_T] = q * share;
-        terms[RUB_ANGLE] = w34 * share;
+        terms[RUB_ANGLE] = w36 * share;
         terms[RUB_J] = of_j * share;
-        terms[RUB_WORK] = m->pressed * w45 * share;
+        terms[RUB_WORK] = m->pressed * w47 * share;
         terms[RUB_SPENT] = one * 0.0 * share;
         terms[RUB_HEAT] = one * 0.0 * share;
         one = 0.0;
+    }
+}
+
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rub_spent(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {RUB_Q, RUB_P, RUB_SLIP, RUB_C, RUB_S, RUB_DOWN_T, RUB_SPEED};
+    vec4 read[7][AT_ONCE];
+    read_parts(series, order, reads, 7, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 slip = read[2][v];
+        const vec4 c = read[3][v];
+        const vec4 s = read[4][v];
+        const vec4 down_t = read[5][v];
+        const vec4 speed = read[6][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = r * speed;
+        const vec4 h = slip - m->disc_radius * w3;
+        const vec4 around = (h) / (r);
+        const vec4 w6 = around * around;
+        const vec4 w7 = h * speed;
+        const vec4 damped = 2.0 * m->zeta * (w0 + w6 - w7);
+        const vec4 w9 = w3 * down_t;
+        const vec4 spent = (damped + m->load * w9) * q;
+        const vec4 push = (m->hertz * q + m->linear) * square;
+        const vec4 w12 = push * (1.0 + m->contact_damping * p);
+        const vec4 w13 = w12 * q;
+        const vec4 w14 = m->disc_radius * speed;
+        const vec4 w15 = w13 * (w14 + w3);
+        const vec4 w16 = p * s;
+        const vec4 slip_speed = (slip) / (r);
+        const vec4 around_ = slip_speed - w14;
+        const vec4 w19 = around_ * c;
+        const vec4 velocity = w16 + w19;
+        const vec4 w21 = w12 * s;
+        const vec4 w22 = r * s;
+        const vec4 pull = m->pressed * w21 + m->shaft_stiffness * w22;
+        const vec4 lever = m->disc_radius - c;
+        const vec4 w25 = w12 * lever;
+        const vec4 left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - m->friction * m->sigma * m->pressed * w25;
+        const vec4 faster = m->rate + m->inverse_inertia * left;
+        const vec4 w28 = faster * q;
+        const vec4 w29 = around_ * r;
+        const vec4 w30 = r * c;
+        const vec4 w31 = w30 * speed;
+        const vec4 w32 = w28 * (velocity + w29 + w31);
+        const vec4 w33 = w13 * slip_speed;
+        rate[v][0] = spent - m->friction * m->sigma * m->pressed * w15 + w32;
+        rate[v][1] = m->friction * m->sigma * m->pressed * w33;
     }
 }
 
@@ -1312,32 +1493,34 @@ static void rub_expand_prescribed(const struct parameters *m,
         const double w5 = times(series, 4, n, push, one * 1.0 + m->contact_damping * p);
         const double force = m->pressed * w5;
         const double r = one * m->delta0 + square;
+        const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
         const double slip_speed = over(series, 5, n, slip, r, inverse_r); /* slip / r */
         const double around = slip_speed - m->disc_radius * speed;
         const double spin = over(series, 6, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 7, n, spin, around); /* spin * around */
-        const double outwards = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r + centrifugal - m->rate * s;
+        const double outwards = radial + centrifugal - m->rate * s;
         const double of_p = times(series, 8, n, outwards, q); /* outwards * q */
-        const double w14 = times(series, 9, n, w1, s); /* w1 * s */
+        const double w15 = times(series, 9, n, w1, s); /* w1 * s */
         const double drag = m->friction * m->sigma * m->pressed * w5;
+        const double tangential = -w15 - 2.0 * m->zeta * around + m->load * down_t - drag;
         const double lever = one * m->disc_radius - c;
-        const double sideways = -w14 - 2.0 * m->zeta * around + m->load * down_t - drag + m->rate * lever;
-        const double w18 = times(series, 10, n, sideways, r); /* sideways * r */
-        const double w19 = times(series, 11, n, p, speed); /* p * speed */
-        const double moment = w18 + m->disc_radius * w19;
+        const double sideways = tangential + m->rate * lever;
+        const double w20 = times(series, 10, n, sideways, r); /* sideways * r */
+        const double w21 = times(series, 11, n, p, speed); /* p * speed */
+        const double moment = w20 + m->disc_radius * w21;
         const double of_slip = times(series, 12, n, moment, q); /* moment * q */
         const double turned = times(series, 13, n, spin, q); /* spin * q */
-        const double w23 = times(series, 14, n, q, speed); /* q * speed */
-        const double turn = turned - w23;
-        const double w25 = times(series, 15, n, turn, s); /* turn * s */
-        const double of_c = -w25;
+        const double w25 = times(series, 14, n, q, speed); /* q * speed */
+        const double turn = turned - w25;
+        const double w27 = times(series, 15, n, turn, s); /* turn * s */
+        const double of_c = -w27;
         const double of_s = times(series, 16, n, turn, c); /* turn * c */
         const double of_down_r = times(series, 17, n, turned, down_t); /* turned * down_t */
-        const double w29 = times(series, 18, n, turned, down_r); /* turned * down_r */
-        const double of_down_t = -w29;
-        const double w31 = times(series, 19, n, w5, q); /* w5 * q */
-        const double of_j = m->pressed * w31;
-        const double w33 = times(series, 20, n, w31, p); /* w31 * p */
+        const double w31 = times(series, 18, n, turned, down_r); /* turned * down_r */
+        const double of_down_t = -w31;
+        const double w33 = times(series, 19, n, w5, q); /* w5 * q */
+        const double of_j = m->pressed * w33;
+        const double w35 = times(series, 20, n, w33, p); /* w33 * p */
         terms[RUB_Q] = of_q * share;
         terms[RUB_P] = of_p * share;
         terms[RUB_SLIP] = of_slip * share;
@@ -1347,12 +1530,58 @@ static void rub_expand_prescribed(const struct parameters *m,
         terms[RUB_DOWN_T] = of_down_t * share;
         terms[RUB_SPEED] = m->rate * q * share;
         terms[RUB_T] = q * share;
-        terms[RUB_ANGLE] = w23 * share;
+        terms[RUB_ANGLE] = w25 * share;
         terms[RUB_J] = of_j * share;
-        terms[RUB_WORK] = m->pressed * w33 * share;
+        terms[RUB_WORK] = m->pressed * w35 * share;
         terms[RUB_SPENT] = one * 0.0 * share;
         terms[RUB_HEAT] = one * 0.0 * share;
         one = 0.0;
+    }
+}
+
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rub_spent_prescribed(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {RUB_Q, RUB_P, RUB_SLIP, RUB_C, RUB_S, RUB_DOWN_T, RUB_SPEED};
+    vec4 read[7][AT_ONCE];
+    read_parts(series, order, reads, 7, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 slip = read[2][v];
+        const vec4 c = read[3][v];
+        const vec4 s = read[4][v];
+        const vec4 down_t = read[5][v];
+        const vec4 speed = read[6][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = r * speed;
+        const vec4 h = slip - m->disc_radius * w3;
+        const vec4 around = (h) / (r);
+        const vec4 w6 = around * around;
+        const vec4 w7 = h * speed;
+        const vec4 damped = 2.0 * m->zeta * (w0 + w6 - w7);
+        const vec4 w9 = w3 * down_t;
+        const vec4 spent = (damped + m->load * w9) * q;
+        const vec4 push = (m->hertz * q + m->linear) * square;
+        const vec4 w12 = push * (1.0 + m->contact_damping * p);
+        const vec4 w13 = w12 * q;
+        const vec4 w14 = m->disc_radius * speed;
+        const vec4 w15 = w13 * (w14 + w3);
+        const vec4 w16 = p * s;
+        const vec4 slip_speed = (slip) / (r);
+        const vec4 around_ = slip_speed - w14;
+        const vec4 w19 = around_ * c;
+        const vec4 velocity = w16 + w19;
+        const vec4 w21 = around_ * r;
+        const vec4 w22 = r * c;
+        const vec4 w23 = w22 * speed;
+        const vec4 w24 = (velocity + w21 + w23) * q;
+        const vec4 w25 = w13 * slip_speed;
+        rate[v][0] = spent - m->friction * m->sigma * m->pressed * w15 + m->rate * w24;
+        rate[v][1] = m->friction * m->sigma * m->pressed * w25;
     }
 }
 
@@ -1381,26 +1610,28 @@ static void rub_expand_plain(const struct parameters *m,
         const double w2 = times(series, 1, n, w1, c); /* w1 * c */
         const double square = times(series, 2, n, q, q); /* q * q */
         const double push = times(series, 3, n, square, q); /* square * q */
+        const double radial = w2 - 2.0 * m->zeta * p - push;
         const double r = one * m->delta0 + square;
         const double slip_speed = over(series, 4, n, slip, r, inverse_r); /* slip / r */
         const double around = slip_speed - m->disc_radius * speed;
         const double spin = over(series, 5, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 6, n, spin, around); /* spin * around */
-        const double outwards = w2 - 2.0 * m->zeta * p - push + centrifugal - m->rate * s;
+        const double outwards = radial + centrifugal - m->rate * s;
         const double of_p = times(series, 7, n, outwards, q); /* outwards * q */
-        const double w12 = times(series, 8, n, w1, s); /* w1 * s */
+        const double w13 = times(series, 8, n, w1, s); /* w1 * s */
         const double drag = m->friction * m->sigma * push;
+        const double tangential = -w13 - 2.0 * m->zeta * around - drag;
         const double lever = one * m->disc_radius - c;
-        const double sideways = -w12 - 2.0 * m->zeta * around - drag + m->rate * lever;
-        const double w16 = times(series, 9, n, sideways, r); /* sideways * r */
-        const double w17 = times(series, 10, n, p, speed); /* p * speed */
-        const double moment = w16 + m->disc_radius * w17;
+        const double sideways = tangential + m->rate * lever;
+        const double w18 = times(series, 9, n, sideways, r); /* sideways * r */
+        const double w19 = times(series, 10, n, p, speed); /* p * speed */
+        const double moment = w18 + m->disc_radius * w19;
         const double of_slip = times(series, 11, n, moment, q); /* moment * q */
         const double turned = times(series, 12, n, spin, q); /* spin * q */
-        const double w21 = times(series, 13, n, q, speed); /* q * speed */
-        const double turn = turned - w21;
-        const double w23 = times(series, 14, n, turn, s); /* turn * s */
-        const double of_c = -w23;
+        const double w23 = times(series, 13, n, q, speed); /* q * speed */
+        const double turn = turned - w23;
+        const double w25 = times(series, 14, n, turn, s); /* turn * s */
+        const double of_c = -w25;
         const double of_s = times(series, 15, n, turn, c); /* turn * c */
         const double of_j = times(series, 16, n, push, q); /* push * q */
         terms[RUB_Q] = of_q * share;
@@ -1412,12 +1643,55 @@ static void rub_expand_plain(const struct parameters *m,
         terms[RUB_DOWN_T] = one * 0.0 * share;
         terms[RUB_SPEED] = m->rate * q * share;
         terms[RUB_T] = q * share;
-        terms[RUB_ANGLE] = w21 * share;
+        terms[RUB_ANGLE] = w23 * share;
         terms[RUB_J] = of_j * share;
         terms[RUB_WORK] = one * 0.0 * share;
         terms[RUB_SPENT] = one * 0.0 * share;
         terms[RUB_HEAT] = one * 0.0 * share;
         one = 0.0;
+    }
+}
+
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rub_spent_plain(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {RUB_Q, RUB_P, RUB_SLIP, RUB_C, RUB_S, RUB_SPEED};
+    vec4 read[6][AT_ONCE];
+    read_parts(series, order, reads, 6, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 slip = read[2][v];
+        const vec4 c = read[3][v];
+        const vec4 s = read[4][v];
+        const vec4 speed = read[5][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = r * speed;
+        const vec4 h = slip - m->disc_radius * w3;
+        const vec4 around = (h) / (r);
+        const vec4 w6 = around * around;
+        const vec4 w7 = h * speed;
+        const vec4 w8 = (w0 + w6 - w7) * q;
+        const vec4 spent = 2.0 * m->zeta * w8;
+        const vec4 w10 = m->disc_radius * speed;
+        const vec4 push = square * q;
+        const vec4 of_j = push * q;
+        const vec4 w13 = (w10 + w3) * of_j;
+        const vec4 w14 = p * s;
+        const vec4 slip_speed = (slip) / (r);
+        const vec4 around_ = slip_speed - w10;
+        const vec4 w17 = around_ * c;
+        const vec4 velocity = w14 + w17;
+        const vec4 w19 = around_ * r;
+        const vec4 w20 = r * c;
+        const vec4 w21 = w20 * speed;
+        const vec4 w22 = (velocity + w19 + w21) * q;
+        const vec4 w23 = slip_speed * of_j;
+        rate[v][0] = spent - m->friction * m->sigma * w13 + m->rate * w22;
+        rate[v][1] = m->friction * m->sigma * w23;
     }
 }
 
@@ -1428,6 +1702,9 @@ const struct mode rub_mode = {
     .expand = rub_expand,
     .expand_prescribed = rub_expand_prescribed,
     .expand_plain = rub_expand_plain,
+    .spent = rub_spent,
+    .spent_prescribed = rub_spent_prescribed,
+    .spent_plain = rub_spent_plain,
 };
 
 /* The rates of change of q, p, slip, c, s, down_r, down_t, speed, t, angle, j, work, spent, heat, drawn back to where they belong. */
@@ -1992,6 +2269,66 @@ static void rolling_expand(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rolling_spent(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {ROLLING_Q, ROLLING_P, ROLLING_C, ROLLING_S, ROLLING_DOWN_T, ROLLING_SPEED};
+    vec4 read[6][AT_ONCE];
+    read_parts(series, order, reads, 6, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 c = read[2][v];
+        const vec4 s = read[3][v];
+        const vec4 down_t = read[4][v];
+        const vec4 speed = read[5][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = r * speed;
+        const vec4 w4 = (w3) / (r);
+        const vec4 w5 = w4 * w4;
+        const vec4 w6 = w3 * speed;
+        const vec4 damped = 2.0 * m->zeta * (w0 - -(-m->disc_radius * (-m->disc_radius)) * w5 + m->disc_radius * w6);
+        const vec4 w8 = w3 * down_t;
+        const vec4 spent = (damped + m->load * w8) * q;
+        const vec4 w10 = speed * speed;
+        const vec4 w11 = w10 * s;
+        const vec4 w12 = p * speed;
+        const vec4 w13 = (w12) / (r);
+        const vec4 hold = -w11 - 2.0 * m->zeta * (-m->disc_radius) * speed + m->load * down_t + m->disc_radius * w13;
+        const vec4 w15 = hold * q;
+        const vec4 w16 = m->disc_radius * speed + w3;
+        const vec4 w17 = w15 * w16;
+        const vec4 w18 = p * s;
+        const vec4 w19 = c * speed;
+        const vec4 velocity = w18 - m->disc_radius * w19;
+        const vec4 push = (m->hertz * q + m->linear) * square;
+        const vec4 w22 = push * (1.0 + m->contact_damping * p);
+        const vec4 w23 = w22 * s;
+        const vec4 w24 = r * s;
+        const vec4 pull = m->pressed * w23 + m->shaft_stiffness * w24;
+        const vec4 lever = m->disc_radius - c;
+        const vec4 w27 = hold * lever;
+        const vec4 left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - w27;
+        const vec4 w29 = lever * lever;
+        const vec4 moved = 1.0 + m->inverse_inertia * w29;
+        const vec4 faster = (m->rate + m->inverse_inertia * left) / (moved);
+        const vec4 w32 = faster * q;
+        const vec4 w33 = r * c;
+        const vec4 w34 = w33 * speed;
+        const vec4 turning = w32 * (velocity - m->disc_radius * w3 + w34);
+        const vec4 w36 = faster * lever;
+        const vec4 hold_ = hold + w36;
+        const vec4 added = hold_ - hold;
+        const vec4 w39 = added * q;
+        const vec4 w40 = w39 * w16;
+        rate[v][0] = spent - w17 + turning - w40;
+        rate[v][1] = spread(0.0);
+    }
+}
+
 /* The Taylor series of the state: 19 lanes. */
 static void rolling_expand_prescribed(const struct parameters *m,
     struct series *series, int order)
@@ -2068,6 +2405,55 @@ static void rolling_expand_prescribed(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rolling_spent_prescribed(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {ROLLING_Q, ROLLING_P, ROLLING_C, ROLLING_S, ROLLING_DOWN_T, ROLLING_SPEED};
+    vec4 read[6][AT_ONCE];
+    read_parts(series, order, reads, 6, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 c = read[2][v];
+        const vec4 s = read[3][v];
+        const vec4 down_t = read[4][v];
+        const vec4 speed = read[5][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = r * speed;
+        const vec4 w4 = (w3) / (r);
+        const vec4 w5 = w4 * w4;
+        const vec4 w6 = w3 * speed;
+        const vec4 damped = 2.0 * m->zeta * (w0 - -(-m->disc_radius * (-m->disc_radius)) * w5 + m->disc_radius * w6);
+        const vec4 w8 = w3 * down_t;
+        const vec4 spent = (damped + m->load * w8) * q;
+        const vec4 w10 = speed * speed;
+        const vec4 w11 = w10 * s;
+        const vec4 w12 = p * speed;
+        const vec4 w13 = (w12) / (r);
+        const vec4 hold = -w11 - 2.0 * m->zeta * (-m->disc_radius) * speed + m->load * down_t + m->disc_radius * w13;
+        const vec4 w15 = hold * q;
+        const vec4 w16 = m->disc_radius * speed + w3;
+        const vec4 w17 = w15 * w16;
+        const vec4 w18 = p * s;
+        const vec4 w19 = c * speed;
+        const vec4 velocity = w18 - m->disc_radius * w19;
+        const vec4 w21 = r * c;
+        const vec4 w22 = w21 * speed;
+        const vec4 w23 = (velocity - m->disc_radius * w3 + w22) * q;
+        const vec4 turning = m->rate * w23;
+        const vec4 lever = m->disc_radius - c;
+        const vec4 hold_ = hold + m->rate * lever;
+        const vec4 added = hold_ - hold;
+        const vec4 w28 = added * q;
+        const vec4 w29 = w28 * w16;
+        rate[v][0] = spent - w17 + turning - w29;
+        rate[v][1] = spread(0.0);
+    }
+}
+
 /* The Taylor series of the state: 15 lanes. */
 static void rolling_expand_plain(const struct parameters *m,
     struct series *series, int order)
@@ -2132,6 +2518,53 @@ static void rolling_expand_plain(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rolling_spent_plain(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {ROLLING_Q, ROLLING_P, ROLLING_C, ROLLING_S, ROLLING_SPEED};
+    vec4 read[5][AT_ONCE];
+    read_parts(series, order, reads, 5, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 c = read[2][v];
+        const vec4 s = read[3][v];
+        const vec4 speed = read[4][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = r * speed;
+        const vec4 w4 = (w3) / (r);
+        const vec4 w5 = w4 * w4;
+        const vec4 w6 = w3 * speed;
+        const vec4 w7 = (w0 - -(-m->disc_radius * (-m->disc_radius)) * w5 + m->disc_radius * w6) * q;
+        const vec4 spent = 2.0 * m->zeta * w7;
+        const vec4 w9 = speed * speed;
+        const vec4 w10 = w9 * s;
+        const vec4 w11 = p * speed;
+        const vec4 w12 = (w11) / (r);
+        const vec4 hold = -w10 - 2.0 * m->zeta * (-m->disc_radius) * speed + m->disc_radius * w12;
+        const vec4 w14 = hold * q;
+        const vec4 w15 = m->disc_radius * speed + w3;
+        const vec4 w16 = w14 * w15;
+        const vec4 w17 = p * s;
+        const vec4 w18 = c * speed;
+        const vec4 velocity = w17 - m->disc_radius * w18;
+        const vec4 w20 = r * c;
+        const vec4 w21 = w20 * speed;
+        const vec4 w22 = (velocity - m->disc_radius * w3 + w21) * q;
+        const vec4 turning = m->rate * w22;
+        const vec4 lever = m->disc_radius - c;
+        const vec4 hold_ = hold + m->rate * lever;
+        const vec4 added = hold_ - hold;
+        const vec4 w27 = added * q;
+        const vec4 w28 = w27 * w15;
+        rate[v][0] = spent - w16 + turning - w28;
+        rate[v][1] = spread(0.0);
+    }
+}
+
 const struct mode rolling_mode = {
     .size = ROLLING_SIZE,
     .field = rolling_field,
@@ -2140,6 +2573,9 @@ const struct mode rolling_mode = {
     .expand_prescribed = rolling_expand_prescribed,
     .expand_plain = rolling_expand_plain,
     .watched = rolling_watched,
+    .spent = rolling_spent,
+    .spent_prescribed = rolling_spent_prescribed,
+    .spent_plain = rolling_spent_plain,
 };
 
 #endif

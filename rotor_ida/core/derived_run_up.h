@@ -7,11 +7,18 @@
 
 struct parameters {
     double zeta, delta0, shaft_stiffness, contact_damping, load, hertz, linear, felt, pressed, friction, disc_radius, sigma, rate, torque, slope, inverse_inertia;
+    double omega, rim; /* of other models */
 };
 
 static inline struct parameters parameters_of(const struct rotor *rotor, double felt)
 {
-    return (struct parameters){rotor->zeta, rotor->delta0, rotor->shaft_stiffness, rotor->contact_damping, rotor->load, rotor->contact_exponent > 1.0 ? 1.0 : 0.0, rotor->contact_exponent > 1.0 ? 0.0 : 1.0, felt, 1.0, rotor->friction, rotor->disc_radius, 0.0, rotor->rate, rotor->torque, rotor->slope, rotor->inverse_inertia};
+    return (struct parameters){.zeta = rotor->zeta, .delta0 = rotor->delta0, .shaft_stiffness = rotor->shaft_stiffness, .contact_damping = rotor->contact_damping, .load = rotor->load, .hertz = rotor->contact_exponent > 1.0 ? 1.0 : 0.0, .linear = rotor->contact_exponent > 1.0 ? 0.0 : 1.0, .felt = felt, .pressed = 1.0, .friction = rotor->friction, .disc_radius = rotor->disc_radius, .sigma = 0.0, .rate = rotor->rate, .torque = rotor->torque, .slope = rotor->slope, .inverse_inertia = rotor->inverse_inertia};
+}
+
+/* Whether a rotor is the paper's, but for friction, and its speed prescribed. */
+static inline int is_plain(const struct parameters *m)
+{
+    return m->shaft_stiffness == 0.0 && m->contact_damping == 0.0 && m->load == 0.0 && m->hertz == 1.0 && m->linear == 0.0 && m->pressed == 1.0 && m->torque == 0.0 && m->slope == 0.0 && m->inverse_inertia == 0.0;
 }
 
 enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_R, CONTACT_DOWN_T, CONTACT_SPEED, CONTACT_T, CONTACT_ANGLE, CONTACT_J, CONTACT_WORK, CONTACT_SPENT, CONTACT_SIZE };
@@ -25,5 +32,7 @@ enum { RUB_ROLL_GUARD = RUB_SLIP };
 enum { ROLLING_Q, ROLLING_P, ROLLING_SLIP, ROLLING_C, ROLLING_S, ROLLING_DOWN_R, ROLLING_DOWN_T, ROLLING_SPEED, ROLLING_T, ROLLING_ANGLE, ROLLING_J, ROLLING_WORK, ROLLING_SPENT, ROLLING_HEAT, ROLLING_SIZE };
 enum { ROLLING_EXIT_GUARD = ROLLING_Q };
 enum { ROLLING_EXTREMUM_GUARD = ROLLING_P };
+enum { PARAMETERS = 1 };
+enum { BY_OMEGA = 0, BY_ZETA = 0, BY_DELTA0 = 0, BY_SHAFT_STIFFNESS = 0, BY_CONTACT_DAMPING = 0, BY_LOAD = 0, BY_FRICTION = 0, BY_DISC_RADIUS = 0 }; /* of other models */
 
 #endif

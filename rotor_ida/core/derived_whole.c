@@ -20,51 +20,53 @@ static void contact_field(const struct parameters *m,
     const double w3 = push * (1.0 + m->contact_damping * p);
     const double push_ = m->pressed * w3;
     const double r = m->delta0 + square;
+    const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r;
     const double around = ratio(h, r);
     const double spin = ratio(around, r);
     const double centrifugal = spin * around;
-    const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r + centrifugal;
+    const double outwards = radial + centrifugal;
     const double of_p = outwards * q;
-    const double sideways = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t;
-    const double moment = sideways * r;
+    const double tangential = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t;
+    const double moment = tangential * r;
     const double of_h = moment * q;
     const double turned = spin * q;
     const double turn = turned - m->omega * q;
-    const double w16 = turn * s;
-    const double of_c = -w16;
-    const double w18 = c * c;
-    const double w19 = s * s;
-    const double w20 = (1.0 - (w18 + w19)) * q;
-    const double w21 = w20 * c;
+    const double w17 = turn * s;
+    const double of_c = -w17;
+    const double w19 = c * c;
+    const double w20 = s * s;
+    const double w21 = (1.0 - (w19 + w20)) * q;
+    const double w22 = w21 * c;
     const double of_s = turn * c;
-    const double w23 = w20 * s;
+    const double w24 = w21 * s;
     const double of_down_r = turned * down_t;
-    const double w25 = down_r * down_r;
-    const double w26 = down_t * down_t;
-    const double w27 = (1.0 - (w25 + w26)) * q;
-    const double w28 = w27 * down_r;
-    const double w29 = turned * down_r;
-    const double of_down_t = -w29;
-    const double w31 = w27 * down_t;
-    const double w32 = w3 * q;
-    const double of_j = m->pressed * w32;
-    const double w34 = w32 * p;
-    const double w35 = p * p;
-    const double w36 = around * around;
-    const double damped = 2.0 * m->zeta * (w35 + w36 - m->omega * h);
-    const double w38 = r * down_t;
-    const double w39 = (damped + m->load * m->omega * w38) * q;
+    const double w26 = down_r * down_r;
+    const double w27 = down_t * down_t;
+    const double w28 = (1.0 - (w26 + w27)) * q;
+    const double w29 = w28 * down_r;
+    const double w30 = turned * down_r;
+    const double of_down_t = -w30;
+    const double w32 = w28 * down_t;
+    const double w33 = w3 * q;
+    const double of_j = m->pressed * w33;
+    const double w35 = w33 * p;
+    const double of_work = m->pressed * w35;
+    const double w37 = p * p;
+    const double w38 = around * around;
+    const double damped = 2.0 * m->zeta * (w37 + w38 - m->omega * h);
+    const double w40 = r * down_t;
+    const double w41 = (damped + m->load * m->omega * w40) * q;
     rate[CONTACT_Q] = of_q;
     rate[CONTACT_P] = of_p;
     rate[CONTACT_H] = of_h;
-    rate[CONTACT_C] = of_c + 0.1 * m->omega * w21;
-    rate[CONTACT_S] = of_s + 0.1 * m->omega * w23;
-    rate[CONTACT_DOWN_R] = of_down_r + 0.1 * m->omega * w28;
-    rate[CONTACT_DOWN_T] = of_down_t + 0.1 * m->omega * w31;
+    rate[CONTACT_C] = of_c + 0.1 * m->omega * w22;
+    rate[CONTACT_S] = of_s + 0.1 * m->omega * w24;
+    rate[CONTACT_DOWN_R] = of_down_r + 0.1 * m->omega * w29;
+    rate[CONTACT_DOWN_T] = of_down_t + 0.1 * m->omega * w32;
     rate[CONTACT_T] = q;
     rate[CONTACT_J] = of_j;
-    rate[CONTACT_WORK] = m->pressed * w34;
-    rate[CONTACT_SPENT] = w39;
+    rate[CONTACT_WORK] = of_work;
+    rate[CONTACT_SPENT] = w41;
 }
 
 /* Their derivatives by each of these, column by column. */
@@ -324,25 +326,27 @@ static void contact_expand(const struct parameters *m,
         const double w3 = times(series, 2, n, push, one * 1.0 + m->contact_damping * p);
         const double push_ = m->pressed * w3;
         const double r = one * m->delta0 + square;
+        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r;
         const double around = over(series, 3, n, h, r, inverse_r); /* h / r */
         const double spin = over(series, 4, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 5, n, spin, around); /* spin * around */
-        const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r + centrifugal;
+        const double outwards = radial + centrifugal;
         const double of_p = times(series, 6, n, outwards, q); /* outwards * q */
-        const double sideways = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t;
-        const double moment = times(series, 7, n, sideways, r); /* sideways * r */
+        const double tangential = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t;
+        const double moment = times(series, 7, n, tangential, r); /* tangential * r */
         const double of_h = times(series, 8, n, moment, q); /* moment * q */
         const double turned = times(series, 9, n, spin, q); /* spin * q */
         const double turn = turned - m->omega * q;
-        const double w16 = times(series, 10, n, turn, s); /* turn * s */
-        const double of_c = -w16;
+        const double w17 = times(series, 10, n, turn, s); /* turn * s */
+        const double of_c = -w17;
         const double of_s = times(series, 11, n, turn, c); /* turn * c */
         const double of_down_r = times(series, 12, n, turned, down_t); /* turned * down_t */
-        const double w20 = times(series, 13, n, turned, down_r); /* turned * down_r */
-        const double of_down_t = -w20;
-        const double w22 = times(series, 14, n, w3, q); /* w3 * q */
-        const double of_j = m->pressed * w22;
-        const double w24 = times(series, 15, n, w22, p); /* w22 * p */
+        const double w21 = times(series, 13, n, turned, down_r); /* turned * down_r */
+        const double of_down_t = -w21;
+        const double w23 = times(series, 14, n, w3, q); /* w3 * q */
+        const double of_j = m->pressed * w23;
+        const double w25 = times(series, 15, n, w23, p); /* w23 * p */
+        const double of_work = m->pressed * w25;
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -352,9 +356,34 @@ static void contact_expand(const struct parameters *m,
         terms[CONTACT_DOWN_T] = of_down_t * share;
         terms[CONTACT_T] = q * share;
         terms[CONTACT_J] = of_j * share;
-        terms[CONTACT_WORK] = m->pressed * w24 * share;
+        terms[CONTACT_WORK] = of_work * share;
         terms[CONTACT_SPENT] = one * 0.0 * share;
         one = 0.0;
+    }
+}
+
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void contact_spent(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_DOWN_T};
+    vec4 read[4][AT_ONCE];
+    read_parts(series, order, reads, 4, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 h = read[2][v];
+        const vec4 down_t = read[3][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 around = (h) / (r);
+        const vec4 w4 = around * around;
+        const vec4 damped = 2.0 * m->zeta * (w0 + w4 - m->omega * h);
+        const vec4 w6 = r * down_t;
+        const vec4 w7 = (damped + m->load * m->omega * w6) * q;
+        rate[v][0] = w7;
+        rate[v][1] = spread(0.0);
     }
 }
 
@@ -387,40 +416,42 @@ static void contact_expand_with_factors(const struct parameters *m,
         const double w4 = times(series, 2, n, push, one * 1.0 + w3); /* push * (1.0 + w3) */
         const double push_ = m->pressed * w4;
         const double r = one * m->delta0 + square;
+        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r;
         const double around = over(series, 3, n, h, r, inverse_r); /* h / r */
         const double spin = over(series, 4, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 5, n, spin, around); /* spin * around */
-        const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r + centrifugal;
+        const double outwards = radial + centrifugal;
         const double of_p = times(series, 6, n, outwards, q); /* outwards * q */
-        const double sideways = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t;
-        const double moment = times(series, 7, n, sideways, r); /* sideways * r */
+        const double tangential = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t;
+        const double moment = times(series, 7, n, tangential, r); /* tangential * r */
         const double of_h = times(series, 8, n, moment, q); /* moment * q */
         const double turned = times(series, 9, n, spin, q); /* spin * q */
         const double turn = turned - m->omega * q;
-        const double w17 = times(series, 10, n, turn, s); /* turn * s */
-        const double of_c = -w17;
+        const double w18 = times(series, 10, n, turn, s); /* turn * s */
+        const double of_c = -w18;
         const double of_s = times(series, 11, n, turn, c); /* turn * c */
         const double of_down_r = times(series, 12, n, turned, down_t); /* turned * down_t */
-        const double w21 = times(series, 13, n, turned, down_r); /* turned * down_r */
-        const double of_down_t = -w21;
-        const double w23 = times(series, 14, n, w4, q); /* w4 * q */
-        const double of_j = m->pressed * w23;
-        const double w25 = times(series, 15, n, w23, p); /* w23 * p */
-        const double w26 = w3 + one * 1.0;
-        /* (1.5 * hertz * q + linear) * w26 */
-        const double w27 = times(series, 16, n, 1.5 * m->hertz * q + one * m->linear, w26);
-        /* (-pressed * w27 - shaft_stiffness) * q */
-        const double w28 = times(series, 17, n, -m->pressed * w27 - one * m->shaft_stiffness, q);
-        const double w29 = over(series, 18, n, one * 1.0, r, inverse_r); /* 1.0 / r */
-        const double w30 = times(series, 19, n, around, w29); /* around * w29 */
-        const double w31 = times(series, 20, n, w30, push); /* w30 * push */
-        const double w32 = times(series, 21, n, w31, q); /* w31 * q */
+        const double w22 = times(series, 13, n, turned, down_r); /* turned * down_r */
+        const double of_down_t = -w22;
+        const double w24 = times(series, 14, n, w4, q); /* w4 * q */
+        const double of_j = m->pressed * w24;
+        const double w26 = times(series, 15, n, w24, p); /* w24 * p */
+        const double of_work = m->pressed * w26;
+        const double w28 = w3 + one * 1.0;
+        /* (1.5 * hertz * q + linear) * w28 */
+        const double w29 = times(series, 16, n, 1.5 * m->hertz * q + one * m->linear, w28);
+        /* (-pressed * w29 - shaft_stiffness) * q */
+        const double w30 = times(series, 17, n, -m->pressed * w29 - one * m->shaft_stiffness, q);
+        const double w31 = over(series, 18, n, one * 1.0, r, inverse_r); /* 1.0 / r */
+        const double w32 = times(series, 19, n, around, w31); /* around * w31 */
+        const double w33 = times(series, 20, n, w32, push); /* w32 * push */
+        const double w34 = times(series, 21, n, w33, q); /* w33 * q */
         /* (-2.0 * zeta - pressed * contact_damping * push) * q */
-        const double w33 = times(series, 22, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
-        const double w34 = times(series, 23, n, push, w26); /* push * w26 */
-        const double w35 = times(series, 24, n, w34, w29); /* w34 * w29 */
-        /* (-pressed * w35 - shaft_stiffness) * q */
-        const double w36 = times(series, 25, n, -m->pressed * w35 - one * m->shaft_stiffness, q);
+        const double w35 = times(series, 22, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
+        const double w36 = times(series, 23, n, push, w28); /* push * w28 */
+        const double w37 = times(series, 24, n, w36, w31); /* w36 * w31 */
+        /* (-pressed * w37 - shaft_stiffness) * q */
+        const double w38 = times(series, 25, n, -m->pressed * w37 - one * m->shaft_stiffness, q);
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -430,14 +461,14 @@ static void contact_expand_with_factors(const struct parameters *m,
         terms[CONTACT_DOWN_T] = of_down_t * share;
         terms[CONTACT_T] = q * share;
         terms[CONTACT_J] = of_j * share;
-        terms[CONTACT_WORK] = m->pressed * w25 * share;
+        terms[CONTACT_WORK] = of_work * share;
         terms[CONTACT_SPENT] = one * 0.0 * share;
         series->factors[0][n] = q;
         series->factors[1][n] = turned;
-        series->factors[2][n] = w28;
-        series->factors[3][n] = -(m->pressed * m->contact_damping) * w32;
-        series->factors[4][n] = w33;
-        series->factors[5][n] = w36;
+        series->factors[2][n] = w30;
+        series->factors[3][n] = -(m->pressed * m->contact_damping) * w34;
+        series->factors[4][n] = w35;
+        series->factors[5][n] = w38;
         one = 0.0;
     }
 }
@@ -496,6 +527,7 @@ const struct mode contact_mode = {
     .expand = contact_expand,
     .expand_with_factors = contact_expand_with_factors,
     .expand_differences = contact_expand_differences,
+    .spent = contact_spent,
 };
 
 /* The rates of change of x, y, vx, vy, down_x, down_y. */
@@ -514,13 +546,11 @@ static void cartesian_field(const struct parameters *m,
     const double w3 = sqrt(sqrt(square));
     const double w4 = m->hertz * w3 + m->linear;
     const double w5 = w4 * x;
-    const double ax = m->omega * m->omega - 2.0 * m->zeta * vx - m->felt * w5 - m->shaft_stiffness * x + m->load * down_x;
-    const double w7 = w4 * y;
-    const double ay = -2.0 * m->zeta * vy - m->felt * w7 - m->shaft_stiffness * y + m->load * down_y;
+    const double w6 = w4 * y;
     rate[CARTESIAN_X] = vx + m->omega * y;
     rate[CARTESIAN_Y] = vy - m->omega * x;
-    rate[CARTESIAN_VX] = ax + m->omega * vy;
-    rate[CARTESIAN_VY] = ay - m->omega * vx;
+    rate[CARTESIAN_VX] = m->omega * m->omega - 2.0 * m->zeta * vx - m->felt * w5 - m->shaft_stiffness * x + m->load * down_x + m->omega * vy;
+    rate[CARTESIAN_VY] = -2.0 * m->zeta * vy - m->felt * w6 - m->shaft_stiffness * y + m->load * down_y - m->omega * vx;
     rate[CARTESIAN_DOWN_X] = m->omega * down_y;
     rate[CARTESIAN_DOWN_Y] = -m->omega * down_x;
 }
@@ -672,13 +702,11 @@ static void cartesian_expand(const struct parameters *m,
         const double w3 = raised(series, 2, n, square, 0.25, one * first_w3, inverse_square);
         const double w4 = m->hertz * w3 + one * m->linear;
         const double w5 = times(series, 4, n, w4, x); /* w4 * x */
-        const double ax = one * (m->omega * m->omega) - 2.0 * m->zeta * vx - m->felt * w5 - m->shaft_stiffness * x + m->load * down_x;
-        const double w7 = times(series, 5, n, w4, y); /* w4 * y */
-        const double ay = -2.0 * m->zeta * vy - m->felt * w7 - m->shaft_stiffness * y + m->load * down_y;
+        const double w6 = times(series, 5, n, w4, y); /* w4 * y */
         terms[CARTESIAN_X] = (vx + m->omega * y) * share;
         terms[CARTESIAN_Y] = (vy - m->omega * x) * share;
-        terms[CARTESIAN_VX] = (ax + m->omega * vy) * share;
-        terms[CARTESIAN_VY] = (ay - m->omega * vx) * share;
+        terms[CARTESIAN_VX] = (one * (m->omega * m->omega) - 2.0 * m->zeta * vx - m->felt * w5 - m->shaft_stiffness * x + m->load * down_x + m->omega * vy) * share;
+        terms[CARTESIAN_VY] = (-2.0 * m->zeta * vy - m->felt * w6 - m->shaft_stiffness * y + m->load * down_y - m->omega * vx) * share;
         terms[CARTESIAN_DOWN_X] = m->omega * down_y * share;
         terms[CARTESIAN_DOWN_Y] = -m->omega * down_x * share;
         one = 0.0;
@@ -714,27 +742,25 @@ static void cartesian_expand_with_factors(const struct parameters *m,
         const double w3 = raised(series, 2, n, square, 0.25, one * first_w3, inverse_square);
         const double w4 = m->hertz * w3 + one * m->linear;
         const double w5 = times(series, 4, n, w4, x); /* w4 * x */
-        const double ax = one * (m->omega * m->omega) - 2.0 * m->zeta * vx - m->felt * w5 - m->shaft_stiffness * x + m->load * down_x;
-        const double w7 = times(series, 5, n, w4, y); /* w4 * y */
-        const double ay = -2.0 * m->zeta * vy - m->felt * w7 - m->shaft_stiffness * y + m->load * down_y;
-        const double w9 = over(series, 6, n, w3, square, inverse_square); /* w3 / square */
-        const double w10 = times(series, 7, n, w9, x); /* w9 * x */
-        const double w11 = times(series, 8, n, w10, x); /* w10 * x */
+        const double w6 = times(series, 5, n, w4, y); /* w4 * y */
+        const double w7 = over(series, 6, n, w3, square, inverse_square); /* w3 / square */
+        const double w8 = times(series, 7, n, w7, x); /* w7 * x */
+        const double w9 = times(series, 8, n, w8, x); /* w8 * x */
         const double push = m->felt * w4;
-        const double w13 = times(series, 9, n, w9, y); /* w9 * y */
-        const double w14 = times(series, 10, n, w13, x); /* w13 * x */
-        const double w15 = times(series, 11, n, w10, y); /* w10 * y */
-        const double w16 = times(series, 12, n, w13, y); /* w13 * y */
+        const double w11 = times(series, 9, n, w7, y); /* w7 * y */
+        const double w12 = times(series, 10, n, w11, x); /* w11 * x */
+        const double w13 = times(series, 11, n, w8, y); /* w8 * y */
+        const double w14 = times(series, 12, n, w11, y); /* w11 * y */
         terms[CARTESIAN_X] = (vx + m->omega * y) * share;
         terms[CARTESIAN_Y] = (vy - m->omega * x) * share;
-        terms[CARTESIAN_VX] = (ax + m->omega * vy) * share;
-        terms[CARTESIAN_VY] = (ay - m->omega * vx) * share;
+        terms[CARTESIAN_VX] = (one * (m->omega * m->omega) - 2.0 * m->zeta * vx - m->felt * w5 - m->shaft_stiffness * x + m->load * down_x + m->omega * vy) * share;
+        terms[CARTESIAN_VY] = (-2.0 * m->zeta * vy - m->felt * w6 - m->shaft_stiffness * y + m->load * down_y - m->omega * vx) * share;
         terms[CARTESIAN_DOWN_X] = m->omega * down_y * share;
         terms[CARTESIAN_DOWN_Y] = -m->omega * down_x * share;
-        series->factors[0][n] = -(0.5 * m->hertz * m->felt * w11 + push) - one * m->shaft_stiffness;
-        series->factors[1][n] = -(0.5 * m->hertz * m->felt) * w14;
-        series->factors[2][n] = -(0.5 * m->hertz * m->felt) * w15;
-        series->factors[3][n] = -(0.5 * m->hertz * m->felt * w16 + push) - one * m->shaft_stiffness;
+        series->factors[0][n] = -(0.5 * m->hertz * m->felt * w9 + push) - one * m->shaft_stiffness;
+        series->factors[1][n] = -(0.5 * m->hertz * m->felt) * w12;
+        series->factors[2][n] = -(0.5 * m->hertz * m->felt) * w13;
+        series->factors[3][n] = -(0.5 * m->hertz * m->felt * w14 + push) - one * m->shaft_stiffness;
         one = 0.0;
     }
 }
@@ -800,59 +826,60 @@ static void rub_field(const struct parameters *m,
     const double w3 = push * (1.0 + m->contact_damping * p);
     const double push_ = m->pressed * w3;
     const double r = m->delta0 + square;
+    const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r;
     const double slip_speed = ratio(slip, r);
     const double around = slip_speed - m->rim;
     const double spin = ratio(around, r);
     const double centrifugal = spin * around;
-    const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r + centrifugal;
+    const double outwards = radial + centrifugal;
     const double of_p = outwards * q;
     const double drag = m->friction * m->sigma * m->pressed * w3;
-    const double sideways = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t - drag;
-    const double w14 = sideways * r;
-    const double moment = w14 + m->rim * p;
+    const double tangential = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t - drag;
+    const double w15 = tangential * r;
+    const double moment = w15 + m->rim * p;
     const double of_slip = moment * q;
     const double turned = spin * q;
     const double turn = turned - m->omega * q;
-    const double w19 = turn * s;
-    const double of_c = -w19;
-    const double w21 = c * c;
-    const double w22 = s * s;
-    const double w23 = (1.0 - (w21 + w22)) * q;
-    const double w24 = w23 * c;
+    const double w20 = turn * s;
+    const double of_c = -w20;
+    const double w22 = c * c;
+    const double w23 = s * s;
+    const double w24 = (1.0 - (w22 + w23)) * q;
+    const double w25 = w24 * c;
     const double of_s = turn * c;
-    const double w26 = w23 * s;
+    const double w27 = w24 * s;
     const double of_down_r = turned * down_t;
-    const double w28 = down_r * down_r;
-    const double w29 = down_t * down_t;
-    const double w30 = (1.0 - (w28 + w29)) * q;
-    const double w31 = w30 * down_r;
-    const double w32 = turned * down_r;
-    const double of_down_t = -w32;
-    const double w34 = w30 * down_t;
-    const double w35 = w3 * q;
-    const double of_j = m->pressed * w35;
-    const double w37 = w35 * p;
-    const double w38 = p * p;
+    const double w29 = down_r * down_r;
+    const double w30 = down_t * down_t;
+    const double w31 = (1.0 - (w29 + w30)) * q;
+    const double w32 = w31 * down_r;
+    const double w33 = turned * down_r;
+    const double of_down_t = -w33;
+    const double w35 = w31 * down_t;
+    const double w36 = w3 * q;
+    const double of_j = m->pressed * w36;
+    const double w38 = w36 * p;
+    const double w39 = p * p;
     const double h = slip - m->rim * r;
     const double around_ = ratio(h, r);
-    const double w41 = around_ * around_;
-    const double damped = 2.0 * m->zeta * (w38 + w41 - m->omega * h);
-    const double w43 = r * down_t;
-    const double spent = (damped + m->load * m->omega * w43) * q;
-    const double w45 = w35 * (m->rim + m->omega * r);
-    const double w46 = w35 * slip_speed;
+    const double w42 = around_ * around_;
+    const double damped = 2.0 * m->zeta * (w39 + w42 - m->omega * h);
+    const double w44 = r * down_t;
+    const double spent = (damped + m->load * m->omega * w44) * q;
+    const double w46 = w36 * (m->rim + m->omega * r);
+    const double w47 = w36 * slip_speed;
     rate[RUB_Q] = of_q;
     rate[RUB_P] = of_p;
     rate[RUB_SLIP] = of_slip;
-    rate[RUB_C] = of_c + 0.1 * m->omega * w24;
-    rate[RUB_S] = of_s + 0.1 * m->omega * w26;
-    rate[RUB_DOWN_R] = of_down_r + 0.1 * m->omega * w31;
-    rate[RUB_DOWN_T] = of_down_t + 0.1 * m->omega * w34;
+    rate[RUB_C] = of_c + 0.1 * m->omega * w25;
+    rate[RUB_S] = of_s + 0.1 * m->omega * w27;
+    rate[RUB_DOWN_R] = of_down_r + 0.1 * m->omega * w32;
+    rate[RUB_DOWN_T] = of_down_t + 0.1 * m->omega * w35;
     rate[RUB_T] = q;
     rate[RUB_J] = of_j;
-    rate[RUB_WORK] = m->pressed * w37;
-    rate[RUB_SPENT] = spent - m->friction * m->sigma * m->pressed * w45;
-    rate[RUB_HEAT] = m->friction * m->sigma * m->pressed * w46;
+    rate[RUB_WORK] = m->pressed * w38;
+    rate[RUB_SPENT] = spent - m->friction * m->sigma * m->pressed * w46;
+    rate[RUB_HEAT] = m->friction * m->sigma * m->pressed * w47;
 }
 
 /* Their derivatives by each of these, column by column. */
@@ -1139,28 +1166,29 @@ static void rub_expand(const struct parameters *m,
         const double w3 = times(series, 2, n, push, one * 1.0 + m->contact_damping * p);
         const double push_ = m->pressed * w3;
         const double r = one * m->delta0 + square;
+        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r;
         const double slip_speed = over(series, 3, n, slip, r, inverse_r); /* slip / r */
         const double around = slip_speed - one * m->rim;
         const double spin = over(series, 4, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 5, n, spin, around); /* spin * around */
-        const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r + centrifugal;
+        const double outwards = radial + centrifugal;
         const double of_p = times(series, 6, n, outwards, q); /* outwards * q */
         const double drag = m->friction * m->sigma * m->pressed * w3;
-        const double sideways = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t - drag;
-        const double w14 = times(series, 7, n, sideways, r); /* sideways * r */
-        const double moment = w14 + m->rim * p;
+        const double tangential = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t - drag;
+        const double w15 = times(series, 7, n, tangential, r); /* tangential * r */
+        const double moment = w15 + m->rim * p;
         const double of_slip = times(series, 8, n, moment, q); /* moment * q */
         const double turned = times(series, 9, n, spin, q); /* spin * q */
         const double turn = turned - m->omega * q;
-        const double w19 = times(series, 10, n, turn, s); /* turn * s */
-        const double of_c = -w19;
+        const double w20 = times(series, 10, n, turn, s); /* turn * s */
+        const double of_c = -w20;
         const double of_s = times(series, 11, n, turn, c); /* turn * c */
         const double of_down_r = times(series, 12, n, turned, down_t); /* turned * down_t */
-        const double w23 = times(series, 13, n, turned, down_r); /* turned * down_r */
-        const double of_down_t = -w23;
-        const double w25 = times(series, 14, n, w3, q); /* w3 * q */
-        const double of_j = m->pressed * w25;
-        const double w27 = times(series, 15, n, w25, p); /* w25 * p */
+        const double w24 = times(series, 13, n, turned, down_r); /* turned * down_r */
+        const double of_down_t = -w24;
+        const double w26 = times(series, 14, n, w3, q); /* w3 * q */
+        const double of_j = m->pressed * w26;
+        const double w28 = times(series, 15, n, w26, p); /* w26 * p */
         terms[RUB_Q] = of_q * share;
         terms[RUB_P] = of_p * share;
         terms[RUB_SLIP] = of_slip * share;
@@ -1170,10 +1198,42 @@ static void rub_expand(const struct parameters *m,
         terms[RUB_DOWN_T] = of_down_t * share;
         terms[RUB_T] = q * share;
         terms[RUB_J] = of_j * share;
-        terms[RUB_WORK] = m->pressed * w27 * share;
+        terms[RUB_WORK] = m->pressed * w28 * share;
         terms[RUB_SPENT] = one * 0.0 * share;
         terms[RUB_HEAT] = one * 0.0 * share;
         one = 0.0;
+    }
+}
+
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rub_spent(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {RUB_Q, RUB_P, RUB_SLIP, RUB_DOWN_T};
+    vec4 read[4][AT_ONCE];
+    read_parts(series, order, reads, 4, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 slip = read[2][v];
+        const vec4 down_t = read[3][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 h = slip - m->rim * r;
+        const vec4 around = (h) / (r);
+        const vec4 w5 = around * around;
+        const vec4 damped = 2.0 * m->zeta * (w0 + w5 - m->omega * h);
+        const vec4 w7 = r * down_t;
+        const vec4 spent = (damped + m->load * m->omega * w7) * q;
+        const vec4 push = (m->hertz * q + m->linear) * square;
+        const vec4 w10 = push * (1.0 + m->contact_damping * p);
+        const vec4 w11 = w10 * q;
+        const vec4 w12 = w11 * (m->rim + m->omega * r);
+        const vec4 slip_speed = (slip) / (r);
+        const vec4 w14 = w11 * slip_speed;
+        rate[v][0] = spent - m->friction * m->sigma * m->pressed * w12;
+        rate[v][1] = m->friction * m->sigma * m->pressed * w14;
     }
 }
 
@@ -1206,47 +1266,48 @@ static void rub_expand_with_factors(const struct parameters *m,
         const double w4 = times(series, 2, n, push, one * 1.0 + w3); /* push * (1.0 + w3) */
         const double push_ = m->pressed * w4;
         const double r = one * m->delta0 + square;
+        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r;
         const double slip_speed = over(series, 3, n, slip, r, inverse_r); /* slip / r */
         const double around = slip_speed - one * m->rim;
         const double spin = over(series, 4, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 5, n, spin, around); /* spin * around */
-        const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r + centrifugal;
+        const double outwards = radial + centrifugal;
         const double of_p = times(series, 6, n, outwards, q); /* outwards * q */
         const double drag = m->friction * m->sigma * m->pressed * w4;
-        const double sideways = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t - drag;
-        const double w15 = times(series, 7, n, sideways, r); /* sideways * r */
-        const double moment = w15 + m->rim * p;
+        const double tangential = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t - drag;
+        const double w16 = times(series, 7, n, tangential, r); /* tangential * r */
+        const double moment = w16 + m->rim * p;
         const double of_slip = times(series, 8, n, moment, q); /* moment * q */
         const double turned = times(series, 9, n, spin, q); /* spin * q */
         const double turn = turned - m->omega * q;
-        const double w20 = times(series, 10, n, turn, s); /* turn * s */
-        const double of_c = -w20;
+        const double w21 = times(series, 10, n, turn, s); /* turn * s */
+        const double of_c = -w21;
         const double of_s = times(series, 11, n, turn, c); /* turn * c */
         const double of_down_r = times(series, 12, n, turned, down_t); /* turned * down_t */
-        const double w24 = times(series, 13, n, turned, down_r); /* turned * down_r */
-        const double of_down_t = -w24;
-        const double w26 = times(series, 14, n, w4, q); /* w4 * q */
-        const double of_j = m->pressed * w26;
-        const double w28 = times(series, 15, n, w26, p); /* w26 * p */
-        const double w29 = w3 + one * 1.0;
-        /* (1.5 * hertz * q + linear) * w29 */
-        const double w30 = times(series, 16, n, 1.5 * m->hertz * q + one * m->linear, w29);
-        /* (-pressed * w30 - shaft_stiffness) * q */
-        const double w31 = times(series, 17, n, -m->pressed * w30 - one * m->shaft_stiffness, q);
-        const double w32 = over(series, 18, n, one * 1.0, r, inverse_r); /* 1.0 / r */
-        const double w33 = times(series, 19, n, around, w32); /* around * w32 */
-        const double w34 = times(series, 20, n, w33, push); /* w33 * push */
-        const double w35 = times(series, 21, n, push, w29); /* push * w29 */
-        const double w36 = times(series, 22, n, w35, w32); /* w35 * w32 */
-        /* (-(pressed * contact_damping) * w34 + pressed * (friction * sigma) * w36) * q */
-        const double w37 = times(series, 23, n, -(m->pressed * m->contact_damping) * w34 + m->pressed * (m->friction * m->sigma) * w36, q);
+        const double w25 = times(series, 13, n, turned, down_r); /* turned * down_r */
+        const double of_down_t = -w25;
+        const double w27 = times(series, 14, n, w4, q); /* w4 * q */
+        const double of_j = m->pressed * w27;
+        const double w29 = times(series, 15, n, w27, p); /* w27 * p */
+        const double w30 = w3 + one * 1.0;
+        /* (1.5 * hertz * q + linear) * w30 */
+        const double w31 = times(series, 16, n, 1.5 * m->hertz * q + one * m->linear, w30);
+        /* (-pressed * w31 - shaft_stiffness) * q */
+        const double w32 = times(series, 17, n, -m->pressed * w31 - one * m->shaft_stiffness, q);
+        const double w33 = over(series, 18, n, one * 1.0, r, inverse_r); /* 1.0 / r */
+        const double w34 = times(series, 19, n, around, w33); /* around * w33 */
+        const double w35 = times(series, 20, n, w34, push); /* w34 * push */
+        const double w36 = times(series, 21, n, push, w30); /* push * w30 */
+        const double w37 = times(series, 22, n, w36, w33); /* w36 * w33 */
+        /* (-(pressed * contact_damping) * w35 + pressed * (friction * sigma) * w37) * q */
+        const double w38 = times(series, 23, n, -(m->pressed * m->contact_damping) * w35 + m->pressed * (m->friction * m->sigma) * w37, q);
         /* (-2.0 * zeta - pressed * contact_damping * push) * q */
-        const double w38 = times(series, 24, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
-        const double w39 = times(series, 25, n, w30, q); /* w30 * q */
-        /* (-pressed * w36 - shaft_stiffness - pressed * contact_damping * (friction * sigma) * w34) * q */
-        const double w40 = times(series, 26, n, -m->pressed * w36 - one * m->shaft_stiffness - m->pressed * m->contact_damping * (m->friction * m->sigma) * w34, q);
+        const double w39 = times(series, 24, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
+        const double w40 = times(series, 25, n, w31, q); /* w31 * q */
+        /* (-pressed * w37 - shaft_stiffness - pressed * contact_damping * (friction * sigma) * w35) * q */
+        const double w41 = times(series, 26, n, -m->pressed * w37 - one * m->shaft_stiffness - m->pressed * m->contact_damping * (m->friction * m->sigma) * w35, q);
         /* (-(pressed * contact_damping * (friction * sigma)) * push - spin) * q */
-        const double w41 = times(series, 27, n, -(m->pressed * m->contact_damping * (m->friction * m->sigma)) * push - spin, q);
+        const double w42 = times(series, 27, n, -(m->pressed * m->contact_damping * (m->friction * m->sigma)) * push - spin, q);
         terms[RUB_Q] = of_q * share;
         terms[RUB_P] = of_p * share;
         terms[RUB_SLIP] = of_slip * share;
@@ -1256,17 +1317,17 @@ static void rub_expand_with_factors(const struct parameters *m,
         terms[RUB_DOWN_T] = of_down_t * share;
         terms[RUB_T] = q * share;
         terms[RUB_J] = of_j * share;
-        terms[RUB_WORK] = m->pressed * w28 * share;
+        terms[RUB_WORK] = m->pressed * w29 * share;
         terms[RUB_SPENT] = one * 0.0 * share;
         terms[RUB_HEAT] = one * 0.0 * share;
         series->factors[0][n] = q;
         series->factors[1][n] = turned;
-        series->factors[2][n] = w31;
-        series->factors[3][n] = w37;
-        series->factors[4][n] = w38;
-        series->factors[5][n] = -(m->pressed * (m->friction * m->sigma)) * w39;
-        series->factors[6][n] = w40;
-        series->factors[7][n] = w41;
+        series->factors[2][n] = w32;
+        series->factors[3][n] = w38;
+        series->factors[4][n] = w39;
+        series->factors[5][n] = -(m->pressed * (m->friction * m->sigma)) * w40;
+        series->factors[6][n] = w41;
+        series->factors[7][n] = w42;
         one = 0.0;
     }
 }
@@ -1328,6 +1389,7 @@ const struct mode rub_mode = {
     .expand = rub_expand,
     .expand_with_factors = rub_expand_with_factors,
     .expand_differences = rub_expand_differences,
+    .spent = rub_spent,
 };
 
 /* The rates of change of q, p, slip, c, s, down_r, down_t, t, j, work, spent, heat, drawn back to where they belong. */
@@ -1722,6 +1784,35 @@ static void rolling_expand(const struct parameters *m,
     }
 }
 
+/* The rates of what damping, load and drive take, and of the heat, at parts of a step. */
+static void rolling_spent(const struct parameters *m,
+    const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2])
+{
+    static const int reads[] = {ROLLING_Q, ROLLING_P, ROLLING_S, ROLLING_DOWN_T};
+    vec4 read[4][AT_ONCE];
+    read_parts(series, order, reads, 4, parts, read);
+    for (int v = 0; v < AT_ONCE; v++) {
+        const vec4 q = read[0][v];
+        const vec4 p = read[1][v];
+        const vec4 s = read[2][v];
+        const vec4 down_t = read[3][v];
+        const vec4 w0 = p * p;
+        const vec4 square = q * q;
+        const vec4 r = m->delta0 + square;
+        const vec4 w3 = (r) / (r);
+        const vec4 w4 = w3 * w3;
+        const vec4 damped = 2.0 * m->zeta * (w0 - -(-m->rim * (-m->rim)) * w4 - m->omega * (-m->rim) * r);
+        const vec4 w6 = r * down_t;
+        const vec4 spent = (damped + m->load * m->omega * w6) * q;
+        const vec4 w8 = (p) / (r);
+        const vec4 hold = -(m->omega * m->omega) * s - 2.0 * m->zeta * (-m->rim) + m->load * down_t + m->rim * w8;
+        const vec4 w10 = hold * q;
+        const vec4 w11 = w10 * (m->rim + m->omega * r);
+        rate[v][0] = spent - w11;
+        rate[v][1] = spread(0.0);
+    }
+}
+
 /* The Taylor series of the state, and the factors of differences: 27 lanes. */
 static void rolling_expand_with_factors(const struct parameters *m,
     struct series *series, int order)
@@ -1880,6 +1971,7 @@ const struct mode rolling_mode = {
     .expand_with_factors = rolling_expand_with_factors,
     .expand_differences = rolling_expand_differences,
     .watched = rolling_watched,
+    .spent = rolling_spent,
 };
 
 #endif

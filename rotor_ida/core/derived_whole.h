@@ -7,11 +7,18 @@
 
 struct parameters {
     double omega, zeta, delta0, shaft_stiffness, contact_damping, load, hertz, linear, felt, pressed, friction, disc_radius, rim, sigma;
+    double rate, torque, slope, inverse_inertia; /* of other models */
 };
 
 static inline struct parameters parameters_of(const struct rotor *rotor, double felt)
 {
-    return (struct parameters){rotor->omega, rotor->zeta, rotor->delta0, rotor->shaft_stiffness, rotor->contact_damping, rotor->load, rotor->contact_exponent > 1.0 ? 1.0 : 0.0, rotor->contact_exponent > 1.0 ? 0.0 : 1.0, felt, 1.0, rotor->friction, rotor->disc_radius, rotor->disc_radius * rotor->omega, 0.0};
+    return (struct parameters){.omega = rotor->omega, .zeta = rotor->zeta, .delta0 = rotor->delta0, .shaft_stiffness = rotor->shaft_stiffness, .contact_damping = rotor->contact_damping, .load = rotor->load, .hertz = rotor->contact_exponent > 1.0 ? 1.0 : 0.0, .linear = rotor->contact_exponent > 1.0 ? 0.0 : 1.0, .felt = felt, .pressed = 1.0, .friction = rotor->friction, .disc_radius = rotor->disc_radius, .rim = rotor->disc_radius * rotor->omega, .sigma = 0.0};
+}
+
+/* Whether a rotor is the paper's, but for friction, and its speed prescribed. */
+static inline int is_plain(const struct parameters *m)
+{
+    return m->shaft_stiffness == 0.0 && m->contact_damping == 0.0 && m->load == 0.0 && m->hertz == 1.0 && m->linear == 0.0 && m->pressed == 1.0 && m->torque == 0.0 && m->slope == 0.0 && m->inverse_inertia == 0.0;
 }
 
 enum { BY_OMEGA, BY_ZETA, BY_DELTA0, BY_SHAFT_STIFFNESS, BY_CONTACT_DAMPING, BY_LOAD, BY_FRICTION, BY_DISC_RADIUS, PARAMETERS };
@@ -26,5 +33,6 @@ enum { RUB_ROLL_GUARD = RUB_SLIP };
 enum { ROLLING_Q, ROLLING_P, ROLLING_SLIP, ROLLING_C, ROLLING_S, ROLLING_DOWN_R, ROLLING_DOWN_T, ROLLING_T, ROLLING_J, ROLLING_WORK, ROLLING_SPENT, ROLLING_HEAT, ROLLING_SIZE };
 enum { ROLLING_EXIT_GUARD = ROLLING_Q };
 enum { ROLLING_EXTREMUM_GUARD = ROLLING_P };
+enum { CONTACT_SPEED = 0, CONTACT_ANGLE = 0, CARTESIAN_SPEED = 0, CARTESIAN_ANGLE = 0, RUB_SPEED = 0, RUB_ANGLE = 0, ROLLING_SPEED = 0, ROLLING_ANGLE = 0 }; /* of other models */
 
 #endif

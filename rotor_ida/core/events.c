@@ -7,7 +7,7 @@
 struct motion_of_centre motion_at(const double *state, double time, const struct rotor *rotor)
 {
     struct motion_of_centre centre = {.z = {state[0], state[1]}, .w = {state[2], state[3]}};
-    if (WHOLE) { /* -i exp(-i omega t) */
+    if (IS_GENERAL) { /* -i exp(-i omega t) */
         const double angle = rotor->omega * time;
         centre.down = (struct vector){-sin(angle), -cos(angle)};
     }
@@ -16,19 +16,16 @@ struct motion_of_centre motion_at(const double *state, double time, const struct
 
 struct motion_of_centre where_it_is(const struct run *run)
 {
-#ifdef RUN_UP
+    if (!SPEED_CHANGES)
+        return motion_at(run->state, run->shift + run->time, &run->rotor);
     struct motion_of_centre here = motion_at(run->state, 0.0, &run->rotor);
     here.down = (struct vector){-sin(run->angle), -cos(run->angle)};
     here.speed = run->rotor.omega;
     return here;
-#else
-    return motion_at(run->state, run->shift + run->time, &run->rotor);
-#endif
 }
 
 int is_finite(const double *state) { return isfinite(state[0] + state[1] + state[2] + state[3]); }
 
-#ifdef RUN_UP
 static int is_prescribed(const struct rotor *rotor) { return rotor->inverse_inertia == 0.0; }
 
 void begin_piece(struct run *run)
@@ -43,9 +40,11 @@ void begin_piece(struct run *run)
         rotor->omega = piece->speed;
 }
 
+/* Go on to the piece of a speed that changes in which the run is. */
 static void pass_pieces(struct run *run)
 {
-    while (run->piece + 1 < run->piece_count && run->time >= run->pieces[run->piece].end) {
+    while (SPEED_CHANGES && run->piece + 1 < run->piece_count
+           && run->time >= run->pieces[run->piece].end) {
         run->piece++;
         begin_piece(run);
     }
@@ -60,20 +59,18 @@ static void turn_rotor(struct run *run, struct motion_of_centre centre)
     run->rotor.omega = is_prescribed(&run->rotor) ? piece->speed + piece->rate * (run->time - begun)
                                                   : centre.speed;
 }
-#endif
 
 /* Advance the time by `span`, to a new displacement and velocity. */
 void advance_run(struct run *run, double span, struct motion_of_centre centre)
 {
-#ifdef RUN_UP
-    const int whole = span == phase_left(run) && span < time_left(run);
-    const double end = run->pieces[run->piece].end;
-#endif
-    run->time = span == time_left(run) ? run->duration : run->time + span;
-#ifdef RUN_UP
-    run->time = whole ? end : run->time;
-    turn_rotor(run, centre);
-#endif
+    if (span == time_left(run))
+        run->time = run->duration;
+    else if (SPEED_CHANGES && span == phase_left(run))
+        run->time = run->pieces[run->piece].end;
+    else
+        run->time += span;
+    if (SPEED_CHANGES)
+        turn_rotor(run, centre);
     run->state[0] = centre.z.x;
     run->state[1] = centre.z.y;
     run->state[2] = centre.w.x;
@@ -82,23 +79,10 @@ void advance_run(struct run *run, double span, struct motion_of_centre centre)
 
 /* ---- Contacts ---- */
 
-static void add_contact(struct run *run, double entry, double leaving, double peak_time,
-                        double root, double impulse, double momentum, double lost, double force,
-                        double heat)
+static void add_contact(struct run *run, struct contact contact)
 {
-    if (run->contact_room == 0)
-        return;
-    double *row = &run->contacts[CONTACT_COLUMNS * run->contact_count];
-    row[0] = entry;
-    row[1] = leaving;
-    row[2] = peak_time;
-    row[3] = root;
-    row[4] = impulse;
-    row[5] = momentum;
-    row[6] = lost;
-    row[7] = force;
-    row[8] = heat;
-    run->contact_count++;
+    if (run->contact_room > 0)
+        run->contacts[run->contact_count++] = contact;
 }
 
 /* Take back what happened in a contact at the very time of its exit. */
@@ -115,42 +99,40 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     const double began = run->time, left = time_left(run);
     const struct motion_of_centre here = where_it_is(run);
     run->where = IN_CONTACT;
-#ifdef RUN_UP
-    motion->model = parameters_of(&run->rotor, 0.0);
-#endif
+    if (SPEED_CHANGES)
+        motion->model = parameters_of(&run->rotor, 0.0);
     if (left <= 0.0) {
-        add_contact(run, entry, NAN, began, 0.0, NAN, cross(here.z, here.w), 0.0, 0.0, 0.0);
-        if (!WHOLE)
+        add_contact(run, (struct contact){.entry = entry,
+                                          .exit = NAN,
+                                          .peak_time = began,
+                                          .impulse = NAN,
+                                          .momentum = cross(here.z, here.w)});
+        if (!IS_GENERAL)
             return DONE;
     }
     double start[MOST_VALUES] = {0.0}, atol[MOST_VALUES] = {0.0}, reached[MOST_VALUES];
     begin_contact(here, phase_left(run), &run->rotor, start);
     contact_tolerances(start, run->rtol, run->atol, atol);
-#ifdef WHOLE_MODEL
     begin_with_friction(motion, start, atol);
-#ifdef RUN_UP
-    if (motion->model.contact_damping == 0.0) /* then the work on the ring is what it holds */
-        start[CONTACT_WORK] = held_by(&motion->model, start[CONTACT_Q]);
-#endif
-#endif
+    if (SPEED_CHANGES && motion->model.contact_damping == 0.0)
+        /* then the work on the ring is what it holds */
+        start[CONTACT_WORK] = spring_energy(&motion->model, start[CONTACT_Q]);
     begin_differences(motion, start, atol);
-#ifndef RUN_UP
     if (run->differences > 0 && start[CONTACT_T] > 0.0)
         fly_differences(run->bundle, run->differences, start[CONTACT_T], &run->rotor);
-#endif
     copy_values(motion, start, reached);
     struct peak peak = {.force = 0.0};
     memcpy(peak.values, start, sizeof peak.values);
     begin_pressed(motion, start);
-#ifdef WHOLE_MODEL
-    motion->down = here.down;
-    settle_friction(motion, start);
-    observe_jump(run, motion, 0.0, start);
-    if (run->event_room > 0)
-        record_way(run, motion);
-    if (left <= 0.0)
-        return DONE;
-#endif
+    if (IS_GENERAL) {
+        motion->down = here.down;
+        settle_friction(motion, start);
+        observe_jump(run, motion, 0.0, start);
+        if (run->event_room > 0)
+            record_way(run, motion);
+        if (left <= 0.0)
+            return DONE;
+    }
     int leaves = 0, status = motion->restart(motion, start, atol);
     if (status == DONE)
         status = integrate_contact(run, motion, start, atol, reached, &peak, &leaves);
@@ -160,17 +142,24 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
         return status;
     if (leaves) {
         run->where = IN_FLIGHT;
-        if (WHOLE)
+        if (IS_GENERAL)
             take_back(run);
         if (run->event_room > 0)
             record_event(run, EXIT);
         if (run->event_room > 0 && run->event_ways != NULL)
             run->event_ways[run->events - 1] = FLIES;
     }
-    add_contact(run, entry, leaves ? run->time : NAN,
-                smaller(began + peak.values[CONTACT_T], run->time), peak.values[CONTACT_Q],
-                reached[CONTACT_J], momentum_of(motion, peak.values),
-                lost_of(motion, start, reached), peak.force, heat_of(motion, reached));
+    add_contact(run, (struct contact){
+                         .entry = entry,
+                         .exit = leaves ? run->time : NAN,
+                         .peak_time = smaller(began + peak.values[CONTACT_T], run->time),
+                         .peak_root = peak.values[CONTACT_Q],
+                         .impulse = reached[CONTACT_J],
+                         .momentum = momentum_of(motion, peak.values),
+                         .lost = lost_of(motion, start, reached),
+                         .largest_force = peak.force,
+                         .heat = heat_of(motion, reached),
+                     });
     return DONE;
 }
 
@@ -183,9 +172,7 @@ static int stay_in_contact(struct run *run, struct motion *motion)
     while (status == DONE && time_left(run) > 0.0) { /* once, but where a speed changes */
         struct peak peak;
         const double began = run->time;
-#ifdef RUN_UP
         pass_pieces(run);
-#endif
         status = follow_freely(run, motion, &peak, &touched);
         const struct motion_of_centre at_peak = centre_of(motion, peak.values);
         if (length(at_peak.z) >= length(farthest.z)) {
@@ -193,14 +180,18 @@ static int stay_in_contact(struct run *run, struct motion *motion)
             at = began + peak.time;
         }
     }
-    add_contact(run, NAN, NAN, at, sqrt(length(farthest.z)), NAN, cross(farthest.z, farthest.w),
-                0.0, NAN, 0.0);
+    add_contact(run, (struct contact){.entry = NAN,
+                                      .exit = NAN,
+                                      .peak_time = at,
+                                      .peak_root = sqrt(length(farthest.z)),
+                                      .impulse = NAN,
+                                      .momentum = cross(farthest.z, farthest.w),
+                                      .largest_force = NAN});
     return status;
 }
 
 /* ---- Flight ---- */
 
-#ifndef RUN_UP
 /* Fly to the next touch, or to the end, in closed form; say whether it is a touch. */
 static int fly_exactly(struct run *run, int *touched)
 {
@@ -222,8 +213,6 @@ static int fly_exactly(struct run *run, int *touched)
     advance_run(run, flight.span, fly(flight.start, flight.span, &run->rotor));
     return is_finite(run->state) ? DONE : NOT_FINITE;
 }
-
-#endif
 
 /* Put the rotor on the ring, off which rounding has moved it, and record its entry. */
 static void enter(struct run *run)
@@ -250,9 +239,8 @@ int follow_events(struct run *run, const struct motions *motions)
     if (!is_finite(run->state))
         return NOT_FINITE;
     if (run->where == UNDECIDED) {
-#ifdef RUN_UP
-        begin_piece(run);
-#endif
+        if (SPEED_CHANGES)
+            begin_piece(run);
         run->where = run->began = decide_mode(where_it_is(run), &run->rotor);
         observe_start(run);
     }
@@ -268,23 +256,17 @@ int follow_events(struct run *run, const struct motions *motions)
         if (run->where == IN_FLIGHT) {
             int touched = 0;
             struct peak farthest;
-#ifdef RUN_UP
-            status = follow_freely(run, motions->free, &farthest, &touched);
-            pass_pieces(run);
-#else
-            const int exact = run->exact_flight || run->method == TAYLOR;
+            const int exact = HAS_CLOSED_FLIGHT && (run->exact_flight || run->method == TAYLOR);
             status = exact ? fly_exactly(run, &touched)
                            : follow_freely(run, motions->free, &farthest, &touched);
-#endif
+            pass_pieces(run);
             if (status != DONE || !touched)
                 continue;
             enter(run);
             entry = run->time;
         }
         status = follow_contact(run, motions->contact, entry);
-#ifdef RUN_UP
         pass_pieces(run);
-#endif
     }
     if (status == DONE)
         observe_end(run);

@@ -1,9 +1,14 @@
-/* The event loop and its parts: how it begins (start.c), what it integrates (phases.c), and the
- * loop itself (events.c). */
+/* The event loop and its parts: how it begins (start.c), what it integrates (contact_phase.c and
+ * free_phase.c), and the loop itself (events.c). */
 #ifndef ROTOR_IDA_EVENTS_H
 #define ROTOR_IDA_EVENTS_H
 
 #include "observers.h"
+
+/* A rise by less than this part is rounding. */
+static const double LEAST_RISE = 1e-13;
+/* Most points of a step at which a largest force, or a least margin, is sought. */
+enum { MOST_NARROWING = 60 };
 
 /* The two integrations of a run: of contacts, and of displacement and velocity. CVODE's must not
  * move. */
@@ -26,12 +31,15 @@ void contact_tolerances(const double *start, double rtol, double absolute, doubl
 /* Put the unit matrix behind the values with which a motion begins, if it has tangents. */
 void begin_differences(const struct motion *motion, double *start, double *atol);
 
-/* Whether a contact of the whole model begins pressed or loose; and what it has lost. */
+/* The force and the energy of a contact (balance.c). Decide whether it begins pressed or loose;
+ * keep its largest force, in a step up to `end`; and what it has lost to contact damping. */
 void begin_pressed(struct motion *motion, const double *start);
+void raise_force(struct peak *peak, struct motion *motion, double end, const double *reached);
 double lost_of(const struct motion *motion, const double *start, const double *values);
+int is_balanced(const struct motion *motion, double absolute, const double *start,
+                const double *deepest, const double *reached, int64_t steps);
 /* The heat of sliding in a contact. */
 double heat_of(const struct motion *motion, const double *values);
-#ifdef WHOLE_MODEL
 /* A change of the way in which a contact goes on: where in the last step, and what says so. */
 struct change {
     double point;
@@ -57,15 +65,12 @@ enum way way_of(const struct motion *motion);
 void record_way(struct run *run, const struct motion *motion);
 void record_change(struct run *run, const struct motion *motion, int kind, int began,
                    const double *values);
-#endif
 int integrate_contact(struct run *run, struct motion *motion, const double *start,
                       const double *atol, double *reached, struct peak *peak, int *left);
 int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int *touched);
 
-#ifdef RUN_UP
 /* Let the speed change as the present piece has it. */
 void begin_piece(struct run *run);
-#endif
 
 /* A state on the rotating axes of a time. */
 struct motion_of_centre motion_at(const double *state, double time, const struct rotor *rotor);

@@ -1,4 +1,4 @@
-/* Flight inside the clearance, in closed form; see flight.c, and sprung_flight.c for a machine. */
+/* Flight inside the clearance, in closed form; see flight.c. */
 #ifndef ROTOR_IDA_FLIGHT_H
 #define ROTOR_IDA_FLIGHT_H
 
@@ -43,21 +43,18 @@ static inline double length(struct vector a) { return sqrt(a.x * a.x + a.y * a.y
 /* Displacement and velocity, read on the rotating axes of the moment. */
 struct motion_of_centre {
     struct vector z, w;
-    struct vector down; /* where the load points; looked at in the whole model alone */
-#ifdef RUN_UP
+    struct vector down;  /* where a load points */
     double speed, angle; /* of the rotor; the angle since the phase began */
-#endif
+};
+
+/* r r', or twice that, and its rate of change. */
+struct turning {
+    double rate, bend;
 };
 
 /* The larger and the smaller of two numbers, the second where one is NaN. */
 static inline double larger(double a, double b) { return a > b ? a : b; }
 static inline double smaller(double a, double b) { return a < b ? a : b; }
-
-/* The stop flag, read anew each time. */
-static inline int asked_to_stop(const uint8_t *stop)
-{
-    return *(const volatile uint8_t *)stop != 0;
-}
 
 struct motion_of_centre fly(struct motion_of_centre start, double tau, const struct rotor *rotor);
 
@@ -71,12 +68,12 @@ void fly_differences(double *rows, int count, double tau, const struct rotor *ro
 /* The time to the first touch of the ring; infinite if none comes by `limit`, or asked to stop; NaN
  * where the search gets nowhere. */
 double first_touch(struct motion_of_centre start, const struct rotor *rotor, double limit,
-                   const uint8_t *stop);
+                   const stop_flag *stop);
 
 /* The first time after `from` at which the radius of a flight turns; infinite if it does not by
  * `limit`, or asked to stop. `rising` is 1 or -1 where the radius rises or falls before it; 0 at
  * the start of a flight. */
 double next_turn(struct motion_of_centre start, const struct rotor *rotor, double from,
-                 double limit, double *rising, const uint8_t *stop);
+                 double limit, double *rising, const stop_flag *stop);
 
 #endif

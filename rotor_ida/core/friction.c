@@ -4,7 +4,6 @@
  * sense in which the force drives it that rolling would need. */
 #include "events.h"
 
-#ifdef WHOLE_MODEL
 enum way way_of(const struct motion *motion)
 {
     if (motion->model.pressed == 0.0)
@@ -38,7 +37,7 @@ static double ungripped(const struct motion *motion, const double *values)
 
 void settle_friction(struct motion *motion, double *values)
 {
-    if (motion->mode == &contact_mode)
+    if (!is_rubbing(motion))
         return;
     motion->mode = &rub_mode;
     motion->model.sigma = 0.0;
@@ -58,24 +57,24 @@ void settle_friction(struct motion *motion, double *values)
 
 void begin_with_friction(struct motion *motion, double *start, double *atol)
 {
-    if (motion->mode == &contact_mode)
+    if (!is_rubbing(motion))
         return;
-    const double q = start[CONTACT_Q], r = motion->model.delta0 + q * q;
     motion->mode = &rub_mode;
     motion->model.sigma = 0.0;
-    start[RUB_SLIP] = start[CONTACT_H] + rim_of(motion, start) * r;
+    start[RUB_SLIP] = start[CONTACT_H]
+                      + rim_of(motion, start) * radius_in_contact(&motion->model, start);
     start[RUB_HEAT] = 0.0;
     atol[RUB_HEAT] = atol[CONTACT_WORK];
 }
 
 double heat_of(const struct motion *motion, const double *values)
 {
-    return motion->mode == &contact_mode ? 0.0 : values[RUB_HEAT];
+    return is_rubbing(motion) ? values[RUB_HEAT] : 0.0;
 }
 
 void record_way(struct run *run, const struct motion *motion)
 {
-    if (motion->mode == &contact_mode)
+    if (!is_rubbing(motion))
         return;
     if (run->events > 0)
         run->event_ways[run->events - 1] = (int8_t)way_of(motion);
@@ -143,4 +142,3 @@ int change_way(struct motion *motion, enum guard guard, double *values)
     settle_friction(motion, values);
     return pressed ? RELEASE : PRESS;
 }
-#endif

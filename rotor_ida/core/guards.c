@@ -2,12 +2,11 @@
  * back, surfaces stop sliding, or the grip is not enough for the disc to roll. */
 #include "events.h"
 
-#ifdef WHOLE_MODEL
 /* Looks a step by CVODE is given for a change; one by Taylor series is cut so that it has one at
- * most. And most points at which a least margin is sought. */
-enum { LOOKS_FOR_CHANGE = 4, MOST_NARROWING = 60 };
+ * most. */
+enum { LOOKS_FOR_CHANGE = 4 };
 /* So many roundings of what a margin is made of are no margin. */
-static const double HIDDEN = 16.0 * ROUNDING;
+static const double MARGIN_ROUNDING = 16.0 * ROUNDING;
 
 double release_velocity(const struct motion *motion)
 {
@@ -47,31 +46,29 @@ double margin_of(const struct motion *motion, enum guard guard, const double *va
 static double size_of_hold(const struct motion *motion, const double *values)
 {
     const struct parameters *m = &motion->model;
-    const double r = m->delta0 + values[CONTACT_Q] * values[CONTACT_Q];
+    const double r = radius_in_contact(m, values);
     const double omega = speed_of(motion, values), rim = rim_of(motion, values);
     const double size = omega * omega + m->load
                         + rim * (2.0 * m->zeta + fabs(values[CONTACT_P]) / r);
-#ifdef RUN_UP
+    if (!SPEED_CHANGES)
+        return size;
     double rate[MOST_VALUES];
     rolling_mode.field(m, values, rate);
     const double q = values[CONTACT_Q];
     const double faster = q > 0.0 ? fabs(rate[CONTACT_SPEED]) / q : fabs(m->rate);
     return size + faster * (m->disc_radius + 1.0);
-#else
-    return size;
-#endif
 }
 
 double hidden_hold(const struct motion *motion, const double *values)
 {
-    return HIDDEN * size_of_hold(motion, values);
+    return MARGIN_ROUNDING * size_of_hold(motion, values);
 }
 
 double hidden_slip(const struct motion *motion, const double *values)
 {
-    const double r = motion->model.delta0 + values[CONTACT_Q] * values[CONTACT_Q];
+    const double r = radius_in_contact(&motion->model, values);
     const double others = fabs(values[CONTACT_P]) + rim_of(motion, values);
-    return HIDDEN * (fabs(momentum_of(motion, values)) + r * others);
+    return MARGIN_ROUNDING * (fabs(momentum_of(motion, values)) + r * others);
 }
 
 /* A margin that is no further below 0 may be rounding. */
@@ -198,4 +195,3 @@ struct change change_in_step(struct motion *motion, double end)
     }
     return first;
 }
-#endif

@@ -173,8 +173,8 @@ struct slide {
 
 static struct law law_of(struct rotor rotor)
 {
-    return (struct law){rotor.delta0 == 0.0, WHOLE && rotor.contact_exponent == 1.0,
-                        WHOLE && rotor.friction > 0.0};
+    return (struct law){rotor.delta0 == 0.0, IS_GENERAL && rotor.contact_exponent == 1.0,
+                        IS_GENERAL && rotor.friction > 0.0};
 }
 
 /* s(r) = f(r)/r from r**2. */
@@ -352,13 +352,14 @@ inlined void step_all(struct lanes *lanes, struct rotor rotor, struct law law, d
 static void step_lanes(struct lanes *lanes, struct rotor rotor, double tolerance)
 {
     const struct law law = law_of(rotor);
-    const double kink = law.linear || (WHOLE && rotor.contact_damping > 0.0) ? SHARPER_KINK : KINK;
+    const double kink = law.linear || (IS_GENERAL && rotor.contact_damping > 0.0) ? SHARPER_KINK
+                                                                                  : KINK;
     const double over = tolerance < SEEN ? SHORTEST * pow(tolerance, 1.0 / kink) : INFINITY;
     /* each a loop of its own */
-    if (WHOLE && law.rubs && law.linear)
-        step_all(lanes, rotor, (struct law){false, true, WHOLE}, tolerance, over);
-    else if (WHOLE && law.rubs)
-        step_all(lanes, rotor, (struct law){false, false, WHOLE}, tolerance, over);
+    if (IS_GENERAL && law.rubs && law.linear)
+        step_all(lanes, rotor, (struct law){false, true, IS_GENERAL}, tolerance, over);
+    else if (IS_GENERAL && law.rubs)
+        step_all(lanes, rotor, (struct law){false, false, IS_GENERAL}, tolerance, over);
     else if (law.always && law.linear)
         step_all(lanes, rotor, (struct law){true, true, false}, tolerance, over);
     else if (law.always)
@@ -605,12 +606,10 @@ static void record_result(const struct lanes *lanes, int i, const struct starts 
 }
 
 /* Read from memory each time: another thread writes it. */
-static bool asked_to_stop(const uint8_t *stop) { return *(const volatile uint8_t *)stop != 0; }
-
 int core_follow_lanes(const struct rotor *rotor, double *states, int16_t *labels, float *times,
                       int64_t count, const double *regions, int64_t region_count,
                       const double free_whirl[4], const double *sections, int64_t section_count,
-                      double duration, double tolerance, const uint8_t *stop)
+                      double duration, double tolerance, const stop_flag *stop)
 {
     const struct starts starts = {states, labels, times, count};
     const double first_code = (double)(region_count + 1); /* of those that follow the regions */
@@ -628,7 +627,7 @@ int core_follow_lanes(const struct rotor *rotor, double *states, int16_t *labels
         memset(lanes.inside, 0, sizeof lanes.inside);
         for (int64_t j = 0; j < region_count; j++)
             find_trapped(&lanes, regions + REGION * j, (double)(j + 1));
-        if (free_whirl[2] >= 0.0 && WHOLE && rotor->shaft_stiffness > 0.0)
+        if (free_whirl[2] >= 0.0 && IS_GENERAL && rotor->shaft_stiffness > 0.0)
             find_held_by_shaft(&lanes, *rotor, free_whirl, first_code);
         else if (free_whirl[2] >= 0.0)
             find_contact_free(&lanes, *rotor, free_whirl, first_code);
@@ -653,7 +652,7 @@ int core_follow_lanes(const struct rotor *rotor, double *states, int16_t *labels
 
 int core_measure_returns(const struct rotor *rotor, const double *states, int64_t count,
                          const double section[SECTION], double earliest, double latest,
-                         double tolerance, double *values, const uint8_t *stop)
+                         double tolerance, double *values, const stop_flag *stop)
 {
     struct lanes lanes = {0};
     int64_t passed[LANES];

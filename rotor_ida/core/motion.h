@@ -5,14 +5,7 @@
 #ifndef ROTOR_IDA_MOTION_H
 #define ROTOR_IDA_MOTION_H
 
-#include "core.h"
-#ifdef RUN_UP
-#include "derived_run_up.h"
-#elif defined(WHOLE_MODEL)
-#include "derived_whole.h"
-#else
-#include "derived.h"
-#endif
+#include "contact_law.h"
 #include "flight.h"
 #include "series.h"
 
@@ -24,39 +17,39 @@ struct mode {
     int size;
     void (*field)(const struct parameters *, const double *state, double *rate);
     void (*jacobian)(const struct parameters *, const double *state, double *matrix);
-#ifndef RUN_UP
+    /* of neighbours, where they are followed */
     void (*growth)(const struct parameters *, const double *state, double growth[4][4]);
     void (*by_parameters)(const struct parameters *, const double *state,
                           double added[PARAMETERS][4]);
-#endif
     void (*expand)(const struct parameters *, struct series *, int order);
-#ifdef RUN_UP
     /* the same where the speed is prescribed, and of a rotor that is the paper's besides */
     void (*expand_prescribed)(const struct parameters *, struct series *, int order);
     void (*expand_plain)(const struct parameters *, struct series *, int order);
-#else
+    /* the rates of what a contact of the general model spends, and of the heat, at parts of a step;
+     * and the same two again */
+    void (*spent)(const struct parameters *, const struct series *, int order, const vec4 *parts,
+                  vec4 (*rate)[2]);
+    void (*spent_prescribed)(const struct parameters *, const struct series *, int order,
+                             const vec4 *parts, vec4 (*rate)[2]);
+    void (*spent_plain)(const struct parameters *, const struct series *, int order,
+                        const vec4 *parts, vec4 (*rate)[2]);
     void (*expand_with_factors)(const struct parameters *, struct series *, int order);
     void (*expand_differences)(const struct parameters *, struct series *, int order);
-#endif
     /* what is beside the state and yet needed to say when the mode ends, and its rates; or NULL */
     void (*watched)(const struct parameters *, const double *state, double *watched, double *rate);
 };
 
 extern const struct mode contact_mode, cartesian_mode;
-#ifdef WHOLE_MODEL
 /* With friction a contact slides or rolls. All three are laid out alike. */
 extern const struct mode rub_mode, rolling_mode;
-#ifdef RUN_UP
-_Static_assert((int)RUB_SPEED == CONTACT_SPEED && (int)RUB_ANGLE == CONTACT_ANGLE,
+_Static_assert(!HAS_FRICTION
+                   || ((int)RUB_Q == CONTACT_Q && (int)RUB_P == CONTACT_P && (int)RUB_C == CONTACT_C
+                       && (int)RUB_DOWN_R == CONTACT_DOWN_R && (int)RUB_T == CONTACT_T
+                       && (int)RUB_SPEED == CONTACT_SPEED && (int)RUB_ANGLE == CONTACT_ANGLE
+                       && (int)RUB_J == CONTACT_J && (int)RUB_WORK == CONTACT_WORK
+                       && (int)RUB_SPENT == CONTACT_SPENT && (int)RUB_SLIP == (int)ROLLING_SLIP
+                       && (int)RUB_HEAT == (int)ROLLING_HEAT && (int)RUB_SIZE == (int)ROLLING_SIZE),
                "the modes of a contact must be laid out alike");
-#endif
-_Static_assert((int)RUB_Q == CONTACT_Q && (int)RUB_P == CONTACT_P && (int)RUB_C == CONTACT_C
-                   && (int)RUB_DOWN_R == CONTACT_DOWN_R && (int)RUB_T == CONTACT_T
-                   && (int)RUB_J == CONTACT_J && (int)RUB_WORK == CONTACT_WORK
-                   && (int)RUB_SPENT == CONTACT_SPENT && (int)RUB_SLIP == (int)ROLLING_SLIP
-                   && (int)RUB_HEAT == (int)ROLLING_HEAT && (int)RUB_SIZE == (int)ROLLING_SIZE,
-               "the modes of a contact must be laid out alike");
-#endif
 
 struct motion {
     const struct mode *mode;
@@ -73,11 +66,9 @@ struct motion {
     const double *(*glance_at)(struct motion *, double point);
     const double *(*rate)(struct motion *); /* at the beginning of the step */
     int64_t (*evaluations)(struct motion *);
-#ifdef WHOLE_MODEL
     /* add what a contact spends up to a point of the last step; NULL where its values have it */
     void (*spend)(struct motion *, double end, double *reached);
     struct vector down; /* where the load points as the phase begins, on the rotating axes */
-#endif
 };
 
 static inline int is_contact(const struct motion *motion)
@@ -88,83 +79,77 @@ static inline int is_contact(const struct motion *motion)
 /* The speed of the rotor, and that of the rim. */
 static inline double speed_of(const struct motion *motion, const double *values)
 {
-#ifdef RUN_UP
-    return values[is_contact(motion) ? (int)CONTACT_SPEED : (int)CARTESIAN_SPEED];
-#else
-    (void)values;
+    if (SPEED_CHANGES)
+        return values[is_contact(motion) ? (int)CONTACT_SPEED : (int)CARTESIAN_SPEED];
     return motion->model.omega;
-#endif
 }
 
-#ifdef WHOLE_MODEL
 static inline double rim_of(const struct motion *motion, const double *values)
 {
-#ifdef RUN_UP
-    return motion->model.disc_radius * speed_of(motion, values);
-#else
-    (void)values;
-    return motion->model.rim;
-#endif
+    return SPEED_CHANGES ? motion->model.disc_radius * speed_of(motion, values) : motion->model.rim;
 }
-#endif
+
+/* Whether a speed that a torque drives has fallen through 0. */
+static inline int has_stalled(const struct motion *motion, const double *values)
+{
+    return SPEED_CHANGES && motion->model.inverse_inertia > 0.0 && speed_of(motion, values) < 0.0;
+}
+
+/* Whether surfaces slide in a contact, or the disc rolls. */
+static inline int is_rubbing(const struct motion *motion)
+{
+    return HAS_FRICTION && motion->mode != &contact_mode;
+}
+
+/* Where the disc's centre is in a contact: how far out, and in which direction. */
+static inline double radius_in_contact(const struct parameters *m, const double *values)
+{
+    return m->delta0 + values[CONTACT_Q] * values[CONTACT_Q];
+}
+
+static inline struct vector direction_of(const double *values)
+{
+    const struct vector direction = {values[CONTACT_C], values[CONTACT_S]};
+    return scaled(1.0 / length(direction), direction);
+}
 
 /* The angular momentum in a contact: with friction its values hold the moment of the slip. */
 static inline double momentum_of(const struct motion *motion, const double *values)
 {
-#ifdef WHOLE_MODEL
-    if (motion->mode != &contact_mode) {
-        const double q = values[CONTACT_Q];
-        return values[RUB_SLIP] - rim_of(motion, values) * (motion->model.delta0 + q * q);
-    }
-#endif
-    (void)motion;
+    if (is_rubbing(motion))
+        return values[RUB_SLIP]
+               - rim_of(motion, values) * radius_in_contact(&motion->model, values);
     return values[CONTACT_H];
 }
 
-#ifdef WHOLE_MODEL
 /* The direction of the load by time and by the direction of the contact. By its own rate alone it
  * would turn away from the unbalance in a long phase, a tolerance a step. */
 static inline struct vector load_of(const struct motion *motion, const double *values, double point)
 {
     const int contact = is_contact(motion);
-#ifdef RUN_UP
-    const double angle = values[contact ? (int)CONTACT_ANGLE : (int)CARTESIAN_ANGLE];
-    (void)point;
-#else
-    const double angle = motion->model.omega * (contact ? values[CONTACT_T] : point);
-#endif
+    const double angle = SPEED_CHANGES
+                             ? values[contact ? (int)CONTACT_ANGLE : (int)CARTESIAN_ANGLE]
+                             : motion->model.omega * (contact ? values[CONTACT_T] : point);
     const struct vector down = product(motion->down, (struct vector){cos(angle), -sin(angle)});
     return contact ? product(down, (struct vector){values[CONTACT_C], -values[CONTACT_S]}) : down;
 }
 
 static inline void put_load_right(const struct motion *motion, double *values, double point)
 {
-    if (motion->model.load == 0.0)
+    if (!HAS_LOAD || motion->model.load == 0.0)
         return;
     const struct vector down = load_of(motion, values, point);
     const int place = is_contact(motion) ? (int)CONTACT_DOWN_R : (int)CARTESIAN_DOWN_X;
     values[place] = down.x;
     values[place + 1] = down.y;
 }
-#endif
 
-#ifdef WHOLE_MODEL
 /* What the error of the moment of the slip is measured by: that is large of a large disc, however
  * slowly its centre moves, and no more than so many times the angular momentum. */
 static inline double size_of_slip(const struct motion *motion, const double *values, double times)
 {
     return fmin(fabs(values[RUB_SLIP]), times * fabs(momentum_of(motion, values)));
 }
-#endif
-
-#ifdef WHOLE_MODEL
-/* What the spring of the contact holds. */
-static inline double held_by(const struct parameters *m, double q)
-{
-    const double square = q * q;
-    return square * square * (m->hertz * q * 0.4 + m->linear * 0.5);
-}
-#endif
 
 static inline int values_of(const struct motion *motion)
 {
@@ -194,18 +179,8 @@ struct taylor {
 
 static inline struct taylor *taylor_of(struct motion *motion) { return (struct taylor *)motion; }
 
-#ifdef WHOLE_MODEL
 /* Add to `reached` what a contact spends over the last step up to `end` (spending.c). */
 void spend(struct motion *motion, double end, double *reached);
-#endif
-#ifdef RUN_UP
-/* Whether a rotor is the paper's, but for friction, and its speed prescribed. */
-static inline int is_plain(const struct parameters *m)
-{
-    return m->inverse_inertia == 0.0 && m->hertz > 0.0 && m->shaft_stiffness == 0.0
-           && m->contact_damping == 0.0 && m->load == 0.0;
-}
-#endif
 
 void open_taylor(struct taylor *taylor, const struct mode *mode, struct parameters model,
                  double rtol, int tangents);
@@ -216,7 +191,6 @@ void open_taylor(struct taylor *taylor, const struct mode *mode, struct paramete
 double root_in_step(struct motion *motion, double (*function)(const double *values), double level,
                     double low, double high);
 
-#ifdef WHOLE_MODEL
 /* What must not fall below 0 while a contact goes on as it does: the factor of the force (and what
  * is below it, while that is loose); the slip, in the sense in which surfaces slide; and what is
  * left of the grip, for a force that would have them slide forwards, or backwards. */
@@ -231,6 +205,5 @@ double hidden_hold(const struct motion *motion, const double *values);
 
 /* As `root_in_step`, of a guard. */
 double root_of_guard(struct motion *motion, enum guard guard, double low, double high);
-#endif
 
 #endif

@@ -4,7 +4,7 @@
 
 #include "motion.h"
 
-enum { EVENTS_A_CONTACT = 2, CONTACT_COLUMNS = 9, EXTREMUM_COLUMNS = 7 };
+enum { EVENTS_A_CONTACT = 2 };
 
 /* A stretch of flight: from where, and for how long. */
 struct flight {
@@ -30,14 +30,15 @@ void observe_end(struct run *run);
 /* Watch a flight, and a step in contact or of a flight that is integrated. */
 void observe_flight(struct run *run, const struct flight *flight);
 int observe_step(struct run *run, const struct step *step);
+/* Move a bundle over a flight, and over a step of a motion whose differences begin anew with it. */
+void carry_over_flight(struct run *run, const struct flight *flight);
+void carry_over_step(struct run *run, const struct step *step);
 /* Carry differences over a contact that has been followed as one. */
 void observe_phase(struct run *run, struct motion *motion, const double *start,
                    const double *reached);
-#ifdef WHOLE_MODEL
 /* What a jump of the tangential force makes of differences, where surfaces that slid in a sense, or
  * did not (0), begin to roll or to slide the other way. */
 void observe_jump(struct run *run, const struct motion *motion, double sense, const double *values);
-#endif
 
 void record_event(struct run *run, enum event kind);
 /* The same inside a phase, at a time since its beginning. */

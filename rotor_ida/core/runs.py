@@ -26,6 +26,7 @@ from rotor_ida.core.interface import (
     library_of,
     pointer,
 )
+from rotor_ida.model.modes import WHOLE
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.model.table import PARAMETERS
 
@@ -36,10 +37,7 @@ FIRST_ROOM = 64
 # Rows of a bundle of differences: of the state, and with those that the parameters add.
 DIFFERENCES = 4
 # By which parameters the core differentiates: in the paper's model by the first three.
-COLUMNS = (
-    *PARAMETERS,
-    *("shaft_stiffness", "contact_damping", "load", "friction", "disc_radius"),
-)
+COLUMNS = WHOLE.columns
 NO_STOP: Stop = np.zeros(1, np.uint8)
 
 

@@ -13,22 +13,20 @@
 #include <math.h>
 #include <string.h>
 
+#include "model.h"
+
 enum {
     LOWEST_ORDER = 6,
     HIGHEST_ORDER = 24,
     ORDERS = HIGHEST_ORDER + 1,
-#ifdef RUN_UP
-    WIDTH = 16, /* columns of a state, with room to spare */
-    LANES = 32, /* products at most */
-#elif defined(WHOLE_MODEL)
-    WIDTH = 12,
-    LANES = 28,
-#else
-    WIDTH = 8,
-    LANES = 16,
-#endif
-    FACTORS = 8,     /* series at most that differences are multiplied by */
-    DIFFERENCES = 4, /* followed beside a motion, four components each */
+    WIDTH = SPEED_CHANGES ? 16
+    : IS_GENERAL          ? 12
+                          : 8, /* columns of a state, with room to spare */
+    LANES = SPEED_CHANGES ? 32
+    : IS_GENERAL          ? 28
+                          : 16, /* products at most */
+    FACTORS = 8,                /* series at most that differences are multiplied by */
+    DIFFERENCES = 4,            /* followed beside a motion, four components each */
     APART = 16,
     WATCHED = 2, /* what is beside the state */
     WIDEST_ROW = 16
@@ -43,9 +41,7 @@ struct series {
     _Alignas(32) double apart[ORDERS][APART];  /* of the differences: x of all four, then y, ... */
     _Alignas(32) double steady[ORDERS][APART]; /* what the pace multiplies of their rates */
     double factors[FACTORS][ORDERS];
-#ifdef WHOLE_MODEL
     double watched[ORDERS][WATCHED];
-#endif
 };
 
 typedef double vec4 __attribute__((vector_size(32)));
@@ -175,6 +171,24 @@ static inline __attribute__((always_inline)) void evaluate(const double *terms, 
             store(&values[4 * v], fma4(low[v], at, high[v]));
         } else {
             store(&values[4 * v], fma4(high[v], at, low[v]));
+        }
+    }
+}
+
+/* Values of some components at eight parts of a step, four to a vector. */
+enum { AT_ONCE = 2 };
+static inline __attribute__((always_inline)) void read_parts(const struct series *series, int order,
+                                                             const int *components, const int count,
+                                                             const vec4 *parts,
+                                                             vec4 (*values)[AT_ONCE])
+{
+    for (int i = 0; i < count; i++)
+        values[i][0] = values[i][1] = spread(0.0);
+    for (int n = order; n >= 0; n--) {
+        for (int i = 0; i < count; i++) {
+            const vec4 term = spread(series->terms[n][components[i]]);
+            for (int v = 0; v < AT_ONCE; v++)
+                values[i][v] = fma4(values[i][v], parts[v], term);
         }
     }
 }

@@ -8,10 +8,8 @@ static const double FIRST_DEPTH = 1e-16;
 /* On a steady whirl rounding alone moves q and p by so much: no step can be asked for less. */
 static const double BELOW_ROUNDING = 1e-16;
 static const double TIGHTEST_ATOL = 1e-30;
-#ifdef WHOLE_MODEL
 /* What serves a check alone shall ask for no step of its own. */
 static const double SPENT_LOOSER = 100.0;
-#endif
 
 /* The radial velocity; 0 where rounding hides its sign. */
 static double radial_velocity(struct motion_of_centre start)
@@ -20,15 +18,13 @@ static double radial_velocity(struct motion_of_centre start)
     return fabs(along) > 4.0 * ROUNDING * length(start.w) ? along : 0.0;
 }
 
-#ifdef RUN_UP
-/* The angular acceleration without contact. */
+/* The angular acceleration without contact: 0 but where the speed changes. */
 static double quickening_of(struct motion_of_centre start, const struct rotor *rotor)
 {
     const double left = rotor->torque - rotor->slope * rotor->omega + 2.0 * rotor->zeta * start.w.y
                         + rotor->shaft_stiffness * start.z.y;
-    return rotor->rate + rotor->inverse_inertia * left;
+    return SPEED_CHANGES ? rotor->rate + rotor->inverse_inertia * left : 0.0;
 }
-#endif
 
 /* The radial acceleration at radial rest, without contact; 0 where rounding hides it. */
 static double radial_acceleration(struct motion_of_centre start, const struct rotor *rotor)
@@ -36,16 +32,14 @@ static double radial_acceleration(struct motion_of_centre start, const struct ro
     const double radius = length(start.z), around = cross(start.z, start.w) / radius;
     const double centrifugal = around * around / radius, unbalance = rotor->omega * rotor->omega;
     double total = centrifugal + unbalance * (start.z.x / radius), size = centrifugal + unbalance;
-    if (WHOLE) {
+    if (IS_GENERAL) {
         const double spring = rotor->shaft_stiffness * radius;
         total += rotor->load * dot(start.z, start.down) / radius - spring;
         size += rotor->load + spring;
     }
-#ifdef RUN_UP
     const double faster = quickening_of(start, rotor); /* which pulls along -i */
     total -= faster * (start.z.y / radius);
     size += fabs(faster);
-#endif
     return fabs(total) > 16.0 * ROUNDING * size ? total : 0.0;
 }
 
@@ -54,27 +48,25 @@ static double radial_jerk(struct motion_of_centre start, const struct rotor *rot
 {
     const double omega = rotor->omega, damping = 2.0 * rotor->zeta, radius = length(start.z);
     struct vector acceleration = {omega * omega - damping * start.w.x, -damping * start.w.y};
-    if (WHOLE)
+    if (IS_GENERAL)
         acceleration = plus(acceleration, plus(scaled(-rotor->shaft_stiffness, start.z),
                                                scaled(rotor->load, start.down)));
-#ifdef RUN_UP
     const double faster = quickening_of(start, rotor);
     acceleration.y -= faster;
-#endif
     struct vector jerk = {-damping * acceleration.x,
                           omega * omega * omega - damping * acceleration.y};
-    if (WHOLE)
+    if (IS_GENERAL)
         jerk = plus(jerk, scaled(-rotor->shaft_stiffness, start.w));
-#ifdef RUN_UP
-    /* of (omega**2 - i theta'') exp(i theta); theta'' changes as the reaction does */
-    const struct vector turned = plus(acceleration, scaled(-omega, quarter_turned(start.w)));
-    const struct vector moved = plus(start.w, scaled(-omega, quarter_turned(start.z)));
-    const double jolt = rotor->inverse_inertia
-                        * (damping * turned.y + rotor->shaft_stiffness * moved.y
-                           - rotor->slope * faster);
-    jerk.x += 3.0 * omega * faster;
-    jerk.y -= jolt;
-#endif
+    if (SPEED_CHANGES) {
+        /* of (omega**2 - i theta'') exp(i theta); theta'' changes as the reaction does */
+        const struct vector turned = plus(acceleration, scaled(-omega, quarter_turned(start.w)));
+        const struct vector moved = plus(start.w, scaled(-omega, quarter_turned(start.z)));
+        const double jolt = rotor->inverse_inertia
+                            * (damping * turned.y + rotor->shaft_stiffness * moved.y
+                               - rotor->slope * faster);
+        jerk.x += 3.0 * omega * faster;
+        jerk.y -= jolt;
+    }
     const double by_velocity = 3.0 * dot(start.w, acceleration), by_position = dot(start.z, jerk);
     const double size = 3.0 * length(start.w) * length(acceleration)
                         + length(start.z) * length(jerk);
@@ -111,22 +103,25 @@ static void regularise(struct motion_of_centre start, double root, double *value
     values[CONTACT_C] = direction.x;
     values[CONTACT_S] = direction.y;
     values[CONTACT_T] = values[CONTACT_J] = 0.0;
-#ifdef WHOLE_MODEL
-    values[CONTACT_DOWN_R] = dot(direction, start.down);
-    values[CONTACT_DOWN_T] = cross(direction, start.down);
-    values[CONTACT_WORK] = values[CONTACT_SPENT] = 0.0;
-#endif
-#ifdef RUN_UP
-    values[CONTACT_SPEED] = start.speed;
-    values[CONTACT_ANGLE] = start.angle;
-#endif
+    if (IS_GENERAL) {
+        values[CONTACT_DOWN_R] = dot(direction, start.down);
+        values[CONTACT_DOWN_T] = cross(direction, start.down);
+        values[CONTACT_WORK] = 0.0;
+        values[CONTACT_SPENT] = 0.0;
+    }
+    if (SPEED_CHANGES) {
+        values[CONTACT_SPEED] = start.speed;
+        values[CONTACT_ANGLE] = start.angle;
+    }
 }
 
-#ifdef RUN_UP
-/* The motion a moment later, in flight: by a few terms of its series. */
+/* The motion a moment later, in flight: where there is no closed form, by a few terms of its
+ * series. */
 static struct motion_of_centre fly_shortly(struct motion_of_centre start, double moment,
                                            const struct rotor *rotor)
 {
+    if (HAS_CLOSED_FLIGHT)
+        return fly(start, moment, rotor);
     const struct parameters model = parameters_of(rotor, 0.0);
     struct series series;
     double values[WIDTH];
@@ -142,7 +137,6 @@ static struct motion_of_centre fly_shortly(struct motion_of_centre start, double
                                      .speed = values[CARTESIAN_SPEED],
                                      .angle = values[CARTESIAN_ANGLE]};
 }
-#endif
 
 /* The values a moment after a start at radial rest that is drawn outwards.
  *
@@ -161,11 +155,7 @@ static void push_off(struct motion_of_centre start, double left, const struct ro
     else if (jerk > 0.0)
         moment = smaller(cbrt(6.0 * depth / jerk), 1e-3 * left);
     const double indentation = (acceleration / 2.0 + jerk * moment / 6.0) * moment * moment;
-#ifdef RUN_UP
     regularise(fly_shortly(start, moment, rotor), sqrt(indentation), values);
-#else
-    regularise(fly(start, moment, rotor), sqrt(indentation), values);
-#endif
     values[CONTACT_P] = (acceleration + jerk * moment / 2.0) * moment;
     values[CONTACT_T] = moment;
 }
@@ -194,8 +184,8 @@ void contact_tolerances(const double *start, double rtol, double absolute, doubl
         atol[i] = absolute;
     atol[CONTACT_Q] = atol[CONTACT_P] = larger(rtol * fastest, BELOW_ROUNDING);
     atol[CONTACT_T] = atol[CONTACT_J] = larger(rtol * least, TIGHTEST_ATOL);
-#ifdef WHOLE_MODEL
-    atol[CONTACT_WORK] = larger(rtol * fastest * fastest, TIGHTEST_ATOL);
-    atol[CONTACT_SPENT] = SPENT_LOOSER * atol[CONTACT_WORK];
-#endif
+    if (IS_GENERAL) {
+        atol[CONTACT_WORK] = larger(rtol * fastest * fastest, TIGHTEST_ATOL);
+        atol[CONTACT_SPENT] = SPENT_LOOSER * atol[CONTACT_WORK];
+    }
 }

@@ -9,36 +9,27 @@ static const double NOISE = 1e-13;
 /* A step turns the fastest of the motions that the terms cannot show by no more than this part of
  * the order: beyond, a series that has died away to rounding would grow again. */
 static const double FARTHEST = 0.25;
-#ifdef RUN_UP
 /* Of the sizes of the terms: a flight begins on the ring, with no radial velocity or acceleration,
  * where the square of the radius, or what its changes come from, adds up to less than this part. */
-static const double ON_THE_RING = 32.0 * ROUNDING;
-enum { WITH_SPEED = 1, ROOTS_AT_A_START = 3 };
-#else
-enum { WITH_SPEED = 0 };
-#endif
+static const double FROM_THE_RING = 32.0 * ROUNDING;
+enum { ROOTS_AT_A_START = 3 };
 /* The logarithm of a step that nothing limits. */
 static const double UNLIMITED = 100.0;
 /* Terms fall by a factor exp(2) where the order is best; so many are looked at, as some may vanish:
  * the series of a radial entry has but every fifth. */
 static const double FALL = 2.0, RATIO = 7.38905609893065;
 enum { LOOKED_AT = 6, MOST_CUTS = 60 };
-#ifdef WHOLE_MODEL
 /* The moment of the slip counts as no more than so many times the angular momentum: of less a step
  * would become shorter, for digits that a series has anyway. */
 static const double OF_MOMENTUM = 32.0;
-#endif
-#ifdef WHOLE_MODEL
 /* After so many steps the load is put where it points. */
 enum { STEPS_OF_LOAD = 4 };
-#endif
 /* The first columns of a contact: its guards, and all but the integrals that are behind its time.
  */
-#ifdef RUN_UP
-enum { GUARDS = CONTACT_P + 1, TO_BE_SEEN = CONTACT_ANGLE + 1 };
-#else
-enum { GUARDS = CONTACT_P + 1, TO_BE_SEEN = CONTACT_T + 1 };
-#endif
+enum {
+    GUARDS = CONTACT_P + 1,
+    TO_BE_SEEN = 1 + (SPEED_CHANGES ? (int)CONTACT_ANGLE : (int)CONTACT_T)
+};
 
 /* The largest of the coefficients n, each in parts of its tolerance. */
 static double worst_of(const struct taylor *taylor, int n, int components)
@@ -179,20 +170,14 @@ static double rate_of_contact(const struct taylor *taylor)
 {
     const struct parameters *model = &taylor->motion.model;
     const double q = fabs(taylor->series.terms[0][CONTACT_Q]);
-#ifdef WHOLE_MODEL
-    const double slope = 1.5 * model->hertz * q + model->linear;
     const double damping = model->contact_damping;
     const double stiffening = 1.0 + damping * fabs(taylor->series.terms[0][CONTACT_P]);
-    const double force = q * q * (model->hertz * q + model->linear);
     return q
-           * (speed_of(&taylor->motion, taylor->motion.before) + 2.0 * model->zeta + damping * force
-              + sqrt(model->shaft_stiffness + slope * stiffening));
-#else
-    return q * (model->omega + 2.0 * model->zeta + sqrt(1.5 * q));
-#endif
+           * (speed_of(&taylor->motion, taylor->motion.before) + 2.0 * model->zeta
+              + damping * spring_force(model, q)
+              + sqrt(model->shaft_stiffness + spring_stiffness(model, q) * stiffening));
 }
 
-#ifdef WHOLE_MODEL
 /* A step, cut so that the contact is released, or pressed again, inside it at most once. */
 static double with_one_release(struct taylor *taylor, double step)
 {
@@ -233,13 +218,12 @@ static double with_one_slip(struct taylor *taylor, double step)
 static double with_one_change(struct taylor *taylor, double step)
 {
     const struct motion *motion = &taylor->motion;
-    if (motion->mode == &rolling_mode)
+    if (HAS_FRICTION && motion->mode == &rolling_mode)
         return with_one_slip(taylor, step);
-    if (motion->mode == &rub_mode && motion->model.sigma != 0.0)
+    if (HAS_FRICTION && motion->mode == &rub_mode && motion->model.sigma != 0.0)
         return with_one_root(taylor, RUB_ROLL_GUARD, taylor->sizes[RUB_ROLL_GUARD], step);
     return step;
 }
-#endif
 
 /* How far the series of a contact may be followed. */
 static double contact_step(struct taylor *taylor)
@@ -253,11 +237,7 @@ static double contact_step(struct taylor *taylor)
     if (taylor->sizes[CONTACT_EXTREMUM_GUARD] > noise)
         step = with_one_root(taylor, CONTACT_EXTREMUM_GUARD, taylor->sizes[CONTACT_EXTREMUM_GUARD],
                              step);
-#ifdef WHOLE_MODEL
-    step = with_one_release(taylor, step);
-    step = with_one_change(taylor, step);
-#endif
-    return step;
+    return with_one_change(taylor, with_one_release(taylor, step));
 }
 
 /* A radius inside which the force changes the velocity by less than the tolerance.
@@ -269,12 +249,9 @@ static double unfelt(const struct taylor *taylor)
     const double square = state[CARTESIAN_VX] * state[CARTESIAN_VX]
                           + state[CARTESIAN_VY] * state[CARTESIAN_VY];
     const double omega = speed_of(&taylor->motion, state);
-    double push = part * omega * omega;
-#ifdef WHOLE_MODEL
-    push += part * taylor->motion.model.load;
+    const double push = part * omega * omega + part * taylor->motion.model.load;
     if (taylor->motion.model.linear > 0.0) /* a force of r is felt farther in */
         return larger(sqrt(part * square), push);
-#endif
     return larger(pow(part * square, 0.4), pow(push, 2.0 / 3.0));
 }
 
@@ -285,23 +262,17 @@ static double cartesian_step(struct taylor *taylor, double inner)
     const struct parameters *model = &taylor->motion.model;
     const double radius = length((struct vector){state[CARTESIAN_X], state[CARTESIAN_Y]});
     const double speed = length((struct vector){state[CARTESIAN_VX], state[CARTESIAN_VY]});
-#ifdef WHOLE_MODEL
-    const double slope = 1.5 * model->hertz * sqrt(radius) + model->linear;
+    const double slope = spring_stiffness(model, sqrt(radius));
     const double rate = speed_of(&taylor->motion, state) + 2.0 * model->zeta
                         + sqrt(model->shaft_stiffness + slope);
     const double more = model->load + model->shaft_stiffness * radius
                         + (radius > inner ? slope * radius : 0.0);
-#else
-    const double rate = model->omega + 2.0 * model->zeta + sqrt(1.5 * sqrt(radius)), more = 0.0;
-#endif
     double step = longest_step(taylor, CARTESIAN_SIZE, rate);
     double within = radius <= inner ? inner : 0.0;
-#ifdef WHOLE_MODEL
     /* nor beyond the axis: where the rotor comes to rest there, under a load, its series goes on
      * through it, but as if the force repelled */
-    if (model->hertz > 0.0 && radius > inner)
+    if (HAS_LOAD && model->hertz > 0.0 && radius > inner)
         within = radius;
-#endif
     if (within > 0.0) {
         const double omega = speed_of(&taylor->motion, state);
         const double push = omega * omega + 2.0 * model->zeta * speed + more;
@@ -310,13 +281,14 @@ static double cartesian_step(struct taylor *taylor, double inner)
     return step;
 }
 
-#ifdef RUN_UP
-/* Write the series of the state by the fewest products. */
+/* Write the series of the state, and the factors of differences; or by the fewest products. */
 static void expand(struct taylor *taylor)
 {
     const struct parameters *m = &taylor->motion.model;
     const struct mode *mode = taylor->motion.mode;
-    if (m->inverse_inertia > 0.0)
+    if (HAS_NEIGHBOURS && taylor->motion.tangents)
+        mode->expand_with_factors(m, &taylor->series, taylor->order);
+    else if (!SPEED_CHANGES || m->inverse_inertia > 0.0)
         mode->expand(m, &taylor->series, taylor->order);
     else if (is_plain(m))
         mode->expand_plain(m, &taylor->series, taylor->order);
@@ -348,7 +320,7 @@ static double flight_step(struct taylor *taylor)
             square[n] += product[0] + product[1];
             size += fabs(product[0]) + fabs(product[1]);
         }
-        if (on_ring == n && n < ROOTS_AT_A_START && fabs(square[n]) <= ON_THE_RING * size)
+        if (on_ring == n && n < ROOTS_AT_A_START && fabs(square[n]) <= FROM_THE_RING * size)
             on_ring++;
     }
     const int at_rest = on_ring > 1 ? on_ring - 1 : 0;
@@ -368,9 +340,7 @@ static double flight_step(struct taylor *taylor)
         step = with_one_zero(taylor, turning, 1, sizes[1], step);
     return step;
 }
-#endif
 
-#ifndef RUN_UP
 /* Write the series of the differences; return the step at which the last two terms of each reach
  * its tolerance. */
 static double step_of_differences(struct taylor *taylor)
@@ -400,7 +370,6 @@ static double step_of_differences(struct taylor *taylor)
         step = smaller(step, pow(before, -1.0 / (order - 1)));
     return step;
 }
-#endif
 
 /* Write the values at a part of the step; there is room for more than the state. */
 static inline void read(const struct taylor *taylor, const int columns, double part, double *values)
@@ -440,12 +409,10 @@ static void begin_step(struct taylor *taylor)
     const int chosen_by = is_contact(motion) ? (int)CONTACT_T : size;
     for (int i = 0; i < chosen_by; i++)
         taylor->inverse[i] = 1.0 / (motion->rtol * fabs(motion->values[i]) + taylor->atol[i]);
-#ifdef WHOLE_MODEL
-    if (motion->mode == &rub_mode) {
+    if (HAS_FRICTION && motion->mode == &rub_mode) {
         const double slip = size_of_slip(motion, motion->values, OF_MOMENTUM);
         taylor->inverse[RUB_SLIP] = 1.0 / (motion->rtol * slip + taylor->atol[RUB_SLIP]);
     }
-#endif
 }
 
 /* Put the direction of a contact back on the unit circle, off which each step carries it a little:
@@ -464,28 +431,18 @@ static int advance(struct motion *motion)
     const struct mode *mode = motion->mode;
     begin_step(taylor);
     double inner = 0.0;
-    const int flies = WITH_SPEED && mode == &cartesian_mode && motion->model.delta0 > 0.0;
+    const int flies = !HAS_CLOSED_FLIGHT && mode == &cartesian_mode && motion->model.delta0 > 0.0;
     if (mode == &cartesian_mode && !flies) {
         inner = unfelt(taylor);
         const struct vector here = {motion->values[CARTESIAN_X], motion->values[CARTESIAN_Y]};
         motion->model.felt = length(here) > inner ? 1.0 : 0.0;
     }
-#ifdef RUN_UP
     expand(taylor);
     double step = flies                ? flight_step(taylor)
                   : is_contact(motion) ? contact_step(taylor)
                                        : cartesian_step(taylor, inner);
-#else
-    if (motion->tangents)
-        mode->expand_with_factors(&motion->model, &taylor->series, taylor->order);
-    else
-        mode->expand(&motion->model, &taylor->series, taylor->order);
-    double step = is_contact(motion) ? contact_step(taylor) : cartesian_step(taylor, inner);
-    if (isnan(step))
-        return NOT_FINITE;
-    if (motion->tangents)
+    if (HAS_NEIGHBOURS && motion->tangents && !isnan(step))
         step = smaller(step, step_of_differences(taylor));
-#endif
     if (isnan(step))
         return NOT_FINITE;
     motion->point = motion->low + step;
@@ -494,10 +451,8 @@ static int advance(struct motion *motion)
     read(taylor, WIDTH, motion->point - motion->low, motion->values);
     if (is_contact(motion))
         put_on_circle(&motion->values[CONTACT_C]);
-#ifdef WHOLE_MODEL
-    if (++taylor->steps % STEPS_OF_LOAD == 0)
+    if (HAS_LOAD && ++taylor->steps % STEPS_OF_LOAD == 0)
         put_load_right(motion, motion->values, motion->point);
-#endif
     double total = 0.0;
     for (int i = 0; i < values_of(motion); i++)
         total += motion->values[i];
@@ -553,10 +508,8 @@ void open_taylor(struct taylor *taylor, const struct mode *mode, struct paramete
                                      .at = at,
                                      .glance_at = glance_at,
                                      .rate = rate,
-                                     .evaluations = evaluations};
-#ifdef WHOLE_MODEL
-    taylor->motion.spend = spend;
-#endif
+                                     .evaluations = evaluations,
+                                     .spend = IS_GENERAL ? spend : NULL};
 }
 
 /* The step of the secant or of inverse quadratic interpolation, as p/q with p > 0. */
@@ -587,10 +540,8 @@ struct sought {
 static inline __attribute__((always_inline)) double
 value_of(struct motion *motion, const struct sought *sought, double point)
 {
-#ifdef WHOLE_MODEL
-    if (sought->function == NULL)
+    if (IS_GENERAL && sought->function == NULL)
         return margin_of(motion, (enum guard)sought->guard, motion->at(motion, point), NULL);
-#endif
     return sought->function(motion->at(motion, point)) - sought->level;
 }
 
@@ -643,9 +594,7 @@ double root_in_step(struct motion *motion, double (*function)(const double *valu
     return root_of(motion, (struct sought){function, level, 0}, low, high);
 }
 
-#ifdef WHOLE_MODEL
 double root_of_guard(struct motion *motion, enum guard guard, double low, double high)
 {
     return root_of(motion, (struct sought){NULL, 0.0, (int)guard}, low, high);
 }
-#endif

@@ -34,11 +34,11 @@ class Course:
 
 def parameters_of(name: str, dataset: xr.Dataset, attribute: str, number: int) -> list[str]:
     """Return the parameters that vary along a branch or curve, as one of its attributes tells."""
-    told = dataset.attrs.get(attribute, "")
-    words = str(told).split()
+    varied = dataset.attrs.get(attribute, "")
+    words = str(varied).split()
     if len(words) != number or not set(words) <= set(ALL_PARAMETERS):
         raise InputError(
-            f"{name} must name what was varied in its attribute {attribute!r}, got {shown(told)}"
+            f"{name} must name what was varied in its attribute {attribute!r}, got {shown(varied)}"
         )
     return words
 
@@ -46,13 +46,13 @@ def parameters_of(name: str, dataset: xr.Dataset, attribute: str, number: int) -
 def course_of(branch: xr.Dataset) -> Course:
     """Return the course of a branch, as `rotor_ida.continue_cycle` returned it."""
     (parameter,) = parameters_of("branch", branch, "parameter", 1)
-    told, stability = _beside_halves(branch), words_of(branch["stability"])
-    response, kinds = words_of(branch["response"]), words_of(told["special_kind"])
-    points, specials = branch.sizes["point"], told.sizes["special"]
-    places = np.concatenate([np.arange(points), told["special_point"].values])
+    inside, stability = _beside_halves(branch), words_of(branch["stability"])
+    response, kinds = words_of(branch["response"]), words_of(inside["special_kind"])
+    points, specials = branch.sizes["point"], inside.sizes["special"]
+    places = np.concatenate([np.arange(points), inside["special_point"].values])
     order = np.argsort(places, kind="stable")  # a point stands before the special ones behind it
     value, low, high = (
-        np.concatenate([branch[name].values, told[special].values])[order]
+        np.concatenate([branch[name].values, inside[special].values])[order]
         for name, special in (
             (parameter, "special_value"),
             ("radius_min", "special_radius_min"),
@@ -69,7 +69,7 @@ def course_of(branch: xr.Dataset) -> Course:
         elif kinds[number - points] in CHANGES:
             here = "unstable" if here == "stable" else "stable"
             # where tori are born, two things may make a cycle unstable: the next point tells
-            if several and np.sum(told["special_point"].values == places[number]) == 1:
+            if several and np.sum(inside["special_point"].values == places[number]) == 1:
                 here = stability[min(int(places[number]) + 1, points - 1)]
         else:  # a graze, behind which the cycles are as at the next point
             kind = response[min(int(places[number]) + 1, points - 1)]
@@ -78,7 +78,7 @@ def course_of(branch: xr.Dataset) -> Course:
     return Course(value, low, high, stable[:-1], touching[:-1])
 
 
-def runs_of(told: Sequence[object]) -> list[tuple[int, int]]:
+def runs_of(words: Sequence[object]) -> list[tuple[int, int]]:
     """Return the first and the last point of each run of stretches of which the same is told.
 
     Examples
@@ -86,8 +86,8 @@ def runs_of(told: Sequence[object]) -> list[tuple[int, int]]:
     >>> runs_of(["stable", "stable", "unstable"])
     [(0, 2), (2, 3)]
     """
-    turns = [place for place in range(1, len(told)) if told[place] != told[place - 1]]
-    return list(pairwise([0, *turns, len(told)])) if told else []
+    turns = [place for place in range(1, len(words)) if words[place] != words[place - 1]]
+    return list(pairwise([0, *turns, len(words)])) if words else []
 
 
 def stable_ranges(branch: xr.Dataset) -> list[tuple[float, float]]:

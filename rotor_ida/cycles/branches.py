@@ -81,19 +81,19 @@ def branches_through(
         for name in (*NEEDED, *parameters)
     }
     places = np.argwhere(lies_on.values == EXACT["cycle"])
-    found: list[xr.Dataset] = []
+    branches: list[xr.Dataset] = []
     for number, place in enumerate(map(tuple, places), start=1):
         here = {name: float(values[place]) for name, values in spread.items()}
         rotor = Rotor(**{name: here[name] for name in parameters})
         period, radius = here["exact_period"], here["exact_radius_max"]
-        if not any(holds_cycle(branch, rotor, period, radius) for branch in found):
+        if not any(holds_cycle(branch, rotor, period, radius) for branch in branches):
             state = np.array([here[f"end_{name}"] for name in COMPONENTS])
             guess = Guess(rotor, state, period)
             bounds = check_limits("omega", limits, rotor)
-            found.append(branch_from(guess, "omega", bounds, "both", count))
+            branches.append(branch_from(guess, "omega", bounds, "both", count))
         if progress is not None:
             progress(number, len(places))
-    return found
+    return branches
 
 
 def holds_cycle(branch: xr.Dataset, rotor: Rotor, period: float, radius: float) -> bool:

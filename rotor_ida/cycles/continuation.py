@@ -167,14 +167,14 @@ class Step(Generic[S]):
     ----------
     point : Point
         The point that it comes to.
-    met : list of Special
+    specials : list of Special
         The special points on the way, in their order.
     taken, length : float
         Its length, and that of the next one, in parts of the scales.
     """
 
     point: Point[S]
-    met: list[Special[S]]
+    specials: list[Special[S]]
     taken: float
     length: float
 
@@ -226,7 +226,18 @@ class Curve(Generic[S]):
         try:
             return self.near(guess, _unit(guess.size, -1))
         except SimulationError:  # the curve turns back there
-            return self.near(guess, _unit(guess.size, -2))
+            return self.near(guess, self._across(guess))
+
+    def _across(self, guess: Values) -> Values:
+        """Return the normal of a plane across a curve whose last parameter turns back.
+
+        It points along the period or, where the parameters decide on that, along the curve.
+        """
+        if self.problem.autonomous:
+            return _unit(guess.size, -2)
+        stretch = self.problem.shoot(guess)
+        _, matrix = self.problem.equations(guess, stretch, stretch.start_rate)
+        return np.asarray(np.linalg.svd(matrix * self.scale)[2][-1])
 
     def near(self, guess: Values, plane: Values) -> Point[S]:
         """Return the point in the plane through `guess` with normal `plane`."""
@@ -245,12 +256,12 @@ class Curve(Generic[S]):
                 cosine = float(point.tangent @ last.tangent)
                 moved = _size((point.unknowns - guess) / self.scale)
                 if cosine >= LEAST_COSINE and moved <= MOST_CORRECTION * length:
-                    met = self._met(last, (point, *earlier), length)
+                    specials = self._specials(last, (point, *earlier), length)
                     break
                 if length <= CORNER and moved <= SHARPEST * length and self._changes(last, point):
                     # multipliers jump there: none passes the unit circle
-                    met = self._met(last, (point,), length)
-                    met = [each for each in met if each.name in self.problem.counts]
+                    specials = self._specials(last, (point,), length)
+                    specials = [each for each in specials if each.name in self.problem.counts]
                     break
                 reason = "the curve bends too much"
             except SimulationError as error:
@@ -261,7 +272,7 @@ class Curve(Generic[S]):
                 raise SimulationError(f"no step can be taken: {reason}")
         easy = newton_steps <= EASY_STEPS and cosine >= GOOD_COSINE
         longer = min(length * GROWTH, LONGEST_STEP) if easy else length
-        return Step(self._led_on(point), met, length, longer)
+        return Step(self._led_on(point), specials, length, longer)
 
     def _changes(self, last: Point[S], point: Point[S]) -> bool:
         """Return whether a count differs between two points."""
@@ -411,7 +422,9 @@ class Curve(Generic[S]):
         bordered[-1], right[:-1] = plane, miss
         return right, bordered
 
-    def _met(self, last: Point[S], others: tuple[Point[S], ...], length: float) -> list[Special[S]]:
+    def _specials(
+        self, last: Point[S], others: tuple[Point[S], ...], length: float
+    ) -> list[Special[S]]:
         """Return the special points of a step, in their order."""
         behind = [float(self._beside(last, each)[0] @ last.tangent) for each in others[1:]]
         known = [(0.0, last), (length, others[0]), *zip(behind, others[1:], strict=True)]

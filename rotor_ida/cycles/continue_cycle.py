@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from typing import Literal, get_args
 
 import numpy as np
@@ -22,18 +21,15 @@ from rotor_ida.checks import (
 )
 from rotor_ida.cycles.branch import (
     CLOSED,
-    NEVER_ZERO,
-    PLACE,
-    Course,
     Side,
+    SpecialBehind,
     advance,
-    course_from,
 )
 from rotor_ida.cycles.continuation import Point
-from rotor_ida.cycles.dataset import cycle_columns, of_cycle, state_columns
+from rotor_ida.cycles.dataset import branch_dataset, start_attributes
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.limit_cycle import check_revolutions, check_turns_and_settles, cycle_from
-from rotor_ida.cycles.shooting import checked_cycle
+from rotor_ida.cycles.problems import NEVER_ZERO, Continuation, branch_through
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import Rotor
@@ -41,7 +37,7 @@ from rotor_ida.parallel import Progress
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.arrays import Arrays
 from rotor_ida.results.studies.results import Form, Results, open_results
-from rotor_ida.schema import SPECIAL, labelled, labelled_dataset
+from rotor_ida.schema import SPECIAL
 from rotor_ida.simulation.neighbours import Shot
 
 Parameter = Literal[
@@ -211,7 +207,7 @@ def branch_from(
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Return the branch through a guess of a cycle with its period, as `continue_cycle` does."""
-    course = course_from(guess, parameter, limits, points, np.zeros(1, np.uint8))
+    branch = branch_through(guess, parameter, limits, points, np.zeros(1, np.uint8))
     design = {
         "kind": "branch",
         **guess.rotor.given,
@@ -225,45 +221,43 @@ def branch_from(
         "points": points,
         **computing(),
     }
-    ways = WAYS[direction] if course.both else WAYS["forward"]
+    ways = WAYS[direction] if branch.both else WAYS["forward"]
     with open_results(study, design, len(ways) * (points - 1), FORM) as kept:
-        sides = _follow(course, ways, kept, progress)
-    first = course.first.stretch
+        sides = follow_sides(branch, ways, kept, progress)
+    first = branch.first.stretch
     attributes = provenance({"method": "taylor", "flight": "exact"}) | {
         "parameter": parameter,
         "limits": np.array(limits),
         "direction": direction,
         "points": points,
-        "start": guess.state,
-        "start_period": guess.period,
         "start_special": guess.special,
         "start_slope": guess.slope,
-        **{f"start_{name}": value for name, value in guess.rotor.given.items()},
+        **start_attributes(guess),
     }
-    found = branch_dataset(sides, (parameter,), first.rotor, "Branch of limit cycles")
-    return found.assign_attrs(attributes)
+    dataset = branch_dataset(sides, (parameter,), first.rotor, "Branch of limit cycles")
+    return dataset.assign_attrs(attributes)
 
 
-def _follow(
-    course: Course, ways: tuple[int, ...], kept: Results[Arrays], progress: Progress | None
+def follow_sides(
+    branch: Continuation, ways: tuple[int, ...], kept: Results[Arrays], progress: Progress | None
 ) -> tuple[Side, Side]:
-    """Follow a branch forward, 0, and backward, 1; a side not wanted keeps its first point."""
-    sides = (Side([course.first]), Side([course.first.reversed()]))
-    pieces, total = dict(kept.results()), len(ways) * (course.most - 1)
+    """Follow a curve of cycles forward, 0, and backward, 1; a side not wanted keeps one point."""
+    sides = (Side([branch.first]), Side([branch.first.reversed()]))
+    pieces, total = dict(kept.results()), len(ways) * (branch.most - 1)
     for way in ways:
         side = sides[way]
-        for number in range(way, 2 * course.most, 2):
+        for number in range(way, 2 * branch.most, 2):
             if side.end:
                 break
             if number in pieces:
-                _restore(course, side, pieces[number])
+                _restore(branch, side, pieces[number])
                 continue
-            begun, met = len(side.points), len(side.specials)
+            begun, specials = len(side.points), len(side.specials)
             while not side.end and len(side.points) < begun + PIECE:
-                advance(course, side)
+                advance(branch, side)
             added = len(side.points) - begun
-            counted = _counted(course, side, added, total - kept.points_done)
-            kept.keep(number, _piece(side, begun, met), counted)
+            counted = _counted(branch, side, added, total - kept.points_done)
+            kept.keep(number, _piece(side, begun, specials), counted)
             if progress is not None:
                 progress(kept.points_done, total)
         if side.end == CLOSED:
@@ -271,102 +265,52 @@ def _follow(
     return sides
 
 
-def _counted(course: Course, side: Side, added: int, left: int) -> int:
+def _counted(branch: Continuation, side: Side, added: int, left: int) -> int:
     """Return for how many points a piece counts: the last one for all that are not needed."""
     if side.end == CLOSED:
         return left
-    return added + course.most - len(side.points) if side.end else added
+    return added + branch.most - len(side.points) if side.end else added
 
 
-def _piece(side: Side, begun: int, met: int) -> Arrays:
-    """Return what has been found since as arrays."""
-    points, specials = side.points[begun:], side.specials[met:]
+def _piece(side: Side, begun: int, known: int) -> Arrays:
+    """Return the points from `begun` on, and the special points from `known` on, as arrays."""
+    points, specials = side.points[begun:], side.specials[known:]
+    size = side.points[0].unknowns.size
     return {
-        "unknowns": np.array([point.unknowns for point in points]).reshape(-1, 6),
-        "tangents": np.array([point.tangent for point in points]).reshape(-1, 6),
+        "unknowns": _stacked([point.unknowns for point in points], size),
+        "tangents": _stacked([point.tangent for point in points], size),
         "special_place": np.array([place for place, _ in specials], dtype=np.int64),
         "special_kind": np.array([SPECIAL[each.name] for _, each in specials], dtype=np.int64),
-        "special_unknowns": np.array([each.point.unknowns for _, each in specials]).reshape(-1, 6),
-        "special_tangents": np.array([each.point.tangent for _, each in specials]).reshape(-1, 6),
+        "special_unknowns": _stacked([each.point.unknowns for _, each in specials], size),
+        "special_tangents": _stacked([each.point.tangent for _, each in specials], size),
         "length": np.array(side.length),
         "end": np.array(side.end),
         "reason": np.array(side.reason),
     }
 
 
-def _restore(course: Course, side: Side, piece: Arrays) -> None:
+def _stacked(rows: list[Values], size: int) -> Values:
+    return np.array(rows).reshape(-1, size)
+
+
+def _restore(branch: Continuation, side: Side, piece: Arrays) -> None:
     """Do the reverse of `_piece`: put what a study has kept behind what is there."""
     kinds = {number: word for word, number in SPECIAL.items()}
     for unknowns, tangent in zip(piece["unknowns"], piece["tangents"], strict=True):
-        side.points.append(_point(course, unknowns, tangent, side.points[-1]))
+        side.points.append(_point(branch, unknowns, tangent, side.points[-1]))
     for place, kind, unknowns, tangent in zip(
         piece["special_place"].tolist(), piece["special_kind"].tolist(),
         piece["special_unknowns"], piece["special_tangents"], strict=True,
     ):  # fmt: skip
-        point = _point(course, unknowns, tangent, side.points[place])
-        side.specials.append((place, Special(kinds[kind], point)))
+        point = _point(branch, unknowns, tangent, side.points[place])
+        side.specials.append(SpecialBehind(place, Special(kinds[kind], point)))
     side.length, side.end = float(piece["length"]), str(piece["end"])
     side.reason = str(piece["reason"])
 
 
-def _point(course: Course, unknowns: Values, tangent: Values, before: Point[Shot]) -> Point[Shot]:
-    shot = course.line.problem.shoot(unknowns)
-    direction = course.line.direction_at(shot, before.direction)
+def _point(
+    branch: Continuation, unknowns: Values, tangent: Values, before: Point[Shot]
+) -> Point[Shot]:
+    shot = branch.line.problem.shoot(unknowns)
+    direction = branch.line.direction_at(shot, before.direction)
     return Point(unknowns, shot, tangent, direction)
-
-
-def branch_dataset(
-    sides: tuple[Side, Side], parameters: tuple[str, ...], rotor: Rotor, title: str
-) -> xr.Dataset:
-    """Return both sides, forward and backward, of a curve of cycles, from end to end.
-
-    `parameters` vary, in their order among the unknowns; the others are those of `rotor`.
-    """
-    forward, backward = sides
-    before = len(backward.points) - 1
-    points = [point.reversed() for point in backward.points[:0:-1]] + forward.points
-    specials = [(before - place - 1, each) for place, each in backward.specials[::-1]]
-    specials += [(before + place, each) for place, each in forward.specials]
-    variables = cycle_columns([checked_cycle(point.stretch) for point in points], "point")
-    slopes = np.array([point.tangent[PLACE] for point in points])
-    variables["slope"] = of_cycle("slope", "point", slopes)
-    variables |= _special_columns(specials, parameters)
-    coordinates = {
-        name: labelled(name, (), value)
-        for name, value in rotor.given.items()
-        if name not in parameters
-    }
-    for place, name in enumerate(parameters, start=PLACE):
-        values = np.array([point.unknowns[place] for point in points])
-        coordinates[name] = labelled(name, "point", values)
-    coordinates["multiplier"] = labelled("multiplier", "multiplier", np.arange(4))
-    closed = forward.end == CLOSED
-    ends = {
-        "closed": int(closed),
-        "first_end": CLOSED if closed else backward.end or "start",
-        "last_end": forward.end or "start",
-        "first_reason": backward.reason,
-        "last_reason": forward.reason,
-    }
-    return labelled_dataset(title, variables, coordinates, ends)
-
-
-def _special_columns(
-    specials: Sequence[tuple[int, Special[Shot]]], parameters: tuple[str, ...]
-) -> dict[str, xr.Variable]:
-    """Return the special points, in order along the curve."""
-    cycles = [checked_cycle(each.point.stretch) for _, each in specials]
-    unknowns = np.array([each.point.unknowns for _, each in specials])
-    unknowns = unknowns.reshape(-1, PLACE + len(parameters))
-    columns: dict[str, npt.ArrayLike] = {
-        "special_kind": np.array([SPECIAL[each.name] for _, each in specials], dtype=np.int8),
-        "special_value": unknowns[:, PLACE],
-        "special_period": unknowns[:, PLACE - 1],
-        "special_radius_min": np.array([cycle.radius_min for cycle in cycles], dtype=np.float64),
-        "special_radius_max": np.array([cycle.radius_max for cycle in cycles], dtype=np.float64),
-        "special_point": np.array([place for place, _ in specials], dtype=np.int64),
-    }
-    if len(parameters) > 1:
-        columns["special_second_value"] = unknowns[:, PLACE + 1]
-    variables = {name: labelled(name, "special", column) for name, column in columns.items()}
-    return variables | state_columns(unknowns[:, :4], "special", "special_")

@@ -76,8 +76,7 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
         raise InputError(NO_CYCLE)
     state = np.array([float(start[name].values.flat[0]) for name in COMPONENTS])
     slope = float(start["slope"]) if "slope" in start else 1.0
-    found = Guess(_rotor_of(rotor, start), state, float(start["period"]), slope=slope)
-    return _checked(found)
+    return _checked(Guess(_rotor_of(rotor, start), state, float(start["period"]), slope=slope))
 
 
 def _of_special(rotor: Rotor, start: xr.Dataset) -> Guess:
@@ -97,15 +96,15 @@ def _continued(start: xr.Dataset) -> list[str]:
 
 def _rotor_of(rotor: Rotor, start: xr.Dataset) -> Rotor:
     """Return the rotor of a start, which may differ from `rotor` in what was continued."""
-    found = Rotor(**{name: float(start[name]) for name in ALL_PARAMETERS if name in start})
+    own = Rotor(**{name: float(start[name]) for name in ALL_PARAMETERS if name in start})
     for name in ALL_PARAMETERS:
-        here, given = getattr(found, name), getattr(rotor, name)
+        here, given = getattr(own, name), getattr(rotor, name)
         if name not in _continued(start) and here != given:
             raise InputError(
                 f"start must be of the same rotor: its {name} is {shown(here)}, that of the rotor "
                 f"{shown(given)}"
             )
-    return found
+    return own
 
 
 def _checked(guess: Guess) -> Guess:

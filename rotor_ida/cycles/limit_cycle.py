@@ -238,7 +238,7 @@ def _time_of_return_under_load(
     There is a state once a revolution, when the load points down on the rotating axes.
     """
     revolution = period_of(rotor, 1)
-    ahead = follow(rotor, state, revolution, REVOLUTIONS + 1, stop)
+    ahead = sampled_orbit(rotor, state, revolution, REVOLUTIONS + 1, stop)
     misses = np.linalg.norm(ahead[1:] - state, axis=1)
     back = np.flatnonzero(misses <= part * float(np.linalg.norm(state)))
     return period_of(rotor, int(back[0]) + 1) if back.size else None
@@ -269,7 +269,7 @@ def returns(
     a_revolution = math.ceil(SAMPLES_A_REVOLUTION * rotor.omega / (2.0 * math.pi))
     samples_a_time = max(SAMPLES_A_TIME, a_revolution)
     span, size = 1.0 / samples_a_time, float(np.linalg.norm(state))
-    states = follow(rotor, state, span, math.ceil(duration * samples_a_time) + 1, stop)
+    states = sampled_orbit(rotor, state, span, math.ceil(duration * samples_a_time) + 1, stop)
     apart = states - state
     rates = np.gradient(states, span, axis=0)
     ahead = np.einsum("ni,ni->n", apart, rates) / np.einsum("ni,ni->n", rates, rates).clip(1e-300)
@@ -280,7 +280,7 @@ def returns(
     return span * passed - ahead[passed], across[passed]
 
 
-def follow(rotor: Rotor, state: Values, span: float, count: int, stop: Stop) -> Values:
+def sampled_orbit(rotor: Rotor, state: Values, span: float, count: int, stop: Stop) -> Values:
     """Return so many states of an orbit, a span apart, on the rotating axes, shape (count, 4)."""
     times = span * np.arange(count, dtype=np.float64)
     seen = follow_run(
@@ -323,13 +323,15 @@ def _columns(cycle: Cycle) -> dict[str, xr.Variable]:
         name: variable.isel(cycle=0) for name, variable in cycle_columns([cycle], "cycle").items()
     }
     stop = np.zeros(1, np.uint8)
-    states = follow(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)
+    states = sampled_orbit(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)
     looser = _solved_again(cycle, states, stop)
-    found = multipliers_of(cycle.shot)
-    apart = np.abs([multipliers_near(found, other.shot) - found for other in looser]).max(axis=0)
-    errors = ERROR_SAFETY * (apart + np.spacing(np.abs(found)))
+    multipliers = multipliers_of(cycle.shot)
+    apart = np.abs(
+        [multipliers_near(multipliers, other.shot) - multipliers for other in looser]
+    ).max(axis=0)
+    errors = ERROR_SAFETY * (apart + np.spacing(np.abs(multipliers)))
     if cycle.rotor.load == 0.0:
-        errors[found == 1.0] = 0.0
+        errors[multipliers == 1.0] = 0.0
     period_apart = max(abs(other.period - cycle.period) for other in looser)
     period_error = ERROR_SAFETY * (period_apart + np.spacing(cycle.period))
     columns["period_error"] = of_cycle("period_error", (), period_error)
@@ -360,7 +362,7 @@ def _solved_again(cycle: Cycle, states: Values, stop: Stop) -> list[Cycle]:
             for part in ELSEWHERE
         ]
     revolutions = revolutions_of(rotor, period)
-    begun = follow(rotor, cycle.state, period_of(rotor, 1), revolutions + 1, stop)
+    begun = sampled_orbit(rotor, cycle.state, period_of(rotor, 1), revolutions + 1, stop)
     return [
         close_orbit(rotor, begun[round(part * revolutions)], period, stop, factor * LOOSER_RTOL)
         for part, factor in zip(ELSEWHERE, LOOSER_STILL, strict=True)

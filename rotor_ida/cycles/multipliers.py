@@ -89,14 +89,16 @@ def torus_test(shot: Shot) -> float:
 
     It is 0 where a complex pair is on the unit circle, and where two real ones have the product 1.
     """
-    found = _others_of(shot)
-    return float(np.prod([1.0 - one * other for one, other in combinations(found, 2)]).real)
+    multipliers = _others_of(shot)
+    return float(np.prod([1.0 - one * other for one, other in combinations(multipliers, 2)]).real)
 
 
 def on_unit_circle(shot: Shot) -> bool:
     """Return whether a complex pair of multipliers lies on the unit circle, to `ON_CIRCLE`."""
-    found = _others_of(shot)
-    return bool(((np.abs(np.abs(found) - 1.0) <= ON_CIRCLE) & (found.imag != 0.0)).any())
+    multipliers = _others_of(shot)
+    return bool(
+        ((np.abs(np.abs(multipliers) - 1.0) <= ON_CIRCLE) & (multipliers.imag != 0.0)).any()
+    )
 
 
 def is_stable(shot: Shot) -> bool:
@@ -132,10 +134,10 @@ def multipliers_of(shot: Shot) -> Complex:
     """Return the four multipliers of a closed orbit, by falling modulus."""
     if not has_trace(shot):
         trivial = [] if shot.rotor.load > 0.0 else [1.0]
-        found = np.append(trivial, _others_of(shot))
+        multipliers = np.append(trivial, _others_of(shot))
         if shot.rolls:  # but for rounding
-            found[np.argmin(np.abs(found))] = 0.0
-        return np.asarray(found[np.argsort(-np.abs(found), kind="stable")])
+            multipliers[np.argmin(np.abs(multipliers))] = 0.0
+        return np.asarray(multipliers[np.argsort(-np.abs(multipliers), kind="stable")])
     q = _contraction_of(shot)
     half = 0.5 * (float(shot.monodromy.trace()) - 1.0 - q)
     rest = half * half - q
@@ -146,11 +148,11 @@ def multipliers_of(shot: Shot) -> Complex:
         # the smaller one from the product: a difference would cancel
         larger = half + math.copysign(math.sqrt(rest), half)
         pair = [complex(larger), complex(q / larger)]
-    found = np.array([1.0, q, *pair], dtype=np.complex128)
-    return found[np.argsort(-np.abs(found), kind="stable")]
+    multipliers = np.array([1.0, q, *pair], dtype=np.complex128)
+    return multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
 
 
-def multipliers_near(found: Complex, shot: Shot) -> Complex:
+def multipliers_near(multipliers: Complex, shot: Shot) -> Complex:
     """Return the four multipliers of a closed orbit in the order of others, those near each other.
 
     Of several on one circle rounding decides which is the first by modulus.
@@ -159,7 +161,7 @@ def multipliers_near(found: Complex, shot: Shot) -> Complex:
     if has_trace(shot):
         return others
     orders = [others[list(order)] for order in permutations(range(others.size))]
-    return min(orders, key=lambda order: float(np.abs(order - found).max()))
+    return min(orders, key=lambda order: float(np.abs(order - multipliers).max()))
 
 
 def defects_of(shot: Shot) -> tuple[float, float]:

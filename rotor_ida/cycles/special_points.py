@@ -117,14 +117,14 @@ def specials_on(
 
     The tests are functions of a point, each 0 at a special point of its name.
     """
-    found: list[tuple[float, Special[S]]] = []
+    located: list[tuple[float, Special[S]]] = []
     for name, count in counts.items():
-        found += _changes(way, name, count)
-    kinks = [place for place, _ in found]  # a test function has a corner there
+        located += _changes(way, name, count)
+    kinks = [place for place, _ in located]  # a test function has a corner there
     for name, test in tests.items():
-        found += [_zero(way, between, name, test) for between in _sign_changes(way, test, kinks)]
-    found.sort(key=lambda each: each[0])
-    return [special for _, special in found]
+        located += [_zero(way, between, name, test) for between in _sign_changes(way, test, kinks)]
+    located.sort(key=lambda each: each[0])
+    return [special for _, special in located]
 
 
 # ---- Zeros of a test function ----
@@ -134,7 +134,7 @@ def _sign_changes(
     way: Way[S], test: Callable[[Point[S]], float], kinks: list[float]
 ) -> list[tuple[float, float]]:
     """Return pairs of places on a step between which a test function changes its sign once."""
-    found: list[tuple[float, float]] = []
+    located: list[tuple[float, float]] = []
     for low, high in pairwise(sorted({0.0, *kinks, way.length})):
         begins = -math.inf if low == 0.0 else low
         nodes = {
@@ -144,13 +144,13 @@ def _sign_changes(
             nodes[0.5 * (low + high)] = test(way.at(0.5 * (low + high)))
         if _may_turn_near_zero(nodes, low, high):
             _look_at_turns(way, test, nodes, (low, high))
-        found += [
+        located += [
             (first, last)
             for first, last in pairwise(sorted(place for place in nodes if place >= low))
             # a 0 counts as positive, so that one at the very beginning of a curve is met once
             if (nodes[first] < 0.0) != (nodes[last] < 0.0)
         ]
-    return found
+    return located
 
 
 def _is_clear(nodes: Mapping[float, float]) -> bool:
@@ -281,24 +281,24 @@ def _changes(way: Way[S], name: str, count: Count[S]) -> list[tuple[float, Speci
         about = count.number(way.about(middle))
         if any(about != count.number(end) for end in ends):
             places.insert(1, (middle, way.at(middle).stretch))
-    found: list[tuple[float, Special[S]]] = []
+    located: list[tuple[float, Special[S]]] = []
     for below, above in pairwise(places):
-        found += _changes_between(way, (below, above), name, count)
-    return found
+        located += _changes_between(way, (below, above), name, count)
+    return located
 
 
 def _changes_between(
     way: Way[S], between: tuple[tuple[float, S], tuple[float, S]], name: str, count: Count[S]
 ) -> list[tuple[float, Special[S]]]:
     """Return where a count changes between two places of a step, with their orbits."""
-    found: list[tuple[float, Special[S]]] = []
+    located: list[tuple[float, Special[S]]] = []
     (low, below), (length, last_orbit) = between
     while count.number(below) != count.number(last_orbit):
         high, above = length, last_orbit
         for halving in range(MOST_HALVINGS):
             if halving >= FIRST_HALVINGS and count.sign(below) * count.sign(above) < 0.0:
                 sign = partial(_of_stretch, count.sign)
-                found.append(_zero(way, (low, high), name, sign))
+                located.append(_zero(way, (low, high), name, sign))
                 break
             middle = 0.5 * (low + high)
             here = way.at(middle).stretch
@@ -307,9 +307,9 @@ def _changes_between(
             else:
                 high, above = middle, here
         else:
-            found.append((high, Special(name, way.at(high))))
+            located.append((high, Special(name, way.at(high))))
         low, below = high, above
-    return found
+    return located
 
 
 def _of_stretch(function: Callable[[S], float], point: Point[S]) -> float:

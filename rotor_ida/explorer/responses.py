@@ -13,9 +13,9 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.closed_forms.backward_whirl import backward_whirl
-from rotor_ida.closed_forms.folds import fold_table, folds
+from rotor_ida.closed_forms.folds import folds
 from rotor_ida.closed_forms.hopf import hopf_points
-from rotor_ida.closed_forms.response_curve import pieces_over_speed, response_curve
+from rotor_ida.closed_forms.response_curve import response_curve
 from rotor_ida.cycles.branches import branches_through, holds_cycle
 from rotor_ida.errors import InputError, RotorError
 from rotor_ida.explorer.answers import Answer
@@ -28,7 +28,6 @@ from rotor_ida.explorer.words import (
     words_of_transient,
     words_of_whip,
 )
-from rotor_ida.model.contact import secant_stiffness
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.model.table import PARAMETERS
 from rotor_ida.schema import EXACT, RESPONSE, STABILITY
@@ -98,11 +97,7 @@ def _curve(question: Question) -> Answer:
     if rotor.load > 0.0:
         return Answer("curve", {**facts, "why": NO_CURVE}, NO_WHIRLS)
     try:
-        arrays = (
-            _arrays_of_further_curve(at_rest(rotor), question.speeds)
-            if rotor.beyond
-            else _arrays_of_curve(rotor.zeta, rotor.delta0, question.speeds)
-        )
+        arrays = _arrays_of_curve(at_rest(rotor), question.speeds)
     except InputError as error:
         return Answer("curve", {**facts, "why": f"No exact curve: {error}."}, NO_WHIRLS)
     return Answer("curve", facts, arrays)
@@ -114,8 +109,8 @@ def at_rest(rotor: Rotor) -> Rotor:
 
 
 @lru_cache(maxsize=MOST_KEPT)
-def _arrays_of_further_curve(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
-    """Return the curve with a shaft, either contact law, damping and friction in the contact."""
+def _arrays_of_curve(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
+    """Return the response curve, with its folds and its Hopf points but those of rubs."""
     given = of_whirls(rotor)
     curve = response_curve(**given, limits=speeds, points=POINTS_OF_CURVE)
     names = ("omega", "amplitude", "phase_lag", "stability", "in_contact", "piece")
@@ -159,27 +154,6 @@ def _backward_whirls(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
     found = [backward_whirl(replace(rotor, omega=each)).amplitude.values for each in omega.tolist()]
     slipping, rolling = np.reshape(found, (omega.size, 2)).T
     return {"whip_omega": omega, "saddle_radius": slipping, "whip_radius": rolling}
-
-
-@lru_cache(maxsize=MOST_KEPT)
-def _arrays_of_curve(zeta: float, delta0: float, speeds: tuple[float, float]) -> Arrays:
-    table = fold_table(np.array([zeta]), np.array([delta0]))[0, 0]
-    turns = table[np.isfinite(table[:, 0])]
-    pieces = pieces_over_speed(zeta, delta0, turns, speeds, POINTS_OF_CURVE)
-    omega, amplitude, stability, in_contact = np.concatenate([np.empty((4, 0)), *pieces], axis=1)
-    return {
-        "omega": omega,
-        "amplitude": amplitude,
-        "phase_lag": np.arctan2(2.0 * zeta * omega, secant_stiffness(amplitude, delta0) - omega**2),
-        "stability": stability.astype(np.int8),
-        "in_contact": in_contact.astype(np.int8),
-        "piece": np.repeat(np.arange(len(pieces)), [piece.shape[1] for piece in pieces]).astype(
-            np.int8
-        ),
-        "fold_omega": turns[:, 0],
-        "fold_amplitude": turns[:, 1],
-        **dict.fromkeys(HOPF, np.empty(0)),
-    }
 
 
 def _seen(swept: xr.Dataset) -> dict[str, object]:

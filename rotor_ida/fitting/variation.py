@@ -1,7 +1,8 @@
 """How a motion answers to small changes of its start and of a machine's parameters.
 
 Along a motion that is known, a small difference ``w = (x, y, vx, vy)`` obeys ``w' = A w + b``, with
-the derivatives A of the accelerations by the state and b by a parameter [1]_. Contact begins and
+the derivatives A of the accelerations by the state and b by a parameter [1]_, which follow from the
+model by forward differentiation. Contact begins and
 ends with a force of zero, so nothing is added there; but A has kinks, so panels end at the
 events, and shrink towards them on the side of the contact, where a Hertz stiffness goes with the
 root of the time. In each panel the equation, which is linear, is solved by Gauss's collocation at
@@ -18,15 +19,27 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
+from rotor_ida.fitting.identifiability import ANGLE
+from rotor_ida.model.modes import (
+    Moment,
+    accelerations,
+    damped,
+    slope_of_root,
+    spring_of_root,
+)
 from rotor_ida.model.parameters import DimensionalRotor
+from rotor_ida.model.symbols import Dual, variables
+from rotor_ida.model.table import OF_MACHINE, OF_ROTOR
 
 Complex = npt.NDArray[np.complex128]
 
@@ -82,87 +95,58 @@ def slopes_of(
         Of ``(vx, vy, ax, ay)`` by ``(x, y, vx, vy)``.
     by_parameter : ndarray, shape (n, 4, k)
         By each of the names: parameters of the machine, or ``unbalance_angle``.
-
-    Notes
-    -----
-    ``m z'' = m D pull exp(i alpha) - i L - n z' - k_s z - N (1 + i mu s) z/|z|``, where
-    ``N = k d**e (1 + lambda r')`` with the indentation d.
     """
-    force = _Force(machine, at)
-    mass = machine.mass
-    by_z, by_v = force.by_position(), force.by_velocity()
-    by_state = np.zeros((at.z.size, 4, 4))
-    by_state[:, 0, 2] = by_state[:, 1, 3] = 1.0
-    by_state[:, 2:, :2] = -by_z / mass
-    by_state[:, 2:, 2:] = -by_v / mass
-    for i in range(2):
-        by_state[:, 2 + i, i] -= machine.shaft_stiffness / mass
-        by_state[:, 2 + i, 2 + i] -= machine.damping / mass
-    added = np.zeros((at.z.size, 4, len(names)))
-    for column, name in enumerate(names):
-        change = force.by_parameter(name)
-        added[:, 2, column], added[:, 3, column] = change.real, change.imag
-    return by_state, added
+    columns = 4 + len(names)
+    slopes = np.zeros((at.z.size, 4, columns))
+    slopes[:, 0, 2] = slopes[:, 1, 3] = 1.0
+    for row, acceleration in enumerate(_accelerations_of(machine, at, names), 2):
+        for column, part in enumerate(acceleration.parts):
+            slopes[:, row, column] = part
+    return slopes[:, :, :4], slopes[:, :, 4:]
 
 
-class _Force:
-    """The contact force at some moments, and what changes it."""
+def _accelerations_of(
+    machine: DimensionalRotor, at: Moments, names: Sequence[str]
+) -> tuple[Dual, Dual]:
+    """Return both accelerations, with their derivatives by the state and by the names.
 
-    def __init__(self, machine: DimensionalRotor, at: Moments) -> None:
-        self.machine, self.at = machine, at
-        self.radius = np.abs(at.z)
-        # on the axis a direction is of no use, and none is asked for
-        safe = np.where(self.radius > 0.0, self.radius, 1.0)
-        self.outward = at.z / safe
-        self.around = 1j * self.outward
-        along = self.outward.conj() * at.v
-        self.rise, self.turning = along.real, along.imag / safe
-        depth = np.maximum(self.radius - machine.clearance, 0.0) * at.pushes
-        exponent, damping = machine.contact_exponent, machine.contact_damping
-        self.spring = machine.contact_stiffness * depth**exponent
-        factor = (1.0 + damping * self.rise) * at.pushes
-        self.push = self.spring * factor
-        self.steepness = machine.contact_stiffness * exponent * depth ** (exponent - 1.0) * factor
-        self.over_radius = self.push / safe
-        self.direction = self.outward + machine.friction * at.slides * self.around
-
-    def by_position(self) -> Values:
-        """Return the derivative by ``(x, y)``, shape (n, 2, 2)."""
-        across = self.spring * self.machine.contact_damping * self.turning
-        grows = self.steepness * self.outward + across * self.around
-        sideways = self.direction * 1j
-        return _product(self.direction, grows) + _product(self.over_radius * sideways, self.around)
-
-    def by_velocity(self) -> Values:
-        """Return the derivative by ``(vx, vy)``, shape (n, 2, 2)."""
-        return _product(self.direction, self.spring * self.machine.contact_damping * self.outward)
-
-    def by_parameter(self, name: str) -> Complex:
-        """Return the derivative of the acceleration by a parameter, shape (n,)."""
-        machine, at, contact = self.machine, self.at, self.push * self.direction
-        changes: dict[str, Callable[[], Complex]] = {
-            "mass": lambda: (machine.damping * at.v + machine.shaft_stiffness * at.z + contact
-                             + 1j * machine.load) / machine.mass,
-            "damping": lambda: -at.v,
-            "shaft_stiffness": lambda: -at.z,
-            "contact_stiffness": lambda: -contact / machine.contact_stiffness,
-            "clearance": lambda: self.steepness * self.direction,
-            "contact_damping": lambda: -self.spring * self.rise * self.direction * at.pushes,
-            "load": lambda: np.full(at.z.shape, -1j),
-            "friction": lambda: -self.push * at.slides * self.around,
-            "eccentricity": lambda: machine.mass * at.pull,
-            "unbalance_angle": lambda: 1j * machine.mass * machine.eccentricity * at.pull,
-        }  # fmt: skip
-        found: Complex = np.asarray(changes[name](), dtype=np.complex128) / machine.mass
-        return found
+    The model holds in SI units as well, with all forces over the mass.
+    """
+    values = {name: getattr(machine, name) for name in OF_MACHINE} | {ANGLE: 0.0}
+    state = [at.z.real, at.z.imag, at.v.real, at.v.imag]
+    x, y, vx, vy, *varied = variables([*state, *(values[name] for name in names)])
+    values |= zip(names, varied, strict=True)
+    rotor = _over_mass(values, at)
+    # on the axis a direction is of no use, and none is asked for
+    radius = (x * x + y * y + np.finfo(float).tiny) ** 0.5
+    outwards = x / radius, y / radius
+    depth = radius - rotor.delta0
+    q = np.sqrt(np.maximum(depth.value, 0.0) * at.pushes)
+    spring = spring_of_root(q, rotor) + slope_of_root(q, rotor) * Dual(0.0, depth.parts)
+    push = damped(spring, outwards[0] * vx + outwards[1] * vy, rotor)
+    ahead, pull = values[ANGLE], at.pull
+    unbalance = (
+        values["eccentricity"] * (pull.real - ahead * pull.imag),
+        values["eccentricity"] * (pull.imag + ahead * pull.real),
+    )
+    here = Moment((x, y), (vx, vy), outwards, unbalance, (0.0, -1.0))
+    return accelerations(here, push, rotor, rotor.friction * rotor.sigma * push)
 
 
-def _product(column: Complex, row: Complex) -> Values:
-    """Return the matrices ``column row'`` of plane vectors, shape (n, 2, 2)."""
-    found = np.empty((column.size, 2, 2))
-    found[:, 0, 0], found[:, 0, 1] = column.real * row.real, column.real * row.imag
-    found[:, 1, 0], found[:, 1, 1] = column.imag * row.real, column.imag * row.imag
-    return found
+def _over_mass(values: Mapping[str, Any], at: Moments) -> SimpleNamespace:
+    """Return what the model takes for a rotor, from the values of a machine."""
+    mass = values["mass"]
+    given = {
+        name: values[name] / mass if parameter.unit.startswith("N") else values[name]
+        for name, parameter in OF_MACHINE.items()
+        if name in OF_ROTOR
+    }
+    stiffness, hertz = values["contact_stiffness"] / mass, values["contact_exponent"] > 1.0
+    return SimpleNamespace(
+        **given, omega=1.0, zeta=0.5 * values["damping"] / mass, delta0=values["clearance"],
+        hertz=stiffness if hertz else 0.0, linear=0.0 if hertz else stiffness,
+        pressed=at.pushes, sigma=at.slides,
+    )  # fmt: skip
 
 
 def panels_of(

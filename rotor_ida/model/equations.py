@@ -29,7 +29,7 @@ from rotor_ida.model.contact import (
     force_over_radius,
     stiffness,
 )
-from rotor_ida.model.modes import Along, acceleration, turned_rates
+from rotor_ida.model.modes import Moment, accelerations, turned_rates
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.model.symbols import Dual, variables
 
@@ -67,9 +67,9 @@ def field(time: float, state: npt.ArrayLike, rotor: Rotor) -> Values:
     """
     x, y, vx, vy = np.asarray(state, dtype=np.float64).tolist()
     secant, angle = push_over_radius((x, y, vx, vy), rotor), rotor.omega * time
-    ax = acceleration(Along(x, vx, x, math.cos(angle)), secant, rotor)
-    ay = acceleration(Along(y, vy, y, math.sin(angle), -1.0), secant, rotor)
-    return np.array([vx, vy, ax, ay])
+    unbalance = math.cos(angle), math.sin(angle)
+    at = Moment((x, y), (vx, vy), (x, y), unbalance, (0.0, -1.0))
+    return np.array([vx, vy, *accelerations(at, secant, rotor)])
 
 
 def push_over_radius(state: Sequence[float], rotor: Rotor) -> float:
@@ -143,9 +143,8 @@ def rotating_jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
 def _rates(state: Sequence[Any], secant: Any, rotor: Rotor, turning: float) -> list[Any]:
     """Return the rates of a state read on axes that turn; `secant` is f/|z|."""
     x, y, vx, vy = state
-    ax = acceleration(Along(x, vx, x, 1.0), secant, rotor)
-    ay = acceleration(Along(y, vy, y, 0.0, -1.0), secant, rotor)
-    return turned_rates((x, y), (vx, vy), (ax, ay), turning)
+    at = Moment((x, y), (vx, vy), (x, y), (1.0, 0.0), (0.0, -1.0))
+    return turned_rates((x, y), (vx, vy), accelerations(at, secant, rotor), turning)
 
 
 def _jacobian(state: npt.ArrayLike, rotor: Rotor, turning: float) -> Values:

@@ -6,8 +6,8 @@ quotients and constant powers alone. Run over numbers they are the model itself.
 symbols they become what the compiled core needs (`rotor_ida.model.writing`): fields and
 Jacobians, Taylor series, the growth of small differences, and what the parameters add.
 
-A force is stated by one component, along any direction that is given: the same lines serve on
-the rotating axes and in the polar basis of a contact.
+The forces are stated once, in `accelerations`, by components along any two directions: the same
+lines serve on fixed axes, on the rotating ones and in the polar basis of a contact.
 
 All is derived twice: for the paper's rotor, of which shaft, contact damping and load are the number
 0 and vanish from what is derived, and for the whole model, whose states hold the direction of the
@@ -31,6 +31,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from rotor_ida.model.contact import HERTZ_EXPONENT, secant_of_square
+from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 
 # How fast a direction is drawn back to the unit circle, in parts of the spin: a pull as fast as the
 # motion cost Adams a sixth more steps, and this one cost none.
@@ -38,28 +39,29 @@ PULL = 0.1
 # A number, or whatever can be added, multiplied, divided and raised to a constant power like one.
 Number = Any
 Numbers = Sequence[Number]
+Pair = tuple[Number, Number]
 
 
-class Along(NamedTuple):
-    """Components along one direction.
+class Moment(NamedTuple):
+    """A rotor at a moment, by components along two directions, of which the second is to the left.
 
     Parameters
     ----------
-    position, velocity : number
+    position, velocity : tuple of number
         Of the disc's centre and its velocity [1].
-    normal : number
+    normal : tuple of number
         Of the direction from the bearing axis to the disc's centre [1].
-    unbalance : number
+    unbalance : tuple of number
         Of the direction of the unbalance [1].
-    down : number
+    down : tuple of number
         Of the direction of the load [1].
     """
 
-    position: Number
-    velocity: Number
-    normal: Number
-    unbalance: Number
-    down: Number = 0.0
+    position: Pair
+    velocity: Pair
+    normal: Pair
+    unbalance: Pair = (0.0, 0.0)
+    down: Pair = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,18 +128,37 @@ class Neighbour(NamedTuple):
     turning: Number
 
 
-def acceleration(along: Along, push: Number, rotor: Any) -> Number:
-    """Return one component of ``z'' = omega**2 e - 2 zeta z' - kappa z - N z/|z| + gamma g`` [1].
+def accelerations(at: Moment, push: Number, rotor: Any, drag: Number = 0.0) -> Pair:
+    """Return both components of z'' [1]: this states all forces.
 
-    `push` is the normal force N, and ``along.normal`` the component of ``z/|z|``; or N/|z| and that
-    of z, where |z| may vanish. e and g are the directions of unbalance and load.
+    ``z'' = omega**2 e - 2 zeta z' - kappa z - (N + i T) z/|z| + gamma g``, with the directions e
+    and g of unbalance and load. `push` is the normal force N, `drag` the tangential force T, and
+    ``at.normal`` is ``z/|z|``; or they are N/|z|, T/|z| and z, where |z| may vanish.
     """
     return (
-        rotor.omega * rotor.omega * along.unbalance
-        - 2.0 * rotor.zeta * along.velocity
-        - push * along.normal
-        - rotor.shaft_stiffness * along.position
-        + rotor.load * along.down
+        _along(0, at, push, rotor) + drag * at.normal[1],
+        _along(1, at, push, rotor) - drag * at.normal[0],
+    )
+
+
+def resistance(velocity: Pair, rotor: Any) -> Number:
+    """Return the force over the velocity with which the surroundings resist a motion [1].
+
+    What is stated here is in the accelerations, in the energy that a contact spends, and in the
+    torque that a drive is left with; `velocity` is in components along any two directions.
+    """
+    del velocity  # linear damping does not depend on it
+    return 2.0 * rotor.zeta
+
+
+def _along(i: int, at: Moment, push: Number, rotor: Any) -> Number:
+    """Return a component of what there is without friction."""
+    return (
+        rotor.omega * rotor.omega * at.unbalance[i]
+        - resistance(at.velocity, rotor) * at.velocity[i]
+        - push * at.normal[i]
+        - rotor.shaft_stiffness * at.position[i]
+        + rotor.load * at.down[i]
     )
 
 
@@ -194,8 +215,9 @@ def contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> lis
     spring = spring_of_root(q, rotor)
     force = damped(spring, p, rotor)
     centrifugal = around * spin
-    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal + more[0]
-    sideways = acceleration(Along(0.0, around, 0.0, -s, down_t), force, rotor) + more[1]
+    at = Moment((r, 0.0), (p, around), (1.0, 0.0), (c, -s), (down_r, down_t))
+    radial, tangential = accelerations(at, force, rotor)
+    outwards, sideways = radial + centrifugal + more[0], tangential + more[1]
     moment = r * sideways
     turned = q * spin
     turn = turned - rotor.omega * q
@@ -203,8 +225,8 @@ def contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> lis
     of_c, of_s, of_j = -(s * turn), c * turn, q * force
     if not whole:
         return [of_q, of_p, of_h, of_c, of_s, q, of_j]
-    of_down_r, of_down_t = turned * down_t, -(turned * down_r)
-    return [of_q, of_p, of_h, of_c, of_s, of_down_r, of_down_t, q, of_j, of_j * p, 0.0 * q]
+    of_down_r, of_down_t, of_work = turned * down_t, -(turned * down_r), of_j * p
+    return [of_q, of_p, of_h, of_c, of_s, of_down_r, of_down_t, q, of_j, of_work, 0.0 * q]
 
 
 def spent_rate(state: Numbers, rotor: Any) -> Number:
@@ -218,7 +240,7 @@ def spent_rate(state: Numbers, rotor: Any) -> Number:
     q, p, h, _, _, _, down_t, *_ = state
     r = rotor.delta0 + q * q
     around = h / r
-    damped = 2.0 * rotor.zeta * (p * p + around * around - rotor.omega * h)
+    damped = resistance((p, around), rotor) * (p * p + around * around - rotor.omega * h)
     return q * (damped + rotor.load * rotor.omega * r * down_t)
 
 
@@ -253,19 +275,17 @@ def contact_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any
     aside = apart[1] / r
     push = spring_of_root(q, rotor) + slope_of_root(q, rotor) * deeper
     push = damped(push, velocity[0] + around * aside, rotor)
-    radial = Along(position[0], velocity[0], 1.0, c, down_r)
-    tangential = Along(position[1], velocity[1], aside, -s, down_t)
-    forces = (acceleration(radial, push, rotor), acceleration(tangential, push, rotor))
-    return Neighbour(position, velocity, forces, spin)
+    near = Moment(position, velocity, (1.0, aside), (c, -s), (down_r, down_t))
+    return Neighbour(position, velocity, accelerations(near, push, rotor), spin)
 
 
-def hold_of_rolling(along: Along, r: Number, p: Number, rotor: Any) -> Number:
-    """Return the tangential force F that rolling needs [1].
+def hold_of_rolling(at: Moment, r: Number, rotor: Any) -> Number:
+    """Return the tangential force F that rolling needs, of components along the radius first [1].
 
     While the disc rolls, ``r phi' = -V`` with ``V = rho omega``, so that the angular momentum
     ``h = -V r`` changes at the rate ``-V r'``: F is the force that sees to it.
     """
-    return acceleration(along, 0.0, rotor) + rotor.rim * p / r
+    return accelerations(at, 0.0, rotor)[1] + rotor.rim * at.velocity[0] / r
 
 
 def rub_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
@@ -284,8 +304,9 @@ def rub_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Nu
     force = damped(spring_of_root(q, rotor), p, rotor)
     drag = rotor.friction * rotor.sigma * force
     centrifugal = around * spin
-    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal + more[0]
-    sideways = acceleration(Along(0.0, around, 0.0, -s, down_t), force, rotor) - drag + more[1]
+    at = Moment((r, 0.0), (p, around), (1.0, 0.0), (c, -s), (down_r, down_t))
+    radial, tangential = accelerations(at, force, rotor, drag)
+    outwards, sideways = radial + centrifugal + more[0], tangential + more[1]
     moment = r * sideways + rotor.rim * p
     turned = q * spin
     turn = turned - rotor.omega * q
@@ -306,7 +327,8 @@ def rolling_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> lis
     spin = -(rotor.rim / r)
     force = damped(spring_of_root(q, rotor), p, rotor)
     centrifugal = -(rotor.rim * spin)
-    outwards = acceleration(Along(r, p, 1.0, c, down_r), force, rotor) + centrifugal + more[0]
+    at = Moment((r, 0.0), (p, -rotor.rim), (1.0, 0.0), (c, -s), (down_r, down_t))
+    outwards = accelerations(at, force, rotor)[0] + centrifugal + more[0]
     turned = q * spin
     turn = turned - rotor.omega * q
     of_q, of_p = 0.5 * p, q * outwards
@@ -320,10 +342,11 @@ def rolling_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> lis
 
 def grip_and_hold(state: Numbers, rotor: Any) -> list[Number]:
     """Return ``mu N`` and F: the disc rolls as long as ``|F|`` is no larger than ``mu N``."""
-    q, p, _, _, s, _, down_t, *_ = state
+    q, p, _, c, s, down_r, down_t, *_ = state
     r = rotor.delta0 + q * q
     grip = rotor.friction * damped(spring_of_root(q, rotor), p, rotor)
-    return [grip, hold_of_rolling(Along(0.0, -rotor.rim, 0.0, -s, down_t), r, p, rotor)]
+    at = Moment((r, 0.0), (p, -rotor.rim), (1.0, 0.0), (c, -s), (down_r, down_t))
+    return [grip, hold_of_rolling(at, r, rotor)]
 
 
 def spent_sliding(state: Numbers, rotor: Any) -> tuple[Number, Number]:
@@ -373,40 +396,40 @@ def drawn_rolling_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) 
 
 def rub_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) -> Neighbour:
     """Return a rotor a little apart from one whose surfaces slide."""
-    q, p, slip, c, s, down_r, down_t, *_ = state
+    q, _, slip, *_ = state
     r = rotor.delta0 + q * q
     around = slip / r - rotor.rim
-    near, push, aside = _apart(r, p, around, apart, (q, deeper), rotor)
+    near, push = _apart(state, around, apart, deeper, rotor)
     drag = rotor.friction * rotor.sigma * push
-    radial = acceleration(Along(near[0], near[2], 1.0, c, down_r), push, rotor)
-    tangential = acceleration(Along(near[1], near[3], aside, -s, down_t), push, rotor)
-    forces = (radial + drag * aside, tangential - drag)
-    return Neighbour((near[0], near[1]), (near[2], near[3]), forces, around / r)
+    forces = accelerations(near, push, rotor, drag)
+    return Neighbour(near.position, near.velocity, forces, around / r)
 
 
 def rolling_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) -> Neighbour:
     """Return a rotor a little apart from one that rolls, of which the slip is as constant."""
-    q, p, _, c, s, down_r, down_t, *_ = state
-    r = rotor.delta0 + q * q
+    r = rotor.delta0 + state[0] * state[0]
     around = -rotor.rim
-    near, push, aside = _apart(r, p, around, apart, (q, deeper), rotor)
-    outwards = acceleration(Along(near[0], near[2], 0.0, c, down_r), 0.0, rotor)
-    sideways = acceleration(Along(near[1], near[3], 0.0, -s, down_t), 0.0, rotor)
+    near, push = _apart(state, around, apart, deeper, rotor)
+    aside = near.normal[1]
+    outwards, sideways = accelerations(near, 0.0, rotor)
     rim = rotor.disc_radius * rotor.omega  # and not what the motion has, which stays as it is
-    hold = sideways - aside * outwards + rim * (near[2] + around * aside) / near[0]
+    rises = near.velocity[0] + around * aside
+    hold = sideways - aside * outwards + rim * rises / near.position[0]
     forces = (outwards - push + hold * aside, sideways - push * aside - hold)
-    return Neighbour((near[0], near[1]), (near[2], near[3]), forces, around / r)
+    return Neighbour(near.position, near.velocity, forces, around / r)
 
 
 def _apart(
-    r: Number, p: Number, around: Number, apart: Numbers, depth: Numbers, rotor: Any
-) -> tuple[Numbers, Number, Number]:
-    """Return position and velocity of a neighbour, its normal force, and how far round it is."""
-    q, deeper = depth
-    near = (r + apart[0], apart[1], p + apart[2], around + apart[3])
+    state: Numbers, around: Number, apart: Numbers, deeper: Number, rotor: Any
+) -> tuple[Moment, Number]:
+    """Return a neighbour of a contact with friction, and its normal force."""
+    q, p, _, c, s, down_r, down_t, *_ = state
+    r = rotor.delta0 + q * q
+    position, velocity = (r + apart[0], apart[1]), (p + apart[2], around + apart[3])
     aside = apart[1] / r
     push = spring_of_root(q, rotor) + slope_of_root(q, rotor) * deeper
-    return near, damped(push, near[2] + around * aside, rotor), aside
+    push = damped(push, velocity[0] + around * aside, rotor)
+    return Moment(position, velocity, (1.0, aside), (c, -s), (down_r, down_t)), push
 
 
 def cartesian_rates(state: Numbers, rotor: Any) -> list[Number]:
@@ -419,9 +442,8 @@ def cartesian_rates(state: Numbers, rotor: Any) -> list[Number]:
     x, y, vx, vy, *down = state
     down_x, down_y = down or (0.0, 0.0)
     push = secant(x * x + y * y, rotor)
-    ax = acceleration(Along(x, vx, x, 1.0, down_x), push, rotor)
-    ay = acceleration(Along(y, vy, y, 0.0, down_y), push, rotor)
-    rates = turned_rates((x, y), (vx, vy), (ax, ay), rotor.omega)
+    at = Moment((x, y), (vx, vy), (x, y), (1.0, 0.0), (down_x, down_y))
+    rates = turned_rates((x, y), (vx, vy), accelerations(at, push, rotor), rotor.omega)
     return [*rates, rotor.omega * down_y, -(rotor.omega * down_x)] if down else rates
 
 
@@ -430,9 +452,8 @@ def cartesian_neighbour(state: Numbers, apart: Numbers, _deeper: Number, rotor: 
     x, y, vx, vy = (here + more for here, more in zip(state[:4], apart, strict=True))
     down_x, down_y = state[4:] or (0.0, 0.0)
     push = secant(x * x + y * y, rotor)
-    ax = acceleration(Along(x, vx, x, 1.0, down_x), push, rotor)
-    ay = acceleration(Along(y, vy, y, 0.0, down_y), push, rotor)
-    return Neighbour((x, y), (vx, vy), (ax, ay), rotor.omega)
+    at = Moment((x, y), (vx, vy), (x, y), (1.0, 0.0), (down_x, down_y))
+    return Neighbour((x, y), (vx, vy), accelerations(at, push, rotor), rotor.omega)
 
 
 CONTACT_STATE = ("q", "p", "h", "c", "s", "t", "j")
@@ -514,34 +535,26 @@ class Model:
     lighter: dict[str, dict[str, float]] = field(default_factory=dict)
 
 
-OF_ROTOR = ("omega", "zeta", "delta0")
-# Of friction there is the speed of the rim, rho omega, and the sense in which surfaces slide.
-OF_MACHINE = ("shaft_stiffness", "contact_damping", "load")
+# What forces have that the paper's rotor has not, but for friction.
+OF_FORCES = tuple(name for name in FRICTIONLESS if name != "contact_exponent")
 PAPER = Model(
     name="paper",
     modes=(CONTACT, CARTESIAN),
-    parameters=(*OF_ROTOR, "felt"),
+    parameters=(*PARAMETERS, "felt"),
     constants={
-        **dict.fromkeys(("shaft_stiffness", "contact_damping", "load", "linear"), 0.0),
+        **dict.fromkeys((*OF_FORCES, "linear"), 0.0),
         **dict.fromkeys(("hertz", "pressed"), 1.0),
     },
-    columns=OF_ROTOR,
+    columns=PARAMETERS,
 )
 WHOLE = Model(
     name="whole",
     modes=(WHOLE_CONTACT, WHOLE_CARTESIAN, RUB, ROLLING),
+    # of friction there is the speed of the rim, rho omega, and the sense in which surfaces slide
     parameters=(
-        *OF_ROTOR,
-        *OF_MACHINE,
-        "hertz",
-        "linear",
-        "felt",
-        "pressed",
-        "friction",
-        "disc_radius",
-        "rim",
-        "sigma",
+        *PARAMETERS, *OF_FORCES, "hertz", "linear", "felt", "pressed",
+        "friction", "disc_radius", "rim", "sigma",
     ),
     constants={},
-    columns=(*OF_ROTOR, *OF_MACHINE, "friction", "disc_radius"),
-)
+    columns=tuple(name for name in ALL_PARAMETERS if name != "contact_exponent"),
+)  # fmt: skip

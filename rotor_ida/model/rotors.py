@@ -107,7 +107,7 @@ def rotors_of(given: Mapping[str, object], largest: float = math.inf) -> Rotors:
     Parameters
     ----------
     given : mapping of str to array_like or None
-        A number or a vector for each parameter; None for one that is not given.
+        A number or a vector for each parameter that is given; None for `disc_radius` is no number.
     largest : float
         Largest value allowed of an optional parameter [1].
 
@@ -128,10 +128,9 @@ def rotors_of(given: Mapping[str, object], largest: float = math.inf) -> Rotors:
     axes: dict[str, Values] = {}
     numbers = set()
     for name in ALL_PARAMETERS:
-        value = given.get(name)
-        if value is None:
+        value, optional = given.get(name), name in DEFAULTS
+        if name not in given or (value is None and optional and DEFAULTS[name] is None):
             continue
-        optional = name in DEFAULTS
         axis = check_axis(name, value, largest=largest if optional else math.inf)
         if optional and is_scalar(name, value):
             if axis.tolist() == [DEFAULTS[name]]:

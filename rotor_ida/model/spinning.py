@@ -14,6 +14,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from rotor_ida.model.modes import (
+    OF_FORCES,
     ROLLING,
     RUB,
     WHOLE,
@@ -30,6 +31,7 @@ from rotor_ida.model.modes import (
     drawn_rolling_rates,
     drawn_rub_rates,
     grip_and_hold,
+    resistance,
     rolling_rates,
     rub_rates,
     secant,
@@ -52,22 +54,22 @@ def at_speed(speed: Number, rotor: Any) -> Any:
     return SimpleNamespace(**vars(rotor), omega=speed, rim=rotor.disc_radius * speed)
 
 
-def torque_left(pull: Number, velocity: Number, rotor: Any) -> Number:
+def torque_left(pull: Number, velocity: Number, resisted: Number, rotor: Any) -> Number:
     """Return the torque that is left without friction, ``tau - Im(exp(-i theta) b)``.
 
     b is z'' without the part of the unbalance, and without the load, which acts at the centre of
     mass. `pull` is the force of shaft and ring, and `velocity` that of the centre, both along the
-    direction a quarter turn ahead of the unbalance.
+    direction a quarter turn ahead of the unbalance; `resisted` is what `resistance` says.
     """
-    return rotor.torque - rotor.slope * rotor.omega + 2.0 * rotor.zeta * velocity + pull
+    return rotor.torque - rotor.slope * rotor.omega + resisted * velocity + pull
 
 
-def pull_and_velocity(state: Numbers, around: Number, rotor: Any) -> tuple[Number, Number]:
-    """Return what `torque_left` needs of a contact with a tangential velocity `around`."""
+def torque_in_contact(state: Numbers, around: Number, rotor: Any) -> Number:
+    """Return `torque_left` in a contact with a tangential velocity `around`."""
     q, p, _, c, s, *_ = state
     force = damped(spring_of_root(q, rotor), p, rotor)
     pull = force * s + rotor.shaft_stiffness * ((rotor.delta0 + q * q) * s)
-    return pull, p * s + around * c
+    return torque_left(pull, p * s + around * c, resistance((p, around), rotor), rotor)
 
 
 def joined(rates: list[Number], q: Number, faster: Number, speed: Number) -> list[Number]:
@@ -92,7 +94,7 @@ def spinning_contact(state: Numbers, rotor: Any, *, drawn: bool = False) -> list
     q, _, h, c, s, *_ = rest
     r = rotor.delta0 + q * q
     around = h / r
-    left = torque_left(*pull_and_velocity(rest, around, here), here)
+    left = torque_in_contact(rest, around, here)
     faster = rotor.rate + rotor.inverse_inertia * left
     more = (-(faster * s), -(faster * c))  # of -i theta'' exp(i theta)
     rates = (drawn_contact_rates if drawn else contact_rates)(rest, here, more)
@@ -112,7 +114,7 @@ def spinning_rub(state: Numbers, rotor: Any, *, drawn: bool = False) -> list[Num
     around = slip / r - here.rim
     lever = rotor.disc_radius - c
     drag = rotor.friction * rotor.sigma * damped(spring_of_root(q, rotor), p, rotor)
-    left = torque_left(*pull_and_velocity(rest, around, here), here) - drag * lever
+    left = torque_in_contact(rest, around, here) - drag * lever
     faster = rotor.rate + rotor.inverse_inertia * left
     more = (-(faster * s), faster * lever)
     rates = (drawn_rub_rates if drawn else rub_rates)(rest, here, more)
@@ -130,7 +132,7 @@ def held(rest: Numbers, here: Any, rotor: Any) -> tuple[Number, Number, Number]:
     c = rest[3]
     grip, hold = grip_and_hold(rest, here)
     lever = rotor.disc_radius - c
-    left = torque_left(*pull_and_velocity(rest, -here.rim, here), here) - hold * lever
+    left = torque_in_contact(rest, -here.rim, here) - hold * lever
     moved = 1.0 + rotor.inverse_inertia * (lever * lever)
     faster = (rotor.rate + rotor.inverse_inertia * left) / moved
     return faster, hold + lever * faster, grip
@@ -161,9 +163,10 @@ def spinning_cartesian(state: Numbers, rotor: Any) -> list[Number]:
     """Return the rates by time of displacement and velocity, and of speed and angle."""
     *rest, speed, _ = state
     here = at_speed(speed, rotor)
-    x, y, _, vy, *_ = rest
+    x, y, vx, vy, *_ = rest
     pull = secant(x * x + y * y, rotor) * y + rotor.shaft_stiffness * y
-    faster = rotor.rate + rotor.inverse_inertia * torque_left(pull, vy, here)
+    left = torque_left(pull, vy, resistance((vx, vy), here), here)
+    faster = rotor.rate + rotor.inverse_inertia * left
     rates = cartesian_rates(rest, here)
     rates[3] = rates[3] - faster
     return [*rates, faster, 1.0 * speed]
@@ -192,7 +195,7 @@ OF_DRIVE = ("rate", "torque", "slope", "inverse_inertia")
 # work on the ring is what the ring holds.
 PRESCRIBED = dict.fromkeys(("torque", "slope", "inverse_inertia"), 0.0)
 PLAIN = {
-    **dict.fromkeys(("shaft_stiffness", "contact_damping", "load", "linear"), 0.0),
+    **dict.fromkeys((*OF_FORCES, "linear"), 0.0),
     **dict.fromkeys(("hertz", "pressed"), 1.0),
     **dict.fromkeys(("down_r", "down_t", "down_x", "down_y", "work"), 0.0),
 }

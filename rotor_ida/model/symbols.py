@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from types import FrameType
-from typing import Any
+from typing import Any, ClassVar
 
 
 @dataclass(eq=False, slots=True)
@@ -224,14 +224,16 @@ class Dual:
 
     Parameters
     ----------
-    value : Symbol or float
+    value : Symbol, float or ndarray
         The value.
     parts : tuple
-        Its derivatives by these quantities.
+        Its derivatives by these quantities; the number 0 where it does not depend on one.
     """
 
     value: Any
     parts: tuple[Any, ...]
+    # arrays leave the arithmetic to it
+    __array_ufunc__: ClassVar[None] = None
 
     def __add__(self, other: Any) -> Dual:
         value, parts = _both(other, len(self.parts))
@@ -253,7 +255,7 @@ class Dual:
         value, parts = _both(other, len(self.parts))
         return Dual(
             self.value * value,
-            _each(lambda a, b: a * value + self.value * b, self.parts, parts),
+            _each(lambda a, b: _product(a, value) + _product(self.value, b), self.parts, parts),
         )
 
     __rmul__ = __mul__
@@ -261,7 +263,8 @@ class Dual:
     def __truediv__(self, other: Any) -> Dual:
         value, parts = _both(other, len(self.parts))
         whole = self.value / value
-        return Dual(whole, _each(lambda a, b: (a - whole * b) / value, self.parts, parts))
+        left = _each(lambda a, b: a - _product(whole, b), self.parts, parts)
+        return Dual(whole, tuple(0.0 if _is_none(part) else part / value for part in left))
 
     def __rtruediv__(self, other: Any) -> Dual:
         return Dual(other, (0.0,) * len(self.parts)) / self
@@ -269,7 +272,16 @@ class Dual:
     def __pow__(self, exponent: float) -> Dual:
         # a quotient of what is known already, where a power of its own would be one more
         slope = exponent * (self.value**exponent / self.value)
-        return Dual(self.value**exponent, tuple(slope * part for part in self.parts))
+        return Dual(self.value**exponent, tuple(_product(slope, part) for part in self.parts))
+
+
+def _is_none(part: Any) -> bool:
+    return isinstance(part, float) and part == 0.0
+
+
+def _product(a: Any, b: Any) -> Any:
+    """Return a product; of nothing it is nothing, whatever has no arithmetic to be done."""
+    return 0.0 if _is_none(a) or _is_none(b) else a * b
 
 
 def _both(value: Any, count: int) -> tuple[Any, tuple[Any, ...]]:

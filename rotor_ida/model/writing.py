@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -43,11 +43,16 @@ CHOSEN_BY = {
     "whole": "#if defined(WHOLE_MODEL) && !defined(RUN_UP)",
     "run_up": "#ifdef RUN_UP",
 }
+# Said of names that this model has not: code for all models may use them, where it is removed, or
+# where the constant of this model leaves it as it is.
+ABSENT = "/* of other models */"
 COMMAND = "python -m rotor_ida.model.writing"
 FOLDER = Path(__file__).parents[1] / "core"
 # One vector holds so many lanes, and the same component of so many differences.
 LANES_A_VECTOR = 4
 DIFFERENCE = ("x", "y", "vx", "vy")
+# What has no series, in a contact: what is spent of its energy, and the heat of sliding.
+SPENT = ("spent", "heat")
 # Columns of a line inside two levels of braces.
 WIDEST = 100 - 9
 # How strongly a piece of C binds.
@@ -66,11 +71,14 @@ class Writer:
         What has been given a name already, by number of the symbol.
     one : str
         Coefficient n of the constant 1 where a series is written; empty for values.
+    over : callable
+        What a quotient is in C.
     """
 
     state: Callable[[str], str]
     names: dict[int, str] = field(default_factory=dict)
     one: str = ""
+    over: Callable[[str, str], str] = "ratio({}, {})".format
 
     def __call__(self, node: Symbol, binding: int = SUM) -> str:
         """Return a symbol, in parentheses where it binds less than what it stands in."""
@@ -98,7 +106,7 @@ class Writer:
             minus = factor == "-1.0"
             return f"-{self(b, ATOM)}" if minus else f"{factor} * {self(b, ATOM)}", PRODUCT
         if node.kind == "/":
-            return f"ratio({self(a)}, {self(b)})", ATOM
+            return self.over(self(a), self(b)), ATOM
         return f"{self(a)} {node.kind} {self(b, PRODUCT)}", SUM
 
 
@@ -127,26 +135,38 @@ def _names_of(nodes: Sequence[Symbol], outputs: Sequence[Symbol]) -> dict[int, s
     return names
 
 
-def _values(outputs: Sequence[tuple[str, Symbol]], mode: Mode) -> list[str]:
-    """Return the lines that compute outputs, given as what is assigned and its value."""
+def _values(outputs: Sequence[tuple[str, Symbol]], mode: Mode, kind: str = "double") -> list[str]:
+    """Return the lines that compute outputs, given as what is assigned and its value.
+
+    They are numbers, or vectors of numbers.
+    """
     symbols = [symbol for _, symbol in outputs]
     nodes = needed(symbols)
     names = _names_of(nodes, [])
-    lines = _given(nodes, mode, "state")
+    lines = _given(nodes, mode, "state", kind)
     writer = Writer(lambda name: name)
+    if kind != "double":
+        writer.over = "({}) / ({})".format
     for node in nodes:
         if node.number in names:
-            lines.append(f"const double {names[node.number]} = {writer(node)};")
+            lines.append(f"const {kind} {names[node.number]} = {writer(node)};")
             writer.names[node.number] = names[node.number]
-    return lines + [f"{place} = {writer(symbol)};" for place, symbol in outputs]
+    for place, symbol in outputs:
+        scalar = kind != "double" and not symbol.changes
+        said = writer(symbol)
+        lines.append(f"{place} = spread({said});" if scalar else f"{place} = {said};")
+    return lines
 
 
-def _given(nodes: Sequence[Symbol], mode: Mode, row: str) -> list[str]:
+def _given(nodes: Sequence[Symbol], mode: Mode, row: str, kind: str = "double") -> list[str]:
     """Return the lines that name those components of a state that are needed."""
+    return [f"const {kind} {name} = {row}[{_place(mode, name)}];" for name in _used(nodes, mode)]
+
+
+def _used(nodes: Sequence[Symbol], mode: Mode) -> list[str]:
+    """Return those components of a state that are needed."""
     used = {node.name for node in nodes if node.kind == "state"}
-    return [
-        f"const double {name} = {row}[{_place(mode, name)}];" for name in mode.state if name in used
-    ]
+    return [name for name in mode.state if name in used]
 
 
 def _place(mode: Mode, name: str) -> str:
@@ -225,6 +245,34 @@ def _write_watched(derived: Derived) -> list[str]:
     )
 
 
+def write_spent(derived: Derived, way: str = "") -> list[str]:
+    """Return the function of what a contact spends at eight points of a step, four at once."""
+    mode = derived.mode
+    rates = dict(zip(mode.state, derived.drawn_rates, strict=True))
+    outputs = [(f"rate[v][{i}]", rates[name]) for i, name in enumerate(SPENT) if name in rates]
+    if not outputs:
+        return []
+    used = _used(needed(rate for _, rate in outputs), mode)
+    lines = _values(outputs, mode, "vec4")
+    for place, name in enumerate(used):
+        lines[place] = f"const vec4 {name} = read[{place}][v];"
+    if len(outputs) < len(SPENT):
+        lines.append("rate[v][1] = spread(0.0);")
+    return _function(
+        f"{mode.name}_spent{way and f'_{way}'}",
+        "const struct series *series, int order, const vec4 *parts, vec4 (*rate)[2]",
+        "The rates of what damping, load and drive take, and of the heat, at parts of a step.",
+        [
+            f"static const int reads[] = {{{', '.join(_place(mode, each) for each in used)}}};",
+            f"vec4 read[{len(used)}][AT_ONCE];",
+            f"read_parts(series, order, reads, {len(used)}, parts, read);",
+            "for (int v = 0; v < AT_ONCE; v++) {",
+            *(f"    {line}" for line in lines),
+            "}",
+        ],
+    )
+
+
 def write_series(derived: Derived, factors: Sequence[Symbol], way: str = "") -> list[str]:
     """Return the function that expands the state, and with it the factors of differences.
 
@@ -274,7 +322,8 @@ def _write_lighter(mode: Mode, model: Model) -> list[str]:
     """Return the functions that expand the state of a mode where that takes fewer products."""
     lines = []
     for way, fixed in model.lighter.items():
-        lines += write_series(derive(mode, model, fixed), [], way)
+        lighter = derive(mode, model, fixed)
+        lines += write_series(lighter, [], way) + write_spent(lighter, way)
     return lines
 
 
@@ -391,7 +440,7 @@ def _steady_part(derived: Derived) -> list[str]:
     return rows + lines
 
 
-def write_table(derived: Derived, lighter: Iterable[str]) -> list[str]:
+def write_table(derived: Derived, lighter: Sequence[str]) -> list[str]:
     """Return the table of all that is derived from a mode."""
     name = derived.mode.name
     near = derived.mode.neighbour is not None
@@ -402,10 +451,12 @@ def write_table(derived: Derived, lighter: Iterable[str]) -> list[str]:
         *(("expand_with_factors", "expand_differences") if near else ()),
         *(["watched"] if derived.watched else []),
     ]
+    ways = ["spent", *(f"spent_{way}" for way in lighter)]
     return [
         f"const struct mode {name}_mode = {{",
         f"    .size = {name.upper()}_SIZE,",
         *(f"    .{each} = {name}_{each}," for each in functions),
+        *(f"    .{each} = {name}_{each}," for each in ways if SPENT[0] in derived.mode.state),
         "};",
         "",
     ]
@@ -422,17 +473,70 @@ def _parameters(model: Model) -> list[str]:
         "rim": "rotor->disc_radius * rotor->omega",
         "sigma": "0.0",
     }
-    of_rotor = [special.get(name, f"rotor->{name}") for name in model.parameters]
+    of_rotor = [f".{name} = {special.get(name, f'rotor->{name}')}" for name in model.parameters]
+    absent = absent_from(model)
+    fixed = {name: model.constants.get(name) for name in absent}
+    of_rotor += [f".{name} = {value}" for name, value in fixed.items() if value]
     return [
         "struct parameters {",
         f"    double {', '.join(model.parameters)};",
+        *([f"    double {', '.join(absent)}; {ABSENT}"] if absent else []),
         "};",
         "",
         head,
         "{",
         f"    return (struct parameters){{{', '.join(of_rotor)}}};",
         "}",
+        *_is_plain(),
     ]
+
+
+def _is_plain() -> list[str]:
+    """Return the function that says whether the lightest series of a run-up serve."""
+    fixed = RUN_UP.lighter["plain"]
+    said = [f"m->{name} == {fixed[name]!r}" for name in RUN_UP.parameters if name in fixed]
+    return [
+        "",
+        "/* Whether a rotor is the paper's, but for friction, and its speed prescribed. */",
+        "static inline int is_plain(const struct parameters *m)",
+        "{",
+        f"    return {' && '.join(said)};",
+        "}",
+    ]
+
+
+def absent_from(model: Model) -> list[str]:
+    """Return the parameters that other models have and this one has not."""
+    named = dict.fromkeys(name for other in MODELS for name in other.parameters)
+    return [name for name in named if name not in model.parameters]
+
+
+def _places_of(model: Model) -> dict[str, list[str]]:
+    """Return the names of the places in the states of a model, by mode."""
+    return {
+        mode.name: [
+            *(_place(mode, name) for name in (*mode.state, "size")),
+            *(f"{_place(mode, guard.event)}_GUARD" for guard in mode.guards),
+        ]
+        for mode in model.modes
+    }
+
+
+def _declare_absent(model: Model) -> list[str]:
+    """Declare what other models have and this one has not: 0, in code that the compiler removes."""
+    lines, own = [], _places_of(model)
+    columns = dict.fromkeys(name for other in MODELS for name in other.columns)
+    names = [f"BY_{name.upper()}" for name in columns if name not in model.columns]
+    named: dict[str, list[str]] = {}
+    for other in MODELS:
+        for mode, places in _places_of(other).items():
+            named[mode] = [*dict.fromkeys([*named.get(mode, []), *places])]
+    absent = [place for mode in named for place in named[mode] if place not in own.get(mode, [])]
+    if not model.columns:
+        lines += ["enum { PARAMETERS = 1 };"]
+    if names or absent:
+        lines += [f"enum {{ {', '.join(f'{name} = 0' for name in [*names, *absent])} }}; {ABSENT}"]
+    return lines
 
 
 def sources() -> dict[str, str]:
@@ -455,9 +559,13 @@ def sources_of(model: Model) -> dict[str, str]:
     body = [*head, CHOSEN_BY[model.name], '#include "motion.h"', ""]
     declared = [*head, f"#ifndef {marker}", f"#define {marker}", ""]
     declared += ['#include "core.h"', "", *_parameters(model), ""]
+    own = {mode.name for mode in model.modes}
     columns = [f"BY_{name.upper()}" for name in model.columns]
     if columns:
         declared += [f"enum {{ {', '.join([*columns, 'PARAMETERS'])} }};"]
+    for mode in {mode.name: mode for other in MODELS for mode in other.modes}.values():
+        if mode.name not in own:
+            body += [f"const struct mode {mode.name}_mode = {{0}}; {ABSENT}", ""]
     for mode in model.modes:
         derived = derive(mode, model)
         factors, _ = factors_of(derived)
@@ -470,11 +578,13 @@ def sources_of(model: Model) -> dict[str, str]:
         body += [
             *write_values(derived, model.columns),
             *write_series(derived, []),
+            *write_spent(derived),
             *(write_series(derived, factors) if mode.neighbour else []),
             *_write_lighter(mode, model),
             *(write_differences(derived) if mode.neighbour else []),
-            *write_table(derived, model.lighter),
+            *write_table(derived, tuple(model.lighter)),
         ]
+    declared += _declare_absent(model)
     text = "\n".join([*body, "#endif", ""]).replace("\nvoid ", "\nstatic void ")
     return {f"{stem}.c": text, f"{stem}.h": "\n".join([*declared, "", "#endif", ""])}
 

@@ -4,8 +4,17 @@ Results come as they end. Only a few jobs are in flight at a time, so memory doe
 their number. When a job fails, or the user interrupts, the rest is given up at once.
 """
 
-from rotor_ida.parallel.executors import choose, count_workers, run_all
+from rotor_ida.parallel.executors import Workers, choose, count_workers, run_all
 from rotor_ida.parallel.interruptible import interruptible
 from rotor_ida.parallel.jobs import FailedJob, Progress, Stop
 
-__all__ = ["FailedJob", "Progress", "Stop", "choose", "count_workers", "interruptible", "run_all"]
+__all__ = [
+    "FailedJob",
+    "Progress",
+    "Stop",
+    "Workers",
+    "choose",
+    "count_workers",
+    "interruptible",
+    "run_all",
+]

@@ -103,11 +103,11 @@ def _as_they_end(
 def _alone(client: Client, work: Work[Job, Result], job: Job) -> Result | FailedJob:
     """Do a job with no other beside it."""
     try:
-        found: tuple[list[Result], float] = _submit(client, work, [job]).result()
+        results: list[Result] = _submit(client, work, [job]).result()[0]
     except KilledWorker as error:
         tried = error.allowed_failures + 1
         return FailedJob(f"every worker that took it on died, {tried} in all")
-    return found[0][0]
+    return results[0]
 
 
 def _submit(client: Client, work: Work[Job, Result], bundle: list[Job]) -> Any:
@@ -148,15 +148,15 @@ def versions_teller(names: tuple[str, ...]) -> Callable[[], dict[str, str]]:
     def tell() -> dict[str, str]:
         from importlib import metadata  # noqa: PLC0415 - on the worker
 
-        found = dict.fromkeys((*names, "sources"), "missing")
+        versions = dict.fromkeys((*names, "sources"), "missing")
         with suppress(ImportError):
             from rotor_ida.results.provenance import sources_digest  # noqa: PLC0415 - on the worker
 
-            found["sources"] = sources_digest()
+            versions["sources"] = sources_digest()
         for name in names:
             with suppress(metadata.PackageNotFoundError):
-                found[name] = metadata.version(name)
-        return found
+                versions[name] = metadata.version(name)
+        return versions
 
     return tell
 

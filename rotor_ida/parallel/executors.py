@@ -7,6 +7,7 @@ import os
 import re
 from collections.abc import Generator, Iterable
 from functools import partial
+from typing import NamedTuple
 
 from rotor_ida.checks import MOST_WORKERS, check_count, shown
 from rotor_ida.errors import InputError
@@ -19,6 +20,13 @@ EXECUTORS = ("auto", "serial", *POOLS, "dask")
 _ADDRESS = re.compile(r"(tcp|tls|ws|wss)://[^\s/]+:\d+")
 
 
+class Workers(NamedTuple):
+    """What does the jobs: the executor, and how many at a time; None if it has workers itself."""
+
+    executor: str
+    number: int | None
+
+
 def count_workers(workers: int | None) -> int:
     """Return the number of workers: `workers`, or one for each core that may be used."""
     if workers is not None:
@@ -28,7 +36,7 @@ def count_workers(workers: int | None) -> int:
     return os.cpu_count() or 1
 
 
-def choose(executor: object, workers: int | None, *, compiled: bool) -> tuple[str, int | None]:
+def choose(executor: object, workers: int | None, *, compiled: bool) -> Workers:
     """Return which executor to use, and how many workers.
 
     Parameters
@@ -45,10 +53,12 @@ def choose(executor: object, workers: int | None, *, compiled: bool) -> tuple[st
 
     Examples
     --------
-    >>> choose("auto", 2, compiled=True), choose("auto", 2, compiled=False)
-    (('threads', 2), ('processes', 2))
+    >>> choose("auto", 2, compiled=True)
+    Workers(executor='threads', number=2)
+    >>> choose("auto", 2, compiled=False)
+    Workers(executor='processes', number=2)
     >>> choose("serial", None, compiled=True)
-    ('serial', 1)
+    Workers(executor='serial', number=1)
     """
     chosen = _check_executor(executor)
     if chosen == "auto":
@@ -60,12 +70,12 @@ def choose(executor: object, workers: int | None, *, compiled: bool) -> tuple[st
             raise InputError(
                 f"workers must be left to the scheduler {chosen}, got {shown(workers)}"
             )
-        return chosen, None
+        return Workers(chosen, None)
     if chosen != "serial":
-        return chosen, count_workers(workers)
+        return Workers(chosen, count_workers(workers))
     if workers is not None and count_workers(workers) > 1:
         raise InputError(f"workers must be 1 with executor 'serial', got {shown(workers)}")
-    return chosen, 1
+    return Workers(chosen, 1)
 
 
 def _check_executor(executor: object) -> str:

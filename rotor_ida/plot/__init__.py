@@ -7,7 +7,6 @@ values of a parameter that the picture has one of, axes of another kind or in ot
 """
 
 from rotor_ida.plot.appearance import mixed_panels, panels, shared_legend, style
-from rotor_ida.plot.backward import plot_backward_whirl
 from rotor_ida.plot.basins import (
     plot_attractor_fractions,
     plot_attractor_map,
@@ -15,17 +14,8 @@ from rotor_ida.plot.basins import (
     plot_basin,
     plot_basin_fractions,
 )
-from rotor_ida.plot.beyond import plot_exponents, plot_extrema, plot_section, plot_spectrum
-from rotor_ida.plot.cycles import (
-    cycle_figure,
-    plot_branch,
-    plot_curves,
-    plot_cycle,
-    plot_lines,
-    plot_multipliers,
-)
-from rotor_ida.plot.fits import fit_figure, plot_fit, plot_fit_residuals
-from rotor_ida.plot.formulas import (
+from rotor_ida.plot.branches import plot_branch, plot_curves
+from rotor_ida.plot.closed_forms import (
     plot_cuts,
     plot_deviation,
     plot_periods,
@@ -33,20 +23,15 @@ from rotor_ida.plot.formulas import (
     plot_solutions,
     plot_surface,
 )
-from rotor_ida.plot.jumps import (
-    plot_backbone,
-    plot_by_clearance,
-    plot_by_damping,
-    plot_cusp,
-    plot_jumps,
-)
+from rotor_ida.plot.cycles import cycle_figure, plot_cycle, plot_lines, plot_multipliers
+from rotor_ida.plot.dynamics import plot_exponents, plot_extrema, plot_section
+from rotor_ida.plot.fits import fit_figure, plot_fit, plot_fit_residuals
+from rotor_ida.plot.forces import plot_force_peaks, plot_forces
 from rotor_ida.plot.labels import parameter_text, with_error
 from rotor_ida.plot.responses import plot_amplitude, plot_over_clearance, plot_phase
 from rotor_ida.plot.run_ups import plot_endings, plot_largest_force, run_ups_figure
 from rotor_ida.plot.runs import (
     plot_drawn_out,
-    plot_force_peaks,
-    plot_forces,
     plot_history,
     plot_machine,
     plot_rotating_orbit,
@@ -62,7 +47,16 @@ from rotor_ida.plot.signals import (
     plot_orders,
     plot_polar,
     plot_spectrogram,
+    plot_spectrum,
     plot_trace,
+)
+from rotor_ida.plot.whirls import (
+    plot_backbone,
+    plot_backward_whirl,
+    plot_by_clearance,
+    plot_by_damping,
+    plot_cusp,
+    plot_jumps,
 )
 
 __all__ = [

@@ -9,18 +9,17 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-import xarray as xr
+import numpy.typing as npt
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.transforms import ScaledTranslation
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import OPTIONAL, PARAMETERS
-from rotor_ida.plot.labels import KIND_WORDS, SEPARATOR, parameter_text, scale_of
-from rotor_ida.results.si_units import in_rpm
+from rotor_ida.plot.labels import KIND_WORDS
 
 # From matplotlib's petroff10, chosen so that the greys differ too.
 BLUE, ORANGE, RED, PURPLE, GREY = "#3f90da", "#e76300", "#bd1f01", "#832db6", "#94a4a2"
@@ -31,8 +30,6 @@ DASHES = (0, (4, 2))
 # Where a legend under the axes begins, clear of ticks and label [point].
 BELOW = 36.0
 SHADE = "#ffe3c4"
-# With more parameters a title has two lines.
-MOST_IN_A_LINE = 5
 # Colour and dashes, so that the curves stay apart without colour too.
 LOOKS: tuple[tuple[str, object], ...] = (
     (INK, "-"),
@@ -55,37 +52,28 @@ KIND_SHADES = {
 }
 
 # Legends list what they hold in this order, whatever was drawn first.
-STABLE, UNSTABLE, NEUTRAL = "stable whirl", "unstable whirl", "neutral whirl"
-CONTACT_FREE, FOLD, HOPF = "contact-free whirl", "fold", "Hopf point"
-FROM_REST, FROM_START = "each speed from rest", "each speed from its start"
-GOING_UP, GOING_DOWN = "speed going up", "speed going down"
-STABLE_CYCLE, UNSTABLE_CYCLE = "stable cycle", "unstable cycle"
-BOUNCING_CYCLE, FULL_CONTACT_CYCLE = "bouncing cycle", "full-contact cycle"
-ROLLING_CYCLE = "dry whip"
-FOLD_OF_CYCLES, DOUBLING, GRAZE, TORUS = "fold of cycles", "period doubling", "graze", "torus"
-SLIDING, BIRTH = "slip comes to 0", HOPF
-_ORDER = [
-    STABLE,
-    UNSTABLE,
-    NEUTRAL,
-    CONTACT_FREE,
-    FOLD,
-    HOPF,
+_ORDER = (
+    STABLE := "stable whirl",
+    UNSTABLE := "unstable whirl",
+    NEUTRAL := "neutral whirl",
+    CONTACT_FREE := "contact-free whirl",
+    FOLD := "fold",
+    HOPF := "Hopf point",
     *KIND_WORDS.values(),
-    FROM_REST,
-    FROM_START,
-    GOING_UP,
-    GOING_DOWN,
-    BOUNCING_CYCLE,
-    FULL_CONTACT_CYCLE,
-    ROLLING_CYCLE,
-    STABLE_CYCLE,
-    UNSTABLE_CYCLE,
-    FOLD_OF_CYCLES,
-    DOUBLING,
-    GRAZE,
-    SLIDING,
-]
+    FROM_REST := "each speed from rest",
+    FROM_START := "each speed from its start",
+    GOING_UP := "speed going up",
+    GOING_DOWN := "speed going down",
+    BOUNCING_CYCLE := "bouncing cycle",
+    FULL_CONTACT_CYCLE := "full-contact cycle",
+    ROLLING_CYCLE := "dry whip",
+    STABLE_CYCLE := "stable cycle",
+    UNSTABLE_CYCLE := "unstable cycle",
+    FOLD_OF_CYCLES := "fold of cycles",
+    DOUBLING := "period doubling",
+    GRAZE := "graze",
+    SLIDING := "slip comes to 0",
+)
 
 _SETTINGS: Any = {
     "font.family": "STIXGeneral",
@@ -279,22 +267,29 @@ def legend_below(ax: Axes, *, columns: int = 3, handles: Sequence[Artist] | None
     )  # fmt: skip
 
 
-def axes_or_new(ax: Axes | None, *, width: float = 5.0, height: float = 3.6) -> Axes:
-    """Return `ax`, or the axes of a new figure."""
-    if ax is None:
-        return Figure(figsize=(width, height), layout="constrained").subplots()
-    if not isinstance(ax, Axes):
-        raise InputError(f"ax must be matplotlib Axes, got {type(ax).__name__}")
-    return ax
+@contextmanager
+def drawing(ax: Axes | None, *, width: float = 5.0, height: float = 3.6) -> Iterator[Axes]:
+    """Draw in the style of this package on `ax`, or on the axes of a new figure."""
+    with style():
+        if ax is None:
+            ax = Figure(figsize=(width, height), layout="constrained").subplots()
+        if not isinstance(ax, Axes):
+            raise InputError(f"ax must be matplotlib Axes, got {type(ax).__name__}")
+        yield ax
 
 
-def solid_axes(ax: Axes | None) -> Any:
-    """Return `ax` if it is three-dimensional, or the axes of a new figure."""
-    if ax is None:
-        return Figure(figsize=(4.2, 3.6), layout="constrained").add_subplot(projection="3d")
-    if getattr(ax, "name", "") != "3d":
-        raise InputError("ax must be three-dimensional: mixed_panels(..., solid=[...]) makes them")
-    return ax
+@contextmanager
+def solid_drawing(ax: Axes | None) -> Iterator[Any]:
+    """Draw in the style of this package on three-dimensional axes, by default of a new figure."""
+    with style():
+        if ax is None:
+            figure = Figure(figsize=(4.2, 3.6), layout="constrained")
+            ax = figure.add_subplot(projection="3d")
+        if getattr(ax, "name", "") != "3d":
+            raise InputError(
+                "ax must be three-dimensional: mixed_panels(..., solid=[...]) makes them"
+            )
+        yield ax
 
 
 def finish_solid(ax: Any, *, zoom: float = 0.95) -> None:
@@ -308,12 +303,36 @@ def finish_solid(ax: Any, *, zoom: float = 0.95) -> None:
     ax.set_box_aspect(None, zoom=zoom)
 
 
+def circle(radius: float) -> tuple[Values, Values]:
+    """Return the points of a circle about the bearing axis."""
+    turn = np.linspace(0.0, 2.0 * math.pi, 361)
+    return radius * np.cos(turn), radius * np.sin(turn)
+
+
 def draw_ring(ax: Axes, clearance: float) -> None:
     """Draw the ring of the clearance, where there is one."""
     if clearance > 0.0:
-        turn = np.linspace(0.0, 2.0 * math.pi, 361)
-        ax.plot(clearance * np.cos(turn), clearance * np.sin(turn), color=INK, lw=0.9, ls=DASHES,
-                label="clearance", zorder=2.6)  # fmt: skip
+        ax.plot(*circle(clearance), color=INK, lw=0.9, ls=DASHES, label="clearance", zorder=2.6)
+
+
+def draw_marks(
+    ax: Any, x: npt.ArrayLike, y: npt.ArrayLike, marker: str, colour: str, *, size: float,
+    face: str = "", edge: float = 1.0, label: str = "_", level: float = 2.0, clip: bool = True,
+) -> None:  # fmt: skip
+    """Draw marks without a line: of one colour, or with a face of another."""
+    ax.plot(x, y, ls="", marker=marker, ms=size, mec=colour, mfc=face or colour, mew=edge,
+            label=label, zorder=level, clip_on=clip)  # fmt: skip
+
+
+def say_in_middle(ax: Axes, words: str) -> None:
+    """Say in the middle of the axes why they are empty."""
+    ax.text(0.5, 0.5, words, transform=ax.transAxes, ha="center", va="center")
+
+
+def raise_limit(ax: Axes, highest: float) -> None:
+    """Let a vertical axis begin at 0 and reach this high; panels may share it with taller ones."""
+    before = 0.0 if ax.get_autoscaley_on() else ax.get_ylim()[1]
+    ax.set_ylim(0.0, max(before, 1.06 * highest))
 
 
 def look(number: int) -> tuple[str, object]:
@@ -321,63 +340,13 @@ def look(number: int) -> tuple[str, object]:
     return LOOKS[number % len(LOOKS)]
 
 
-def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Dataset:
-    """Return `dataset` if it is one and has the variables that are needed."""
-    if not isinstance(dataset, xr.Dataset):
-        raise InputError(f"{name} must be a Dataset, got {type(dataset).__name__}")
-    missing = [variable for variable in needed if variable not in dataset.variables]
-    if missing:
-        raise InputError(f"{name} must hold {', '.join(needed)}; it lacks {', '.join(missing)}")
-    return dataset
-
-
-def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
-    """Return the one value of a parameter that a picture can show."""
-    values = np.atleast_1d(dataset[parameter].values)
-    if values.size != 1:
-        raise InputError(
-            f"{name} must hold one {parameter}, got {values.size}: choose with "
-            f".sel({parameter}=...)"
-        )
-    return float(values[0])
-
-
-def lines_of(name: str, dataset: xr.Dataset) -> str:
-    """Return the parameters of a dataset as a title of two lines where one is too long."""
-    parts = title_of(name, dataset).split(SEPARATOR)
-    if len(parts) <= MOST_IN_A_LINE:
-        return SEPARATOR.join(parts)
-    papers, beyond = parts[: len(PARAMETERS)], parts[len(PARAMETERS) :]
-    return f"{SEPARATOR.join(papers)}\n{SEPARATOR.join(beyond)}"
-
-
-def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMETERS) -> str:
-    """Return the parameters of a dataset, which holds one value of each, as a title."""
-    # what varies along a branch is on its axis
-    beyond = [each for each in OPTIONAL if each in dataset.variables and not dataset[each].ndim]
-    text = parameter_text({each: one_value(name, dataset, each) for each in (*parameters, *beyond)})
-    if "event_speed" in dataset.variables:  # omega is only the first
-        last = float(dataset["speed"][-1]) / scale_of(dataset, "speed")
-        text = text.replace("$,", rf" \ldots {last:.4g}$,", 1) + _turns_of(dataset)
-    return text
-
-
-def _turns_of(run: xr.Dataset) -> str:
-    """Return first and last speed of a run-up in SI units as an engineer tells them."""
-    speeds = in_rpm(run["speed"])
-    if speeds is None:
-        return ""
-    first, last = (f"{each:.4g}" if each < 1e3 else f"{each:.0f}" for each in speeds[[0, -1]])
-    return rf"{SEPARATOR}${first} \ldots {last}$ rpm"
-
-
 def _entries(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:
-    found: dict[str, Artist] = {}
+    handles: dict[str, Artist] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-            found.setdefault(label, handle)
-    labels = sorted(found, key=_place)
-    return [found[label] for label in labels], labels
+            handles.setdefault(label, handle)
+    labels = sorted(handles, key=_place)
+    return [handles[label] for label in labels], labels
 
 
 def _place(label: str) -> int:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from itertools import cycle
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
@@ -15,20 +16,12 @@ from matplotlib.patches import Patch
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_choice
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
-from rotor_ida.plot.appearance import (
-    INK,
-    KIND_SHADES,
-    axes_or_new,
-    check_dataset,
-    legend_below,
-    lines_of,
-    own_legend,
-    style,
-    title_of,
-)
-from rotor_ida.plot.labels import KIND_WORDS, LABELS, label_axis, number_text, unit_of
-from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, check_dimensionless, flags_of
+from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force
+from rotor_ida.model.table import PARAMETERS
+from rotor_ida.plot.appearance import INK, KIND_SHADES, drawing, legend_below
+from rotor_ida.plot.datasets import check_dataset, parameters_in
+from rotor_ida.plot.labels import KIND_WORDS, LABELS, label_axis, number_text, title_of, unit_of
+from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, check_dimensionless, flags_of, words_of
 
 NEEDED = (*PARAMETERS, "label", "kind", "amplitude", "radius_min", "radius_max", "count")
 UNDECIDED, NOT_COMPUTED = INK, "white"
@@ -37,6 +30,7 @@ FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
 CONSTANT_RADIUS = 1e-3
 MOST_IN_A_COLUMN = 6
 ROUNDING = 1e-9
+SHARE = "share of starts"
 
 
 def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
@@ -71,8 +65,7 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     label = dataset["label"]
     count = dataset.sizes["attractor"]
     colours = [NOT_COMPUTED, UNDECIDED, *_shades(dataset["kind"])]
-    with style():
-        ax = axes_or_new(ax, width=4.6, height=5.0)
+    with drawing(ax, width=4.6, height=5.2) as ax:
         label_axis(ax.xaxis, horizontal, dataset[horizontal])
         label_axis(ax.yaxis, vertical, dataset[vertical])
         ax.grid(visible=False)
@@ -115,28 +108,19 @@ def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     'share of starts'
     """
     check_dataset("dataset", dataset, ("omega", "zeta", "delta0", "response", "response_fraction"))
-    words = {number: kind for kind, number in RESPONSE.items()}
     table = dataset["response_fraction"].transpose("omega", "response")
+    numbers = table["response"].values
+    shares = [
+        (table.values[:, numbers == RESPONSE[kind]].sum(axis=1), colour, KIND_WORDS[kind])
+        for kind, (colour, *_) in KIND_SHADES.items()
+    ]
     alone = ax is None
-    with style():
-        ax = axes_or_new(ax)
-        base = np.zeros(table.sizes["omega"])
-        for kind, (colour, *_) in KIND_SHADES.items():
-            columns = [words[number] == kind for number in table["response"].values.tolist()]
-            top = base + table.values[:, columns].sum(axis=1)
-            if (top > base).any():
-                ax.fill_between(
-                    table["omega"].values, base, top, color=colour, lw=0.0,
-                    label=KIND_WORDS[kind],
-                )  # fmt: skip
-            base = top
-        ax.set_xlim(float(table["omega"].min()), float(table["omega"].max()))
-        ax.set_ylim(0.0, 1.0)
+    with drawing(ax) as ax:
+        _draw_shares(ax, table["omega"].values, shares)
         ax.set_xlabel(LABELS["omega"])
-        ax.set_ylabel("share of starts")
         ax.set_title(title_of("dataset", dataset, ("zeta", "delta0")))
         if alone:
-            own_legend(ax)
+            legend_below(ax)
     return ax
 
 
@@ -165,20 +149,19 @@ def plot_attractor_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axe
     names = [_name(dataset.isel(attractor=number)) for number in range(shares.size)]
     errors = dataset["fraction_error"].values.tolist()
     rows = [*zip(names, shares.tolist(), errors, shades, strict=True)]
-    lost = 1.0 - float(shares.sum())
-    if lost > ROUNDING:
-        rows.append((FATE_WORDS["undecided"], lost, 0.0, UNDECIDED))
+    rest = 1.0 - float(shares.sum())
+    if rest > ROUNDING:
+        rows.append((FATE_WORDS["undecided"], rest, 0.0, UNDECIDED))
     rows.sort(key=lambda row: row[1])
-    with style():
-        ax = axes_or_new(ax, width=6.4, height=1.4 + 0.3 * len(rows))
+    with drawing(ax, width=6.4, height=1.4 + 0.3 * len(rows)) as ax:
         for place, (_, share, error, colour) in enumerate(rows):
             ax.barh(place, share, xerr=error or None, color=colour, height=0.7,
                     error_kw={"lw": 0.9, "capsize": 2.5, "ecolor": INK})  # fmt: skip
         ax.set_yticks(range(len(rows)), [name for name, *_ in rows])
         ax.grid(visible=False, axis="y")
         ax.set_xlim(0.0, 1.0)
-        ax.set_xlabel("share of starts")
-        ax.set_title(lines_of("dataset", dataset))
+        ax.set_xlabel(SHARE)
+        ax.set_title(title_of("dataset", dataset))
     return ax
 
 
@@ -210,40 +193,27 @@ def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     'share of starts'
     """
     check_dataset("dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind"))
-    varying = _varying(dataset)
-    if len(varying) != 1:
-        raise InputError(f"dataset must be over one parameter to be drawn, got {len(varying)}")
+    varying, line = _varying_part(dataset, 1, "one parameter to be drawn")
     (name,) = varying
-    fixed = {each: 0 for each in _parameters(dataset) if each != name}
-    line = dataset.isel(fixed, missing_dims="ignore").transpose(name, ..., "attractor")
-    words = {number: word for word, number in flags_of(dataset["kind"]).items()}
-    families, named = {kind: cycle(family) for kind, family in KIND_SHADES.items()}, set[str]()
+    families = {kind: cycle(family) for kind, family in KIND_SHADES.items()}
+    shares = []
+    for number in range(line.sizes["attractor"]):
+        own = line.isel(attractor=number)
+        here = np.isfinite(own["fraction"].values)
+        if here.any():
+            kind, _ = Counter(words_of(own["kind"][here])).most_common(1)[0]
+            share = np.nan_to_num(own["fraction"].values)
+            shares.append((share, next(families[kind]), KIND_WORDS[kind]))
     alone = ax is None
-    with style():
-        ax = axes_or_new(ax)
-        places, base = line[name].values, np.zeros(line.sizes[name])
-        for number in range(line.sizes["attractor"]):
-            own = line.isel(attractor=number)
-            here = np.isfinite(own["fraction"].values)
-            if not here.any():
-                continue
-            kind = words[int(np.bincount(own["kind"].values[here]).argmax())]
-            top = base + np.nan_to_num(own["fraction"].values)
-            ax.fill_between(
-                places, base, top, facecolor=next(families[kind]), edgecolor="white", lw=0.3,
-                label="_" if kind in named else KIND_WORDS[kind],
-            )  # fmt: skip
-            base = top
-            named.add(kind)
-        if (base < 1.0 - 1e-9).any():
-            ax.fill_between(places, base, 1.0, color=UNDECIDED, lw=0.0, label="undecided")
-        ax.set_xlim(float(places[0]), float(places[-1]))
-        ax.set_ylim(0.0, 1.0)
+    with drawing(ax) as ax:
+        places = line[name].values
+        top = _draw_shares(ax, places, shares)
+        if (top < 1.0 - ROUNDING).any():
+            ax.fill_between(places, top, 1.0, color=UNDECIDED, lw=0.0, label="undecided")
         label_axis(ax.xaxis, name, dataset[name])
-        ax.set_ylabel("share of starts")
-        ax.set_title(title_of("dataset", line, tuple(fixed)))
+        ax.set_title(_title_of_part(line, varying))
         if alone:
-            own_legend(ax)
+            legend_below(ax)
     return ax
 
 
@@ -279,49 +249,79 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
     if by == "shock" and "velocity_shock" not in dataset:
         raise InputError("dataset must have been made with shocks to be mapped by them")
     check_dimensionless("dataset", dataset)
-    varying = _varying(dataset)
-    if len(varying) != 2:
-        raise InputError(f"dataset must be over two parameters to be mapped, got {len(varying)}")
+    varying, plane = _varying_part(dataset, 2, "two parameters to be mapped")
     right, upwards = varying
-    fixed = {name: 0 for name in _parameters(dataset) if name not in varying}
-    plane = dataset.isel(fixed, missing_dims="ignore").transpose(upwards, right, ..., "attractor")
-    places = plane[right].values, plane[upwards].values
-    with style():
-        ax = axes_or_new(ax, width=5.0, height=4.4)
+    places, alone = (plane[right].values, plane[upwards].values), ax is None
+    with drawing(ax, width=5.0, height=4.4) as ax:
         ax.grid(visible=False)
         if by == "kind":
-            numbers, shades = _likeliest_kinds(plane)
-            kinds = [kind for number, kind in enumerate(shades) if (numbers == number).any()]
-            ax.pcolormesh(
-                *places, numbers, cmap=ListedColormap(list(shades.values())), vmin=-0.5,
-                vmax=len(shades) - 0.5, shading="nearest", rasterized=True,
-            )  # fmt: skip
-            for kind in kinds:
-                ax.fill_between([], [], color=shades[kind], lw=0.0, label=KIND_WORDS[kind])
+            _colour_by_kind(ax, places, plane)
         else:
             _colour_by_number(ax, places, plane, by)
         label_axis(ax.xaxis, right, dataset[right])
         label_axis(ax.yaxis, upwards, dataset[upwards])
-        ax.set_title(title_of("dataset", plane, tuple(fixed)))
+        ax.set_title(_title_of_part(plane, varying))
+        if alone and ax.get_legend_handles_labels()[1]:
+            legend_below(ax)
     return ax
 
 
-def _parameters(dataset: xr.Dataset) -> list[str]:
-    """Return the parameters that an atlas has."""
-    return [name for name in ALL_PARAMETERS if name in dataset.variables]
+def _draw_shares(ax: Axes, places: Values, shares: Iterable[tuple[Values, str, str]]) -> Values:
+    """Draw shares of starts one upon the other, in their colours; return where they end."""
+    base = np.zeros(places.size)
+    for share, colour, words in shares:
+        if share.any():
+            ax.fill_between(places, base, base + share, facecolor=colour, edgecolor="white",
+                            lw=0.3, label=words)  # fmt: skip
+        base = base + share
+    ax.set_xlim(float(places.min()), float(places.max()))
+    ax.set_ylim(0.0, 1.0)
+    ax.set_ylabel(SHARE)
+    return base
 
 
-def _varying(dataset: xr.Dataset) -> list[str]:
-    """Return those of them that it is over."""
-    return [name for name in _parameters(dataset) if dataset[name].size > 1]
+def _varying_part(dataset: xr.Dataset, number: int, what: str) -> tuple[list[str], xr.Dataset]:
+    """Return the parameters that vary, and a dataset over these, the last of them first."""
+    names = parameters_in(dataset)
+    varying = [name for name in names if dataset[name].size > 1]
+    if len(varying) != number:
+        raise InputError(f"dataset must be over {what}, got {len(varying)}")
+    fixed = {name: 0 for name in names if name not in varying}
+    part = dataset.isel(fixed, missing_dims="ignore")
+    return varying, part.transpose(*reversed(varying), ..., "attractor")
+
+
+def _title_of_part(part: xr.Dataset, varying: Sequence[str]) -> str:
+    """Return the parameters that do not vary as a title."""
+    return title_of("dataset", part, [name for name in PARAMETERS if name not in varying])
+
+
+def _colour_by_kind(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset) -> None:
+    """Colour a plane by the kind of response that most starts end on."""
+    flags = flags_of(plane["kind"])
+    shares = [
+        plane["fraction"].where(plane["kind"] == flags[kind], 0.0).sum("attractor").values
+        for kind in KIND_SHADES
+    ]
+    numbers = np.argmax(shares, axis=0)
+    shades = [family[0] for family in KIND_SHADES.values()]
+    ax.pcolormesh(
+        *places, numbers, cmap=ListedColormap(shades), vmin=-0.5, vmax=len(shades) - 0.5,
+        shading="nearest", rasterized=True,
+    )  # fmt: skip
+    for number, (kind, shade) in enumerate(zip(KIND_SHADES, shades, strict=True)):
+        if (numbers == number).any():
+            ax.fill_between([], [], color=shade, lw=0.0, label=KIND_WORDS[kind])
 
 
 def _colour_by_number(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset, by: str) -> None:
     """Colour a plane by the force or the smallest shock of the likeliest attractor."""
+    likeliest = plane.isel(attractor=plane["fraction"].fillna(-1.0).argmax("attractor"))
     if by == "force":
-        values, label = _forces_of_likeliest(plane), "largest contact force"
+        values, label = _largest_force(likeliest), "largest contact force"
     else:
-        values, label = _shocks_of_likeliest(plane), "smallest change of velocity that ends it"
+        values = likeliest["velocity_shock"].min("target").values
+        label = "smallest change of velocity that ends it"
     known = np.isfinite(values)
     if not known.all():
         ax.set_facecolor(NOTHING_ELSE)
@@ -335,31 +335,11 @@ def _colour_by_number(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset
         ax.figure.colorbar(mesh, ax=ax, label=label)
 
 
-def _likeliest_kinds(plane: xr.Dataset) -> tuple[npt.NDArray[np.int64], dict[str, str]]:
-    """Return the number of the likeliest kind at each place, and the colours of all kinds."""
-    flags, shades = flags_of(plane["kind"]), {kind: each[0] for kind, each in KIND_SHADES.items()}
-    shares = [
-        plane["fraction"].where(plane["kind"] == flags[kind], 0.0).sum("attractor").values
-        for kind in shades
-    ]
-    numbers: npt.NDArray[np.int64] = np.argmax(shares, axis=0)
-    return numbers, shades
-
-
-def _shocks_of_likeliest(plane: xr.Dataset) -> Values:
-    """Return the smallest shock that ends the likeliest attractor; NaN where none was found."""
-    likeliest = plane["fraction"].fillna(-1.0).argmax("attractor")
-    least = plane["velocity_shock"].min("target").isel(attractor=likeliest)
-    values: Values = least.values
-    return values
-
-
-def _forces_of_likeliest(plane: xr.Dataset) -> Values:
-    """Return the largest contact force of the likeliest attractor at each place; 0 without one."""
-    likeliest = plane["fraction"].fillna(-1.0).argmax("attractor")
-    depth = (plane["radius_max"] - plane["delta0"]).isel(attractor=likeliest)
-    force: Values = (depth.fillna(0.0).clip(min=0.0) ** 1.5).transpose(*likeliest.dims).values
-    return force
+def _largest_force(attractors: xr.Dataset) -> Values:
+    """Return the largest contact force of attractors; 0 where there is none."""
+    exponent = float(attractors.get("contact_exponent", HERTZ_EXPONENT))
+    force = contact_force(attractors["radius_max"], attractors["delta0"], exponent)
+    return np.nan_to_num(force)
 
 
 def _directions(label: xr.DataArray) -> tuple[str, str]:
@@ -384,9 +364,8 @@ def _title(dataset: xr.Dataset) -> str:
 
 def _shades(kinds: xr.DataArray) -> list[str]:
     """Return a colour for each attractor, from the family of its kind."""
-    words = {number: word for word, number in flags_of(kinds).items()}
     families = {kind: cycle(family) for kind, family in KIND_SHADES.items()}
-    return [next(families[words[number]]) for number in kinds.values.tolist()]
+    return [next(families[kind]) for kind in words_of(kinds)]
 
 
 def _handles(dataset: xr.Dataset, colours: list[str]) -> list[Patch]:
@@ -407,9 +386,9 @@ def _handles(dataset: xr.Dataset, colours: list[str]) -> list[Patch]:
 
 def _name(attractor: xr.Dataset) -> str:
     """Return the kind of an attractor and its amplitude, or the radii between which it swings."""
-    words = {number: word for word, number in flags_of(attractor["kind"]).items()}
-    kind = KIND_WORDS[words[int(attractor["kind"])]]
-    if words[int(attractor["kind"])] == "touching":  # what it tends to is told by its kind
+    (word,) = words_of(attractor["kind"])
+    kind = KIND_WORDS[word]
+    if word == "touching":  # what it tends to is told by its kind
         return kind
     unit = unit_of(attractor["amplitude"])
     low, high = float(attractor["radius_min"]), float(attractor["radius_max"])

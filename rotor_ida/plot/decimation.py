@@ -57,11 +57,11 @@ def kept_in_columns(times: Values, values: Values, columns: int = COLUMNS) -> np
     column = np.minimum((part * columns).astype(np.intp), columns - 1)
     starts = np.flatnonzero(np.diff(column, prepend=-1))
     counts = np.diff(starts, append=times.size)
-    found = [starts, starts + counts - 1]
+    kept = [starts, starts + counts - 1]
     for extreme in (np.minimum, np.maximum):
         reached = np.flatnonzero(values == np.repeat(extreme.reduceat(values, starts), counts))
-        found.append(reached[np.unique(column[reached], return_index=True)[1]])
-    return np.unique(np.concatenate(found))
+        kept.append(reached[np.unique(column[reached], return_index=True)[1]])
+    return np.unique(np.concatenate(kept))
 
 
 def thinned(x: Values, y: Values, cells: int = CELLS) -> tuple[Values, Values]:

@@ -13,16 +13,9 @@ from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import (
-    BLUE,
-    INK,
-    ORANGE,
-    axes_or_new,
-    check_dataset,
-    own_legend,
-    style,
-)
-from rotor_ida.plot.labels import label_axis, label_of
+from rotor_ida.plot.appearance import BLUE, INK, ORANGE, drawing, own_legend, style
+from rotor_ida.plot.datasets import check_dataset
+from rotor_ida.plot.labels import LABELS, label_axis, label_of
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
 
 NEEDED = (
@@ -124,7 +117,7 @@ def plot_fit(
             _draw_phase(axes[1], places, part)
         axes[0].set_ylim(bottom=0.0)
         label_axis(axes[0].yaxis, "whirl_amplitude", units.lengths(0.0))
-        axes[1].set_ylabel(r"phase lag $\theta$ [°]")
+        axes[1].set_ylabel(f"{LABELS['phase_lag']} [°]")
         for ax in axes:
             ax.set_xlabel(str(over.attrs["label"]))
         own_legend(axes[0])
@@ -146,8 +139,7 @@ def plot_fit_residuals(dataset: xr.Dataset, ax: Axes | None = None, *, order: fl
     dataset = check_dataset("dataset", dataset, NEEDED)
     one, _, over = _order_of(dataset, order)
     left = (_complex(one, "") - _complex(one, "fitted_")) / one["forward_amplitude_error"].values
-    with style():
-        ax = axes_or_new(ax)
+    with drawing(ax) as ax:
         ax.axhspan(-RARE, RARE, color=INK, alpha=0.08, lw=0.0)
         ax.axhline(0.0, color=INK, lw=0.7)
         small = 0.5 if left.size > MANY else 1.0
@@ -165,9 +157,9 @@ def plot_fit_residuals(dataset: xr.Dataset, ax: Axes | None = None, *, order: fl
 
 def _order_of(dataset: xr.Dataset, order: float) -> tuple[xr.Dataset, Units, xr.DataArray]:
     """Return one order of a fit, the units, and what it is drawn over, with its label."""
-    held = dataset["order"].values
-    if order not in held:
-        allowed = ", ".join(f"{each:g}" for each in held)
+    compared = dataset["order"].values
+    if order not in compared:
+        allowed = ", ".join(f"{each:g}" for each in compared)
         raise InputError(f"order must be one of those that were compared, {allowed}, got {order!r}")
     one = dataset.sel(order=order)
     units = units_of(one, "forward_whirl_amplitude", "speed")

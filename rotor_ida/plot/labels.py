@@ -1,4 +1,4 @@
-"""What quantities, kinds of response and units are called in pictures.
+"""What quantities, kinds of response and units are called in pictures, and their titles.
 
 A figure shows the units that its dataset carries (`rotor_ida.dimensional` chooses them).
 """
@@ -6,91 +6,71 @@ A figure shows the units that its dataset carries (`rotor_ida.dimensional` choos
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import xarray as xr
 from matplotlib.axis import Axis
 
-from rotor_ida.errors import InputError
-from rotor_ida.schema import QUANTITIES
-
-LABELS = {
-    "omega": r"spin speed $\omega$",
-    "speed": r"spin speed $\omega$",
-    "shaft_stiffness": r"stiffness of the shaft $\kappa$",
-    "contact_damping": "contact damping $c$",
-    "contact_exponent": "exponent of the contact $n$",
-    "load": r"load $\gamma$",
-    "friction": r"friction $\mu$",
-    "disc_radius": r"radius of the disc $\rho$",
-    "rate": "rate $a$",
-    "amplitude": r"amplitude $A$",
-    "phase_lag": r"phase lag $\theta$",
-    "t": r"time $t$",
-    "x": r"displacement $x$",
-    "y": r"displacement $y$",
-    "vx": "velocity $x$′",
-    "vy": "velocity $y$′",
-    "deviation": r"distance from the simulated $z$",
-    "x_alone": "$x$",
-    "y_alone": "$y$",
-    "radius": r"radius $|z|$",
-    "rotating_x": r"along the unbalance $\operatorname{Re}\,z\,e^{-i\omega t}$",
-    "rotating_y": r"across it $\operatorname{Im}\,z\,e^{-i\omega t}$",
-    "angle": r"angle from the unbalance $\arg z\,e^{-i\omega t}$ [rad]",
-    "radial_velocity": "radial velocity $|z|$′",
-    "frequency_over_omega": r"frequency over spin speed $\Omega/\omega$",
-    "frequency": r"frequency $\Omega$",
-    "whirl_amplitude": r"whirl amplitude $|c|$",
-    "force": r"contact force $f$",
-    "peak_fraction": "share of contacts up to this force",
-    "running_exponent": r"Lyapunov exponent $\lambda$",
-    "peak_force": r"peak force $f$",
-    "normal_force": r"normal force $N$",
-    "slip_speed": r"slip speed $v_s$",
-    "whirl_speed": r"whirl speed $\Omega$",
-    "zeta": r"damping ratio $\zeta$",
-    "delta0": r"clearance $\delta_0$",
-    "restoring_x": r"force $f_x$",
-    "restoring_y": r"force $f_y$",
-    "potential": r"potential $V$",
-    "energy": r"energy $E$",
-    "period": r"period $T$",
-    "natural": r"natural frequency $2\pi/T$",
-    "contact_force": r"contact force $f$",
-    "multiplier_real": r"multiplier $\operatorname{Re}\,\mu$",
-    "multiplier_imag": r"$\operatorname{Im}\,\mu$",
-}
-SYMBOLS = {
-    "omega": r"\omega", "zeta": r"\zeta", "delta0": r"\delta_0", "shaft_stiffness": r"\kappa",
-    "contact_exponent": "n", "contact_damping": "c", "load": r"\gamma",
-    "friction": r"\mu", "disc_radius": r"\rho",
-}  # fmt: skip
+from rotor_ida.model.table import OF_ROTOR, OPTIONAL, PARAMETERS
+from rotor_ida.plot.datasets import hold_units, one_value, units_in
+from rotor_ida.results.si_units import in_rpm, scale_of
 
 SEPARATOR = ",  "
+# With more parameters a title has two lines.
+MOST_IN_A_LINE = 5
 
-# What is written with a capital where it has a unit, as in eqs (1)-(9).
+# Words and symbol of each quantity, and its symbol where it has a unit, as in eqs (1)-(9), if that
+# is another.
+_QUANTITIES: dict[str, tuple[str, ...]] = {
+    **{name: (each.label, f"${each.symbol}$") for name, each in OF_ROTOR.items()},
+    "speed": ("spin speed", r"$\omega$", ""),
+    "rate": ("rate", "$a$"),
+    "amplitude": ("amplitude", "$A$"),
+    "phase_lag": ("phase lag", r"$\theta$"),
+    "t": ("time", "$t$", "$T$"),
+    "x": ("displacement", "$x$", "$X$"),
+    "y": ("displacement", "$y$", "$Y$"),
+    "vx": ("velocity", "$x$′", "$X$′"),
+    "vy": ("velocity", "$y$′", "$Y$′"),
+    "deviation": ("distance from the simulated", "$z$", "$Z$"),
+    "x_alone": ("", "$x$", "$X$"),
+    "y_alone": ("", "$y$", "$Y$"),
+    "radius": ("radius", "$|z|$", "$|Z|$"),
+    "rotating_x": (
+        "along the unbalance",
+        r"$\operatorname{Re}\,z\,e^{-i\omega t}$",
+        r"$\operatorname{Re}\,Z\,e^{-i\omega t}$",
+    ),
+    "rotating_y": (
+        "across it",
+        r"$\operatorname{Im}\,z\,e^{-i\omega t}$",
+        r"$\operatorname{Im}\,Z\,e^{-i\omega t}$",
+    ),
+    "angle": ("angle from the unbalance", r"$\arg z\,e^{-i\omega t}$ [rad]"),
+    "radial_velocity": ("radial velocity", "$|z|$′", "$|Z|$′"),
+    "frequency_over_omega": ("frequency over spin speed", r"$\Omega/\omega$"),
+    "frequency": ("frequency", r"$\Omega$", ""),
+    "whirl_amplitude": ("whirl amplitude", "$|c|$"),
+    "whirl_speed": ("whirl speed", r"$\Omega$"),
+    "force": ("contact force", "$f$", "$F$"),
+    "contact_force": ("contact force", "$f$", "$F$"),
+    "peak_force": ("peak force", "$f$", "$F$"),
+    "peak_fraction": ("share of contacts up to this force", ""),
+    "normal_force": ("normal force", "$N$"),
+    "slip_speed": ("slip speed", "$v_s$", "$V_s$"),
+    "running_exponent": ("Lyapunov exponent", r"$\lambda$"),
+    "restoring_x": ("force", "$f_x$", "$F_x$"),
+    "restoring_y": ("force", "$f_y$", "$F_y$"),
+    "potential": ("potential", "$V$"),
+    "energy": ("energy", "$E$"),
+    "period": ("period", "$T$"),
+    "natural": ("natural frequency", r"$2\pi/T$"),
+    "multiplier_real": ("multiplier", r"$\operatorname{Re}\,\mu$"),
+    "multiplier_imag": ("", r"$\operatorname{Im}\,\mu$"),
+}
+LABELS = {name: f"{words} {symbols[0]}".strip() for name, (words, *symbols) in _QUANTITIES.items()}
 IN_UNITS = {
-    "t": "time $T$",
-    "speed": "spin speed",
-    "x": "displacement $X$",
-    "y": "displacement $Y$",
-    "vx": "velocity $X$′",
-    "vy": "velocity $Y$′",
-    "deviation": r"distance from the simulated $Z$",
-    "x_alone": "$X$",
-    "y_alone": "$Y$",
-    "radius": "radius $|Z|$",
-    "rotating_x": r"along the unbalance $\operatorname{Re}\,Z\,e^{-i\omega t}$",
-    "rotating_y": r"across it $\operatorname{Im}\,Z\,e^{-i\omega t}$",
-    "radial_velocity": "radial velocity $|Z|$′",
-    "force": "contact force $F$",
-    "contact_force": "contact force $F$",
-    "peak_force": "peak force $F$",
-    "normal_force": "normal force $N$",
-    "slip_speed": "slip speed $V_s$",
-    "restoring_x": "force $F_x$",
-    "restoring_y": "force $F_y$",
+    name: f"{words} {symbols[-1]}".strip() for name, (words, *symbols) in _QUANTITIES.items()
 }
 
 # The words for the kinds of response.
@@ -115,7 +95,9 @@ def parameter_text(values: Mapping[str, float]) -> str:
     >>> parameter_text({"zeta": 0.07})
     '$\\zeta = 0.07$'
     """
-    return SEPARATOR.join(f"${SYMBOLS[name]} = {value:.4g}$" for name, value in values.items())
+    return SEPARATOR.join(
+        f"${OF_ROTOR[name].symbol} = {value:.4g}$" for name, value in values.items()
+    )
 
 
 def number_text(value: float, form: str = "#.3g") -> str:
@@ -154,7 +136,7 @@ def unit_of(variable: xr.DataArray | xr.Variable) -> str:
     >>> unit_of(xr.DataArray([1.0], attrs={"units": "um s-1"}))
     'µm/s'
     """
-    unit = _units(variable)
+    unit = units_in(variable)
     if unit in ("", "1", "radian"):
         return ""
     return re.sub("^u", "µ", unit).replace(" s-1", "/s").replace("s-1", "1/s")
@@ -173,7 +155,7 @@ def label_of(name: str, variable: xr.DataArray, *, words: str | None = None) -> 
     unit = unit_of(variable)
     if not unit:
         return words or LABELS[name]
-    return f"{words or IN_UNITS.get(name, LABELS[name])} [{unit}]"
+    return f"{words or IN_UNITS[name]} [{unit}]"
 
 
 def label_axis(axis: Axis, name: str, variable: xr.DataArray, *, words: str | None = None) -> None:
@@ -182,53 +164,40 @@ def label_axis(axis: Axis, name: str, variable: xr.DataArray, *, words: str | No
     axis.set_label_text(label_of(name, variable, words=words))
 
 
-def hold_units(axis: Axis, variable: xr.DataArray) -> None:
-    """Refuse a variable in other units than those in which the axis shows values already.
+def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMETERS) -> str:
+    """Return the parameters of a dataset, which holds one value of each, as a title.
 
-    Axes that share an axis share its units.
+    It has two lines where one is too long.
     """
-    here, there = _units(variable), axis.units
-    if there is not None and here != there:
-        raise InputError(
-            f"what is drawn on one axis must have its units, {there!r} ('1' is dimensionless), "
-            f"got {here!r}"
-        )
-    reached = [(ax, ax.dataLim.frozen()) for ax in axis.axes.figure.axes]
-    axis.set_units(here)
-    # at new units matplotlib looks at lines anew, and forgets how far bars and areas reach
-    for ax, limits in reached:
-        ax.dataLim.set(limits)
+    # what varies along a branch is on its axis
+    optional = [each for each in OPTIONAL if each in dataset.variables and not dataset[each].ndim]
+    values = {each: one_value(name, dataset, each) for each in (*parameters, *optional)}
+    text = parameter_text(values)
+    if "event_speed" in dataset.variables:  # omega is only the first
+        last = float(dataset["speed"][-1]) / scale_of(dataset, "speed")
+        text = text.replace("$,", rf" \ldots {last:.4g}$,", 1) + _speeds_in_rpm(dataset)
+    return in_lines(text)
 
 
-def scale_of(dataset: xr.Dataset, kind: str) -> float:
-    """Return what a dimensionless 1 is in the units of the dataset: 1 where it has none."""
-    return float(dataset.attrs.get(f"{kind}_scale", 1.0))
+def in_lines(text: str) -> str:
+    r"""Return a title in two lines, the parameters of the paper's rotor first, if one is too long.
+
+    Examples
+    --------
+    >>> in_lines(SEPARATOR.join("abcdef"))
+    'a,  b,  c\nd,  e,  f'
+    """
+    parts = text.split(SEPARATOR)
+    if len(parts) <= MOST_IN_A_LINE:
+        return text
+    first, second = parts[: len(PARAMETERS)], parts[len(PARAMETERS) :]
+    return f"{SEPARATOR.join(first)}\n{SEPARATOR.join(second)}"
 
 
-def check_same_units(name: str, dataset: xr.Dataset, shown: xr.Dataset) -> None:
-    """Refuse two datasets for one picture whose units or scales differ."""
-    here, there = _measures(dataset), _measures(shown)
-    for kind in there:
-        if here.get(kind, there[kind]) != there[kind]:
-            raise InputError(
-                f"{name} must have the {kind} scale and units of what it is drawn with, "
-                f"{there[kind]}, got {here[kind]}"
-            )
-
-
-def _measures(dataset: xr.Dataset) -> dict[str, str]:
-    """Return scale and units of each kind of quantity that a dataset holds."""
-    kinds = {
-        QUANTITIES[str(name)].scale: _units(variable)
-        for name, variable in dataset.variables.items()
-        if str(name) in QUANTITIES
-    }
-    return {
-        kind: "dimensionless" if units == "1" else f"{scale_of(dataset, kind)!r} {units}"
-        for kind, units in kinds.items()
-        if kind
-    }
-
-
-def _units(variable: xr.DataArray | xr.Variable) -> str:
-    return str(variable.attrs.get("units", "1"))
+def _speeds_in_rpm(run: xr.Dataset) -> str:
+    """Return first and last speed of a run-up in SI units as an engineer tells them."""
+    speeds = in_rpm(run["speed"])
+    if speeds is None:
+        return ""
+    first, last = (f"{each:.4g}" if each < 1e3 else f"{each:.0f}" for each in speeds[[0, -1]])
+    return rf"{SEPARATOR}${first} \ldots {last}$ rpm"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,20 +33,14 @@ from rotor_ida.plot.appearance import (
     RED,
     STABLE,
     UNSTABLE,
-    axes_or_new,
-    check_dataset,
-    one_value,
+    draw_marks,
+    drawing,
     own_legend,
-    style,
+    raise_limit,
 )
-from rotor_ida.plot.labels import (
-    KIND_WORDS,
-    LABELS,
-    check_same_units,
-    label_axis,
-    parameter_text,
-    scale_of,
-)
+from rotor_ida.plot.datasets import check_dataset, check_same_units, one_value
+from rotor_ida.plot.labels import KIND_WORDS, LABELS, in_lines, label_axis, parameter_text
+from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of
 
 LINES = {
@@ -56,8 +50,14 @@ LINES = {
 }
 CURVE = ("omega", "zeta", "delta0", "amplitude", "phase_lag", "stability", "in_contact", "piece")
 NO_CURVE = "no exact curve"
-WHIRLS = (*PARAMETERS, "amplitude", "phase_lag")
 SIMULATED = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
+# What is drawn beside a curve, and the variables that it needs.
+BESIDE = {
+    "whirls": (*PARAMETERS, "amplitude", "phase_lag"),
+    "simulated": (*PARAMETERS, *SIMULATED),
+    "fold_points": ("zeta", "delta0", "fold_omega", "fold_amplitude"),
+    "hopf_points": ("zeta", "delta0", "hopf_omega", "hopf_amplitude"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +68,11 @@ class _Look:
     filled: bool
     is_range: bool
     dashes: object = "-"
+
+    @property
+    def face(self) -> str:
+        """Colour of what is inside a mark."""
+        return self.colour if self.filled else "white"
 
 
 DOTS, LONG = (0, (1, 1.6)), (0, (4, 1.4))
@@ -133,7 +138,9 @@ def plot_amplitude(
     >>> ax.get_ylabel()
     'amplitude $A$'
     """
-    return _plot("amplitude", exact, whirls, simulated, fold_points, ax, hopf_points)
+    beside = {"whirls": whirls, "simulated": simulated, "fold_points": fold_points,
+              "hopf_points": hopf_points}  # fmt: skip
+    return _plot_over_speed("amplitude", exact, beside, ax)
 
 
 def plot_phase(
@@ -159,7 +166,8 @@ def plot_phase(
     >>> ax.get_ylabel()
     'phase lag $\\theta$'
     """
-    return _plot("phase_lag", exact, whirls, simulated, fold_points, ax)
+    beside = {"whirls": whirls, "simulated": simulated, "fold_points": fold_points}
+    return _plot_over_speed("phase_lag", exact, beside, ax)
 
 
 def plot_over_clearance(
@@ -186,76 +194,76 @@ def plot_over_clearance(
     'clearance $\\delta_0$'
     """
     exact = check_dataset("exact", exact, CURVE)
-    held = _held("exact", exact, ("omega", "zeta"))
+    parameters = _fixed_parameters("exact", exact, ("omega", "zeta"))
     if simulated is not None:
-        beyond = {name: value for name, value in held.items() if name in OPTIONAL}
-        _check_same("simulated", _held("simulated", simulated, ()), beyond)
-    with style():
-        ax = axes_or_new(ax)
+        check_dataset("simulated", simulated, ("delta0", *SIMULATED[:-1]))
+        optional = {name: value for name, value in parameters.items() if name in OPTIONAL}
+        _check_same("simulated", _fixed_parameters("simulated", simulated, ()), optional)
+        check_same_units("simulated", simulated, exact)
+    with drawing(ax) as ax:
         draw_curve(ax, exact, over="delta0", quantity="amplitude")
         if simulated is not None:
-            check_same_units("simulated", simulated, exact)
             _draw_over_clearance(ax, simulated)
         ax.set_xlabel(LABELS["delta0"])
         label_axis(ax.yaxis, "amplitude", exact["amplitude"])
         ax.set_ylim(bottom=0.0)
-        ax.set_title(parameter_text(held))
+        ax.set_title(in_lines(parameter_text(parameters)))
         own_legend(ax)
     return ax
 
 
-def _plot(
+def _plot_over_speed(
     quantity: str,
     exact: xr.Dataset | None,
-    whirls: xr.Dataset | None,
-    simulated: xr.Dataset | None,
-    fold_points: xr.Dataset | None,
+    beside: Mapping[str, xr.Dataset | None],
     ax: Axes | None,
-    hopf_points: xr.Dataset | None = None,
 ) -> Axes:
+    """Draw amplitude or phase of a curve over the speed, and what is given beside it."""
+    given = {name: dataset for name, dataset in beside.items() if dataset is not None}
+    simulated = given.get("simulated")
     if exact is not None:
         shown = check_dataset("exact", exact, CURVE)
     elif simulated is not None:
-        shown = check_dataset("simulated", simulated, (*PARAMETERS, *SIMULATED))
+        shown = check_dataset("simulated", simulated, BESIDE["simulated"])
     else:
         raise InputError("exact must be a Dataset, or None beside simulated, got neither")
-    held = _held("simulated" if exact is None else "exact", shown)
-    beside = {"whirls": (whirls, WHIRLS), "simulated": (simulated, (*PARAMETERS, *SIMULATED)),
-              "fold_points": (fold_points, ("zeta", "delta0", "fold_omega")),
-              "hopf_points": (hopf_points, ("zeta", "delta0", "hopf_omega"))}  # fmt: skip
-    for name, (dataset, needed) in beside.items():
-        if dataset is not None:
-            _check_beside(name, dataset, needed, shown, held)
-    with style():
-        ax = axes_or_new(ax)
+    parameters = _fixed_parameters("simulated" if exact is None else "exact", shown)
+    for name, dataset in given.items():
+        check_dataset(name, dataset, BESIDE[name])
+        _check_same(name, _fixed_parameters(name, dataset), parameters)
+        check_same_units(name, dataset, shown)
+    with drawing(ax) as ax:
         if exact is not None:
             draw_curve(ax, exact, over="omega", quantity=quantity)
-        if whirls is not None:
-            omega, height = xr.broadcast(whirls["omega"], whirls[quantity])
-            ax.plot(omega.values.ravel(), height.values.ravel(), ls="", marker="o", ms=3.6,
-                    color=BLUE, label="whirl at a given speed", zorder=3.1)  # fmt: skip
-        if fold_points is not None:
-            _draw_folds(ax, *_folds(fold_points, quantity, held["zeta"], shown))
-        if hopf_points is not None:
-            _draw_hopf_points(ax, hopf_points, shown)
+        _draw_points(ax, quantity, given, shown, parameters["zeta"])
         if simulated is not None:
             _draw_simulated(ax, simulated, quantity)
-        heights = [shown["amplitude"], *([] if simulated is None else [simulated["radius_max"]])]
-        _finish(ax, quantity, shown, max(float(each.max()) for each in heights))
-        ax.set_title(parameter_text(held) if exact is not None else _without_curve(held))
+        label_axis(ax.xaxis, "omega", shown["omega"])
+        label_axis(ax.yaxis, quantity, shown[quantity])
+        ax.set_xlim(0.0, 1.02 * float(shown["omega"].max()))
+        if quantity == "amplitude":
+            heights = [shown["amplitude"]]
+            heights += [] if simulated is None else [simulated["radius_max"]]
+            raise_limit(ax, max(float(each.max()) for each in heights))
+        else:
+            ax.set_ylim(0.0, 1.06 * math.pi)
+            ax.set_yticks([0.0, 0.5 * math.pi, math.pi], ["0", r"$\pi/2$", r"$\pi$"])
+        ax.set_title(
+            _without_curve(parameters) if exact is None else in_lines(parameter_text(parameters))
+        )
         own_legend(ax)
     return ax
 
 
-def _without_curve(held: Mapping[str, float]) -> str:
+def _without_curve(parameters: Mapping[str, float]) -> str:
     """Return the title of a panel that says why it shows no curve."""
-    last = {name: value for name, value in held.items() if name == "load"}
-    before = {name: value for name, value in held.items() if name != "load"}
+    last = {name: value for name, value in parameters.items() if name == "load"}
+    before = {name: value for name, value in parameters.items() if name != "load"}
     reason = f"{parameter_text(last)}: {NO_CURVE} under a load" if last else NO_CURVE
     return f"{parameter_text(before)}\n{reason}"
 
 
-def _held(
+def _fixed_parameters(
     name: str, dataset: xr.Dataset, of_all: Sequence[str] = ("zeta", "delta0")
 ) -> dict[str, float]:
     """Return the parameters but the one on the axis, of which there is one value each."""
@@ -276,51 +284,35 @@ def _check_same(name: str, here: Mapping[str, float], there: Mapping[str, float]
             )
 
 
-def _check_beside(
-    name: str, dataset: xr.Dataset, needed: Sequence[str], shown: xr.Dataset,
-    held: Mapping[str, float],
-) -> None:  # fmt: skip
-    """Refuse what lacks variables or has other parameters or units than the exact curve."""
-    check_dataset(name, dataset, needed)
-    _check_same(name, _held(name, dataset), held)
-    check_same_units(name, dataset, shown)
+def _draw_points(
+    ax: Axes, quantity: str, given: Mapping[str, xr.Dataset], shown: xr.Dataset, zeta: float
+) -> None:
+    """Mark the whirls at given speeds, and folds and Hopf points where there are any."""
+    if "whirls" in given:
+        whirls = given["whirls"]
+        across, up = xr.broadcast(whirls["omega"], whirls[quantity])
+        draw_marks(ax, across.values.ravel(), up.values.ravel(), "o", BLUE, size=3.6,
+                   label="whirl at a given speed", level=3.1)  # fmt: skip
+    if "fold_points" in given:
+        folds = given["fold_points"]
+        omega, height = _special_points(folds, "fold", shown)
+        if quantity == "phase_lag":
+            # A = omega sin(theta)/(2 zeta), and at every fold the lag is beyond a quarter turn
+            sine = 2.0 * zeta * height / scale_of(folds, "length") / omega
+            height = math.pi - np.arcsin(np.minimum(sine, 1.0))
+        if omega.size:
+            draw_marks(ax, omega, height, "D", INK, size=4.0, face="white", label=FOLD, level=3.7)
+    if "hopf_points" in given:
+        omega, height = _special_points(given["hopf_points"], "hopf", shown)
+        if omega.size:
+            draw_marks(ax, omega, height, "o", INK, size=4.6, face="white", label=HOPF, level=3.7)
 
 
-def _draw_folds(ax: Axes, omega: Values, height: Values) -> None:
-    """Mark folds, where there are any."""
-    if omega.size:
-        ax.plot(
-            omega, height, ls="", marker="D", ms=4.0, mfc="white", mec=INK, mew=1.0, label=FOLD,
-            zorder=3.7,
-        )  # fmt: skip
-
-
-def _folds(
-    fold_points: xr.Dataset, quantity: str, zeta: float, exact: xr.Dataset
-) -> tuple[Values, Values]:
-    """Return speed and height of the folds within the range of the curve."""
-    lowest, highest = float(exact["omega"].min()), float(exact["omega"].max())
-    omega = fold_points["fold_omega"].values.ravel()
-    amplitude = fold_points["fold_amplitude"].values.ravel()
-    present = (omega >= lowest) & (omega <= highest)
-    omega, amplitude = omega[present], amplitude[present]
-    if quantity == "amplitude":
-        return omega, amplitude
-    # A = omega sin(theta)/(2 zeta), and at every fold the lag is beyond a quarter turn
-    whole = amplitude / scale_of(fold_points, "length")
-    sine = np.minimum(2.0 * zeta * whole / omega, 1.0)
-    return omega, math.pi - np.arcsin(sine)
-
-
-def _draw_hopf_points(ax: Axes, hopf_points: xr.Dataset, exact: xr.Dataset) -> None:
-    """Mark the Hopf points within the range of the curve."""
-    lowest, highest = float(exact["omega"].min()), float(exact["omega"].max())
-    omega = hopf_points["hopf_omega"].values.ravel()
-    here = (omega >= lowest) & (omega <= highest)
-    if here.any():
-        ax.plot(omega[here], hopf_points["hopf_amplitude"].values.ravel()[here], ls="",
-                marker="o", ms=4.6, mfc="white", mec=INK, mew=1.0, label=HOPF,
-                zorder=3.7)  # fmt: skip
+def _special_points(dataset: xr.Dataset, name: str, exact: xr.Dataset) -> tuple[Values, Values]:
+    """Return speed and amplitude of folds or Hopf points within the range of the curve."""
+    omega = dataset[f"{name}_omega"].values.ravel()
+    here = (omega >= float(exact["omega"].min())) & (omega <= float(exact["omega"].max()))
+    return omega[here], dataset[f"{name}_amplitude"].values.ravel()[here]
 
 
 def draw_curve(ax: Axes, curve: xr.Dataset, *, over: str, quantity: str) -> None:
@@ -347,58 +339,56 @@ def draw_curve(ax: Axes, curve: xr.Dataset, *, over: str, quantity: str) -> None
                 label=CONTACT_FREE if free else label, zorder=2.5)  # fmt: skip
 
 
-def _draw_simulated(ax: Axes, simulated: xr.Dataset, quantity: str) -> None:
-    """Draw the responses of a sweep: marks where a curve can show them, bars where it cannot."""
-    flat = _columns(simulated, ("omega", *SIMULATED))
+def _of_each_kind(
+    simulated: xr.Dataset, names: Sequence[str]
+) -> Iterator[tuple[str, _Look, dict[str, Values]]]:
+    """Yield the kinds of response in a sweep, how each is drawn, and its values by name."""
+    same = xr.broadcast(*(simulated[name] for name in ("response", *names)))
+    response, *columns = (each.values.ravel() for each in same)
     flags = flags_of(simulated["response"])
     for kind, look in KINDS.items():
-        of_kind = flat["response"] == flags.get(kind)
-        if not of_kind.any():
-            continue
-        points = {name: values[of_kind] for name, values in flat.items()}
+        of_kind = response == flags.get(kind)
+        if of_kind.any():
+            points = zip(names, columns, strict=True)
+            yield kind, look, {name: values[of_kind] for name, values in points}
+
+
+def _range_words(kind: str) -> str:
+    return f"{KIND_WORDS[kind]}: range of $|z|$"
+
+
+def _draw_simulated(ax: Axes, simulated: xr.Dataset, quantity: str) -> None:
+    """Draw the responses of a sweep: marks where a curve can show them, bars where it cannot."""
+    for kind, look, points in _of_each_kind(simulated, ("omega", *SIMULATED[1:])):
         if look.is_range and quantity == "amplitude":
-            _draw_ranges(ax, look, points, f"{KIND_WORDS[kind]}: range of $|z|$")
+            ax.vlines(
+                points["omega"], points["radius_min"], points["radius_max"], color=look.colour,
+                lw=1.8 if look.filled else 0.9, ls=look.dashes, zorder=3.0,
+                label=_range_words(kind),
+            )  # fmt: skip
+            for end in ("radius_min", "radius_max"):
+                _draw_by_direction(ax, look, points, points[end], 0.75)
             continue
-        _draw_marks(ax, look, points, points[quantity], 1.0)
-        ax.plot([], [], ls="", marker="s", ms=4.5, mec=look.colour, mew=0.9,
-                mfc=_face(look), label=KIND_WORDS[kind])  # fmt: skip
+        _draw_by_direction(ax, look, points, points[quantity], 1.0)
+        draw_marks(ax, [], [], "s", look.colour, size=4.5, face=look.face, edge=0.9,
+                   label=KIND_WORDS[kind])  # fmt: skip
     words = {0: _start_words(simulated), 1: GOING_UP, -1: GOING_DOWN}
-    for direction in np.unique(flat["direction"]):
-        marker, size = DIRECTIONS[int(direction)]
-        ax.plot([], [], ls="", marker=marker, ms=size, mec=INK, mfc="none", mew=0.8,
-                label=words[int(direction)])  # fmt: skip
+    for direction in np.unique(simulated["direction"]).tolist():
+        marker, size = DIRECTIONS[direction]
+        draw_marks(ax, [], [], marker, INK, size=size, face="none", edge=0.8,
+                   label=words[direction])  # fmt: skip
 
 
-def _columns(dataset: xr.Dataset, names: Sequence[str]) -> dict[str, Values]:
-    """Return variables one value for each response, whatever dimensions each has."""
-    same = xr.broadcast(*(dataset[name] for name in names))
-    return {name: values.values.ravel() for name, values in zip(names, same, strict=True)}
-
-
-def _draw_ranges(ax: Axes, look: _Look, points: dict[str, Values], words: str) -> None:
-    ax.vlines(
-        points["omega"], points["radius_min"], points["radius_max"], color=look.colour,
-        lw=1.8 if look.filled else 0.9,
-        ls=look.dashes, zorder=3.0, label=words,
-    )  # fmt: skip
-    for end in ("radius_min", "radius_max"):
-        _draw_marks(ax, look, points, points[end], 0.75)
-
-
-def _draw_marks(
+def _draw_by_direction(
     ax: Axes, look: _Look, points: dict[str, Values], heights: Values, scale: float
 ) -> None:
     """Mark points by the direction of their sweep, triangles over the larger circles."""
     for direction, (marker, size) in DIRECTIONS.items():
         here = points["direction"] == direction
-        ax.plot(
-            points["omega"][here], heights[here], ls="", marker=marker, ms=scale * size,
-            mec=look.colour, mfc=_face(look), mew=0.7, zorder=3.2 if direction else 3.1,
+        draw_marks(
+            ax, points["omega"][here], heights[here], marker, look.colour, size=scale * size,
+            face=look.face, edge=0.7, level=3.2 if direction else 3.1,
         )  # fmt: skip
-
-
-def _face(look: _Look) -> str:
-    return look.colour if look.filled else "white"
 
 
 def _start_words(simulated: xr.Dataset) -> str:
@@ -409,33 +399,13 @@ def _start_words(simulated: xr.Dataset) -> str:
 
 def _draw_over_clearance(ax: Axes, simulated: xr.Dataset) -> None:
     """Draw responses on a whirl as marks, the others as bars, by kind."""
-    names = ("delta0", "response", "amplitude", "radius_min", "radius_max")
-    check_dataset("simulated", simulated, names)
-    flat = _columns(simulated, names)
-    flags = flags_of(simulated["response"])
-    for kind, looks in KINDS.items():
-        of_kind = flat["response"] == flags.get(kind)
-        if not of_kind.any():
-            continue
-        delta0 = flat["delta0"][of_kind]
-        if looks.is_range:
-            low, high = flat["radius_min"][of_kind], flat["radius_max"][of_kind]
-            width = 1.2 if looks.dashes == DOTS else 2.0
-            ax.vlines(delta0, low, high, color=looks.colour, lw=width, ls=looks.dashes, zorder=3.0,
-                      label=f"{KIND_WORDS[kind]}: range of $|z|$")  # fmt: skip
-            continue
-        ax.plot(delta0, flat["amplitude"][of_kind], ls="", marker="o", ms=4.2, mec=looks.colour,
-                mfc=_face(looks), mew=0.9, label=KIND_WORDS[kind], zorder=3.1)  # fmt: skip
-
-
-def _finish(ax: Axes, quantity: str, exact: xr.Dataset, highest: float) -> None:
-    label_axis(ax.xaxis, "omega", exact["omega"])
-    label_axis(ax.yaxis, quantity, exact[quantity])
-    ax.set_xlim(0.0, 1.02 * float(exact["omega"].max()))
-    if quantity == "amplitude":
-        # panels may share this axis with taller ones
-        before = 0.0 if ax.get_autoscaley_on() else ax.get_ylim()[1]
-        ax.set_ylim(0.0, max(before, 1.06 * highest))
-    else:
-        ax.set_ylim(0.0, 1.06 * math.pi)
-        ax.set_yticks([0.0, 0.5 * math.pi, math.pi], ["0", r"$\pi/2$", r"$\pi$"])
+    for kind, look, points in _of_each_kind(simulated, ("delta0", *SIMULATED[1:-1])):
+        if look.is_range:
+            ax.vlines(
+                points["delta0"], points["radius_min"], points["radius_max"], color=look.colour,
+                lw=1.2 if look.dashes == DOTS else 2.0, ls=look.dashes, zorder=3.0,
+                label=_range_words(kind),
+            )  # fmt: skip
+        else:
+            draw_marks(ax, points["delta0"], points["amplitude"], "o", look.colour, size=4.2,
+                       face=look.face, edge=0.9, label=KIND_WORDS[kind], level=3.1)  # fmt: skip

@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from itertools import product
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.table import PARAMETERS
 from rotor_ida.plot.appearance import (
     GREY,
     KIND_SHADES,
-    axes_or_new,
-    check_dataset,
+    drawing,
+    legend_below,
     look,
     mixed_panels,
     own_legend,
     shared_legend,
     style,
 )
+from rotor_ida.plot.datasets import check_dataset, rotors_in
 from rotor_ida.plot.labels import LABELS, label_of, parameter_text
 from rotor_ida.schema import ENDS_IN_WORDS
 
@@ -64,7 +63,7 @@ def run_ups_figure(dataset: xr.Dataset) -> Figure:
     ['largest normal force', 'share of run-ups', 'share of run-ups']
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
-    rotors = list(_rotors(dataset))
+    rotors = list(rotors_in(dataset))
     columns = math.ceil(math.sqrt(1 + len(rotors)))
     rows = math.ceil((1 + len(rotors)) / columns)
     figure, axes = mixed_panels(rows, columns, width=1.0 + 3.2 * columns, height=0.6 + 2.7 * rows)
@@ -102,9 +101,9 @@ def plot_largest_force(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     dataset = check_dataset("dataset", dataset, NEEDED)
     size = np.abs(dataset["rate"].values)
     order = np.argsort(size)
-    with style():
-        ax, highest = axes_or_new(ax), 0.0
-        for number, (values, one) in enumerate(_rotors(dataset)):
+    highest = 0.0
+    with drawing(ax) as ax:
+        for number, (values, one) in enumerate(rotors_in(dataset)):
             colour, dashes = look(number)
             force = one["largest_force"].transpose("rate", ...).values
             force = force.reshape(size.size, -1)[order]
@@ -144,12 +143,11 @@ def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ['ends contact-free', 'ends in a rub']
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
-    ((_, one),) = [*_rotors(dataset)][:1]
+    _, one = next(rotors_in(dataset))
     rates = one["rate"].values
     order = np.argsort(np.abs(rates))
     places, alone = np.arange(rates.size), ax is None
-    with style():
-        ax = axes_or_new(ax)
+    with drawing(ax) as ax:
         base = np.zeros(rates.size)
         for word, colour in ENDING_COLOURS.items():
             share = np.nan_to_num(one[f"{word}_fraction"].values.ravel()[order])
@@ -166,17 +164,8 @@ def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         ax.set_xlabel(LABELS["rate"])
         ax.set_ylabel("share of run-ups")
         if alone:
-            own_legend(ax).set_frame_on(True)
+            legend_below(ax)
     return ax
-
-
-def _rotors(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]:
-    """Yield the parts with one value of each parameter, and the values of those that vary."""
-    names = [name for name in ALL_PARAMETERS if name in dataset.dims]
-    varied = [name for name in names if dataset.sizes[name] > 1]
-    for places in product(*(range(dataset.sizes[name]) for name in names)):
-        part = dataset.isel({name: [at] for name, at in zip(names, places, strict=True)})
-        yield {name: part[name].item() for name in varied}, part
 
 
 def _rate_label(dataset: xr.Dataset) -> str:

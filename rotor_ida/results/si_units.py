@@ -114,6 +114,11 @@ def dimensional(
     return dataset.assign(converted).assign_attrs(told)
 
 
+def scale_of(dataset: xr.Dataset, kind: str) -> float:
+    """Return what a dimensionless 1 is in the units of a result: 1 where it has none."""
+    return float(dataset.attrs.get(f"{kind}_scale", 1.0))
+
+
 def in_rpm(speeds: xr.DataArray) -> Values | None:
     """Return speeds in revolutions a minute; None for what is dimensionless.
 

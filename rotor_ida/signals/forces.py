@@ -10,7 +10,7 @@ from scipy.stats import rankdata
 
 from rotor_ida.arrays import Values
 from rotor_ida.model.contact import contact_force, damping_factor, secant_stiffness
-from rotor_ida.model.modes import Along, hold_of_rolling
+from rotor_ida.model.modes import Moment, hold_of_rolling
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.results.run import check_one_speed, check_run, parameter_coordinates, rotor_of
 from rotor_ida.schema import MODE, Column, labelled_dataset, origin_of
@@ -113,12 +113,15 @@ def _hold(run: xr.Dataset, radius: Values, rotor: Rotor) -> Values:
     size = np.where(radius > 0.0, radius, 1.0)
     c, s = run["x"].values / size, run["y"].values / size
     angle, rim = rotor.omega * run["t"].values, (rotor.disc_radius or 0.0) * rotor.omega
-    across = Along(0.0, -rim, 0.0, np.sin(angle) * c - np.cos(angle) * s, -c)
+    at = Moment(
+        (radius, 0.0), (_outwards(run, radius), -rim), (1.0, 0.0),
+        (np.cos(angle) * c + np.sin(angle) * s, np.sin(angle) * c - np.cos(angle) * s), (-s, -c),
+    )  # fmt: skip
     of_rotor = SimpleNamespace(
         omega=rotor.omega, zeta=rotor.zeta, shaft_stiffness=rotor.shaft_stiffness, load=rotor.load,
         rim=rim,
     )  # fmt: skip
-    return np.asarray(hold_of_rolling(across, size, _outwards(run, radius), of_rotor))
+    return np.asarray(hold_of_rolling(at, size, of_rotor))
 
 
 def _outwards(run: xr.Dataset, radius: Values) -> Values:

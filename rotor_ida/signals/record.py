@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -54,6 +55,14 @@ class Record:
         if self.angles is None:
             raise InputError("signals must hold angle, keyphasor or omega, got none of them")
         return self.angles
+
+    def pulses(self) -> Values:
+        """Return when the mark of the shaft passes the keyphasor: once a revolution."""
+        if self.angles is None:
+            return np.empty(0)
+        turns = self.angles / (2.0 * math.pi)
+        whole = np.arange(math.ceil(turns[0] - 1e-9), math.floor(turns[-1] + 1e-9) + 1)
+        return np.interp(whole, turns, self.times)
 
     def equal_step(self) -> float:
         """Return the step of equally spaced times."""

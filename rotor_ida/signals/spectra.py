@@ -20,6 +20,8 @@ WINDOWS = ("flattop", "hann", "boxcar")
 # A speed that changes by less than that in the record is one speed.
 STEADY = 1e-3
 MOST_LINES = 100_000_000
+# Least length of a segment that is chosen here.
+LEAST_SEGMENT = 64
 
 
 def full_spectrum(
@@ -226,3 +228,20 @@ def one_speed(record: Record) -> float | None:
     mean = (early + late) / 2.0
     whole = (record.angles[-1] - record.angles[0]) / (record.times[-1] - record.times[0])
     return float(whole) if mean > 0.0 and abs(late - early) < STEADY * mean else None
+
+
+def segment_for(record: Record) -> int:
+    """Return how many samples make a segment whose lines are as narrow as the speed allows.
+
+    At one speed an eighth of the record; else so many that the speed changes in a segment by as
+    much as a line of a Hann window is wide.
+    """
+    size, step = record.times.size, record.equal_step()
+    length = size * step / 8.0
+    if record.angles is not None:
+        speeds = np.gradient(record.angles, step)
+        change = float(np.ptp(speeds[:: max(1, size // 1000)])) / (size * step)
+        if change * size * step > STEADY * float(np.abs(speeds).max()):
+            # a line of a Hann window is 1.5 over the length wide
+            length = min(length, math.sqrt(3.0 * math.pi / change))
+    return int(np.clip(length / step, LEAST_SEGMENT, size))

@@ -27,7 +27,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.modes import Along, acceleration
+from rotor_ida.model.modes import Moment, accelerations
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
@@ -293,8 +293,8 @@ def _radial_acceleration(orbit: Orbit) -> Values:
         omega=orbit.event_speeds, zeta=rotor.zeta, shaft_stiffness=rotor.shaft_stiffness,
         load=rotor.load,
     )  # fmt: skip
-    ax = acceleration(Along(x, vx, x, np.cos(angle)), 0.0, machine)
-    ay = acceleration(Along(y, vy, y, np.sin(angle), -1.0), 0.0, machine)
+    at = Moment((x, y), (vx, vy), (x, y), (np.cos(angle), np.sin(angle)), (0.0, -1.0))
+    ax, ay = accelerations(at, 0.0, machine)
     around = (x * vy - y * vx) / radius
     return np.asarray((x * ax + y * ay + around**2) / radius)
 

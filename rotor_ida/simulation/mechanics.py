@@ -22,7 +22,7 @@ import numpy as np
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
 from rotor_ida.model.contact import contact_potential, force_over_radius
-from rotor_ida.model.modes import Along, acceleration
+from rotor_ida.model.modes import Moment, accelerations
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.simulation.orbit import (
     FLIES,
@@ -102,8 +102,8 @@ def rates_of(spinning: SpinningRotor, mode: int) -> Rates:
         secant = spring * (1.0 + damping * approach) if mode != LOOSE else 0.0
         angle, turning.omega = spinning.spin_at(time, state)
         rate[X], rate[Y] = vx, vy
-        rate[VX] = acceleration(Along(x, vx, x, math.cos(angle)), secant, turning)
-        rate[VY] = acceleration(Along(y, vy, y, math.sin(angle), -1.0), secant, turning)
+        at = Moment((x, y), (vx, vy), (x, y), (math.cos(angle), math.sin(angle)), (0.0, -1.0))
+        rate[VX], rate[VY] = accelerations(at, secant, turning)
         rate[IMPULSE] = secant * radius
         if state.size > LOST:
             rate[LOST] = (secant - spring) * radius * approach

@@ -6,10 +6,11 @@ that the motion settles at each, or on a run-up or run-down at a rate.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import closing
+from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import pairwise
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -19,28 +20,39 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     COMPONENTS,
     State,
-    check_axis,
     check_between,
     check_choice,
     check_count,
+    check_increasing,
     check_positive,
+    check_progress,
     check_seed,
     is_scalar,
 )
+from rotor_ida.core.interface import DONE, message_of
+from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotors import rotors_of
 from rotor_ida.model.table import ALL_PARAMETERS
-from rotor_ida.parallel import FailedJob, Stop, choose, run_all
-from rotor_ida.schema import STATUS, labelled
-from rotor_ida.simulation.extrema import Extrema, check_knots, radius_extrema
+from rotor_ida.parallel import FailedJob, Progress, Stop, Workers, choose, run_all
+from rotor_ida.schema import RESPONSE, STATUS, labelled
+from rotor_ida.simulation.extrema import CONSTANT, Extrema, check_knots, radius_extrema
+from rotor_ida.simulation.neighbours import ATOL
 from rotor_ida.simulation.options import LARGEST, Method, Options
 from rotor_ida.simulation.run_up import MOST_RADIANS
-from rotor_ida.steady.ramp_extrema import Runs, joined, run_through
-from rotor_ida.steady.sweep import DIRECTIONS, Direction, sweep
+from rotor_ida.simulation.spin import through
+from rotor_ida.steady.sweep import DIRECTIONS, Direction, sweep_rotors
 
-# What of a sweep's variables stands in the diagram.
+Result = TypeVar("Result")
+
+# What of a sweep's variables is in the diagram.
 OF_THE_SWEEP = ("response", "radius_min", "radius_max", "status", "message")
 SLOWEST, FASTEST = 1e-12, 1e6
+# Of a whirl that a run-up follows the radius drifts, and trembles by less than this part of it.
+TREMBLES_WITHIN = 1e-6
+NO_VALUES, NO_KINDS = np.empty(0), np.empty(0, np.int8)
+NO_EXTREMA = Extrema(NO_VALUES, NO_VALUES, NO_KINDS, np.empty((0, 4)))
 
 
 def bifurcation_diagram(
@@ -65,7 +77,7 @@ def bifurcation_diagram(
     method: Method = "adams",
     workers: int | None = None,
     executor: str = "auto",
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Return the extrema of the radius that remain at each speed, from many starts.
 
@@ -114,9 +126,9 @@ def bifurcation_diagram(
         ``message``, as from `rotor_ida.sweep`, and ``extremum_count``. ``extremum_radius`` [1] and
         ``extremum_kind`` (minimum, maximum, or constant where the radius is) hold the extrema of
         all points in one table, ``extremum_count`` rows each. With a direction the last dimension
-        is ``direction``. With a rate ``extremum_speed`` [1] is the speed at which each extremum was
-        met, and a point has those met up to the middles between its speed and its neighbours;
-        ``response`` then says no more than whether the rotor touches there, and whether its radius
+        is ``direction``. With a rate ``extremum_speed`` [1] is the speed at each extremum, and a
+        point has those up to the middles between its speed and its neighbours; ``response`` then
+        says no more than whether the rotor touches there, and whether its radius
         swings.
 
     Raises
@@ -142,8 +154,10 @@ def bifurcation_diagram(
 
     Examples
     --------
-    >>> found = bifurcation_diagram(omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=[(0, 0, 0, 0)])
-    >>> found.extremum_radius.values.round(8)
+    >>> diagram = bifurcation_diagram(
+    ...     omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=[(0, 0, 0, 0)]
+    ... )
+    >>> diagram.extremum_radius.values.round(8)
     array([0.84973087, 0.93446294])
     >>> up = bifurcation_diagram(
     ...     omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=[(0, 0, 0, 0)], direction="up", rate=0.01
@@ -153,38 +167,48 @@ def bifurcation_diagram(
     """
     window, seed = check_positive("extrema_time", extrema_time), check_seed(seed)
     farthest = check_positive("reach", reach, LARGEST)
-    if not check_axis("zeta", zeta).all():
+    rotors = rotors_of(
+        {
+            "omega": omega, "zeta": zeta, "delta0": delta0, "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent, "contact_damping": contact_damping, "load": load,
+            "friction": friction, "disc_radius": disc_radius,
+        }
+    )  # fmt: skip
+    speeds = rotors.axes["omega"]
+    if not rotors.axes["zeta"].all():
         raise InputError("zeta must be above 0, where nothing settles, got 0.0")
-    for speed in check_axis("omega", omega).tolist():
+    for speed in speeds.tolist():
         check_knots("extrema_time", Rotor(omega=speed, zeta=0.0, delta0=0.0), window)
     if direction is not None:
         check_choice("direction", direction, ("up", "down", "both"))
-    slope = None
-    if rate is not None:
-        slope = _checked_rate(rate, direction, check_axis("omega", omega))
-    told = {"title": "Extrema of the radius over a range of speeds", "extrema_time": window}
+    slope = None if rate is None else _checked_rate(rate, direction, speeds)
+    attributes = {"title": "Extrema of the radius over a range of speeds", "extrema_time": window}
     if is_scalar("starts", starts):
         shape = (check_count("starts", starts), len(COMPONENTS))
         starts = np.random.default_rng(seed).uniform(-farthest, farthest, shape)
-        told |= {"seed": seed, "reach": farthest}
-    swept = partial(
-        sweep, zeta=zeta, delta0=delta0, shaft_stiffness=shaft_stiffness,
-        contact_exponent=contact_exponent, contact_damping=contact_damping, load=load,
-        friction=friction, disc_radius=disc_radius, starts=starts, rtol=rtol, atol=atol,
-        method=method, workers=workers, executor=executor, progress=progress,
-    )  # fmt: skip
+        attributes |= {"seed": seed, "reach": farthest}
     options = Options(rtol=rtol, atol=atol, method=method)
-    if slope is not None:
-        speeds, turns = check_axis("omega", omega), DIRECTIONS[direction]
-        how = options, workers, executor
-        found = joined(
-            [_at_a_rate(swept, speeds[::turn], slope, how) for turn in turns], speeds, turns
-        )
-        return found.assign_attrs(told | {"rate": slope})
-    settled = swept(omega=omega, direction=direction).drop_dims("event")
-    if direction is None:
-        settled = settled.isel(direction=0, drop=True)
-    return _with_extrema(settled, window, options, workers, executor).assign_attrs(told)
+    check_progress(progress)
+    chosen = choose(executor, workers, compiled=options.backend != "python")
+
+    def settled(speeds: Values, direction: Direction | None) -> xr.Dataset:
+        """Return a sweep over some speeds, which has no direction where none is given."""
+        some = replace(rotors, axes={**rotors.axes, "omega": speeds})
+        swept = sweep_rotors(some, starts, direction, options, chosen, progress=progress)
+        swept = swept.drop_dims("event")
+        return swept.isel(direction=0, drop=True) if direction is None else swept
+
+    if slope is None:
+        diagram = _with_extrema(settled(speeds, direction), window, options, chosen)
+        return diagram.assign_attrs(attributes)
+    runs = []
+    for way in DIRECTIONS[direction]:
+        passed = speeds[::way]
+        work = partial(ramp_extrema, speeds=passed, rate=slope, rtol=options.step_rtol)
+        after, bands = _followed_on(settled(passed[:1], None), work, chosen)
+        runs.append((after, [each and each[::way] for each in bands]))
+    diagram = _joined(runs, speeds, DIRECTIONS[direction])
+    return diagram.assign_attrs(attributes | {"rate": slope})
 
 
 def _checked_rate(rate: object, direction: str | None, speeds: Values) -> float:
@@ -192,9 +216,7 @@ def _checked_rate(rate: object, direction: str | None, speeds: Values) -> float:
     if direction is None:
         raise InputError("direction must be given with rate, got None")
     slope = check_between("rate", rate, SLOWEST, FASTEST)
-    for before, after in pairwise(speeds.tolist()):
-        if after <= before:
-            raise InputError(f"omega must increase for a rate, got {after!r} after {before!r}")
+    check_increasing("omega", speeds, "for a rate")
     if speeds.size < 2:
         raise InputError(f"omega must be two or more speeds for a rate, got {speeds.tolist()}")
     span = float(speeds[-1] - speeds[0]) / slope
@@ -207,50 +229,32 @@ def _checked_rate(rate: object, direction: str | None, speeds: Values) -> float:
     return slope
 
 
-def _at_a_rate(
-    swept: Callable[..., xr.Dataset],
-    speeds: Values,
-    rate: float,
-    how: tuple[Options, int | None, str],
-) -> Runs:
-    """Return what runs through the speeds do, from where motions have settled at the first."""
-    first = swept(omega=speeds[:1]).isel(direction=0, drop=True).drop_dims("event")
-    due = np.flatnonzero(first["status"].values.ravel() == STATUS["done"])
-    return run_through(first, _jobs(first, due), due, (speeds, rate), how)
+def _followed_on(
+    settled: xr.Dataset, work: Callable[..., Result], workers: Workers
+) -> tuple[xr.Dataset, list[Result | None]]:
+    """Return what `work` finds from the end of each point of a sweep on, None where it failed.
 
-
-def _with_extrema(
-    settled: xr.Dataset, window: float, options: Options, workers: int | None, executor: str
-) -> xr.Dataset:
-    """Return what is kept of a sweep with the extrema of its points from the ends of their runs on.
-
-    A point whose motion cannot be followed on has failed.
+    With the sweep, in which a point whose motion cannot be followed on has failed.
     """
-    result = settled[list(OF_THE_SWEEP)].copy(deep=True)
-    status, message = result["status"].values.ravel(), result["message"].values.ravel().tolist()
+    status, message = settled["status"].values.ravel(), settled["message"].values.ravel().tolist()
+    status = status.copy()
+    results: list[Result | None] = [None] * status.size
     due = np.flatnonzero(status == STATUS["done"])
-    radii, kinds = [np.empty(0)] * status.size, [np.empty(0, np.int8)] * status.size
-    place, count = choose(executor, workers, compiled=options.backend != "python")
-    work = partial(_extrema, window=window, rtol=options.step_rtol)
-    jobs = _jobs(settled, due)
-    with closing(run_all(work, jobs, workers=count, executor=place)) as ended:
-        for turn, found in ended:
+    attempt, jobs = partial(_attempt, work=work), _jobs(settled, due)
+    executor, count = workers
+    with closing(run_all(attempt, jobs, workers=count, executor=executor)) as ended:
+        for turn, result in ended:
             number = int(due[turn])
-            if isinstance(found, Extrema):
-                radii[number], kinds[number] = found.radii, found.kinds
+            if isinstance(result, FailedJob):
+                status[number], message[number] = STATUS["failed"], result.reason
             else:
-                status[number], message[number] = STATUS["failed"], found.reason
-    dims, shape = result["status"].dims, result["status"].shape
-    counts = np.array([part.size for part in radii]).reshape(shape)
-    result = result.assign(
+                results[number] = result
+    dims, shape = settled["status"].dims, settled["status"].shape
+    after = settled.assign(
         status=labelled("status", dims, status.reshape(shape)),
         message=labelled("message", dims, np.array(message).reshape(shape)),
-        extremum_count=labelled("extremum_count", dims, counts),
-        extremum_radius=labelled("extremum_radius", "extremum", np.concatenate(radii)),
-        extremum_kind=labelled("extremum_kind", "extremum", np.concatenate(kinds)),
     )
-    result["extremum_count"].attrs["sample_dimension"] = "extremum"
-    return result
+    return after, results
 
 
 def _jobs(settled: xr.Dataset, numbers: npt.NDArray[np.intp]) -> Iterator[tuple[Rotor, State]]:
@@ -268,14 +272,181 @@ def _jobs(settled: xr.Dataset, numbers: npt.NDArray[np.intp]) -> Iterator[tuple[
         yield rotor, (x, y, vx, vy)
 
 
-def _extrema(
-    job: tuple[Rotor, State], stop: Stop, *, window: float, rtol: float
-) -> Extrema | FailedJob:
-    """Return the extrema of one motion, or why it cannot be followed."""
+def _attempt(
+    job: tuple[Rotor, State], stop: Stop, *, work: Callable[..., Result]
+) -> Result | FailedJob:
+    """Return what is found of one motion, or why it cannot be followed."""
     rotor, start = job
     if stop[0]:
         return FailedJob("given up")
     try:
-        return radius_extrema(rotor, start, window, rtol, stop)
+        return work(rotor, start, stop=stop)
     except SimulationError as error:
         return FailedJob(str(error))
+
+
+def _with_extrema(
+    settled: xr.Dataset, window: float, options: Options, workers: Workers
+) -> xr.Dataset:
+    """Return what is kept of a sweep with the extrema of its points from the ends of their runs."""
+    work = partial(radius_extrema, duration=window, rtol=options.step_rtol)
+    after, results = _followed_on(settled, work, workers)
+    extrema = [each or NO_EXTREMA for each in results]
+    columns: dict[str, Sequence[npt.NDArray[Any]]] = {
+        "extremum_radius": [each.radii for each in extrema],
+        "extremum_kind": [each.kinds for each in extrema],
+    }
+    kept = after[list(OF_THE_SWEEP)].copy(deep=True)
+    return kept.assign(_extremum_table(columns, kept["status"].dims, kept["status"].shape))
+
+
+def _extremum_table(
+    columns: Mapping[str, Sequence[npt.NDArray[Any]]],
+    dims: Sequence[Hashable],
+    shape: tuple[int, ...],
+) -> dict[str, xr.Variable]:
+    """Return the extrema of all points, in their order, and how many each has, as variables."""
+    sizes = np.array([part.size for part in columns["extremum_radius"]])
+    counts = labelled("extremum_count", dims, sizes.reshape(shape))
+    counts.attrs["sample_dimension"] = "extremum"
+    return {"extremum_count": counts} | {
+        name: labelled(name, "extremum", np.concatenate(parts)) for name, parts in columns.items()
+    }
+
+
+# ---- At a rate ----
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedBand:
+    """What a run-up does near one speed: up to the middles between it and its neighbours.
+
+    Parameters
+    ----------
+    speed : float
+        The speed [1].
+    speeds, radii : ndarray, shape (n,)
+        Speeds and distances from the bearing axis at the extrema [1], in order of time; where the
+        radius has none, the speed itself and the radius there.
+    kinds : ndarray of int8, shape (n,)
+        -1 minimum, 1 maximum, 0 where the radius has no extremum.
+    smallest, largest : float
+        Range of the radius [1].
+    response : int
+        What the rotor does, a flag of `schema.RESPONSE`: whether it touches, and whether its radius
+        swings.
+    """
+
+    speed: float = np.nan
+    speeds: Values = field(default_factory=lambda: NO_VALUES)
+    radii: Values = field(default_factory=lambda: NO_VALUES)
+    kinds: npt.NDArray[np.int8] = field(default_factory=lambda: NO_KINDS)
+    smallest: float = np.nan
+    largest: float = np.nan
+    response: int = RESPONSE["failed"]
+
+
+def ramp_extrema(
+    rotor: Rotor, start: State, speeds: Values, rate: float, rtol: float, stop: Stop
+) -> list[SpeedBand]:
+    """Return what a run from the first of some speeds to the last does near each.
+
+    The speeds rise or fall, and `rotor` has the first of them. SimulationError if the integration
+    was stuck, or asked to stop.
+    """
+    way = 1.0 if speeds[-1] > speeds[0] else -1.0
+    middles = 0.5 * (speeds[1:] + speeds[:-1])
+    edges = np.concatenate([speeds[:1], middles, speeds[-1:]])
+    marks = np.unique(np.concatenate([edges, speeds]))[:: int(way)]
+    times = np.abs(marks - speeds[0]) / rate
+    course = through([(0.0, float(speeds[0])), (float(times[-1]), float(speeds[-1]))], times[-1])
+    seen = follow_run(
+        RunRequest(
+            rotor=rotor, start=start, duration=float(times[-1]), rtol=rtol, atol=ATOL * rtol,
+            sample_times=times, extrema=True, pieces=course.pieces(), stop=stop,
+        )
+    )  # fmt: skip
+    if seen.status != DONE:
+        raise SimulationError(
+            f"the run-up could not be followed: {message_of(seen.status)}",
+            time=seen.time, state=seen.state,
+        )  # fmt: skip
+    radii_at_marks = np.hypot(seen.samples[:, 0], seen.samples[:, 1])
+    speeds_at_extrema = speeds[0] + way * rate * seen.extrema["time"]
+    radii, kinds = seen.extrema["radius"], seen.extrema["kind"].astype(np.int8)
+    bands = []
+    for speed, ends in zip(speeds, np.stack([edges[:-1], edges[1:]], axis=1), strict=True):
+        low, high = np.sort(ends)
+        here = (speeds_at_extrema >= low) & (speeds_at_extrema <= high)
+        band = SpeedBand(float(speed), speeds_at_extrema[here], radii[here], kinds[here])
+        beside = radii_at_marks[(marks >= low) & (marks <= high)]
+        radius = float(radii_at_marks[np.argmin(np.abs(marks - speed))])
+        bands.append(_classified(band, radius, beside, rotor.delta0))
+    return bands
+
+
+def _classified(band: SpeedBand, radius: float, beside: Values, delta0: float) -> SpeedBand:
+    """Return a band of speeds with what the rotor does in it, less extrema that only tremble.
+
+    `radius` is that at its speed, and `beside` are those at its ends too.
+    """
+    everywhere = np.concatenate([beside, band.radii])
+    smallest, largest = float(everywhere.min()), float(everywhere.max())
+    around = np.concatenate([band.radii[:1], band.radii, band.radii[-1:]])
+    swings = np.maximum(np.abs(band.radii - around[:-2]), np.abs(band.radii - around[2:]))
+    wide = swings > TREMBLES_WITHIN * largest
+    if largest < delta0:
+        word = "contact_free"
+    elif not wide.any():
+        word = "synchronous"
+    else:
+        word = "bouncing" if smallest < delta0 else "full_contact"
+    speeds, radii, kinds = band.speeds[wide], band.radii[wide], band.kinds[wide]
+    if not wide.any():
+        speeds, radii = np.array([band.speed]), np.array([radius])
+        kinds = np.array([CONSTANT], dtype=np.int8)
+    return SpeedBand(band.speed, speeds, radii, kinds, smallest, largest, RESPONSE[word])
+
+
+def _joined(
+    runs: Sequence[tuple[xr.Dataset, list[list[SpeedBand] | None]]],
+    speeds: Values,
+    directions: Sequence[int],
+) -> xr.Dataset:
+    """Return the diagram of runs in each direction, speeds first and directions last.
+
+    Of each direction there is the sweep of the first speed, and the bands of each of its points, by
+    the speed.
+    """
+    first = runs[0][0]
+    shape = (speeds.size, *first["status"].shape[1:], len(directions))
+    dims = (*first["status"].dims, "direction")
+    bands = [
+        each[place] if each else SpeedBand()
+        for place in range(speeds.size)
+        for of_point in zip(*(each for _, each in runs), strict=True)
+        for each in of_point
+    ]
+    points = {
+        "response": np.array([band.response for band in bands], np.int8),
+        "radius_min": np.array([band.smallest for band in bands]),
+        "radius_max": np.array([band.largest for band in bands]),
+    }
+    columns: dict[str, Sequence[npt.NDArray[Any]]] = {
+        "extremum_speed": [band.speeds for band in bands],
+        "extremum_radius": [band.radii for band in bands],
+        "extremum_kind": [band.kinds for band in bands],
+    }
+    per_run = {
+        name: np.broadcast_to(np.stack([swept[name].values for swept, _ in runs], axis=-1), shape)
+        for name in ("status", "message")
+    }
+    diagram = first.drop_vars([*first.data_vars, "omega"]).assign_coords(
+        omega=labelled("omega", "omega", speeds),
+        direction=labelled("direction", "direction", np.array(directions, np.int8)),
+    )
+    return diagram.assign(
+        {name: labelled(name, dims, each.reshape(shape)) for name, each in points.items()}
+        | {name: labelled(name, dims, each.copy()) for name, each in per_run.items()}
+        | _extremum_table(columns, dims, shape)
+    )

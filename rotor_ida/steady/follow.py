@@ -228,24 +228,24 @@ class _Approach:
     def period(self, trajectory: _Trajectory, window: Window, turns: TurningPoints) -> float | None:
         """Return the period of a motion that has come to a stable cycle; None for others."""
         loaded = window.rotor.load > 0.0
-        found = (_by_revolutions if loaded else _by_turns)(window, turns)
-        self.recurs = found is not None
-        if found is None:
+        repeats = (_by_revolutions if loaded else _by_turns)(window, turns)
+        self.recurs = repeats is not None
+        if repeats is None:
             self.distance = math.inf
             return None
         multiplier = slowest_multiplier(
-            trajectory.rotor, trajectory.state, found.period, trajectory.stop
+            trajectory.rotor, trajectory.state, repeats.period, trajectory.stop
         )
-        decay = abs(multiplier) ** ((trajectory.time - self.time) / found.period)
+        decay = abs(multiplier) ** ((trajectory.time - self.time) / repeats.period)
         # under a load there is no partner that tells which of the others is nearest 1
         held_back = 1.0 - abs(multiplier) if loaded else abs(1.0 - multiplier)
-        distance = found.missed_by / max(held_back, ROUNDING)
+        distance = repeats.missed_by / max(held_back, ROUNDING)
         if math.isfinite(self.distance):
             # rounding lets no motion miss itself by less, however near it has come
             distance = min(distance, decay * self.distance)
         self.distance, self.time = distance, trajectory.time
         settled = abs(multiplier) < 1.0 and distance <= window.steady
-        return found.period if settled else None
+        return repeats.period if settled else None
 
 
 def _by_turns(window: Window, turns: TurningPoints) -> Recurrence | None:

@@ -72,8 +72,8 @@ def turning_points(states: Values, extrema: Rows) -> TurningPoints:
     left out.
     """
     radii = np.hypot(states[:, 0], states[:, 1])
-    found = extrema if np.ptp(radii) > STEADY * radii.max() else extrema[:0]
-    return TurningPoints(found["time"], found["state"], found["kind"] > 0.0)
+    turns = extrema if np.ptp(radii) > STEADY * radii.max() else extrema[:0]
+    return TurningPoints(turns["time"], turns["state"], turns["kind"] > 0.0)
 
 
 @dataclass(frozen=True, slots=True)

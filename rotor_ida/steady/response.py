@@ -283,8 +283,8 @@ def _kind_held_by_friction(window: Window) -> str:
     pull = (-1j * rotor.load - rotor.shaft_stiffness * place) * place.conjugate() / radius
     allowed = RESIDUAL * rotor.load
     balanced = abs(pull.real - normal) <= allowed
-    held = abs(pull.imag) <= rotor.friction * normal + allowed
-    if not (balanced and held):
+    kept = abs(pull.imag) <= rotor.friction * normal + allowed
+    if not (balanced and kept):
         return UNRESOLVED
     return SYNCHRONOUS if normal > 0.0 else CONTACT_FREE
 

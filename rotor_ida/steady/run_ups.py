@@ -2,38 +2,44 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator
+from dataclasses import asdict, dataclass, fields, replace
 from itertools import product
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import (
-    MOST_NUMBERS,
-    MOST_POINTS_OF_STUDY,
-    check_axis,
-    check_points,
-    check_progress,
-    check_real,
-    check_states,
-    check_vector,
-    is_scalar,
-)
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import DEFAULTS
+from rotor_ida.checks import check_progress, check_real, check_states, check_vector
+from rotor_ida.model.rotors import rotors_of
 from rotor_ida.parallel import Progress, choose
-from rotor_ida.results.provenance import computing
-from rotor_ida.results.studies.results import open_results
+from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.studies.results import Folder
+from rotor_ida.schema import ENDING, ENDS_IN_WORDS, RESPONSE, STATUS, labelled, labelled_dataset
 from rotor_ida.simulation.options import LARGEST, Backend, Method, Options, check_can_be_followed
 from rotor_ida.simulation.run_up import ramp_of
-from rotor_ida.steady.jobs import Task, do_all
-from rotor_ida.steady.passage import TURN, lost, pass_through
-from rotor_ida.steady.ramps import Places
-from rotor_ida.steady.run_ups_dataset import FORM, RunUps, rows_of, run_ups_dataset
-from rotor_ida.steady.sweep import REST
-from rotor_ida.steady.sweep_dataset import Rows
+from rotor_ida.steady.follow import FAILED
+from rotor_ida.steady.grid import REST, Array, Grid, Places, Rows, Task, form_of, run_study
+from rotor_ida.steady.run_up_outcome import TURN, Outcome, RampSummary, RunUp, follow_run_up, lost
+from rotor_ida.steady.sweep import FEATURES
+
+# What only friction, or contact damping, gives a meaning.
+ONLY_WITH = {
+    "friction": ("first_roll_speed", "total_heat"),
+    "contact_damping": ("total_contact_loss",),
+}
+SUMMARY = tuple(each.name for each in fields(RampSummary))
+POINT = np.dtype(
+    [
+        ("ending", np.int8),
+        ("response", np.int8),
+        *((name, np.int64 if name == "contact_count" else np.float64) for name in SUMMARY),
+        *((name, np.float64) for name in FEATURES),
+        ("status", np.int8),
+    ]
+)
+FORM = form_of("run-up", "run_ups", POINT)
+# The dimensions over which the endings are counted.
+COUNTED = ("phase", "start")
 
 
 def run_ups(
@@ -57,7 +63,7 @@ def run_ups(
     backend: Backend = "auto",
     workers: int | None = None,
     executor: str = "auto",
-    study: str | os.PathLike[str] | None = None,
+    study: Folder | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Run rotors up, or down, at every rate, phase, damping and clearance, and say how they end.
@@ -136,76 +142,154 @@ def run_ups(
 
     Examples
     --------
-    >>> found = run_ups(omega=0.3, to=1.6, rate=[0.003, 0.3], zeta=0.1, delta0=2.0,
+    >>> ended = run_ups(omega=0.3, to=1.6, rate=[0.003, 0.3], zeta=0.1, delta0=2.0,
     ...                 shaft_stiffness=1.0)
-    >>> found.largest_force.values.ravel().round(3), found.first_touch_speed.values.ravel().round(3)
+    >>> ended.largest_force.values.ravel().round(3), ended.first_touch_speed.values.ravel().round(3)
     (array([11.969,  0.   ]), array([0.848,   nan]))
-    >>> found.rub_fraction.values.ravel(), found.contact_free_fraction.values.ravel()
+    >>> ended.rub_fraction.values.ravel(), ended.contact_free_fraction.values.ravel()
     (array([1., 0.]), array([0., 1.]))
     """
-    beyond = {
-        "shaft_stiffness": shaft_stiffness, "contact_exponent": contact_exponent,
-        "contact_damping": contact_damping, "load": load, "friction": friction,
-        **({} if disc_radius is None else {"disc_radius": disc_radius}),
-    }  # fmt: skip
-    given = {"omega": omega, "zeta": zeta, "delta0": delta0, **beyond}
-    axes = {name: check_axis(name, values) for name, values in given.items()}
-    numbers = {name for name, values in beyond.items() if is_scalar(name, values)}
-    defaults = DEFAULTS
-    absent = {name for name in numbers if axes[name].tolist() == [defaults[name]]}
-    axes = {name: axis for name, axis in axes.items() if name not in absent}
-    axes["rate"] = check_vector("rate", rate, largest=LARGEST)
-    axes["phase"] = check_vector("phase", phase, largest=TURN)
+    rotors = rotors_of(
+        {
+            "omega": omega, "zeta": zeta, "delta0": delta0, "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent, "contact_damping": contact_damping, "load": load,
+            "friction": friction, "disc_radius": disc_radius,
+        }
+    )  # fmt: skip
+    varied = {
+        "rate": check_vector("rate", rate, largest=LARGEST),
+        "phase": check_vector("phase", phase, largest=TURN),
+    }
     options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
     check_progress(progress)
-    place, count = choose(executor, workers, compiled=options.backend != "python")
-    asked = RunUps(
-        axes, check_real("to", to), check_states("starts", starts), options,
-        frozenset(numbers - absent),
-    )  # fmt: skip
-    most = MOST_NUMBERS if study is None else MOST_POINTS_OF_STUDY
-    check_points(*axes.values(), asked.starts, most=most)
-    _check_can_be_followed(asked)
-    with open_results(study, _design(asked), asked.points, FORM) as kept:
-        do_all(asked, Task(pass_through, lost, rows_of), kept, place, count, progress)
-
-        def pieces() -> Iterator[tuple[Places, Rows]]:
-            return ((np.array([number]), rows) for number, rows in kept.results())
-
-        return run_ups_dataset(asked, pieces, kept.folder)
-
-
-def _design(asked: RunUps) -> dict[str, object]:
-    """Return all that decides on the bits of many run-ups."""
-    options = asked.options
-    return {
+    chosen = choose(executor, workers, compiled=options.backend != "python")
+    speed, states = check_real("to", to), check_states("starts", starts)
+    grid = Grid(rotors, varied | {"start": np.arange(len(states))}, states)
+    grid.check_size(study)
+    plan = RunUps(grid, speed, options)
+    _check_can_be_followed(plan)
+    design = {
         "kind": "run_ups",
-        **{
-            name: values.item() if name in asked.numbers else values.tolist()
-            for name, values in asked.axes.items()
-        },
-        "to": asked.to,
-        "starts": [list(start) for start in asked.starts],
+        **rotors.values,
+        **{name: axis.tolist() for name, axis in varied.items()},
+        "to": speed,
+        "starts": [list(start) for start in states],
         **{name: getattr(options, name) for name in ("rtol", "atol", "method")},
         **computing(),
     }
+    task = Task(follow_run_up, lost, rows_of, FORM, POINT)
+    columns = run_study(plan, task, design, study=study, workers=chosen, progress=progress)
+    return _dataset(plan, columns.points)
 
 
-def _check_can_be_followed(asked: RunUps) -> None:
+@dataclass(frozen=True)
+class RunUps:
+    """All run-ups, by number.
+
+    Parameters
+    ----------
+    grid : Grid
+        The run-ups; the axes behind those of the rotors are ``rate``, ``phase`` and ``start``.
+    to : float
+        The speed at the end of the ramps [1].
+    options : Options
+        How to simulate.
+    """
+
+    grid: Grid
+    to: float
+    options: Options
+
+    length = 1
+
+    def places(self, number: int) -> Places:
+        """Return where a run-up stands among all: each is a job by itself."""
+        return np.array([number])
+
+    def job(self, number: int) -> RunUp:
+        """Return what a worker needs to follow a run-up."""
+        place = tuple(int(each) for each in np.unravel_index(number, self.grid.shape))
+        *_, rate, phase, start = place
+        return RunUp(
+            rotor=self.grid.rotor(place),
+            to=self.to,
+            rate=float(self.grid.axes["rate"][rate]),
+            phase=float(self.grid.axes["phase"][phase]),
+            start=self.grid.starts[start],
+            options=self.options,
+        )
+
+    def slowest_first(self) -> Places:
+        """Return the numbers of the run-ups, those at the lowest rates first."""
+        places = np.unravel_index(np.arange(self.grid.points), self.grid.shape)
+        rates = self.grid.axes["rate"][places[self.grid.dims.index("rate")]]
+        return np.argsort(np.abs(rates), kind="stable")
+
+
+def _check_can_be_followed(plan: RunUps) -> None:
     """Check each ramp, each value of a parameter and each start once."""
-    parameters = {name: axis for name, axis in asked.axes.items() if name not in {"rate", "phase"}}
-    largest = {name: float(values.max()) for name, values in parameters.items()}
-    for omega, rate in product(parameters["omega"].tolist(), asked.axes["rate"].tolist()):
-        ramp_of(Rotor(**largest | {"omega": omega}), asked.to, rate, asked.options.backend)
-    rotors = [
-        Rotor(**largest | {name: value})
-        for name, values in parameters.items()
-        if name not in {"zeta", "shaft_stiffness"}
-        for value in values.tolist()
-    ]
+    axes, starts, rotors = plan.grid.rotors.axes, plan.grid.starts, plan.grid.rotors.extremes()
+    for rotor, rate in product(rotors[: axes["omega"].size], plan.grid.axes["rate"].tolist()):
+        ramp_of(rotor, plan.to, rate, plan.options.backend)
     for rotor in rotors:
-        check_can_be_followed(rotor, asked.starts[0])
-    for start in asked.starts[1:]:
+        check_can_be_followed(rotor, starts[0])
+    for start in starts[1:]:
         check_can_be_followed(rotors[0], start)
-    settles = Rotor(**largest | {"omega": asked.to})
-    check_can_be_followed(settles, asked.starts[0], settling=True)
+    check_can_be_followed(replace(rotors[0], omega=plan.to), starts[0], settling=True)
+
+
+def rows_of(outcome: Outcome) -> Rows:
+    """Return how a run-up has ended as a row."""
+    row = asdict(outcome.summary) | asdict(outcome.features)
+    row |= {"ending": ENDING[outcome.ending], "response": RESPONSE[outcome.response]}
+    row["status"] = STATUS["failed" if outcome.response == FAILED else "done"]
+    points = np.array([tuple(row[name] for name in POINT.names or ())], dtype=POINT)
+    return Rows(points, [outcome.message])
+
+
+def _dataset(plan: RunUps, columns: dict[str, Array]) -> xr.Dataset:
+    """Return run-ups as a labelled dataset, with the fractions of their endings."""
+    grid = plan.grid
+    for parameter, names in ONLY_WITH.items():
+        if not grid.rotors.axes.get(parameter, np.zeros(1)).any():
+            columns = {name: each for name, each in columns.items() if name not in names}
+    variables = grid.labelled(columns)
+    counted = tuple(grid.dims.index(name) for name in COUNTED)
+    others = [name for name in grid.dims if name not in COUNTED]
+    fractions = fractions_of(columns["ending"].reshape(grid.shape), counted)
+    variables |= {name: labelled(name, others, values) for name, values in fractions.items()}
+    for name in ("radius_min", "radius_max"):
+        variables[name].attrs["long_name"] += " at the last speed"
+    for name in ("contact_count", "largest_force"):
+        variables[name].attrs["long_name"] += " on the ramp"
+    rate = labelled("rate", "rate", grid.axes["rate"])
+    rate.attrs["long_name"] = "change of the spin speed in a unit of time"
+    title = "Rotor in a clearance: run-ups over a range of speeds"
+    how = provenance(plan.options.attributes())
+    coordinates = grid.coordinates | {"rate": rate, "to": ((), plan.to)}
+    return labelled_dataset(title, variables, coordinates, how)
+
+
+def fractions_of(endings: Array, counted: tuple[int, ...]) -> dict[str, Array]:
+    """Return the fractions of the endings over some axes, of those that did not fail.
+
+    The standard error of a fraction p of n run-ups is ``sqrt(p (1 - p)/n)``.
+
+    Examples
+    --------
+    >>> counted = fractions_of(np.array([[3, 2, 3, -1, 3]]), (1,))
+    >>> counted["whip_fraction"], counted["whip_fraction_error"].round(6), counted["failed_count"]
+    (array([0.75]), array([0.216506]), array([1]))
+    """
+    failures = (endings == ENDING["failed"]).sum(axis=counted)
+    total = np.prod([endings.shape[axis] for axis in counted], dtype=np.int64) - failures
+    fractions: dict[str, Array] = {"failed_count": failures}
+    for word in ENDS_IN_WORDS:
+        count = (endings == ENDING[word]).sum(axis=counted)
+        fraction = np.divide(count, total, out=np.full(total.shape, np.nan), where=total > 0)
+        fractions[f"{word}_fraction"] = fraction
+        spread = fraction * (1.0 - fraction)
+        fractions[f"{word}_fraction_error"] = np.sqrt(
+            np.divide(spread, total, out=np.full(total.shape, np.nan), where=total > 0)
+        )
+    return fractions

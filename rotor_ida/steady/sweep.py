@@ -1,36 +1,40 @@
-"""Sweeps: the settled response at each speed, damping and clearance."""
+"""Sweeps: the settled response at each speed, damping and clearance.
+
+The points of the grid are laid out in ramps (quasi-static run-up and run-down): each point of a
+ramp begins where the one before has ended. Without a direction each point is a ramp by itself.
+"""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import (
-    MOST_NUMBERS,
-    MOST_POINTS_OF_STUDY,
-    State,
-    check_axis,
-    check_choice,
-    check_increasing,
-    check_points,
-    check_progress,
-    check_states,
-    is_scalar,
-)
+from rotor_ida.checks import State, check_choice, check_increasing, check_progress, check_states
 from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import DEFAULTS
-from rotor_ida.parallel import Progress, choose
-from rotor_ida.results.provenance import computing
-from rotor_ida.results.studies.results import open_results
+from rotor_ida.model.rotors import Rotors, rotors_of
+from rotor_ida.parallel import Progress, Stop, Workers, choose
+from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.studies.results import Folder
+from rotor_ida.schema import RESPONSE, STATUS, labelled, labelled_dataset
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
-from rotor_ida.steady.jobs import Task, do_all
-from rotor_ida.steady.ramps import Places, Ramps, follow, lost
-from rotor_ida.steady.sweep_dataset import FORM, Rows, rows_of, sweep_dataset
+from rotor_ida.steady.follow import FAILED, SettledResponse, failed, follow_to_steady_state
+from rotor_ida.steady.grid import (
+    EXPECTED,
+    REST,
+    Grid,
+    Places,
+    Rows,
+    Task,
+    form_of,
+    reason_of,
+    run_study,
+)
+from rotor_ida.steady.response import Features
 
 Direction = Literal["up", "down", "both"]
 
@@ -40,7 +44,26 @@ DIRECTIONS: dict[str | None, tuple[int, ...]] = {
     "down": (-1,),
     "both": (1, -1),
 }
-REST: State = (0.0, 0.0, 0.0, 0.0)
+FEATURES = tuple(each.name for each in fields(Features))
+# The columns of a sweep with a number for each point, and those with one for each event.
+POINT = np.dtype(
+    [
+        ("response", np.int8),
+        *((name, np.float64) for name in (*FEATURES, "window_start", "window_end")),
+        ("status", np.int8),
+        ("event_count", np.int64),
+        *((name, np.float64) for name in ("end_x", "end_y", "end_vx", "end_vy")),
+    ]
+)
+EVENT_STATES = ("event_x", "event_y", "event_vx", "event_vy")
+EVENT = np.dtype(
+    [
+        ("event_time", np.float64),
+        ("event_kind", np.int8),
+        *((name, np.float64) for name in EVENT_STATES),
+    ]
+)
+FORM = form_of("points of a sweep", "points", POINT, EVENT)
 
 
 def sweep(
@@ -63,7 +86,7 @@ def sweep(
     backend: Backend = "auto",
     workers: int | None = None,
     executor: str = "auto",
-    study: str | os.PathLike[str] | None = None,
+    study: Folder | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Follow the rotor until it has settled, at every speed, damping and clearance.
@@ -165,65 +188,175 @@ def sweep(
     >>> responses.amplitude.squeeze().values.round(8)
     array([0.84973087, 0.93446294])
     """
-    beyond = {
-        "shaft_stiffness": shaft_stiffness, "contact_exponent": contact_exponent,
-        "contact_damping": contact_damping, "load": load, "friction": friction,
-        **({} if disc_radius is None else {"disc_radius": disc_radius}),
-    }  # fmt: skip
-    given = {"omega": omega, "zeta": zeta, "delta0": delta0, **beyond}
-    axes = {name: check_axis(name, values) for name, values in given.items()}
-    numbers = {name for name, values in beyond.items() if is_scalar(name, values)}
-    defaults = DEFAULTS
-    absent = {name for name in numbers if axes[name].tolist() == [defaults[name]]}
-    axes = {name: axis for name, axis in axes.items() if name not in absent}
-    checked = check_states("starts", starts)
-    if direction is not None:
-        check_choice("direction", direction, ("up", "down", "both"))
-        check_increasing("omega", axes["omega"], "in a sweep up or down")
+    rotors = rotors_of(
+        {
+            "omega": omega, "zeta": zeta, "delta0": delta0, "shaft_stiffness": shaft_stiffness,
+            "contact_exponent": contact_exponent, "contact_damping": contact_damping, "load": load,
+            "friction": friction, "disc_radius": disc_radius,
+        }
+    )  # fmt: skip
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
     check_progress(progress)
-    place, count = choose(executor, workers, compiled=options.backend != "python")
-    ramps = Ramps(axes, checked, DIRECTIONS[direction], options, frozenset(numbers - absent))
-    most = MOST_NUMBERS if study is None else MOST_POINTS_OF_STUDY
-    check_points(*axes.values(), checked, ramps.directions, most=most)
-    _check_can_be_followed(axes, checked)
-    with open_results(study, _design(ramps, direction), ramps.points, FORM) as kept:
-        do_all(ramps, Task(follow, lost, rows_of), kept, place, count, progress)
-
-        def pieces() -> Iterator[tuple[Places, Rows]]:
-            return ((ramps.places(number), rows) for number, rows in kept.results())
-
-        return sweep_dataset(ramps, pieces, kept.folder)
+    chosen = choose(executor, workers, compiled=options.backend != "python")
+    return sweep_rotors(rotors, starts, direction, options, chosen, study, progress)
 
 
-def _design(ramps: Ramps, direction: Direction | None) -> dict[str, object]:
-    """Return all that decides on the bits of a sweep."""
-    options = ramps.options
-    return {
+def sweep_rotors(
+    rotors: Rotors,
+    starts: npt.ArrayLike,
+    direction: Direction | None,
+    options: Options,
+    workers: Workers,
+    study: Folder | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Follow rotors until they have settled, as `sweep` does."""
+    states = check_states("starts", starts)
+    if direction is not None:
+        check_choice("direction", direction, ("up", "down", "both"))
+        check_increasing("omega", rotors.axes["omega"], "in a sweep up or down")
+    directions = np.array(DIRECTIONS[direction], dtype=np.int8)
+    grid = Grid(rotors, {"start": np.arange(len(states)), "direction": directions}, states)
+    grid.check_size(study)
+    _check_can_be_followed(grid)
+    design = {
         "kind": "sweep",
-        **{
-            name: values.item() if name in ramps.numbers else values.tolist()
-            for name, values in ramps.axes.items()
-        },
-        "starts": [list(start) for start in ramps.starts],
+        **rotors.values,
+        "starts": [list(start) for start in states],
         "direction": direction,
         **{name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")},
         **computing(),
     }
+    task = Task(settle_along, lost, rows_of, FORM, POINT, EVENT)
+    columns = run_study(
+        Ramps(grid, options), task, design, study=study, workers=workers, progress=progress
+    )
+    variables = grid.labelled(columns.points)
+    variables["event_count"].attrs["sample_dimension"] = "event"
+    variables |= {name: labelled(name, "event", column) for name, column in columns.events.items()}
+    title = "Rotor in a clearance: responses over a range of speeds"
+    return labelled_dataset(title, variables, grid.coordinates, provenance(options.attributes()))
 
 
-def _check_can_be_followed(
-    axes: Mapping[str, npt.NDArray[np.float64]], starts: Sequence[State]
-) -> None:
+def _check_can_be_followed(grid: Grid) -> None:
     """Check each speed, each clearance and each start once, and the largest damping."""
-    largest = {name: float(values.max()) for name, values in axes.items()}
-    rotors = [
-        Rotor(**largest | {name: value})
-        for name in axes
-        if name not in {"zeta", "shaft_stiffness"}
-        for value in axes[name].tolist()
-    ]
+    rotors = grid.rotors.extremes()
     for rotor in rotors:
-        check_can_be_followed(rotor, starts[0], settling=True)
-    for start in starts[1:]:
+        check_can_be_followed(rotor, grid.starts[0], settling=True)
+    for start in grid.starts[1:]:
         check_can_be_followed(rotors[0], start, settling=True)
+
+
+@dataclass(frozen=True, slots=True)
+class RampJob:
+    """A ramp with all that a worker needs to follow it."""
+
+    rotors: list[Rotor]
+    start: State
+    options: Options
+
+
+@dataclass(frozen=True)
+class Ramps:
+    """All ramps of a sweep, by number.
+
+    Parameters
+    ----------
+    grid : Grid
+        The points. Its last axis is the direction: 1 up, -1 down; 0 where each speed begins anew,
+        in a ramp of one point.
+    options : Options
+        How to simulate.
+    """
+
+    grid: Grid
+    options: Options
+
+    @property
+    def length(self) -> int:
+        """Number of points of each ramp."""
+        return self.grid.shape[0] if self.grid.axes["direction"][0] else 1
+
+    def __len__(self) -> int:
+        return self.grid.points // self.length
+
+    def places(self, number: int) -> Places:
+        """Return where the points of a ramp stand among all, in the order of the dimensions."""
+        omega, others_at = self._indices(number)
+        others = np.ravel_multi_index(others_at, self.grid.shape[1:])
+        speeds = self.grid.shape[0]
+        return np.asarray(omega * (self.grid.points // speeds) + others, dtype=np.int64)
+
+    def job(self, number: int) -> RampJob:
+        """Return what a worker needs to follow a ramp."""
+        omegas, others = self._indices(number)
+        rotors = [self.grid.rotor((omega, *others)) for omega in omegas.tolist()]
+        *_, start, _ = others
+        return RampJob(rotors, self.grid.starts[start], self.options)
+
+    def slowest_first(self) -> Places:
+        """Return the numbers of the ramps in an order that leaves no long one to the end.
+
+        Those with much clearance take longest: there the rotor bounces.
+        """
+        within = np.unravel_index(np.arange(len(self)), self._order)
+        rotors = self.grid.rotors
+        clearances = rotors.axes["delta0"][within[rotors.dims.index("delta0")]]
+        return np.argsort(-clearances, kind="stable")
+
+    @property
+    def _order(self) -> tuple[int, ...]:
+        """The order in which ramps are counted: directions, other parameters, starts, speeds."""
+        speeds, *others, directions = self.grid.shape
+        return (directions, *others, speeds // self.length)
+
+    def _indices(self, number: int) -> tuple[Places, tuple[int, ...]]:
+        """Return the speeds of a ramp, by number, and its other indices."""
+        direction, *others, first = (int(each) for each in np.unravel_index(number, self._order))
+        way = int(self.grid.axes["direction"][direction])
+        omega = np.arange(self.grid.shape[0])[::way] if way else np.array([first])
+        return omega, (*others, direction)
+
+
+def settle_along(ramp: RampJob, stop: Stop) -> list[SettledResponse]:
+    """Follow one ramp: each point begins where the last one that did not fail has ended."""
+    state, settled = ramp.start, []
+    for rotor in ramp.rotors:
+        if stop[0]:
+            break
+        try:
+            point = follow_to_steady_state(rotor, state, ramp.options, stop=stop)
+        except EXPECTED as error:  # it must not end the other points
+            point = failed(rotor, state, ramp.options, reason_of(error))
+        if point.response != FAILED:
+            state = point.end
+        settled.append(point)
+    return settled
+
+
+def lost(ramp: RampJob, reason: str) -> list[SettledResponse]:
+    """Return the points of a ramp whose workers died."""
+    return [failed(rotor, ramp.start, ramp.options, reason) for rotor in ramp.rotors]
+
+
+def rows_of(points: Sequence[SettledResponse]) -> Rows:
+    """Return points as rows."""
+    rows = [
+        (
+            RESPONSE[point.response],
+            *(getattr(point.features, name) for name in FEATURES),
+            point.window_start,
+            point.window_end,
+            STATUS["failed" if point.response == FAILED else "done"],
+            point.event_times.size,
+            *point.end,
+        )
+        for point in points
+    ]
+    events = np.empty(sum(point.event_times.size for point in points), dtype=EVENT)
+    events["event_time"] = np.concatenate([point.event_times for point in points])
+    events["event_kind"] = np.concatenate([point.event_kinds for point in points])
+    states = np.concatenate([point.event_states for point in points])
+    for name, column in zip(EVENT_STATES, states.T, strict=True):
+        events[name] = column
+    return Rows(np.array(rows, dtype=POINT), [point.message for point in points], events)

@@ -21,8 +21,8 @@ from rotor_ida.closed_forms import (
     stability_determinant,
     synchronous_response,
 )
-from rotor_ida.closed_forms.fold_locus_further import Ring
-from rotor_ida.closed_forms.fold_locus_rubbing import rub_locus
+from rotor_ida.closed_forms.contact_laws import RestoringLaw
+from rotor_ida.closed_forms.fold_locus_with_friction import friction_locus
 from rotor_ida.errors import InputError
 
 MACHINES = [
@@ -126,22 +126,22 @@ def test_folds_lie_on_the_locus():
     for _ in range(60):
         zeta, d = 10 ** draw.uniform(-2.5, -0.7), 10 ** draw.uniform(-1.0, 0.5)
         kappa = float(draw.choice([0.0, 10 ** draw.uniform(-2.0, 0.5)]))
-        mu, hertz = 10 ** draw.uniform(-3.0, -0.5), bool(draw.random() < 0.6)
+        mu, exponent = 10 ** draw.uniform(-3.0, -0.5), 1.5 if draw.random() < 0.6 else 1.0
         found = folds(
             zeta=zeta,
             delta0=d,
             shaft_stiffness=kappa,
-            contact_exponent=1.5 if hertz else 1.0,
+            contact_exponent=exponent,
             friction=mu,
         )
         for omega, amplitude in points(found, "fold_omega", "fold_amplitude"):
-            lag, damping = rub_locus(
-                np.array([math.sqrt(amplitude - d)]), Ring(d, kappa, hertz, mu)
+            lag, damping = friction_locus(
+                np.array([math.sqrt(amplitude - d)]), RestoringLaw(d, kappa, exponent, mu)
             )
             place = int(np.nanargmin(np.abs(damping - zeta)))
             # the locus is steep where it begins
             assert damping.ravel()[place] == pytest.approx(zeta, rel=1e-8)
-            f = (amplitude - d) ** (1.5 if hertz else 1.0)
+            f = (amplitude - d) ** exponent
             across = 2.0 * zeta * omega * amplitude + mu * f
             along = (kappa - omega**2) * amplitude + f
             assert lag.ravel()[place] == pytest.approx(math.atan2(across, along), abs=1e-6)

@@ -10,7 +10,8 @@ from rotor_ida.closed_forms import (
     stability_determinant,
     whirl_torque,
 )
-from rotor_ida.closed_forms.sommerfeld import _jacobian
+from rotor_ida.closed_forms.rotor_columns import RotorColumns
+from rotor_ida.closed_forms.sommerfeld import _Drive, _jacobian
 from rotor_ida.schema import STABILITY
 from tests.spin_witness import FLIES, FORWARDS, Spinner
 
@@ -75,11 +76,9 @@ def test_the_last_eigenvalue_passes_zero_where_the_curve_falls_as_the_drive_does
     A, omega, lag, touches, torque, _ = points_of(curve).T
     touching = touches == 1
     A, omega, lag, torque = (each[touching] for each in (A, omega, lag, torque))
-    rotor = {name: np.full(A.shape, value) for name, value in GIVEN.items()}
-    rotor["contact_exponent"] = np.full(A.shape, 1.5)
-    determinant = np.linalg.det(
-        _jacobian(A, omega, lag, np.zeros(A.size, bool), rotor, (RHO, SLOPE, INERTIA))
-    )
+    rotors = RotorColumns.of({"omega": omega, **GIVEN})
+    drive = _Drive(RHO, SLOPE, INERTIA)
+    determinant = np.linalg.det(_jacobian(A, lag, np.zeros(A.size, bool), rotors, drive))
     zeta, mu, depth = GIVEN["zeta"], GIVEN["friction"], A - GIVEN["delta0"]
     f, steep = depth**1.5, 1.5 * depth**0.5
     D = stability_determinant(A, omega=omega, **GIVEN)
@@ -98,11 +97,9 @@ def test_a_heavy_rotor_is_as_stable_as_at_a_fixed_speed():
     A, omega, lag, touches, *_ = points_of(curve, 1).T
     here = touches == 1
     A, omega, lag = A[here], omega[here], lag[here]
-    rotor = {name: np.full(A.shape, value) for name, value in GIVEN.items()}
-    rotor["contact_exponent"] = np.full(A.shape, 1.5)
-    found = np.linalg.eigvals(
-        _jacobian(A, omega, lag, np.zeros(A.size, bool), rotor, (RHO, 0.0, 1e15))
-    )
+    rotors = RotorColumns.of({"omega": omega, **GIVEN})
+    drive = _Drive(RHO, 0.0, 1e15)
+    found = np.linalg.eigvals(_jacobian(A, lag, np.zeros(A.size, bool), rotors, drive))
     known = eigenvalues(A, omega=omega, **GIVEN)
     off = np.abs(found[:, :, None] - known[:, None, :]).min(axis=1)
     # the root of rounding where two nearly coincide

@@ -13,7 +13,7 @@
 #include "core.h"
 #include "observers.h"
 
-static volatile uint8_t stop;
+static stop_flag stop;
 
 static void ask_to_stop(int signal)
 {
@@ -290,7 +290,6 @@ static const struct sundials made_up = {
 
 /* ---- Runs ---- */
 
-#ifdef RUN_UP
 /* How speeds change, by turns: as prescribed, piece by piece, and as a torque has it. */
 static const struct piece COURSES[][3] = {
     {{0.3, 0.1, 0.0, 0.0, 0.0, 1.0},
@@ -304,7 +303,6 @@ static const struct piece COURSES[][3] = {
 static const int64_t PIECES[] = {3, 3, 1, 1, 1};
 static int courses_taken;
 enum { NEARLY_STEADY = -1 };
-#endif
 
 static struct run run_of(struct rotor rotor, const double start[4], double duration)
 {
@@ -313,15 +311,15 @@ static struct run run_of(struct rotor rotor, const double start[4], double durat
                       .atol = 1e-11,
                       .duration = duration,
                       .exact_flight = 1,
-                      .stop = (const uint8_t *)&stop,
+                      .stop = &stop,
                       .where = UNDECIDED};
     memcpy(run.state, start, sizeof run.state);
-#ifdef RUN_UP
-    const int course = courses_taken == NEARLY_STEADY ? 4 : courses_taken % 4;
-    courses_taken++;
-    run.pieces = COURSES[course];
-    run.piece_count = PIECES[course];
-#endif
+    if (SPEED_CHANGES) {
+        const int course = courses_taken == NEARLY_STEADY ? 4 : courses_taken % 4;
+        courses_taken++;
+        run.pieces = COURSES[course];
+        run.piece_count = PIECES[course];
+    }
     return run;
 }
 
@@ -345,13 +343,13 @@ static void furnish(struct run *run, struct room room)
     if (run->rotor.friction > 0.0)
         run->event_ways = room_for(room.events, 1);
     run->event_room = room.events;
-#ifdef RUN_UP
-    run->sample_turns = room_for(room.samples, 2 * sizeof(double));
-    run->event_turns = room_for(room.events, 2 * sizeof(double));
-#endif
-    run->contacts = room_for(room.contacts, CONTACT_COLUMNS * sizeof(double));
+    if (SPEED_CHANGES) {
+        run->sample_turns = room_for(room.samples, 2 * sizeof(double));
+        run->event_turns = room_for(room.events, 2 * sizeof(double));
+    }
+    run->contacts = room_for(room.contacts, sizeof(struct contact));
     run->contact_room = room.contacts;
-    run->extrema = room_for(room.extrema, EXTREMUM_COLUMNS * sizeof(double));
+    run->extrema = room_for(room.extrema, sizeof(struct extremum));
     run->extremum_room = room.extrema;
     run->differences = room.differences;
     run->bundle = room_for(room.differences, 4 * sizeof(double));
@@ -395,39 +393,33 @@ static int followed(struct run run, struct room room)
 
 /* Omega, zeta, delta0; shaft, exponent, contact damping and load; friction and radius of the disc.
  * The first few are also followed by name. */
-#ifdef WHOLE_MODEL
-static const struct rotor ROTORS[] = {{2.0, 0.07, 2.0, 0.3, 1.5, 0.4, 0.5, 0.0, 0.0},
-                                      {3.0, 0.07, 0.5, 2.0, 1.0, 5.0, 1.0, 0.0, 0.0},
-                                      {1.7, 0.07, 0.0, 0.5, 1.0, 0.0, 0.3, 0.0, 0.0},
-                                      {0.0, 0.0, 1.0, 0.0, 1.5, 1.0, 0.0, 0.0, 0.0},
-                                      {0.6, 0.0, 1e-9, 0.36, 1.5, 1e3, 1e-3, 0.0, 0.0},
-                                      {1.3, 2.0, 50.0, 4.0, 1.0, 1e-300, 9.0, 0.0, 0.0},
-                                      {1e3, 1e2, 1e3, 1e4, 1.0, 1e2, 1e3, 0.0, 0.0},
-                                      {0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 1.0, 0.0, 0.0},
-                                      {0.0, 0.0, 1.0, 0.0, 1.0, 2.0, 1.0, 0.0, 0.0},
-                                      {1.5, 1e-300, 2.0, 2.25, 1.5, 0.1, 0.0, 0.0, 0.0},
-                                      {1.2, 0.0, 0.7, 9.0, 1.5, 20.0, 2.0, 0.0, 0.0},
-                                      {0.0, 0.0, 0.3, 5.0, 1.0, 3.0, 0.0, 0.0, 0.0},
-                                      {1e-200, 0.3, 1.0, 1e-20, 1.5, 0.0, 0.1, 0.0, 0.0},
-                                      {1.7, 0.0, 0.0, 0.0, 1.5, 0.0, 1e300, 0.0, 0.0},
-                                      {2.0, 0.07, 2.0, 0.3, 1.0, 2.0, 1.5, 0.4, 0.5},
-                                      {1.2, 0.07, 0.5, 0.0, 1.5, 0.0, 0.0, 0.3, 0.6},
-                                      {1e3, 1e2, 1e3, 1e4, 1.0, 1e2, 1e3, 1e3, 1e3},
-                                      {0.6, 0.0, 1e-9, 0.36, 1.5, 1e3, 1e-3, 1e-300, 1e6}};
-#else
-static const struct rotor ROTORS[] = {
+static const struct rotor GENERAL_ROTORS[] = {{2.0, 0.07, 2.0, 0.3, 1.5, 0.4, 0.5, 0.0, 0.0},
+                                              {3.0, 0.07, 0.5, 2.0, 1.0, 5.0, 1.0, 0.0, 0.0},
+                                              {1.7, 0.07, 0.0, 0.5, 1.0, 0.0, 0.3, 0.0, 0.0},
+                                              {0.0, 0.0, 1.0, 0.0, 1.5, 1.0, 0.0, 0.0, 0.0},
+                                              {0.6, 0.0, 1e-9, 0.36, 1.5, 1e3, 1e-3, 0.0, 0.0},
+                                              {1.3, 2.0, 50.0, 4.0, 1.0, 1e-300, 9.0, 0.0, 0.0},
+                                              {1e3, 1e2, 1e3, 1e4, 1.0, 1e2, 1e3, 0.0, 0.0},
+                                              {0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 1.0, 0.0, 0.0},
+                                              {0.0, 0.0, 1.0, 0.0, 1.0, 2.0, 1.0, 0.0, 0.0},
+                                              {1.5, 1e-300, 2.0, 2.25, 1.5, 0.1, 0.0, 0.0, 0.0},
+                                              {1.2, 0.0, 0.7, 9.0, 1.5, 20.0, 2.0, 0.0, 0.0},
+                                              {0.0, 0.0, 0.3, 5.0, 1.0, 3.0, 0.0, 0.0, 0.0},
+                                              {1e-200, 0.3, 1.0, 1e-20, 1.5, 0.0, 0.1, 0.0, 0.0},
+                                              {1.7, 0.0, 0.0, 0.0, 1.5, 0.0, 1e300, 0.0, 0.0},
+                                              {2.0, 0.07, 2.0, 0.3, 1.0, 2.0, 1.5, 0.4, 0.5},
+                                              {1.2, 0.07, 0.5, 0.0, 1.5, 0.0, 0.0, 0.3, 0.6},
+                                              {1e3, 1e2, 1e3, 1e4, 1.0, 1e2, 1e3, 1e3, 1e3},
+                                              {0.6, 0.0, 1e-9, 0.36, 1.5, 1e3, 1e-3, 1e-300, 1e6}};
+static const struct rotor PAPER_ROTORS[] = {
     {.omega = 2.0, .zeta = 0.07, .delta0 = 2.0}, {.omega = 3.0, .zeta = 0.07, .delta0 = 0.5},
     {.omega = 1.7, .zeta = 0.07, .delta0 = 0.0}, {.omega = 0.0, .zeta = 0.0, .delta0 = 1.0},
     {.omega = 0.6, .zeta = 0.0, .delta0 = 1e-9}, {.omega = 1.3, .zeta = 2.0, .delta0 = 50.0},
     {.omega = 1e3, .zeta = 1e2, .delta0 = 1e3},  {.omega = 0.0, .zeta = 0.0, .delta0 = 0.0}};
-#endif
-enum { ROTOR_COUNT = sizeof ROTORS / sizeof *ROTORS };
+static const struct rotor *const ROTORS = IS_GENERAL ? GENERAL_ROTORS : PAPER_ROTORS;
+enum { ROTOR_COUNT = (IS_GENERAL ? sizeof GENERAL_ROTORS : sizeof PAPER_ROTORS) / sizeof *ROTORS };
 /* Rows of a bundle with those by parameters. */
-#ifdef RUN_UP
-enum { WITH_PARAMETERS = 0, ALONE = 0 };
-#else
-enum { WITH_PARAMETERS = 4 + PARAMETERS, ALONE = 4 };
-#endif
+enum { WITH_PARAMETERS = HAS_NEIGHBOURS ? 4 + PARAMETERS : 0, ALONE = HAS_NEIGHBOURS ? 4 : 0 };
 
 /* Starts: at rest, in contact, on the ring in all ways, far off, and what is no number. */
 static void start_of(int number, double delta0, double start[4])
@@ -497,14 +489,12 @@ static void runs_in_rooms_that_are_too_small(void)
             followed(run, (struct room){0, 400, size, 0, 0});
         }
     }
-    if (WHOLE)
+    if (IS_GENERAL)
         full_inside += releases_in_rooms_that_are_too_small();
-    require((full_inside > 0) == WHOLE, "a table was full in a contact, or never was");
+    require((full_inside > 0) == IS_GENERAL, "a table was full in a contact, or never was");
     /* with more room a run goes on from where it stands */
     stop_after(900000);
-#ifdef RUN_UP
     courses_taken = NEARLY_STEADY;
-#endif
     struct run run = run_of(ROTORS[0], start, 60.0);
     furnish(&run, (struct room){9, 64, 64, 0, ALONE});
     run.event_room = run.contact_room = 2;
@@ -587,7 +577,6 @@ static void runs_by_a_solver_that_fails(void)
     }
 }
 
-#ifndef RUN_UP
 static void stretches(void)
 {
     double start[4];
@@ -627,7 +616,7 @@ static void single_states(void)
             core_rotate(states, spans, ROTORS[i].omega, 0);
             for (int j = 0; j < SPANS; j++) {
                 stop_after(20000);
-                core_first_touch(&ROTORS[i], start, spans[j], (const uint8_t *)&stop);
+                core_first_touch(&ROTORS[i], start, spans[j], &stop);
             }
             free(states);
             free(reached);
@@ -654,7 +643,7 @@ static void lanes(void)
 {
     const int64_t counts[] = {0, 1, LANES_OF_KERNEL - 1, LANES_OF_KERNEL, LANES_OF_KERNEL + 1, 200};
     for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
-        for (int kind = 0; kind < 12; kind++) { /* the last rotors of the whole model rub */
+        for (int kind = 0; kind < 12; kind++) { /* the last of the general rotors rub */
             const int64_t count = counts[c], regions = kind % 3, sections = kind % 2;
             const struct rotor rotor = ROTORS[kind < 8 ? kind : ROTOR_COUNT + 7 - kind];
             double *states = room_for(4 * count, sizeof(double));
@@ -671,15 +660,13 @@ static void lanes(void)
             }
             stop_after(50000);
             core_follow_lanes(&rotor, states, labels, times, count, region, regions, whirl, section,
-                              sections, kind == 7 ? INFINITY : 3.0, kind == 3 ? 0.0 : 1e-6,
-                              (const uint8_t *)&stop);
+                              sections, kind == 7 ? INFINITY : 3.0, kind == 3 ? 0.0 : 1e-6, &stop);
             double *values = room_for(count, sizeof(double)), *one = table_of(SECTION, 0.2, 0.7);
             stop_after(50000);
             core_measure_returns(&rotor, states, count, one, 0.5, kind == 7 ? INFINITY : 3.0, 1e-6,
-                                 values, (const uint8_t *)&stop);
+                                 values, &stop);
             stop = 1;
-            core_measure_returns(&rotor, states, count, one, 0.5, 3.0, 1e-6, values,
-                                 (const uint8_t *)&stop);
+            core_measure_returns(&rotor, states, count, one, 0.5, 3.0, 1e-6, values, &stop);
             free(one);
             free(values);
             free(section);
@@ -690,8 +677,6 @@ static void lanes(void)
         }
     }
 }
-
-#endif
 
 int main(void)
 {
@@ -705,11 +690,11 @@ int main(void)
     runs_in_rooms_that_are_too_small();
     runs_of_odd_lengths();
     runs_by_a_solver_that_fails();
-#ifndef RUN_UP
-    stretches();
-    single_states();
-    lanes();
-#endif
+    if (!SPEED_CHANGES) {
+        stretches();
+        single_states();
+        lanes();
+    }
     puts("done");
     return 0;
 }

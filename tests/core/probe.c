@@ -9,10 +9,8 @@ static struct taylor taylor;
 /* By number: 0 anywhere, 1 in contact, with friction 2 where it slides and 3 where it rolls. */
 static const struct mode *mode_of(int number)
 {
-#ifdef WHOLE_MODEL
     if (number > 1)
         return number > 2 ? &rolling_mode : &rub_mode;
-#endif
     return number ? &contact_mode : &cartesian_mode;
 }
 

@@ -226,7 +226,7 @@ BROKEN = {
     "shaft": ("m->shaft_stiffness * r", 1e-4),
     "load": ("m->load * down_t", 1e-4),
     "normal force": ("m->pressed * w3", 1e-5),
-    "work of the contact": ("m->pressed * w24", 1e-5),
+    "work of the contact": ("of_work * share", 1e-5),
 }
 RUBBING = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.3, disc_radius=0.6)
 # The same with friction, of the two modes of its contacts.

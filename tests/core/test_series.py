@@ -24,6 +24,7 @@ from rotor_ida.core.interface import DONE
 from rotor_ida.model.derivation import derive
 from rotor_ida.model.equations import rotating_field
 from rotor_ida.model.modes import PAPER, WHOLE
+from rotor_ida.model.writing import absent_from
 from tests.model.symbolic import value_of
 
 ROOT = Path(__file__).parents[2]
@@ -65,8 +66,9 @@ def parameters_of(model, rotor, more=None, felt=1.0):
 
 
 def as_given(model, parameters):
-    """Return them as the core takes them."""
-    return given([parameters[name] for name in model.parameters])
+    """Return them as the core takes them, with those that only other models have."""
+    absent = {name: model.constants.get(name, 0.0) for name in absent_from(model)}
+    return given([(parameters | absent)[name] for name in (*model.parameters, *absent)])
 
 
 def start_of(model, name, start):
@@ -229,7 +231,7 @@ def series_of(probe, model, mode, start, parameters, order):
 @pytest.mark.parametrize("model", [PAPER, WHOLE], ids=lambda model: model.name)
 def test_the_probe_is_given_what_the_core_has(probes, model):
     assert probes[model.name].probe_width() == WIDTH[model.name]
-    assert probes[model.name].probe_parameters() == len(model.parameters)
+    assert probes[model.name].probe_parameters() == len(model.parameters) + len(absent_from(model))
 
 
 @of_cases

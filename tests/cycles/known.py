@@ -1,7 +1,7 @@
-"""Cycles that are known from elsewhere: DESIGN section 9, and AUTO-07p polished with DOP853.
+"""Cycles that are known from elsewhere, and those of one rotor of each kind.
 
-The points were found with AUTO-07p (bifpy 0.3.0) and polished to about 1e-10 by Newton's method on
-(state, period, omega) with SciPy's DOP853 (rtol = atol = 1e-11) restarted at every event.
+Known from DESIGN section 9, and from AUTO-07p (bifpy 0.3.0), polished to about 1e-10 by Newton's
+method on (state, period, omega) with SciPy's DOP853 (rtol = atol = 1e-11) restarted at every event.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotor_ida import Rotor
+from rotor_ida.schema import SPECIAL
+from tests.witness import Flown, machine_flown
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,56 @@ def _read(line: str) -> Known:
 
 
 SPECIAL_POINTS = [_read(line) for line in _POINTS.strip().splitlines()]
+
+
+REST = (0.0, 0.0, 0.0, 0.0)
+# A heavy rotor that stays in contact, one revolution a period; one that bounces, two of them.
+LYING = Rotor(omega=1.2, zeta=0.07, delta0=0.5, load=1.0)
+LOADED = Rotor(omega=1.6, zeta=0.07, delta0=2.0, load=0.5, contact_damping=0.3, shaft_stiffness=0.2)
+# A rotor of each kind but those with friction, and a start that leads to its stable cycle.
+CYCLES = {
+    "bouncing": (BOUNCING.rotor, REST),
+    "full contact": (FULL.rotor, (3.0, 1.0, 0.0, 0.0)),
+    "sliver": next((known.rotor, known.state) for known in SLIVER),
+    "shaft": (Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.05), REST),
+    "linear contact": (
+        Rotor(omega=1.6, zeta=0.07, delta0=2.0, shaft_stiffness=0.02, contact_exponent=1.0), REST,
+    ),
+    "contact damping": (Rotor(omega=1.8, zeta=0.07, delta0=2.0, contact_damping=0.1), REST),
+    "release and press": (
+        Rotor(omega=1.6, zeta=0.07, delta0=2.0, contact_damping=2.0, contact_exponent=1.0), REST,
+    ),
+    "load": (LYING, REST),
+    "load, shaft and contact damping": (LOADED, REST),
+}  # fmt: skip
+
+
+def state_of(cycle, prefix=""):
+    """Return the state of a cycle, at its start, or of one point of a branch."""
+    return np.array([cycle[f"{prefix}{name}"].values.flat[0] for name in ("x", "y", "vx", "vy")])
+
+
+def multipliers(cycle):
+    """Return the multipliers of a cycle, or those of all points of a branch."""
+    return cycle.multiplier_real.values + 1j * cycle.multiplier_imag.values
+
+
+def specials(branch, kind):
+    """Return the special points of a kind."""
+    return branch.isel(special=branch.special_kind.values == SPECIAL[kind])
+
+
+def revolutions(rotor, period):
+    """Return how many revolutions a period takes."""
+    return period * rotor.omega / (2.0 * np.pi)
+
+
+def once_round(rotor, state, period) -> Flown:
+    """Return an orbit by DOP853, with its end and its matrix read on the rotating axes."""
+    flown = machine_flown(rotor, state, period)
+    cos, sin = np.cos(rotor.omega * period), np.sin(rotor.omega * period)
+    back = np.kron(np.eye(2), [[cos, sin], [-sin, cos]])
+    return Flown(back @ flown.end, back @ flown.monodromy, flown.crossings)
 
 
 def signature(cycle) -> np.ndarray:

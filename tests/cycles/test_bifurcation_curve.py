@@ -1,22 +1,38 @@
 """Folds and doublings over two parameters: against branches, which know nothing of the curve."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import rotor_ida
 from rotor_ida import InputError, Rotor, bifurcation_curve, continue_cycle
 from rotor_ida.schema import SPECIAL
-from tests.cycles.known import BOUNCING, FULL, SPECIAL_POINTS
-from tests.witness import flown
+from tests.cycles.known import (
+    BOUNCING,
+    FULL,
+    LYING,
+    REST,
+    SPECIAL_POINTS,
+    multipliers,
+    once_round,
+    specials,
+    state_of,
+)
 
 NAMES = ("omega", "delta0")
 AROUND = {"omega": (2.2, 3.1), "delta0": (0.45, 0.55)}
-# The trace of M at a bifurcation, with q = exp(-2 zeta T).
-TRACE = {"fold": lambda q: 2.0 * (1.0 + q), "period_doubling": lambda q: 0.0}
+RUB = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=10.0)
 
 
 def bifurcations(branch, kind):
-    return branch["special_value"].values[branch["special_kind"].values == SPECIAL[kind]]
+    return specials(branch, kind)["special_value"].values
+
+
+def rotor_of(point, rotor=BOUNCING.rotor):
+    """The rotor at a point of a curve."""
+    names = point.attrs["parameters"].split()
+    return replace(rotor, **{name: float(point[name]) for name in names})
 
 
 @pytest.fixture(scope="module")
@@ -35,50 +51,81 @@ def doubling():
     )
 
 
-@pytest.mark.parametrize("part", [0.1, 0.9])
-def test_a_branch_folds_where_the_curve_says(fold, part):
-    """From the fold a little aside on the stable side, over omega, at that clearance."""
-    point = fold.isel(point=int(part * fold.sizes["point"]))
-    rotor = Rotor(omega=point["omega"].item(), zeta=0.07, delta0=point["delta0"].item())
-    limits = (rotor.omega - 0.05, rotor.omega + 0.05)
-    branch = continue_cycle(rotor, start=point, limits=limits)
-    found = bifurcations(branch, "fold")
-    assert np.abs(found - rotor.omega).min() < 1e-9
+@pytest.fixture(scope="module")
+def curves(fold, doubling):
+    """A curve of each kind, with the rotor that it is of."""
+    over = {"parameters": ("omega", "load"), "limits": ((1.1, 1.9), (0.8, 1.2)), "start": REST}
+    return {
+        "fold": (FULL.rotor, fold),
+        "fold, zeta": (FULL.rotor, bifurcation_curve(
+            FULL.rotor, start=FULL.state, kind="fold", parameters=("omega", "zeta"),
+            limits={"omega": (2.2, 3.1), "zeta": (0.065, 0.075)},
+        )),
+        "doubling": (BOUNCING.rotor, doubling),
+        "fold, load": (LYING, bifurcation_curve(LYING, kind="fold", **over)),
+        "doubling, load": (LYING, bifurcation_curve(LYING, kind="period_doubling", **over)),
+        "fold, friction": (RUB, bifurcation_curve(
+            RUB, start=(3.0, 1.0, 0.0, 0.0), kind="fold", parameters=("omega", "friction"),
+            limits=((1.2, 1.45), (0.09, 0.11)), points=8,
+        )),
+    }  # fmt: skip
 
 
-def test_a_branch_doubles_where_the_curve_says(doubling):
-    for part in (0.2, 0.45, 0.7):
-        point = doubling.isel(point=int(part * doubling.sizes["point"]))
-        rotor = Rotor(omega=point["omega"].item(), zeta=0.07, delta0=point["delta0"].item())
-        limits = (0.99 * rotor.delta0, 1.01 * rotor.delta0)
-        branch = continue_cycle(rotor, start=point, parameter="delta0", limits=limits)
-        found = bifurcations(branch, "period_doubling")
-        assert np.abs(found - rotor.delta0).min() < 1e-9
+@pytest.mark.parametrize(("name", "parameter", "parts"), [
+    ("fold", "omega", (0.1, 0.9)), ("fold, zeta", "omega", (0.999,)),
+    ("fold, load", "omega", (0.5,)), ("fold, friction", "omega", (0.99,)),
+    ("doubling", "delta0", (0.2, 0.45, 0.7)), ("doubling, load", "omega", (0.5,)),
+])  # fmt: skip
+def test_a_branch_bifurcates_where_the_curve_says(curves, name, parameter, parts):
+    """From a point of the curve, over one parameter, with the other as it is there."""
+    rotor, curve = curves[name]
+    for part in parts:
+        point = curve.isel(point=int(part * curve.sizes["point"]))
+        there = rotor_of(point, rotor)
+        value = getattr(there, parameter)
+        branch = continue_cycle(
+            there, start=point, parameter=parameter, limits=(0.98 * value, 1.02 * value)
+        )
+        apart = np.abs(bifurcations(branch, curve.attrs["kind"]) - value)
+        assert apart.min() < 1e-9
 
 
-@pytest.mark.parametrize("which", ["fold", "doubling"])
-def test_the_condition_holds_on_the_matrix_of_dop853(which, request):
-    """Another integrator's trace, at points spread over the curve."""
-    curve = request.getfixturevalue(which)
-    kind = curve.attrs["kind"]
+@pytest.mark.parametrize("name", ["fold", "doubling", "fold, load", "doubling, load"])
+def test_the_condition_holds_on_the_matrix_of_dop853(curves, name):
+    """Another integrator's matrix, at points spread over the curve."""
+    rotor, curve = curves[name]
     for place in np.linspace(0, curve.sizes["point"] - 1, 5).astype(int):
         point = curve.isel(point=place)
-        rotor = Rotor(omega=point["omega"].item(), zeta=0.07, delta0=point["delta0"].item())
-        period = point["period"].item()
-        state = np.array([point[name].item() for name in ("x", "y", "vx", "vy")])
-        end = flown(rotor, state, period)
-        np.testing.assert_allclose(end.end, state, rtol=0.0, atol=1e-9)
-        expected = TRACE[kind](np.exp(-2.0 * 0.07 * period))
-        assert np.trace(end.monodromy) == pytest.approx(expected, abs=1e-6)
+        there, period = rotor_of(point, rotor), point["period"].item()
+        other = once_round(there, state_of(point), period)
+        np.testing.assert_allclose(other.end, state_of(point), rtol=0.0, atol=1e-9)
+        trace, q = np.trace(other.monodromy), np.exp(-2.0 * there.zeta * period)
+        if there.load:
+            value = 1.0 if curve.attrs["kind"] == "fold" else -1.0
+            assert np.linalg.det(other.monodromy - value * np.eye(4)) == pytest.approx(0, abs=1e-6)
+        else:
+            expected = 2.0 * (1.0 + q) if curve.attrs["kind"] == "fold" else 0.0
+            assert trace == pytest.approx(expected, abs=1e-6)
 
 
-def test_the_curve_of_doublings_closes_and_joins_both_ends_of_the_unstable_part(doubling):
-    """At delta0 2 it passes the two doublings that AUTO and DOP853 find."""
-    assert doubling.attrs["closed"] == 1
-    omega, delta0 = doubling["omega"].values, doubling["delta0"].values
-    passes = np.flatnonzero((delta0[1:] - 2.0) * (delta0[:-1] - 2.0) <= 0.0)
-    for known in (SPECIAL_POINTS[3], SPECIAL_POINTS[4]):
-        assert np.abs(omega[passes] - known.rotor.omega).min() < 0.1
+@pytest.mark.parametrize(("name", "value"), [("fold, load", 1.0), ("doubling, load", -1.0)])
+def test_a_curve_over_speed_and_load_comes_to_the_limits(curves, name, value):
+    _, curve = curves[name]
+    assert (curve["load"].values.min(), curve["load"].values.max()) == (0.8, 1.2)
+    assert np.abs(multipliers(curve) - value).min(axis=1).max() < 1e-9
+
+
+@pytest.mark.parametrize("parameter", ["shaft_stiffness", "contact_damping"])
+def test_a_curve_of_doublings_comes_to_that_of_the_paper_s_rotor(parameter):
+    rotor = Rotor(omega=1.85, zeta=0.07, delta0=2.0, **{parameter: 0.05})
+    curve = bifurcation_curve(
+        rotor, start=REST, kind="period_doubling",
+        parameters=("omega", parameter), limits=((1.2, 3.0), (0.0, 0.2)),
+    )  # fmt: skip
+    end = curve.isel(point=int(np.argmin(curve[parameter].values)))
+    assert end[parameter] == 0.0
+    assert end.omega == pytest.approx(SPECIAL_POINTS[4].rotor.omega, abs=1e-9)
+    assert np.abs(multipliers(curve) + 1.0).min(axis=1).max() < 1e-9
 
 
 def test_both_doublings_lie_on_one_curve(doubling):
@@ -97,7 +144,7 @@ def test_both_doublings_lie_on_one_curve(doubling):
     other = bifurcation_curve(
         start.rotor, start=branch.isel(special=place), kind="period_doubling", limits=wide
     )
-    assert other.attrs["closed"] == 1
+    assert other.attrs["closed"] == doubling.attrs["closed"] == 1
     for name in ("special_value", "special_second_value"):
         np.testing.assert_allclose(np.sort(other[name]), np.sort(doubling[name]), atol=5e-6)
 
@@ -114,18 +161,6 @@ def test_one_parameter_after_the_other_is_the_same_curve(fold):
     np.testing.assert_allclose(np.sort(swapped["delta0"].values[[0, -1]]), (0.45, 0.55), atol=1e-12)
 
 
-def test_over_omega_and_zeta_a_fold_goes_on_to_the_fold_at_another_damping(fold):
-    curve = bifurcation_curve(FULL.rotor, start=FULL.state, kind="fold",
-                              parameters=("omega", "zeta"),
-                              limits={"omega": (2.2, 3.1), "zeta": (0.065, 0.075)})  # fmt: skip
-    point = curve.isel(point=-1)
-    rotor = Rotor(omega=point["omega"].item(), zeta=point["zeta"].item(), delta0=0.5)
-    assert rotor.zeta in (0.065, 0.075)
-    limits = (rotor.omega - 0.05, rotor.omega + 0.05)
-    found = bifurcations(continue_cycle(rotor, start=point, limits=limits), "fold")
-    assert np.abs(found - rotor.omega).min() < 1e-9
-
-
 def test_an_archive_gives_it_back(fold, tmp_path):
     loaded = rotor_ida.load(rotor_ida.save(fold, tmp_path / "curve.nc"))
     assert loaded.drop_attrs(deep=False).identical(fold.drop_attrs(deep=False))
@@ -136,7 +171,7 @@ def test_progress_comes_to_its_end():
     seen = []
     bifurcation_curve(FULL.rotor, start=FULL.state, kind="fold", limits=AROUND, points=20,
                       progress=lambda *numbers: seen.append(numbers))  # fmt: skip
-    assert seen[-1] == (40, 40)
+    assert seen[-1] == (38, 38)  # behind the first point, each way
     assert [done for done, _ in seen] == sorted(done for done, _ in seen)
 
 

@@ -92,7 +92,7 @@ def followed(line, point, steps, wanted):
     met, length = [], 1e-2
     for _ in range(steps):
         step = line.step(point, length)
-        met, point, length = met + step.met, step.point, step.length
+        met, point, length = met + step.specials, step.point, step.length
         if any(each.name == wanted for each in met):
             break
     return {each.name: each.point for each in met}

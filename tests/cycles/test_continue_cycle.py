@@ -1,4 +1,6 @@
-"""Branches of limit cycles: special points, ends, both ways, studies, archives."""
+"""Branches of limit cycles over any parameter: special points, both ways, studies, archives."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -6,9 +8,20 @@ import pytest
 import rotor_ida
 from rotor_ida import InputError, Rotor, continue_cycle, limit_cycle
 from rotor_ida.schema import RESPONSE, SPECIAL, STABILITY
-from tests.cycles.known import BOUNCING, FULL, SLIVER, SPECIAL_POINTS
+from tests.cycles.known import (
+    BOUNCING,
+    CYCLES,
+    FULL,
+    LYING,
+    REST,
+    SLIVER,
+    SPECIAL_POINTS,
+    once_round,
+    revolutions,
+    state_of,
+)
+from tests.cycles.known import specials as specials_of
 
-REST = (0.0, 0.0, 0.0, 0.0)
 WIDE = (0.1, 5.0)
 START = {2.0: (BOUNCING.rotor, BOUNCING.state), 0.5: (FULL.rotor, FULL.state)}
 
@@ -184,22 +197,113 @@ def test_one_way_is_one_side(direction):
     assert {one.attrs["first_end"], one.attrs["last_end"]} == {"limits", "start"}
 
 
-@pytest.mark.parametrize("parameter", ["zeta", "delta0"])
-def test_other_parameters_lead_to_the_cycles_that_are_there(parameter):
-    """Each end of a branch is the cycle that the rotor there leads to, by its own iteration."""
-    value = getattr(BOUNCING.rotor, parameter)
-    limits = (0.93 * value, 1.06 * value)
+RUB = Rotor(omega=3.0, zeta=0.07, delta0=0.5, friction=0.02, disc_radius=10.0)
+# Over any parameter: with a shaft and contact damping from the paper's rotor on, and with friction
+# down to the rotor without.
+OVER = [
+    (BOUNCING.rotor, "zeta", (0.0651, 0.0742)),
+    (BOUNCING.rotor, "delta0", (1.86, 2.12)),
+    (BOUNCING.rotor, "shaft_stiffness", (0.0, 0.5)),
+    (BOUNCING.rotor, "contact_damping", (0.0, 0.5)),
+    (RUB, "friction", (0.0, 0.05)),
+    *((LYING, name, limits) for name, limits in {
+        "omega": (1.1, 1.3), "zeta": (0.06, 0.09), "delta0": (0.4, 0.6),
+        "shaft_stiffness": (0.0, 0.2), "contact_damping": (0.0, 0.3), "load": (0.8, 1.2),
+    }.items()),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("rotor", "parameter", "limits"), OVER)
+def test_a_branch_over_any_parameter_is_of_the_cycles_that_are_there(rotor, parameter, limits):
+    """At its ends and inside by the rotor's own iteration, and by DOP853, which knows no rub."""
     branch = continue_cycle(
-        BOUNCING.rotor, start=BOUNCING.state, parameter=parameter, limits=limits
-    )
-    assert (branch.attrs["first_end"], branch.attrs["last_end"]) == ("limits", "limits")
-    for place in (0, -1):
+        rotor, start=(3.0, 1.0, 0.0, 0.0) if rotor is RUB else REST, parameter=parameter,
+        limits=limits,
+    )  # fmt: skip
+    assert branch.attrs["first_end"] == branch.attrs["last_end"] == "limits"
+    assert branch.residual.values.max() < 1e-12
+    for place in (0, branch.sizes["point"] // 2, -1):
         point = branch.isel(point=place)
-        rotor = Rotor(**{name: float(point[name]) for name in ("omega", "zeta", "delta0")})
-        assert getattr(rotor, parameter) in limits
-        cycle = limit_cycle(rotor, start=BOUNCING.state)
+        there = replace(rotor, **{parameter: float(point[parameter])})
+        period = point.period.item()
+        cycle = limit_cycle(there, start=state_of(point), period=period)
         for name in ("period", "radius_min", "radius_max"):
             assert point[name].item() == pytest.approx(cycle[name].item(), rel=1e-11)
+        if not there.friction:
+            end = once_round(there, state_of(point), period).end
+            np.testing.assert_allclose(end, state_of(point), rtol=0.0, atol=1e-9)
+        if there.load:
+            assert revolutions(there, period) == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(("name", "parameter", "limits", "kind", "value"), [
+    ("bouncing", "shaft_stiffness", (0.0, 0.5), "fold", 1.0),
+    ("load", "omega", (1.1, 1.9), "fold", 1.0),
+    ("load", "omega", (1.1, 1.9), "period_doubling", -1.0),
+])  # fmt: skip
+def test_at_a_special_point_dop853_has_that_multiplier(name, parameter, limits, kind, value):
+    rotor, start = CYCLES[name]
+    branch = continue_cycle(rotor, start=start, parameter=parameter, limits=limits, points=400)
+    special = specials_of(branch, kind).isel(special=0)
+    there = replace(rotor, **{parameter: float(special.special_value)})
+    other = once_round(there, state_of(special, "special_"), float(special.special_period))
+    apart = np.sort(np.abs(np.linalg.eigvals(other.monodromy) - value))
+    if there.load or kind != "fold":
+        assert apart[0] < 1e-6
+    else:  # two of them are 1, and only the root of rounding tells them apart
+        assert apart[1] < 1e-4
+
+
+def test_doubled_cycles_under_a_load_take_twice_the_revolutions():
+    branch = continue_cycle(LYING, start=REST, limits=(1.1, 1.9), points=400)
+    start = specials_of(branch, "period_doubling").isel(special=0)
+    doubled = continue_cycle(LYING, start=start, limits=(1.1, 1.9), points=12)
+    last = doubled.isel(point=-1)
+    rotor, period = replace(LYING, omega=float(last.omega)), float(last.period)
+    assert revolutions(rotor, period) == pytest.approx(2.0, abs=1e-12)
+    end = once_round(rotor, state_of(last), period).end
+    np.testing.assert_allclose(end, state_of(last), rtol=0.0, atol=1e-8)
+    half = once_round(rotor, state_of(last), 0.5 * period).end
+    assert np.abs(half - end).max() > 1e-3
+
+
+def test_a_closed_branch_under_a_load_is_known_as_closed():
+    """Over contact damping its period does not change."""
+    rotor = Rotor(omega=1.5, zeta=0.08, delta0=1.0, load=0.1, contact_damping=0.8)
+    branch = continue_cycle(
+        rotor, start=(0, -1, 0, 0), parameter="contact_damping", limits=(0.0, 3.0)
+    )
+    assert branch.attrs["closed"] == 1
+    assert specials_of(branch, "fold").sizes["special"] == 2
+
+
+def test_a_branch_goes_round_the_corner_where_the_slip_comes_to_nothing():
+    """Before it the disc slides forwards all along, behind it it rolls or slides back once.
+
+    Multipliers jump there, so it is no fold; the cycles themselves meet.
+    """
+    rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=10.0)
+    branch = continue_cycle(
+        rotor, start=(3.0, 1.0, 0.0, 0.0), parameter="friction", limits=(0.0, 0.3)
+    )
+    assert (branch.attrs["first_end"], branch.attrs["last_end"]) == ("hopf", "limits")
+    assert float(branch.residual.max()) < 1e-12
+    after = int(specials_of(branch, "sliding").special_point[0]) + 1
+    near = branch.isel(point=[after - 1, after])
+    before, behind = (
+        rotor_ida.simulate(
+            replace(rotor, friction=float(here.friction)), start=state_of(here),
+            duration=float(here.period), samples=2001, method="taylor",
+        )
+        for here in (near.isel(point=0), near.isel(point=1))
+    )  # fmt: skip
+    assert before.event_kind.size == 0
+    assert 0.0 <= before.slip_speed.min() < 1e-4
+    assert behind.event_kind.size > 0
+    for name in ("friction", "period", "radius_max"):
+        one, other = near[name].values
+        assert other == pytest.approx(one, abs=1e-5)
+    assert abs(np.diff(near["slope"].values)[0]) > 1e-2
 
 
 def test_two_grazes_in_one_step_are_seen():
@@ -297,6 +401,16 @@ def test_points_end_a_branch():
     ({"rotor": Rotor(omega=2.0, zeta=0.07, delta0=0.0), "parameter": "delta0",
       "limits": (0.0, 3.0)},
      "delta0 must be above 0 to be continued, got 0.0"),
+    ({"parameter": "friction"}, "disc_radius must be given"),
+    ({"parameter": "disc_radius"}, "disc_radius must be given"),
+    ({"rotor": replace(RUB, friction=0.0), "parameter": "disc_radius", "limits": (0.0, 12.0)},
+     "friction must be above 0 for disc_radius"),
+    ({"rotor": LYING, "parameter": "load", "limits": (0.0, 2.0)},
+     "limits of load must be above 0"),
+    ({"rotor": replace(LYING, load=0.0), "parameter": "load", "limits": (0.0, 2.0)},
+     "limits of load must be above 0"),
+    ({"rotor": replace(LYING, load=0.0), "parameter": "load"},
+     "load must be above 0 to be continued, got 0.0"),
 ])  # fmt: skip
 def test_what_cannot_be_continued_is_refused(arguments, says):
     given = {"rotor": BOUNCING.rotor, "start": REST, "limits": (0.5, 3.0)} | arguments

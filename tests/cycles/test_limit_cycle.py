@@ -1,16 +1,46 @@
-"""The limit cycle that a start leads to: kinds of result, spectrum, errors, archives."""
+"""The limit cycle that a start leads to, of rotors of each kind: against other integrators."""
+
+import math
 
 import numpy as np
 import pytest
 
 import rotor_ida
-from rotor_ida import InputError, Rotor, SimulationError, limit_cycle, simulate
+from rotor_ida import (
+    InputError,
+    Rotor,
+    SimulationError,
+    backward_whirl,
+    limit_cycle,
+    lyapunov_exponent,
+    poincare_section,
+    simulate,
+)
 from rotor_ida.schema import LINE_KIND, RESPONSE, STABILITY
-from tests.cycles.known import BOUNCING, FULL, HIGHEST, PAIRS, SLIVER, SPECIAL_POINTS, signature
+from tests.cycles.known import (
+    BOUNCING,
+    CYCLES,
+    FULL,
+    HIGHEST,
+    LOADED,
+    LYING,
+    PAIRS,
+    PARTNERS,
+    REST,
+    SLIVER,
+    SPECIAL_POINTS,
+    multipliers,
+    once_round,
+    revolutions,
+    signature,
+    state_of,
+)
 
-REST = (0.0, 0.0, 0.0, 0.0)
 # A third of the spin speed, without clearance and with little damping.
 WITHOUT_CLEARANCE = Rotor(omega=3.473446685718647, zeta=0.04, delta0=0.0)
+SOFT_RING = Rotor(
+    omega=1.1, zeta=0.1, delta0=4.0, contact_exponent=1.0, contact_damping=0.1, load=0.04
+)
 TO_IT = (1.680227894690578, 1.7216694496323166, -1.3086145322038387, -1.7211419526289315)
 
 
@@ -32,10 +62,129 @@ def test_known_cycles_from_rest(known, kind, contacts):
     assert cycle["radius_max"].item() == pytest.approx(HIGHEST[known], abs=1e-9)
     pair = complex(cycle["multiplier_real"][1], abs(cycle["multiplier_imag"][1]))
     assert pair == pytest.approx(PAIRS[known], abs=1e-8)
+    assert np.abs(multipliers(cycle) - PARTNERS[known]).min() < 1e-8
     assert (kind_of(cycle), cycle["contact_count"].item()) == (kind, contacts)
     assert cycle["stability"].item() == STABILITY["stable"]
     assert 0.0 < cycle["period_error"].item() < 1e-12
     assert (cycle["multiplier_error"] < 1e-11).all()
+
+
+@pytest.mark.parametrize("name", CYCLES)
+def test_another_integrator_comes_back_with_the_same_multipliers(name):
+    """DOP853 on fixed axes, with events and the variational equation."""
+    rotor, start = CYCLES[name]
+    cycle = limit_cycle(rotor, start=start)
+    state, found = state_of(cycle), multipliers(cycle)
+    other = once_round(rotor, state, cycle.period.item())
+    np.testing.assert_allclose(other.end, state, rtol=0.0, atol=1e-9)
+    assert other.crossings.size == 2 * cycle.contact_count.item()
+    # the smallest are the differences of much larger numbers
+    expected = np.sort_complex(np.linalg.eigvals(other.monodromy))
+    np.testing.assert_allclose(np.sort_complex(found), expected, rtol=0.0, atol=1e-7)
+    assert cycle.stability.item() == STABILITY["stable"]
+    assert cycle.residual.item() < 1e-13
+    assert cycle.multiplier_error.values.max() < 1e-11
+    if rotor.load:
+        assert np.isnan(cycle.trivial_defect)
+    else:  # where M is large rounding is too
+        assert cycle.trivial_defect < (1e-10 if name == "sliver" else 1e-13)
+
+
+@pytest.mark.parametrize("name", CYCLES)
+def test_phase_space_shrinks_at_the_rate_of_damping(name):
+    """det M = exp of the integral of the divergence: -4 zeta - c N/(1 + c d') while pressed.
+
+    Without contact damping multipliers come in two pairs of product exp(-2 zeta T).
+    """
+    rotor, start = CYCLES[name]
+    cycle = limit_cycle(rotor, start=start)
+    found, period = multipliers(cycle), cycle.period.item()
+    if rotor.contact_damping:
+        x, y, vx, vy = (cycle[each].values for each in ("x", "y", "vx", "vy"))
+        radius = np.hypot(x, y)
+        pressed = 1.0 + rotor.contact_damping * (x * vx + y * vy) / radius > 0.0
+        spring = np.maximum(radius - rotor.delta0, 0.0) ** rotor.contact_exponent * pressed
+        rate = 4.0 * rotor.zeta + np.mean(rotor.contact_damping * spring[:-1])
+        assert np.prod(found).real == pytest.approx(np.exp(-rate * period), rel=2e-3)
+        assert np.isnan(cycle.symplectic_defect)
+        return
+    q = math.exp(-2.0 * rotor.zeta * period)
+    assert np.prod(found).real == pytest.approx(q * q, rel=1e-11)
+    for each in found:
+        assert np.abs(found - q / each).min() < 1e-12
+    assert cycle.symplectic_defect.item() < 1e-14
+
+
+@pytest.mark.parametrize(
+    ("rotor", "times", "kind"), [(LYING, 1, "full_contact"), (LOADED, 2, "bouncing")]
+)
+def test_under_a_load_a_period_is_of_whole_revolutions(rotor, times, kind):
+    cycle = limit_cycle(rotor, start=REST)
+    assert kind_of(cycle) == kind
+    assert revolutions(rotor, cycle.period.item()) == pytest.approx(times, abs=1e-14)
+    again = limit_cycle(rotor, start=state_of(cycle), period=2.0 * cycle.period.item())
+    assert again.period.item() == pytest.approx(cycle.period.item(), rel=1e-14)
+    # the static deflection is a line that does not move: the mean on fixed axes
+    static = cycle.line_kind.values == LINE_KIND["static"]
+    assert cycle.frequency.values[static].tolist() == [0.0]
+    z = (cycle.x.values + 1j * cycle.y.values) * np.exp(1j * rotor.omega * cycle.t.values)
+    assert cycle.whirl_amplitude.values[static][0] == pytest.approx(abs(z[:-1].mean()), rel=1e-12)
+    with pytest.raises(InputError, match="period must be a whole number of revolutions"):
+        limit_cycle(rotor, start=state_of(cycle), period=1.4 * 2.0 * math.pi / rotor.omega)
+
+
+def test_a_motion_may_repeat_itself_after_forty_revolutions_only():
+    """No window of a sweep shows so many; a section of its own says that it takes no fewer."""
+    rotor = Rotor(
+        omega=1.67, zeta=0.041, delta0=1.0, shaft_stiffness=1.0, contact_exponent=1.0,
+        contact_damping=1.0, load=1.09,
+    )  # fmt: skip
+    cycle = limit_cycle(rotor, start=(0.0, -0.5, 0.0, 0.0))
+    assert revolutions(rotor, cycle.period.item()) == pytest.approx(40.0, abs=1e-10)
+    section = poincare_section(rotor, start=state_of(cycle), revolutions=40)
+    states = np.stack([section[f"rotating_{name}"] for name in ("x", "y", "vx", "vy")], axis=1)
+    misses = np.abs(states[1:] - states[0]).max(axis=1)
+    assert misses[-1] < 1e-7
+    assert misses[:-1].min() > 1e-3
+
+
+RUB = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=10.0)
+WHIP = Rotor(omega=1.0, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+
+
+def test_a_rub_born_at_a_hopf_point_is_the_known_one():
+    """Radii, the modulus of its pair and det M as two other programs have them."""
+    cycle = limit_cycle(RUB, start=(3.0, 1.0, 0.0, 0.0))
+    assert cycle.radius_min == pytest.approx(0.94953900, abs=5e-9)
+    assert cycle.radius_max == pytest.approx(5.64648121, abs=5e-9)
+    assert kind_of(cycle) == "full_contact"
+    found = multipliers(cycle)
+    assert found[0] == 1.0
+    assert found[1].real == pytest.approx(0.978, abs=5e-4)
+    assert abs(found[2]) == pytest.approx(0.722, abs=5e-4)
+    shrinks = np.exp(-4.0 * RUB.zeta * cycle.period.item())
+    assert np.prod(found).real == pytest.approx(shrinks, rel=1e-11)
+    assert cycle.trivial_defect < 1e-13
+    assert np.isnan(cycle.symplectic_defect)
+
+
+def test_a_whip_that_rolls_and_slips_for_ever_is_a_cycle():
+    """Once round it is where it was, by CVODE as well, and one of its multipliers is 0."""
+    amplitude = float(backward_whirl(WHIP).amplitude[-1])
+    cycle = limit_cycle(WHIP, start=(amplitude, 0.0, 0.0, -10.0))
+    assert kind_of(cycle) == "rolling"
+    assert cycle.stability == STABILITY["stable"]
+    assert cycle.residual < 1e-13
+    found = multipliers(cycle)
+    assert found[0] == 1.0
+    assert found[3] == 0.0
+    assert 0.0 < abs(found[1]) < 1.0
+    start, period = state_of(cycle), cycle.period.item()
+    run = simulate(WHIP, start=start, duration=period, samples=2, method="adams", rtol=1e-12)
+    turn = np.exp(-1j * WHIP.omega * period)
+    back = np.array([run.x[-1] + 1j * run.y[-1], run.vx[-1] + 1j * run.vy[-1]]) * turn
+    expected = [complex(*start[:2]), complex(*start[2:])]
+    np.testing.assert_allclose(back, expected, rtol=0.0, atol=1e-8)
 
 
 def test_peak_force_and_impulse_are_those_of_cvodes_contacts():
@@ -72,6 +221,8 @@ def test_an_unstable_cycle_is_not_left_for_an_attractor():
     (Rotor(omega=1.7, zeta=0.07, delta0=9.0), REST, "contact_free"),
     (Rotor(omega=1.23, zeta=0.07, delta0=2.0), (1.7, -1.5, 0.0, 0.0), "touching"),
     (Rotor(omega=1.38, zeta=0.07, delta0=1.0), (1.5, -0.25, 0.0, 0.0), "chaotic"),
+    (Rotor(omega=0.5, zeta=0.1, delta0=5.0, load=0.3, shaft_stiffness=1.0), REST, "contact_free"),
+    (SOFT_RING, (0.0, -0.5, 0.0, 0.0), "chaotic"),
 ])  # fmt: skip
 def test_without_a_cycle_it_says_what_there_is_instead(rotor, start, kind):
     found = limit_cycle(rotor, start=start)
@@ -80,6 +231,12 @@ def test_without_a_cycle_it_says_what_there_is_instead(rotor, start, kind):
     assert np.isnan(found["multiplier_real"]).all()
     assert found["stability"].item() == STABILITY["absent"]
     assert found.sizes["t"] == 0
+
+
+def test_chaos_under_a_load_has_a_positive_exponent():
+    """Bouncing on a soft ring: neighbours part, and the motion never comes again."""
+    exponent = lyapunov_exponent(SOFT_RING, start=(0.0, -0.5, 0.0, 0.0), duration=3000.0)
+    assert exponent.lyapunov_exponent[0] > 5.0 * exponent.lyapunov_error[0]
 
 
 def test_one_period_comes_back_and_is_cvodes_motion():

@@ -15,7 +15,7 @@ from rotor_ida.cycles.multipliers import (
 )
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.simulation.neighbours import shoot
-from tests.cycles.known import BOUNCING, FULL, PAIRS, PARTNERS, SLIVER, SPECIAL_POINTS
+from tests.cycles.known import BOUNCING, FULL, SLIVER, SPECIAL_POINTS
 from tests.witness import flown
 
 GO_ON = np.zeros(1, np.uint8)
@@ -26,17 +26,6 @@ def closed(known):
     return close_orbit(known.rotor, np.array(known.state), known.period, GO_ON)
 
 
-@pytest.mark.parametrize("known", KNOWN)
-def test_multipliers_of_the_known_cycles(known):
-    """DESIGN 9, to the eight digits that are given."""
-    found = multipliers_of(closed(known).shot)
-    assert np.abs(found[0] - 1.0) < 1e-10
-    pair, partner = PAIRS[known], PARTNERS[known]
-    for expected in (pair, pair.conjugate(), partner):
-        assert np.abs(found - expected).min() < 1e-8
-    assert (np.diff(np.abs(found)) <= 0.0).all()
-
-
 @pytest.mark.parametrize(("known", "pair"), SLIVER.items())
 def test_multipliers_of_the_sliver_are_real_and_negative(known, pair):
     shot = closed(known).shot
@@ -44,17 +33,6 @@ def test_multipliers_of_the_sliver_are_real_and_negative(known, pair):
     for expected in (1.0, *pair):
         assert np.abs(found - expected).min() < 1e-7
     assert is_stable(shot)
-
-
-@pytest.mark.parametrize("known", [*KNOWN, *SLIVER])
-def test_they_are_the_eigenvalues_of_the_matrix_of_dop853(known):
-    """An integrator that knows nothing of the structure, and no trace: the matrix itself."""
-    cycle = closed(known)
-    other = flown(known.rotor, cycle.state, cycle.period).monodromy
-    found = np.sort_complex(multipliers_of(cycle.shot))
-    expected = np.sort_complex(np.linalg.eigvals(other))
-    # the smallest are the differences of much larger numbers
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-7)
 
 
 @pytest.mark.parametrize("known", [*KNOWN, *SLIVER])

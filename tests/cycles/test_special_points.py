@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, SimulationError, bifurcation_curve, continue_cycle, limit_cycle
-from rotor_ida.cycles import branch as branch_module
+from rotor_ida import Rotor, bifurcation_curve, continue_cycle, limit_cycle
 from rotor_ida.cycles.special_points import Count, Way, specials_on
 from rotor_ida.schema import SPECIAL
 
@@ -113,31 +112,3 @@ def test_both_doublings_near_the_top_of_their_curve_from_every_start(top, inside
         point = whole.isel(point=int(np.abs(whole.omega.values - omega).argmin()))
         again = continue_cycle(rotor, start=point, limits=(1.0, 2.3))
         np.testing.assert_allclose(np.sort(again.special_value.values), expected, rtol=1e-9)
-
-
-def test_a_branch_that_ends_keeps_the_reason(monkeypatch):
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    true_step = branch_module.Curve.step
-
-    def stuck(self, last, length, earlier=()):
-        if last.unknowns[5] > 2.05:
-            raise SimulationError("no step can be taken: the curve bends too much")
-        return true_step(self, last, length, earlier)
-
-    monkeypatch.setattr(branch_module.Curve, "step", stuck)
-    branch = continue_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), limits=(1.9, 2.2))
-    assert (branch.attrs["first_end"], branch.attrs["last_end"]) == ("limits", "step_too_small")
-    assert branch.attrs["first_reason"] == ""
-    assert branch.attrs["last_reason"] == "no step can be taken: the curve bends too much"
-
-
-def test_limits_are_told_only_where_they_are_reached(monkeypatch):
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-
-    def lost(self, last, point, place, value):
-        raise SimulationError("Newton's method does not converge to the curve")
-
-    monkeypatch.setattr(branch_module.Curve, "crossing", lost)
-    branch = continue_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), limits=(1.9, 2.2))
-    assert branch.attrs["last_end"] == "step_too_small"
-    assert "does not converge" in branch.attrs["last_reason"]

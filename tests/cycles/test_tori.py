@@ -9,16 +9,16 @@ import pytest
 
 from rotor_ida import Rotor, bifurcation_curve, continue_cycle, limit_cycle
 from rotor_ida.cycles.branch_course import stable_ranges
-from rotor_ida.cycles.limit_cycle import follow
+from rotor_ida.cycles.limit_cycle import sampled_orbit
 from rotor_ida.cycles.multipliers import doubling_test, fold_test, torus_test
 from rotor_ida.errors import InputError
 from rotor_ida.schema import RESPONSE, SPECIAL
 from rotor_ida.simulation.neighbours import shoot
-from tests.witness import machine_flown
+from tests.cycles.known import multipliers, once_round, specials, state_of
 
 GO_ON = np.zeros(1, np.uint8)
 # A loaded shaft against a linear ring, in contact all the time: a torus is born over its damping.
-MACHINE = Rotor(
+LOADED = Rotor(
     omega=1.6, zeta=0.05, delta0=0.75, load=1.6, shaft_stiffness=1.0, contact_exponent=1.0
 )
 LIMITS = (0.3, 0.8)
@@ -26,24 +26,19 @@ LIMITS = (0.3, 0.8)
 
 @pytest.fixture(scope="module")
 def branch():
-    machine = replace(MACHINE, contact_damping=0.4)
-    return continue_cycle(machine, start=(0, -1, 0, 0), parameter="contact_damping", limits=LIMITS)
+    rotor = replace(LOADED, contact_damping=0.4)
+    return continue_cycle(rotor, start=(0, -1, 0, 0), parameter="contact_damping", limits=LIMITS)
 
 
 @pytest.fixture(scope="module")
 def torus(branch):
-    (place,) = np.flatnonzero(branch.special_kind.values == SPECIAL["torus"])
-    return branch.isel(special=int(place))
-
-
-def state_of(cycle, prefix=""):
-    return np.array([float(cycle[f"{prefix}{name}"]) for name in ("x", "y", "vx", "vy")])
+    return specials(branch, "torus").squeeze("special")
 
 
 def test_at_a_torus_point_a_pair_is_on_the_unit_circle(torus):
     """The multipliers are those of the variational equation along DOP853."""
-    machine = replace(MACHINE, contact_damping=float(torus.special_value))
-    flown = machine_flown(machine, state_of(torus, "special_"), float(torus.special_period))
+    rotor = replace(LOADED, contact_damping=float(torus.special_value))
+    flown = once_round(rotor, state_of(torus, "special_"), float(torus.special_period))
     np.testing.assert_allclose(flown.end, state_of(torus, "special_"), rtol=0.0, atol=1e-9)
     found = np.linalg.eigvals(flown.monodromy)
     pair = found[np.abs(found) > 0.5]
@@ -55,14 +50,14 @@ def test_at_a_torus_point_a_pair_is_on_the_unit_circle(torus):
 def test_before_it_motions_decay_and_behind_it_they_settle_on_a_torus(branch, torus):
     """Seen once a revolution: a point, or a closed curve round it that both sides come to."""
     for side, settles in ((-0.05, True), (0.05, False)):
-        machine = replace(MACHINE, contact_damping=float(torus.special_value) + side)
-        nearest = int(np.abs(branch.contact_damping.values - machine.contact_damping).argmin())
-        cycle = limit_cycle(machine, start=branch.isel(point=nearest))
-        centre = np.array([float(cycle[name][0]) for name in ("x", "y", "vx", "vy")])
+        rotor = replace(LOADED, contact_damping=float(torus.special_value) + side)
+        nearest = int(np.abs(branch.contact_damping.values - rotor.contact_damping).argmin())
+        cycle = limit_cycle(rotor, start=branch.isel(point=nearest))
+        centre = state_of(cycle)
         rings = []
         for kick in (1e-2, 1.5):
             start = centre + np.array([kick, 0.0, 0.0, 0.0])
-            seen = follow(machine, start, 2.0 * math.pi / machine.omega, 2500, GO_ON)
+            seen = sampled_orbit(rotor, start, 2.0 * math.pi / rotor.omega, 2500, GO_ON)
             rings.append(seen[-1000:] - centre)
         if settles:
             assert max(np.abs(ring).max() for ring in rings) < 1e-8
@@ -84,11 +79,10 @@ def test_a_branch_is_stable_up_to_its_torus_point(branch, torus):
 def test_the_three_tests_are_products_over_the_multipliers():
     """With symmetric functions of three, and of four under a load (DESIGN section 9)."""
     for load in (0.0, 0.4):
-        machine = Rotor(omega=1.6, zeta=0.07, delta0=1.0, load=load, contact_damping=0.4)
-        cycle = limit_cycle(machine, start=(0, -1, 0, 0))
-        state = np.array([float(cycle[name][0]) for name in ("x", "y", "vx", "vy")])
-        shot = shoot(machine, state, cycle.period.item(), GO_ON)
-        found = cycle.multiplier_real.values + 1j * cycle.multiplier_imag.values
+        rotor = Rotor(omega=1.6, zeta=0.07, delta0=1.0, load=load, contact_damping=0.4)
+        cycle = limit_cycle(rotor, start=(0, -1, 0, 0))
+        shot = shoot(rotor, state_of(cycle), cycle.period.item(), GO_ON)
+        found = multipliers(cycle)
         if not load:
             found = np.delete(found, int(np.abs(found - 1.0).argmin()))
         e = [1.0, *(np.poly(found)[1:].real * (-1.0) ** np.arange(1, found.size + 1))]
@@ -103,37 +97,37 @@ def test_the_three_tests_are_products_over_the_multipliers():
 
 
 def test_torus_points_are_followed_over_damping_and_speed(torus):
-    machine = replace(MACHINE, contact_damping=float(torus.special_value))
+    rotor = replace(LOADED, contact_damping=float(torus.special_value))
     curve = bifurcation_curve(
-        machine, start=torus, kind="torus",
+        rotor, start=torus, kind="torus",
         parameters=("contact_damping", "omega"), limits=((0.4, 0.8), (1.4, 1.7)),
     )  # fmt: skip
-    found = curve.multiplier_real.values + 1j * curve.multiplier_imag.values
+    found = multipliers(curve)
     pair = np.where(found.imag != 0.0, np.abs(np.abs(found) - 1.0), np.inf).min(axis=1)
     assert pair.max() < 1e-9
     assert curve.contact_damping.values.min() < 0.5
     place = curve.sizes["point"] // 3
     point = curve.isel(point=place)
-    there = replace(MACHINE, omega=float(point.omega), contact_damping=float(point.contact_damping))
-    flown = machine_flown(there, state_of(point), float(point.period))
+    there = replace(LOADED, omega=float(point.omega), contact_damping=float(point.contact_damping))
+    flown = once_round(there, state_of(point), float(point.period))
     assert np.abs(np.abs(np.linalg.eigvals(flown.monodromy)) - 1.0).min() < 1e-8
 
 
 def test_two_real_multipliers_of_product_one_make_no_torus():
     """On a closed branch the test function passes 0 at a torus point and at a neutral saddle."""
-    machine = Rotor(omega=1.5, zeta=0.08, delta0=1.0, load=0.1, contact_damping=0.8)
+    rotor = Rotor(omega=1.5, zeta=0.08, delta0=1.0, load=0.1, contact_damping=0.8)
     branch = continue_cycle(
-        machine, start=(0, -1, 0, 0), parameter="contact_damping", limits=(0.0, 3.0)
+        rotor, start=(0, -1, 0, 0), parameter="contact_damping", limits=(0.0, 3.0)
     )
-    multipliers = branch.multiplier_real.values + 1j * branch.multiplier_imag.values
-    rows = [[1.0 - a * b for a, b in combinations(row, 2)] for row in multipliers]
+    found = multipliers(branch)
+    rows = [[1.0 - a * b for a, b in combinations(row, 2)] for row in found]
     products = np.prod(rows, axis=1).real
     changes = np.flatnonzero(products[1:] * products[:-1] < 0.0)
     kinds = branch.special_kind.values
     (place,) = branch.special_point.values[kinds == SPECIAL["torus"]].tolist()
     (other,) = set(changes.tolist()) - {place}
-    assert np.isreal(multipliers[other][:2]).all()
-    assert multipliers[other][:2].prod().real == pytest.approx(1.0, abs=0.1)
+    assert np.isreal(found[other][:2]).all()
+    assert found[other][:2].prod().real == pytest.approx(1.0, abs=0.1)
 
 
 def test_none_is_born_without_contact_damping_friction_and_load():
@@ -144,7 +138,7 @@ def test_none_is_born_without_contact_damping_friction_and_load():
 
 @pytest.mark.parametrize(("side", "response"), [(-0.05, "full_contact"), (0.05, "quasi_periodic")])
 def test_what_a_start_leads_to_is_a_cycle_before_it_and_a_torus_behind_it(torus, side, response):
-    machine = replace(MACHINE, contact_damping=float(torus.special_value) + side)
-    found = limit_cycle(machine, start=(0.0, -1.0, 0.0, 0.0))
+    rotor = replace(LOADED, contact_damping=float(torus.special_value) + side)
+    found = limit_cycle(rotor, start=(0.0, -1.0, 0.0, 0.0))
     assert found.response.item() == RESPONSE[response]
     assert np.isnan(found.period) == (response == "quasi_periodic")

@@ -132,9 +132,13 @@ def test_what_is_constant_takes_no_convolution(model, mode):
 
 def test_a_new_force_reaches_everything_that_is_derived(monkeypatch):
     """A spring to the axis, added to the stated line alone, shows in all that is derived."""
-    stated, mode = modes.acceleration, PAPER.modes[1]
-    with_spring = lambda along, push, rotor: stated(along, push, rotor) - 3.0 * along.position  # noqa: E731
-    monkeypatch.setattr(modes, "acceleration", with_spring)
+    stated, mode = modes.accelerations, PAPER.modes[1]
+
+    def with_spring(at, push, rotor, drag=0.0):
+        along = stated(at, push, rotor, drag)
+        return tuple(a - 3.0 * x for a, x in zip(along, at.position, strict=True))
+
+    monkeypatch.setattr(modes, "accelerations", with_spring)
     after = derive(mode, PAPER)
     monkeypatch.undo()
     before = derive(mode, PAPER)

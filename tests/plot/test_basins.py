@@ -1,17 +1,10 @@
 import numpy as np
 import pytest
-import xarray as xr
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import to_rgba
-from matplotlib.figure import Figure
 
 from rotor_ida import InputError, Rotor, basin, basin_fractions, continue_attractors
-from rotor_ida.plot import (
-    plot_attractor_fractions,
-    plot_attractor_map,
-    plot_attractors,
-    plot_basin,
-)
+from rotor_ida.plot import plot_attractor_fractions, plot_attractor_map, plot_attractors, plot_basin
 from rotor_ida.plot.appearance import KIND_SHADES
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import RESPONSE, flags_of
@@ -41,17 +34,33 @@ def test_each_start_has_the_colour_of_its_attractor(figure_7):
     assert colours_at(ax, figure_7, 10.0, 0.0) == faces[1]
 
 
-def test_legend_names_kind_and_amplitude(figure_7):
-    assert words(plot_basin(figure_7)) == [
-        "synchronous response, $A = 1.88$",
-        "synchronous response, $A = 9.49$",
-    ]
+def changed(name, place, value):
+    """Return what changes one value of a basin."""
+
+    def change(basin):
+        other = basin.copy(deep=True)
+        other[name][place] = value
+        return other
+
+    return change
 
 
-def test_axes_are_labelled_and_equal(figure_7):
-    ax = plot_basin(figure_7)
-    assert (ax.get_xlabel(), ax.get_ylabel()) == (LABELS["x"], LABELS["y"])
-    assert ax.get_aspect() == 1.0
+@pytest.mark.parametrize(
+    ("change", "first"),
+    [
+        (changed("label", 3, 0), ["synchronous response, $A = 1.88$"]),
+        (changed("radius_min", 0, 1.0), [r"synchronous response, $1.00 \leq |z| \leq 1.88$"]),
+        (changed("count", 0, 0), ["synchronous response, $A = 9.49$"]),
+    ],
+    ids=["constant radius", "changing radius", "attractor without start"],
+)
+def test_the_legend_names_kinds_and_amplitudes_or_radii_of_attractors(figure_7, change, first):
+    shown = words(plot_basin(change(figure_7)))
+    assert shown == list(dict.fromkeys([*first, "synchronous response, $A = 9.49$"]))
+
+
+def test_a_plane_has_equal_axes_if_they_are_alike(figure_7):
+    assert plot_basin(figure_7).get_aspect() == 1.0
 
 
 def test_what_is_not_known_is_told(figure_7):
@@ -59,18 +68,6 @@ def test_what_is_not_known_is_told(figure_7):
     partly["label"][0, :] = -1
     partly["label"][1, :] = -2
     assert words(plot_basin(partly))[2:] == ["undecided", "not computed"]
-
-
-def test_a_motion_of_changing_radius_is_told_by_its_radii(figure_7):
-    swinging = figure_7.copy(deep=True)
-    swinging["radius_min"][0] = 1.0
-    assert words(plot_basin(swinging))[0] == r"synchronous response, $1.00 \leq |z| \leq 1.88$"
-
-
-def test_attractors_without_start_are_not_listed(figure_7):
-    empty = figure_7.copy(deep=True)
-    empty["count"][0] = 0
-    assert len(words(plot_basin(empty))) == 1
 
 
 def test_colours_differ():
@@ -93,14 +90,7 @@ def test_plane_of_unlike_coordinates_is_square_and_says_what_is_held():
     assert ax.get_title().endswith(LABELS["vx"].partition(" ")[2] + " $= -15$")
 
 
-def test_draws_on_the_axes_given(figure_7):
-    ax = Figure().subplots()
-    assert plot_basin(figure_7, ax) is ax
-
-
 def test_other_data_are_refused(figure_7):
-    with pytest.raises(InputError, match=r"dataset must hold .* it lacks label"):
-        plot_basin(xr.Dataset({"omega": 1.0, "zeta": 1.0, "delta0": 1.0}))
     with pytest.raises(InputError, match="at least 2 x 2 starts"):
         plot_basin(figure_7.isel(x=slice(1)))
 
@@ -144,10 +134,10 @@ def test_a_line_is_no_map_and_a_map_no_line(grid):
         plot_attractors(grid)
     with pytest.raises(InputError, match="over two parameters to be mapped, got 1"):
         plot_attractor_map(grid.isel(delta0=[1]))
-    with pytest.raises(
-        InputError, match="by must be one of 'kind', 'force', 'shock', got 'colour'"
-    ):
+    with pytest.raises(InputError, match="by must be one of 'kind', 'force', 'shock', got 'col"):
         plot_attractor_map(grid, by="colour")
+    with pytest.raises(InputError, match="must have been made with shocks to be mapped by them"):
+        plot_attractor_map(grid, by="shock")
 
 
 def test_a_map_of_the_smallest_shocks_shows_where_there_is_none():
@@ -173,11 +163,6 @@ def test_a_map_without_any_shock_is_drawn_too():
     ax = plot_attractor_map(alone, by="shock")
     assert ax.get_legend_handles_labels()[1] == ["no shock was found"]
     ax.figure.canvas.draw()
-
-
-def test_a_map_by_shocks_needs_them(grid):
-    with pytest.raises(InputError, match="must have been made with shocks to be mapped by them"):
-        plot_attractor_map(grid, by="shock")
 
 
 @pytest.fixture(scope="module")

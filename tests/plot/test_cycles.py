@@ -5,15 +5,12 @@ import math
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from rotor_ida import (
-    DimensionalRotor,
     InputError,
     Rotor,
     bifurcation_curve,
     continue_cycle,
-    dimensional,
     folds,
     limit_cycle,
 )
@@ -29,27 +26,18 @@ from rotor_ida.plot import (
 )
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import labelled
-
-BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-MACHINE = DimensionalRotor(
-    mass=4.0,
-    contact_stiffness=1e9,
-    damping=280.0,
-    eccentricity=1e-6,
-    clearance=2e-6,
-    speed=600.0,
-)
+from tests.plot.pictures import BOUNCING, made
 
 
 @pytest.fixture(scope="module")
 def cycle():
-    return limit_cycle(BOUNCING, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
+    return made("cycle")
 
 
 @pytest.fixture(scope="module")
-def branch(cycle):
+def branch():
     """Stable and unstable cycles, with a fold, period doublings and grazes: it folds back."""
-    return continue_cycle(BOUNCING, start=cycle, limits=(0.3, 3.0))
+    return made("branch")
 
 
 @pytest.fixture(scope="module")
@@ -130,21 +118,6 @@ def test_figure_of_a_cycle_has_all_three(cycle):
         box = ax.get_legend().get_window_extent()
         assert box.x0 >= 0.0
         assert box.x1 <= figure.bbox.width
-
-
-def test_figures_carry_the_units_of_the_dataset(cycle, branch):
-    seen = dimensional(cycle, MACHINE, units={"length": "um"})
-    ax = plot_cycle(seen)
-    assert ax.get_ylabel().endswith("[µm]")
-    np.testing.assert_allclose(np.hypot(*lines_of(ax)["clearance"].get_data()), 2.0)
-    plain, there = (lines_of(plot_multipliers(each)) for each in (cycle, seen))
-    assert set(plain) == set(there)
-    ratio = lines_of(plot_lines(seen))["spin speed"].get_xdata()
-    np.testing.assert_allclose(ratio, [1.0])
-    drawn = plot_branch(dimensional(branch, MACHINE, units={"length": "um"}))
-    assert drawn.get_ylabel() == "radius $|Z|$ [µm]"
-    with pytest.raises(InputError, match="what is drawn on one axis must have its units"):
-        plot_branch(branch, ax=drawn)
 
 
 def test_bands_do_not_turn_back(branch):
@@ -285,8 +258,6 @@ def test_what_cannot_be_drawn_is_refused(cycle, branch, curve):
     for draw in (plot_cycle, plot_multipliers, plot_lines, cycle_figure):
         with pytest.raises(InputError, match="cycle must hold a limit cycle"):
             draw(none)
-        with pytest.raises(InputError, match="it lacks"):
-            draw(cycle.drop_vars(list(cycle.data_vars)))
     with pytest.raises(InputError, match="branch must name what was varied in its attribute"):
         plot_branch(branch.drop_attrs(deep=False))
     with pytest.raises(InputError, match="it lacks"):
@@ -300,13 +271,6 @@ def test_what_cannot_be_drawn_is_refused(cycle, branch, curve):
         plot_curves([curve, over_zeta])
     with pytest.raises(InputError, match=r"fold_points must have the zeta of the curves, 0\.07"):
         plot_curves(curve, fold_points=folds(zeta=0.1, delta0=[0.0, 1.0]))
-
-
-def test_draw_on_the_axes_given(cycle, branch, curve):
-    drawings = [(plot_cycle, cycle), (plot_multipliers, cycle), (plot_lines, cycle)]
-    for draw, dataset in [*drawings, (plot_branch, branch), (plot_curves, curve)]:
-        ax = Figure().subplots()
-        assert draw(dataset, ax=ax) is ax
 
 
 def test_torus_points_and_what_stands_still_are_drawn():

@@ -1,11 +1,17 @@
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
-from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, run_up, simulate
-from rotor_ida.plot import plot_drawn_out, plot_history, plot_machine, plot_orbit, plot_run
+from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, rotating, run_up, simulate
+from rotor_ida.plot import (
+    plot_drawn_out,
+    plot_history,
+    plot_machine,
+    plot_orbit,
+    plot_rotating_orbit,
+    plot_run,
+)
 from rotor_ida.plot.labels import LABELS, label_of
-from rotor_ida.plot.runs import path_of
+from rotor_ida.signals.path import path_of
 
 MACHINE = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
                            clearance=2e-6, speed=1000.0)  # fmt: skip
@@ -94,11 +100,6 @@ def test_run_without_clearance_is_one_contact():
 def test_marks_that_would_hide_the_motion_are_left_out(run):
     many = run.isel(event=np.repeat([0, 1], 100))
     assert "entry" not in labels(plot_orbit(many))
-
-
-def test_draws_on_the_axes_given(run):
-    ax = Figure().subplots()
-    assert plot_orbit(run, ax=ax) is ax
 
 
 def test_other_things_are_refused(run, exact):
@@ -320,3 +321,15 @@ def test_a_run_up_in_si_units_is_drawn_alike_whatever_its_unit_of_speed(unit):
     drawn, without = path_of(shown), path_of(plain)
     assert drawn.time == pytest.approx(without.time * MACHINE.time_scale, rel=1e-12)
     assert drawn.radius == pytest.approx(without.radius * MACHINE.length_scale, rel=1e-9)
+
+
+def test_orbit_on_rotating_axes_passes_through_the_rotated_samples(run):
+    seen = rotating(run)
+    ax = plot_rotating_orbit(seen)
+    lines = {line.get_label(): line for line in ax.lines}
+    drawn = np.concatenate([lines[name].get_xydata() for name in ("flight", "contact")])
+    for x, y in zip(seen.rotating_x.values[::20], seen.rotating_y.values[::20], strict=True):
+        assert np.nanmin(np.hypot(*(drawn - [x, y]).T)) < 1e-12
+    entries = seen.event_kind.values == 1
+    np.testing.assert_allclose(lines["entry"].get_xdata(), seen.event_rotating_x[entries])
+    assert ax.get_aspect() == 1.0

@@ -1,31 +1,137 @@
-"""Every kind of response, of simulated motions, with the numbers that are known of them."""
+"""Whirls, cycles and rest, of simulated motions of every rotor, with what is known of them."""
 
 import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
-from rotor_ida import Rotor, folds
-from rotor_ida.simulation.options import Options
-from rotor_ida.steady import follow
-from rotor_ida.steady.follow import follow_to_steady_state
-
-REST = (0.0, 0.0, 0.0, 0.0)
-
-
-def followed(omega, delta0, start=REST, zeta=0.07, options=None, **settings):
-    rotor = Rotor(omega=omega, zeta=zeta, delta0=delta0)
-    return follow_to_steady_state(rotor, start, options or Options(), **settings)
-
-
-@pytest.mark.parametrize(
-    ("omega", "delta0", "kind"),
-    [(1.7, 0.0, "synchronous"), (1.2, 0.5, "synchronous"), (0.9, 2.0, "contact_free")],
+from rotor_ida import (
+    Rotor,
+    folds,
+    sweep,
+    synchronous_response,
 )
-def test_whirls_from_rest(omega, delta0, kind):
-    settled = followed(omega, delta0)
-    assert settled.response == kind
+from rotor_ida.closed_forms.rest import rest
+from rotor_ida.model.equations import rotated
+from rotor_ida.schema import RESPONSE, STABILITY
+from rotor_ida.simulation.options import Options
+from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady.periods import slowest_multiplier
+from tests.rotors import KNOCKED, WHIP
+from tests.steady.following import LOADED, REST, SHAFT, followed, of_paper
+from tests.witness import rubbed
+
+TAYLOR = Options(method="taylor")
+GO_ON = np.zeros(1, np.uint8)
+# ---- Whirls ----
+
+
+WHIRLING = {
+    "no clearance": ({"zeta": 0.07, "delta0": 0.0}, 20),
+    "shaft": ({"shaft_stiffness": 0.3}, 30),
+    "shaft and linear contact": ({"shaft_stiffness": 1.0, "contact_exponent": 1.0}, 30),
+    "linear contact with damping": ({"contact_exponent": 1.0, "contact_damping": 0.2}, 30),
+    "shaft and contact damping": ({"shaft_stiffness": 0.5, "contact_damping": 1.0}, 30),
+    "friction": (
+        {"shaft_stiffness": 0.3, "contact_exponent": 1.0, "contact_damping": 2.0, "friction": 0.15},
+        10,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WHIRLING)
+def test_what_whirls_steadily_is_a_stable_whirl_of_the_closed_forms(name):
+    """Amplitude and phase lag, over speeds and clearances."""
+    changes, fewest = WHIRLING[name]
+    given = {"omega": np.linspace(0.3, 2.6, 24), "zeta": 0.1, "delta0": [0.5, 2.0]} | changes
+    disc = {"disc_radius": 3.0} if "friction" in given else {}
+    swept = sweep(**given, **disc, method="taylor").squeeze("start").squeeze("direction")
+    steady = swept.response.isin([RESPONSE["contact_free"], RESPONSE["synchronous"]])
+    exact = synchronous_response(**given)
+    whirl = exact.amplitude * np.exp(-1j * exact.phase_lag)
+    apart = np.abs(whirl / (swept.amplitude * np.exp(-1j * swept.phase_lag)) - 1.0)
+    nearest = apart.fillna(np.inf).argmin("branch")
+    assert float(apart.isel(branch=nearest).where(steady, 0.0).max()) < 1e-9
+    stable = exact.stability.isel(branch=nearest) != STABILITY["unstable"]
+    assert bool(stable.where(steady, True).all())
+    assert bool(np.isnan(swept.period.where(steady)).all())
+    free = swept.response == RESPONSE["contact_free"]
+    assert bool((free == (swept.amplitude < swept.delta0)).where(steady, True).all())
+    assert int(steady.sum()) > fewest
+
+
+def test_the_ghost_of_a_fold_is_no_response():
+    """Just above the upper fold only the small whirl exists; the rotor creeps where it was."""
+    fold = folds(zeta=0.07, delta0=0.0).isel(zeta=0, delta0=0, fold=1)
+    omega, amplitude = fold.fold_omega.item() + 1e-7, fold.fold_amplitude.item()
+    lag = math.asin(2.0 * 0.07 * amplitude / omega)
+    z = amplitude * np.exp(-1j * (math.pi - lag))
+    v = 1j * omega * z
+    start = (z.real, z.imag, v.real, v.imag)
+    assert of_paper(omega, 0.0, start, longest=500.0).response == "unresolved"
+
+
+@pytest.mark.parametrize("load", [0.4, 1.2])
+def test_clear_of_the_ring_it_whirls_about_where_the_shaft_holds_the_load(load):
+    """z = -i load/kappa + A exp(i omega t), exactly."""
+    rotor = Rotor(omega=1.7, zeta=0.1, delta0=4.0, shaft_stiffness=0.5, load=load)
+    settled = followed(rotor, (1.0, 0.0, 0.0, 1.0))
+    whirl = 1.7**2 / complex(0.5 - 1.7**2, 2.0 * 0.1 * 1.7)
+    assert settled.response == "contact_free"
     assert math.isnan(settled.features.period)
+    assert settled.features.amplitude == pytest.approx(abs(whirl), rel=1e-9)
+    assert settled.features.radius_max == pytest.approx(abs(whirl) + load / 0.5, rel=1e-9)
+    assert settled.features.radius_min == pytest.approx(abs(abs(whirl) - load / 0.5), abs=1e-9)
+    x, y, vx, vy = settled.end
+    assert complex(x, y) == pytest.approx(whirl - 1j * load / 0.5, abs=1e-8)
+    assert complex(vx, vy) == pytest.approx(1.7j * whirl, abs=1e-8)
+
+
+def test_where_that_whirl_would_reach_the_ring_it_does_not_stay_free():
+    """Its largest radius, 1.21 + 0.8, decides, not that of the whirl alone."""
+    whirl = 1.7**2 / abs(complex(0.5 - 1.7**2, 2.0 * 0.1 * 1.7))
+    machine = {"omega": 1.7, "zeta": 0.1, "shaft_stiffness": 0.5, "load": 0.4}
+    for clearance, kinds in ((0.999, {"bouncing", "full_contact"}), (1.001, {"contact_free"})):
+        rotor = Rotor(delta0=clearance * (whirl + 0.8), **machine)
+        assert followed(rotor).response in kinds
+
+
+def swing_by_a_small_load(omega, zeta, delta0):
+    """How far a unit of a rotating load swings the radius of a synchronous whirl, if small."""
+    whirls = synchronous_response(omega=omega, zeta=zeta, delta0=delta0)
+    amplitude = whirls.amplitude.values.ravel()[0]
+    secant = (amplitude - delta0) ** 1.5 / amplitude
+    slope, q = 1.5 * math.sqrt(amplitude - delta0), omega**2
+    stiffness = np.array([[slope - q, -2.0 * zeta * omega], [2.0 * zeta * omega, secant - q]])
+    damping = np.array([[2.0 * zeta, -2.0 * omega], [2.0 * omega, 2.0 * zeta]])
+    resistance = stiffness + 1j * omega * damping - q * np.eye(2)
+    return amplitude, abs(np.linalg.solve(resistance, [1.0, 1j])[0])
+
+
+def test_a_slight_load_swings_a_synchronous_whirl_as_linear_theory_says():
+    """So a sweep comes to that without load, to first order, as the load goes to 0."""
+    amplitude, swing = swing_by_a_small_load(1.2, 0.07, 0.5)
+    missed = []
+    for load in (1e-2, 1e-3, 1e-4):
+        settled = followed(Rotor(omega=1.2, zeta=0.07, delta0=0.5, load=load))
+        assert settled.response == "full_contact"
+        assert settled.features.period == pytest.approx(2.0 * math.pi / 1.2, rel=1e-14)
+        low, high = settled.features.radius_min, settled.features.radius_max
+        assert (high - low) / (2.0 * load) == pytest.approx(swing, rel=5.0 * load)
+        missed.append(abs(settled.features.amplitude - amplitude))
+    # the part at the spin speed changes by the square of the load
+    assert np.polyfit([-2.0, -3.0, -4.0], np.log10(missed), 1)[0] == pytest.approx(2.0, abs=0.05)
+
+
+def test_a_load_below_what_is_steady_leaves_a_synchronous_whirl():
+    amplitude, _ = swing_by_a_small_load(1.2, 0.07, 0.5)
+    settled = followed(Rotor(omega=1.2, zeta=0.07, delta0=0.5, load=1e-11))
+    assert settled.response == "synchronous"
+    assert settled.features.amplitude == pytest.approx(amplitude, rel=1e-9)
+
+
+# ---- Cycles ----
 
 
 KNOWN = {
@@ -39,7 +145,7 @@ KNOWN = {
 def test_periods_and_radii_of_known_cycles(omega, delta0, flight):
     """To nine digits and more; two programs that share nothing agree on them."""
     kind, period, radius_max = KNOWN[omega, delta0]
-    settled = followed(omega, delta0, options=Options(flight=flight))
+    settled = of_paper(omega, delta0, options=Options(flight=flight))
     assert settled.response == kind
     assert settled.features.period == pytest.approx(period, rel=1e-10)
     # the reference has ten digits
@@ -49,21 +155,40 @@ def test_periods_and_radii_of_known_cycles(omega, delta0, flight):
 def test_the_error_of_a_period_falls_with_the_tolerance():
     tolerances = [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10]
     several = [Options(rtol=rtol, atol=rtol) for rtol in tolerances]
-    periods = [followed(2.0, 2.0, options=each).features.period for each in several]
+    periods = [of_paper(2.0, 2.0, options=each).features.period for each in several]
     errors = np.abs(np.array(periods) - 4.563916675380)
     # single errors scatter, so the order is that of a line through six
     assert 0.5 < np.polyfit(np.log(tolerances), np.log(errors), 1)[0] < 1.5
 
 
-def test_methods_agree_on_a_cycle():
-    one, other = (followed(2.0, 2.0, options=Options(method=each)) for each in ("bdf", "taylor"))
-    for name in ("period", "radius_min", "radius_max"):
-        assert getattr(one.features, name) == pytest.approx(getattr(other.features, name), rel=1e-9)
+@pytest.mark.parametrize(
+    ("rotor", "start", "options", "digits"),
+    [
+        (Rotor(omega=2.0, zeta=0.07, delta0=2.0), REST, Options(method="bdf"), 9),
+        (Rotor(omega=2.0, zeta=0.05, load=0.6, **SHAFT), REST, Options(), 8),
+        (
+            Rotor(omega=1.5, zeta=0.1, load=0.3, contact_damping=0.3, **SHAFT), REST, Options(), 8,
+        ),
+        (
+            Rotor(omega=2.0, zeta=1.0, load=0.6, **SHAFT), REST,
+            Options(backend="python", rtol=1e-9), 7,
+        ),
+    ],
+    ids=["bdf", "under a load", "contact damping", "the reference in plain Python"],
+)  # fmt: skip
+def test_methods_and_backends_agree_on_a_cycle(rotor, start, options, digits):
+    taylor, other = followed(rotor, start), follow_to_steady_state(rotor, start, options)
+    assert other.response == taylor.response == "bouncing"
+    for name in ("period", "amplitude", "radius_min", "radius_max"):
+        one, found = getattr(taylor.features, name), getattr(other.features, name)
+        assert found == pytest.approx(one, rel=10.0**-digits)
+    if rotor.load:  # whole revolutions
+        assert other.features.period == taylor.features.period
 
 
 def test_a_doubled_cycle_has_twice_the_period():
     """At omega 1.6 the transient alternates for long; the cycle that is left does not."""
-    settled = followed(1.6, 1.0)
+    settled = of_paper(1.6, 1.0)
     assert settled.response == "bouncing"
     assert settled.features.period == pytest.approx(7.6498386845, rel=1e-9)
     assert settled.window_end > 1500.0
@@ -71,86 +196,181 @@ def test_a_doubled_cycle_has_twice_the_period():
 
 def test_a_cycle_through_many_turns_of_the_radius():
     """Six maxima of the radius in a period: more than two periods of the first window."""
-    settled = followed(1.5, 1.0)
+    settled = of_paper(1.5, 1.0)
     assert settled.response == "bouncing"
     assert settled.features.period == pytest.approx(16.3517990473, rel=1e-9)
 
 
-@pytest.mark.parametrize("omega", [0.5, 2.28, 2.94])
-def test_ever_slighter_touches_lead_to_a_contact_free_whirl(omega):
-    settled = followed(omega, 2.0)
-    assert settled.response == "touching"
-    assert settled.event_times.size > 50
-    assert 0.0 < settled.features.radius_max - 2.0 < 2e-3
-    assert math.isnan(settled.features.period)
+def flown(rotor, start, times):
+    """Displacements and velocities at times on the fixed axes, by DOP853."""
+
+    def rates(time, state):
+        z, v = complex(*state[:2]), complex(*state[2:])
+        depth, radius = abs(z) - rotor.delta0, abs(z)
+        push = rotor.omega**2 * np.exp(1j * rotor.omega * time) - 1j * rotor.load
+        a = push - 2.0 * rotor.zeta * v - rotor.shaft_stiffness * z
+        if depth > 0.0:
+            approach = (z.conjugate() * v).real / radius
+            force = depth**rotor.contact_exponent * (1.0 + rotor.contact_damping * approach)
+            a -= max(force, 0.0) * z / radius
+        return [v.real, v.imag, a.real, a.imag]
+
+    found = solve_ivp(
+        rates, (0.0, times[-1]), start, method="DOP853", t_eval=times, rtol=1e-11, atol=1e-12,
+        max_step=0.02,
+    )  # fmt: skip
+    return found.y[0] + 1j * found.y[1], found.y[2] + 1j * found.y[3]
 
 
-def test_touches_that_are_slight_from_the_start_are_touching_too():
-    """The indentation falls from 1.8e-4 at t = 300 only to 1.3e-4 at 1000."""
-    start = (1.369616873214543, -2.302132862361297, -4.590264760638053, -4.834723644714709)
-    settled = followed(1.25, 2.0, start)
-    assert settled.response == "touching"
-    assert 0.0 < settled.features.radius_max - 2.0 < 2e-4
+@pytest.mark.parametrize("name", LOADED)
+def test_a_cycle_comes_again_after_whole_revolutions_by_another_integrator(name):
+    """And not after fewer; radii and the part at the spin speed are those of that integrator."""
+    rotor, count = LOADED[name]
+    settled = followed(rotor)
+    revolution = 2.0 * math.pi / rotor.omega
+    assert settled.features.period == pytest.approx(count * revolution, rel=1e-14)
+    times = np.linspace(0.0, count * revolution, 1024 * count + 1)
+    z, v = flown(rotor, settled.end, times)
+    at_start = np.array([z[:1], v[:1]])
+    apart = np.abs(np.array([z[::1024], v[::1024]]) - at_start).max(axis=0)
+    assert apart[-1] < 1e-8
+    assert (apart[1:-1] > 1e-2).all()
+    radius, features = np.abs(z), settled.features
+    assert settled.response == ("bouncing" if radius.min() < rotor.delta0 else "full_contact")
+    # between samples the radius turns
+    assert features.radius_max == pytest.approx(radius.max(), rel=1e-4)
+    assert features.radius_min == pytest.approx(radius.min(), abs=2e-3)
+    spin = complex((z[:-1] * np.exp(-1j * rotor.omega * times[:-1])).mean())
+    assert features.amplitude == pytest.approx(abs(spin), rel=1e-6)
+    assert features.phase_lag == pytest.approx(-np.angle(spin), rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("omega", "delta0", "start", "exponent"),
-    [(1.38, 1.0, (1.5, -0.25, 0.0, 0.0), 0.0362), (1.69, 2.0, (3.0, 1.0, 0.0, 0.0), 0.0083)],
-)
-def test_known_chaos_is_chaotic_with_the_known_exponent(omega, delta0, start, exponent):
-    """From DESIGN, section 9; an orbit of its own within the error that it states."""
-    settled = followed(omega, delta0, start)
-    assert settled.response == "chaotic"
-    seen, error = settled.features.lyapunov_exponent, settled.features.lyapunov_error
-    assert seen > 5.0 * error
-    assert abs(seen - exponent) < 4.0 * error
-    assert math.isnan(settled.features.period)
+# Cycles: one that rolls and slips, one that only rolls, one that slides backwards too, and one that
+# only slides forwards.
+RUBBING = {
+    "rolling and slipping": (WHIP, KNOCKED, "rolling", {2, -2}),
+    "rolling alone": (
+        Rotor(omega=0.5, zeta=0.1, delta0=1.0, friction=2.0, disc_radius=4.0),
+        (0.3, 0.1, 0.2, 0.1), "rolling", set(),
+    ),
+    "small disc": (
+        Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.3, disc_radius=0.6),
+        (0.3, 0.1, 0.2, 0.1), "bouncing", {1, -1, 2, -2, 3},
+    ),
+    "sliding": (
+        Rotor(omega=2.0, zeta=0.07, delta0=2.0, friction=0.1, disc_radius=10.0),
+        (0.3, 0.1, 0.2, 0.1), "bouncing", {1, -1},
+    ),
+}  # fmt: skip
 
 
-def test_exponents_are_stated_only_where_they_were_asked_for():
-    assert math.isnan(followed(2.0, 2.0).features.lyapunov_exponent)
+@pytest.fixture(scope="module", params=RUBBING)
+def cycle(request):
+    rotor, start, kind, events = RUBBING[request.param]
+    settled = follow_to_steady_state(rotor, start, TAYLOR)
+    assert settled.response == kind
+    late = settled.event_kinds[settled.event_times > settled.window_start]
+    assert set(late.tolist()) == events
+    return rotor, settled
 
 
-def test_touches_that_fade_slowly_are_not_asked_for_chaos(monkeypatch):
-    """Of a fast rotor they follow the law only after 3,000: an exponent takes far longer."""
-    monkeypatch.setattr(follow, "exponents_of", None)  # called, it would raise
-    settled = followed(100.0, 1.0, (3.0, 0.0, 0.0, 0.0), zeta=1.0, options=Options(method="taylor"))
-    assert settled.response == "touching"
-    assert settled.window_end > follow.LATE
+def witness(rotor, state, duration):
+    """Where another integrator ends, on the rotating axes."""
+    _, end = rubbed(rotor, state, duration)
+    return rotated(np.asarray(end), -rotor.omega * duration)
+
+
+def test_another_integrator_comes_back_after_the_period(cycle):
+    rotor, settled = cycle
+    end = witness(rotor, settled.end, settled.features.period)
+    np.testing.assert_allclose(end, settled.end, rtol=0, atol=2e-8)
+
+
+def test_the_multiplier_is_that_of_neighbours_of_another_integrator(cycle):
+    """Where the disc rolls no tangents are there: it is by neighbours too."""
+    rotor, settled = cycle
+    aside, rows = 1e-5, []
+    for direction in aside * np.eye(4):
+        ends = [
+            witness(rotor, tuple(settled.end + way * direction), settled.features.period)
+            for way in (1.0, -1.0)
+        ]
+        rows.append((ends[0] - ends[1]) / (2.0 * aside))
+    multipliers = np.linalg.eigvals(np.array(rows))
+    trivial = np.argmin(np.abs(multipliers - 1.0))
+    assert abs(multipliers[trivial] - 1.0) < 1e-4
+    slowest = np.abs(np.delete(multipliers, trivial)).max()
+    stop = np.zeros(1, np.uint8)
+    found = slowest_multiplier(rotor, settled.end, settled.features.period, stop)
+    assert abs(found) == pytest.approx(slowest, abs=1e-4)
+
+
+# ---- Rest, and what does not settle ----
 
 
 def test_a_rotor_that_does_not_turn_comes_to_rest_within_its_clearance():
-    assert followed(0.0, 1.0, (1.5, 0, 0, 0.3), zeta=0.3).response == "contact_free"
-    creeping = followed(0.0, 1.0, (1.0 + 1e-8, 0, 0, 0), zeta=1.0, longest=1000.0)
+    assert of_paper(0.0, 1.0, (1.5, 0, 0, 0.3), zeta=0.3).response == "contact_free"
+    creeping = of_paper(0.0, 1.0, (1.0 + 1e-8, 0, 0, 0), zeta=1.0, longest=1000.0)
     assert creeping.response == "unresolved"
 
 
-def test_the_ghost_of_a_fold_is_no_response():
-    """Just above the upper fold only the small whirl exists; the rotor creeps where it was."""
-    fold = folds(zeta=0.07, delta0=0.0).isel(zeta=0, delta0=0, fold=1)
-    omega, amplitude = fold.fold_omega.item() + 1e-7, fold.fold_amplitude.item()
-    lag = math.asin(2.0 * 0.07 * amplitude / omega)
-    z = amplitude * np.exp(-1j * (math.pi - lag))
-    v = 1j * omega * z
-    start = (z.real, z.imag, v.real, v.imag)
-    assert followed(omega, 0.0, start, longest=500.0).response == "unresolved"
+AT_REST = {
+    "hangs": Rotor(omega=0.0, zeta=0.1, delta0=1.0, shaft_stiffness=0.5, load=0.2),
+    "hangs on the ring": Rotor(omega=0.0, zeta=0.1, delta0=1.0, shaft_stiffness=0.5, load=0.9),
+    "lies": Rotor(omega=0.0, zeta=0.2, delta0=1.0, load=0.3),
+    "lies, linear": Rotor(
+        omega=0.0, zeta=0.2, delta0=1.0, load=0.3, contact_exponent=1.0, contact_damping=0.5
+    ),
+    "no clearance": Rotor(omega=0.0, zeta=0.2, delta0=0.0, load=0.3),
+}
+
+
+@pytest.mark.parametrize("name", AT_REST)
+@pytest.mark.parametrize("method", ["taylor", "adams"])
+def test_what_does_not_turn_comes_to_rest_where_the_closed_form_says(name, method):
+    rotor = AT_REST[name]
+    settled, place = followed(rotor, (0.4, 0.1, 0.3, 0.0), method), rest(rotor)
+    assert settled.response == ("synchronous" if place.indentation > 0.0 else "contact_free")
+    depth = -place.y.item()
+    assert settled.features.amplitude == pytest.approx(depth, rel=1e-9)
+    assert settled.features.radius_min == pytest.approx(depth, rel=1e-9)
+    assert settled.features.radius_max == pytest.approx(depth, rel=1e-9)
+    assert settled.end == pytest.approx((0.0, -depth, 0.0, 0.0), abs=1e-9)
+
+
+def test_what_has_not_come_to_rest_is_unresolved():
+    creeping = Rotor(omega=0.0, zeta=1.0, delta0=1.0, load=1e-3)
+    assert followed(creeping, (0.8, -0.6, 0.0, 0.0), longest=1000.0).response == "unresolved"
+    undamped = Rotor(omega=0.0, zeta=0.0, delta0=1.0, load=0.3)
+    assert followed(undamped, (0.4, 0.1, 0.3, 0.0)).response == "unresolved"
+
+
+def test_friction_holds_a_rotor_at_rest_off_the_bottom():
+    """A block on an inclined ring: it stays where the slope is no steeper than the friction."""
+    rotor = Rotor(omega=0.0, zeta=0.05, delta0=1.0, load=0.5, friction=0.3, disc_radius=5.0)
+    settled = follow_to_steady_state(rotor, (-1.2, -0.4, 0.3, -0.8), TAYLOR)
+    assert settled.response == "synchronous"
+    z = complex(*settled.end[:2])
+    slope = math.atan2(abs(z.real), -z.imag)
+    assert 1e-3 < slope < math.atan(0.3)
+    assert (abs(z) - 1.0) ** 1.5 == pytest.approx(0.5 * math.cos(slope), abs=1e-8)
 
 
 @pytest.mark.parametrize(("omega", "delta0"), [(0.0, 0.0), (1.0, 0.5), (1.5, 2.0)])
 def test_without_damping_nothing_settles_and_nothing_is_followed_for_long(omega, delta0):
-    free = followed(omega, delta0, (1.0, 0, 0, 0.3), zeta=0.0)
+    free = of_paper(omega, delta0, (1.0, 0, 0, 0.3), zeta=0.0)
     assert free.response == "unresolved"
     assert free.window_end < 2100.0
 
 
 def test_the_longest_time_is_kept():
-    settled = followed(1.38, 1.0, (1.5, -0.25, 0, 0), longest=1000.0)
+    settled = of_paper(1.38, 1.0, (1.5, -0.25, 0, 0), longest=1000.0)
     assert settled.response == "unresolved"
     assert settled.window_end < 1100.0
 
 
 def test_a_run_that_is_asked_to_stop_has_failed():
-    settled = followed(2.0, 2.0, stop=np.ones(1, np.uint8))
+    settled = of_paper(2.0, 2.0, stop=np.ones(1, np.uint8))
     assert settled.response == "failed"
     assert "interrupted" in settled.message
     assert math.isnan(settled.features.amplitude)

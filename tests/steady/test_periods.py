@@ -14,6 +14,7 @@ from rotor_ida.steady.periods import (
     TurningPoints,
     extreme_radii,
     recurrence,
+    recurrence_by_revolutions,
     slowest_multiplier,
     turning_points,
 )
@@ -145,3 +146,30 @@ def test_multipliers_are_the_known_ones(omega, delta0, period, expected):
     found = slowest_multiplier(rotor, settled.end, period, GO_ON)
     assert complex(found.real, abs(found.imag)) == pytest.approx(expected, abs=1e-7)
     assert abs(found) == pytest.approx(math.exp(-0.07 * period), rel=1e-9)
+
+
+def strobes(multiplier, size, count=40):
+    """States once a revolution of a motion that comes to a fixed point by one multiplier."""
+    states = np.zeros((count, 4))
+    states[:, 0] = 1.0 + size * multiplier ** np.arange(count)
+    return states
+
+
+def test_what_comes_to_a_fixed_point_by_turns_is_not_told_as_one_of_two_revolutions():
+    """It comes nearer to itself after two than after one, until it is too near for either."""
+    for size in (1e-3, 1e-6, 1e-8):
+        assert recurrence_by_revolutions(strobes(-0.999, size), 1.0, 1.0, 1e-8) is None
+    found = recurrence_by_revolutions(strobes(-0.999, 1e-9), 1.0, 1.0, 1e-8)
+    assert found is not None
+    assert found.period == 1.0
+
+
+def test_a_cycle_of_revolutions_needs_three_of_its_periods():
+    for count in (1, 2, 3, 5):
+        states = np.zeros((3 * count + 1, 4))
+        states[:, 1] = np.arange(3 * count + 1) % count
+        found = recurrence_by_revolutions(states, 0.5, 5.0, 1e-8)
+        assert found is not None
+        assert (found.period, found.missed_by) == (0.5 * count, 0.0)
+        if count > 1:
+            assert recurrence_by_revolutions(states[:-1], 0.5, 5.0, 1e-8) is None

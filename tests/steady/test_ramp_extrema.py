@@ -7,8 +7,8 @@ from rotor_ida import InputError, Rotor, SimulationError, bifurcation_diagram, f
 from rotor_ida.closed_forms import late_jumps
 from rotor_ida.plot import plot_extrema
 from rotor_ida.schema import RESPONSE, STATUS
-from rotor_ida.steady import ramp_extrema as ramp_module
-from rotor_ida.steady.ramp_extrema import ramp_extrema
+from rotor_ida.steady import bifurcation_diagram as diagram_module
+from rotor_ida.steady.bifurcation_diagram import ramp_extrema
 
 GO_ON = np.zeros(1, np.uint8)
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -132,10 +132,10 @@ def test_quasi_static_diagrams_keep_the_direction():
 
 
 def test_a_run_that_cannot_be_followed_has_failed(monkeypatch):
-    def stuck(rotor, start, *_):
+    def stuck(rotor, start, **_):
         raise SimulationError("stuck", time=0.5, state=start)
 
-    monkeypatch.setattr(ramp_module, "ramp_extrema", stuck)
+    monkeypatch.setattr(diagram_module, "ramp_extrema", stuck)
     found = bifurcation_diagram(
         omega=[1.0, 1.2], zeta=0.5, delta0=0.0, starts=[REST], direction="up", rate=0.1
     )

@@ -3,41 +3,42 @@
 import numpy as np
 import pytest
 
+from rotor_ida.model.rotors import rotors_of
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.ramps import Ramps
+from rotor_ida.steady.grid import Grid
+from rotor_ida.steady.sweep import Ramps
 
-AXES = {
-    "omega": np.array([1.0, 2.0, 3.0]),
-    "zeta": np.array([0.1, 0.2]),
-    "delta0": np.array([0.0, 0.5, 1.0, 2.0]),
-}
+ROTORS = rotors_of(
+    {"omega": [1.0, 2.0, 3.0], "zeta": [0.1, 0.2], "delta0": [0.0, 0.5, 1.0, 2.0], "load": 0.1}
+)
 STARTS = [(0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)]
 
 
-@pytest.mark.parametrize("directions", [(0,), (1,), (-1,), (1, -1)])
-def test_chains_cover_every_point_once(directions):
-    ramps = Ramps(AXES, STARTS, directions, Options())
-    places = np.concatenate([ramps.places(number) for number in range(len(ramps))])
-    assert ramps.points == 3 * 2 * 4 * 2 * len(directions)
-    assert sorted(places.tolist()) == list(range(ramps.points))
+def ramps_of(*directions):
+    axes = {"start": np.arange(2), "direction": np.array(directions)}
+    return Ramps(Grid(ROTORS, axes, STARTS), Options())
 
 
 @pytest.mark.parametrize("directions", [(0,), (1,), (-1,), (1, -1)])
-def test_a_job_is_what_stands_at_its_places(directions):
-    ramps = Ramps(AXES, STARTS, directions, Options())
+def test_a_job_is_what_stands_at_its_places_and_each_point_is_in_one(directions):
+    ramps, axes, places = ramps_of(*directions), ROTORS.axes, []
     for number in range(len(ramps)):
-        job, places = ramps.job(number), ramps.places(number)
-        omega, zeta, delta0, start, direction = np.unravel_index(places, ramps.shape)
-        assert [rotor.omega for rotor in job.rotors] == AXES["omega"][omega].tolist()
-        assert [rotor.zeta for rotor in job.rotors] == AXES["zeta"][zeta].tolist()
-        assert [rotor.delta0 for rotor in job.rotors] == AXES["delta0"][delta0].tolist()
+        job = ramps.job(number)
+        places.append(ramps.places(number))
+        omega, zeta, delta0, start, direction = np.unravel_index(places[-1], ramps.grid.shape)
+        assert [rotor.omega for rotor in job.rotors] == axes["omega"][omega].tolist()
+        assert [rotor.zeta for rotor in job.rotors] == axes["zeta"][zeta].tolist()
+        assert [rotor.delta0 for rotor in job.rotors] == axes["delta0"][delta0].tolist()
+        assert {rotor.load for rotor in job.rotors} == {0.1}
         assert {job.start} == {STARTS[each] for each in start.tolist()}
-        turn = directions[direction[0]]
-        assert not turn or (turn * np.diff(omega) > 0).all()
+        way = directions[direction[0]]
+        assert not way or (way * np.diff(omega) > 0).all()
+    assert ramps.grid.points == 3 * 2 * 4 * 2 * len(directions)
+    assert sorted(np.concatenate(places).tolist()) == list(range(ramps.grid.points))
 
 
-def test_chains_with_much_clearance_come_first():
-    ramps = Ramps(AXES, STARTS, (1,), Options())
+def test_ramps_with_much_clearance_come_first():
+    ramps = ramps_of(1)
     numbers = ramps.slowest_first().tolist()
     assert sorted(numbers) == list(range(len(ramps)))
     clearances = [ramps.job(number).rotors[0].delta0 for number in numbers]

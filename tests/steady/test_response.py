@@ -1,5 +1,7 @@
 """The kinds of response that a single window tells, of motions made by hand."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from rotor_ida.closed_forms import touch_fading
 from rotor_ida.steady.response import (
     Window,
     phase_lag_of,
+    rolls_backwards,
     stays_free,
     touches_fade,
     touches_grow_slighter,
@@ -119,3 +122,32 @@ def test_a_contact_cut_off_by_the_window_does_not_count():
     table = touches(1.0)
     table[0, 0], table[0, 3] = np.nan, 1e-7
     assert touches_fade(window(still, FADING, table))
+
+
+def rolling_window(rolling, *, whirl=-1.0, touches=0):
+    """Three revolutions at constant radius, rolling for the stretches given."""
+    times = np.linspace(0.0, 6.0 * math.pi, 193)
+    z = 2.0 * np.exp(1j * (whirl - 1.0) * times)
+    states = np.column_stack([z.real, z.imag, (1j * whirl * z).real, (1j * whirl * z).imag])
+    rotor = Rotor(omega=1.0, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=2.0)
+    table = np.array(rolling, dtype=float).reshape(-1, 2)
+    return Window(rotor, times, states, np.empty((0, 9)), touches, True, 1e-9, table)
+
+
+EACH = [(1.0, 1.5), (7.0, 8.0), (13.0, 18.0)]
+
+
+@pytest.mark.parametrize(
+    ("seen", "period", "whips"),
+    [
+        (rolling_window(EACH), None, True),
+        (rolling_window([(0.0, 6.0 * math.pi)]), 1.3, True),
+        (rolling_window(EACH, whirl=0.5), None, False),
+        (rolling_window(EACH, touches=2), None, False),
+        (rolling_window(EACH[:2]), None, False),
+        (rolling_window(EACH), math.pi, False),
+        (rolling_window([]), None, False),
+    ],
+)
+def test_it_is_whip_only_if_it_rolls_backwards_in_every_period(seen, period, whips):
+    assert rolls_backwards(seen, period) is whips

@@ -12,8 +12,8 @@ from rotor_ida.closed_forms import peaks
 from rotor_ida.paper.whip import is_whip
 from rotor_ida.parallel import FailedJob
 from rotor_ida.schema import ENDING, RESPONSE, flags_of
-from rotor_ida.steady import jobs, passage
-from rotor_ida.steady.run_ups_dataset import fractions_of
+from rotor_ida.steady import grid, run_up_outcome
+from rotor_ida.steady.run_ups import fractions_of
 
 REST = (0.0, 0.0, 0.0, 0.0)
 START = (0.3, -0.1, 0.2, 0.1)
@@ -275,7 +275,7 @@ def test_whoever_does_the_work_finds_the_same_bits(executor):
 
 def test_one_that_fails_is_labelled_and_stops_nothing(monkeypatch):
     """On its ramp, or once it is held; what it met on the ramp is kept."""
-    true_run, true_follow = passage.run, passage.follow_to_steady_state
+    true_run, true_follow = run_up_outcome.run, run_up_outcome.follow_to_steady_state
 
     def fails(rotor, *rest, **options):
         if rotor.zeta == 0.2:
@@ -287,8 +287,8 @@ def test_one_that_fails_is_labelled_and_stops_nothing(monkeypatch):
             raise OverflowError("too large")
         return true_follow(rotor, *rest, **options)
 
-    monkeypatch.setattr(passage, "run", fails)
-    monkeypatch.setattr(passage, "follow_to_steady_state", overflows)
+    monkeypatch.setattr(run_up_outcome, "run", fails)
+    monkeypatch.setattr(run_up_outcome, "follow_to_steady_state", overflows)
     given = SHAFT | {"zeta": [0.1, 0.2, 0.3]}
     found = run_ups(omega=0.3, to=1.6, rate=0.3, **given, executor="serial").squeeze()
     assert found.status.values.tolist() == [0, 1, 1]
@@ -307,7 +307,7 @@ def test_one_that_is_lost_with_its_worker_is_labelled(monkeypatch):
             done = FailedJob("its worker died") if number == 1 else work(job, np.zeros(1, np.uint8))
             yield number, done
 
-    monkeypatch.setattr(jobs, "run_all", loses_the_second)
+    monkeypatch.setattr(grid, "run_all", loses_the_second)
     found = run_ups(omega=0.3, to=1.6, rate=[0.4, 0.2, 0.3], **SHAFT).squeeze()
     # the slowest first
     assert found.status.values.tolist() == [0, 0, 1]

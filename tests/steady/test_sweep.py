@@ -3,22 +3,14 @@
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, SimulationError, sweep, synchronous_response
+from rotor_ida import InputError, SimulationError, compare, sweep
 from rotor_ida.parallel import FailedJob
-from rotor_ida.schema import RESPONSE, flags_of
-from rotor_ida.steady import jobs as jobs_module
-from rotor_ida.steady import ramps as ramps_module
+from rotor_ida.schema import EXACT, RESPONSE, flags_of
+from rotor_ida.steady import grid as grid_module
+from rotor_ida.steady import sweep as sweep_module
+from tests.rotors import KNOCKED
 
-
-def test_from_rest_without_clearance_every_point_is_on_the_exact_curve():
-    omega = [0.3, 0.9, 1.5, 2.2]
-    responses = sweep(omega=omega, zeta=0.07, delta0=0.0)
-    exact = synchronous_response(omega=omega, zeta=0.07, delta0=0.0)
-    assert (responses.response == RESPONSE["synchronous"]).all()
-    simulated = responses.amplitude * np.exp(-1j * responses.phase_lag)
-    expected = exact.amplitude * np.exp(-1j * exact.phase_lag)
-    error = abs(simulated - expected).min("branch") / abs(simulated)
-    assert float(error.max()) < 1e-8
+REST = (0.0, 0.0, 0.0, 0.0)
 
 
 def test_up_and_down_show_the_hysteresis_of_the_jump():
@@ -86,14 +78,14 @@ def test_a_point_that_fails_is_labelled_and_stops_nothing(monkeypatch):
 
 
 def raising_at_two(monkeypatch, error):
-    true_follow = ramps_module.follow_to_steady_state
+    true_follow = sweep_module.follow_to_steady_state
 
     def slips_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise error
         return true_follow(rotor, *rest, **options)
 
-    monkeypatch.setattr(ramps_module, "follow_to_steady_state", slips_at_two)
+    monkeypatch.setattr(sweep_module, "follow_to_steady_state", slips_at_two)
 
 
 @pytest.mark.parametrize(
@@ -122,7 +114,7 @@ def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
                 FailedJob("its worker died") if number == 1 else work(job, np.zeros(1, np.uint8)),
             )
 
-    monkeypatch.setattr(jobs_module, "run_all", loses_the_second)
+    monkeypatch.setattr(grid_module, "run_all", loses_the_second)
     found = sweep(omega=[1.0, 2.0], zeta=0.5, delta0=0.5, direction="both").squeeze()
     assert found.status.values.tolist() == [[0, 1], [0, 1]]
     assert found.message.values[:, 1].tolist() == ["its worker died"] * 2
@@ -149,11 +141,79 @@ def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
         ),
         ({"workers": 0}, "workers must be at least 1, got 0"),
         ({"executor": "gpu"}, "executor must be one of 'auto', 'serial', .*, got 'gpu'"),
+        ({"load": -0.1}, "load must be zero or positive, got -0.1"),
+        ({"load": None}, "load must be a finite real number, got None"),
+        ({"load": [0.0, 1e-13]}, "load must be 0, or from 1e-12 to 1e\\+06, to be simulated, .*"),
+        ({"load": 0.1, "omega": 1e-4}, "omega must be 0 or from 0.001 to 1000 to settle, .*"),
+        ({"contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
+        ({"friction": 0.2}, "disc_radius must be given with friction, .*"),
+        ({"friction": -0.2, "disc_radius": 1.0}, "friction must be zero or positive, .*"),
+        ({"friction": 0.2, "disc_radius": [1.0, np.nan]}, "disc_radius must be .*"),
+        (
+            {"delta0": [0.0, 1.0], "friction": [0.0, 0.2], "disc_radius": 1.0},
+            "friction must be 0 without clearance, .*",
+        ),
     ],
 )
 def test_bad_input_gets_one_clear_line(changes, message):
     with pytest.raises(InputError, match=f"^{message}$"):
         sweep(**{"omega": 1.0, "zeta": 0.1, "delta0": 0.5, **changes})
+
+
+def test_axes_are_dimensions_numbers_coordinates_and_each_point_is_what_it_is_alone():
+    plain = {"omega": [1.2, 2.4], "zeta": 0.05, "delta0": 1.0, "method": "taylor"}
+    axes = {"shaft_stiffness": [0.25, 0.3], "load": [0.0, 0.6]}
+    both = sweep(**plain, **axes, contact_exponent=1.0, contact_damping=0.0)
+    assert both.amplitude.dims == (
+        "omega", "zeta", "delta0", "shaft_stiffness", "load", "start", "direction",
+    )  # fmt: skip
+    assert both.contact_exponent.item() == 1.0
+    assert "contact_damping" not in both.coords
+    # of a Dataset `load` is a method
+    assert both["load"].attrs["units"] == "1"
+    assert both["load"].attrs["long_name"]
+    for load in axes["load"]:
+        alone = sweep(**plain, shaft_stiffness=0.3, load=load, contact_exponent=1.0)
+        part = both.sel(shaft_stiffness=0.3, load=load)
+        assert ("load" in alone.coords) == (load > 0.0)
+        assert alone.shaft_stiffness.item() == 0.3
+        for name in ("response", "amplitude", "period", "event_count", "end_vx"):
+            np.testing.assert_array_equal(part[name].values, alone[name].values)
+
+
+def test_dry_whip_starts_from_a_knock_and_rubs_are_those_of_the_closed_form():
+    """Whip is born at omega 0.3148 without unbalance (DESIGN section 3); from rest it is not
+    reached."""
+    found = sweep(
+        omega=[0.3, 0.5, 0.6], zeta=0.1, delta0=1.0, friction=[0.0, 0.2], disc_radius=10.0,
+        starts=[REST, KNOCKED], method="taylor",
+    )  # fmt: skip
+    rolling = found.response == RESPONSE["rolling"]
+    assert not rolling.sel(friction=0.0).any()
+    assert not rolling.sel(start=0).any()
+    whips = found.sel(friction=0.2).isel(start=1).squeeze()
+    kinds = ("contact_free", "rolling", "rolling")
+    assert whips.response.values.tolist() == [RESPONSE[kind] for kind in kinds]
+    assert found.disc_radius.item() == 10.0
+    compared = compare(found)
+    # with unbalance whip is a cycle on the turning axes
+    repeats = rolling & found.period.notnull()
+    assert repeats.any()
+    assert (compared.lies_on.where(repeats, EXACT["cycle"]) == EXACT["cycle"]).all()
+    assert float(compared.digits.where(repeats).min()) > 6.0
+    rubs = compared.response == RESPONSE["synchronous"]
+    assert rubs.sel(friction=0.2).any()
+    assert (compared.lies_on.where(rubs, EXACT["whirl"]) == EXACT["whirl"]).all()
+    assert float(compared.digits.where(rubs).min()) > 9.0
+
+
+def test_whip_stays_while_the_speed_goes_down_and_is_not_reached_going_up():
+    given = {"zeta": 0.1, "delta0": 1.0, "friction": 0.2, "disc_radius": 10.0, "method": "taylor"}
+    speeds = [0.3, 0.5, 0.6]
+    up = sweep(omega=speeds, direction="up", **given).response.values.ravel()
+    down = sweep(omega=speeds, direction="down", starts=[KNOCKED], **given).response.values.ravel()
+    assert RESPONSE["rolling"] not in up
+    assert down.tolist() == [RESPONSE[k] for k in ("contact_free", "rolling", "rolling")]
 
 
 MACHINE = {"zeta": 0.05, "delta0": 1.0, "shaft_stiffness": 0.25, "method": "taylor"}
@@ -173,31 +233,3 @@ def test_a_run_up_under_a_load_goes_on_where_the_last_speed_ended():
     # from rest it comes to another cycle at the last speed
     rest = sweep(omega=2.5, load=0.6, **MACHINE).squeeze()
     assert rest.period.item() * 2.5 / (2.0 * np.pi) == pytest.approx(3.0, rel=1e-14)
-
-
-def test_loads_as_an_axis_are_a_dimension_and_each_is_what_it_is_alone():
-    both = sweep(omega=[1.2, 2.4], load=[0.0, 0.6], **MACHINE)
-    assert both.amplitude.dims == ("omega", "zeta", "delta0", "load", "start", "direction")
-    for load in (0.0, 0.6):
-        alone = sweep(omega=[1.2, 2.4], load=load, **MACHINE)
-        part = both.sel(load=load)
-        assert ("load" in alone.coords) == (load > 0.0)
-        for name in ("response", "amplitude", "period", "event_count", "end_vx"):
-            np.testing.assert_array_equal(part[name].values, alone[name].values)
-    # of a Dataset `load` is a method
-    assert both["load"].attrs["units"] == "1"
-    assert both["load"].attrs["long_name"]
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"load": -0.1}, "load must be zero or positive, got -0.1"),
-        ({"load": [0.0, 1e-13]}, "load must be 0, or from 1e-12 to 1e\\+06, to be simulated, .*"),
-        ({"load": 0.1, "omega": 1e-4}, "omega must be 0 or from 0.001 to 1000 to settle, .*"),
-        ({"contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
-    ],
-)
-def test_a_machine_that_cannot_be_gets_one_clear_line(changes, message):
-    with pytest.raises(InputError, match=f"^{message}$"):
-        sweep(**{"omega": 1.0, "zeta": 0.1, "delta0": 0.5, **changes})

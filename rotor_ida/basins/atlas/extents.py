@@ -32,23 +32,13 @@ from rotor_ida.closed_forms import (
     touch_speeds,
 )
 from rotor_ida.closed_forms.contact_free import complex_amplitude
+from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.fold_locus import LocusSide, fold_locus, locus_points
-from rotor_ida.cycles.branch import (
-    BORN,
-    CONTACT_FREE,
-    DOUBLING,
-    FOLD,
-    HALVED,
-    LIMITS,
-    PLACE,
-    SLIDING,
-    TORUS,
-    Side,
-    advance,
-    course_from,
-)
-from rotor_ida.cycles.guess import Guess
+from rotor_ida.closed_forms.rotor_columns import RotorColumns
+from rotor_ida.cycles.branch import BORN, CONTACT_FREE, HALVED, LIMITS, Side, advance
+from rotor_ida.cycles.guess import DOUBLING, Guess
+from rotor_ida.cycles.problems import FOLD, PLACE, SLIDING, TORUS, branch_through
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import Rotor, without
 from rotor_ida.model.table import PARAMETERS
@@ -241,7 +231,7 @@ def extent_of_cycle(
     value = getattr(rotor, parameter)
     farthest = FARTHEST_OF_CYCLE * max(1.0, value)
     try:
-        course = course_from(
+        course = branch_through(
             Guess(rotor, state, period), parameter, (0.0, farthest), MOST_POINTS, stop
         )
     except SimulationError:
@@ -318,13 +308,13 @@ def _end_along_curve(rotor: Rotor, amplitude: float, parameter: str, limit: floa
 def _extent_over_damping(rotor: Rotor, amplitude: float) -> tuple[End, End]:
     """Return between which dampings a stable whirl exists; its amplitude falls as they rise."""
     lowest, highest = AT_ZERO * rotor.zeta, FARTHEST_OF_WHIRL * rotor.zeta
-    turns = [turn for side in fold_locus(rotor.delta0, 4.0 * lowest**2)
+    turns = [turn for side in fold_locus(RestoringLaw(rotor.delta0), 4.0 * lowest**2)
              for turn in _folds_at_speed(side, rotor.omega)]  # fmt: skip
     touch = End(math.inf, "none")
     if 0.0 < rotor.delta0 < 1.0:
         touch = End(_first_touch(rotor, "zeta"), "touch")
-    speed, clearance = np.array([rotor.omega]), np.array([rotor.delta0])
-    undamped = contacting_whirls(speed, np.zeros(1), clearance).amplitude
+    at_speed = RotorColumns.of({"omega": [rotor.omega], "zeta": 0.0, "delta0": rotor.delta0})
+    undamped = contacting_whirls(at_speed).amplitude
     lasting = undamped[undamped >= amplitude * (1.0 - UNDAMPED)]
     below = [(rotor.delta0, touch), *(turn for turn in turns if turn[0] <= amplitude)]
     above = [*((size, End(0.0, "none")) for size in lasting.tolist()),
@@ -340,12 +330,12 @@ def _folds_at_speed(side: LocusSide, omega: float) -> list[tuple[float, End]]:
     """Return the amplitudes of the folds of one speed, each with its damping."""
 
     def faster(u: Values | float) -> Values:
-        return np.asarray(u) ** 3 / locus_points(u, side.delta0, side.side).b - omega**2
+        return np.asarray(u) ** 3 / locus_points(u, side.law, side.side).b - omega**2
 
     beyond = faster(side.u)
     found = []
     for place in np.flatnonzero(beyond[:-1] * beyond[1:] <= 0.0).tolist():
         u = float(brentq(faster, side.u[place], side.u[place + 1], xtol=1e-300, rtol=1e-15))
-        damping = float(locus_points(u, side.delta0, side.side).damping)
-        found.append((side.delta0 + u * u, End(0.5 * math.sqrt(damping), "fold")))
+        damping = float(locus_points(u, side.law, side.side).damping)
+        found.append((side.law.delta0 + u * u, End(0.5 * math.sqrt(damping), "fold")))
     return found

@@ -20,9 +20,10 @@ from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, attractor_of_cycle
 from rotor_ida.basins.cycle_sections import cycle_section
 from rotor_ida.basins.fates import APERIODIC
 from rotor_ida.basins.known import may_roll, same_numbers
-from rotor_ida.cycles.branch import LIMITS, PLACE, Side, advance, course_from
+from rotor_ida.cycles.branch import LIMITS, Side, advance
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.multipliers import is_stable
+from rotor_ida.cycles.problems import PLACE, branch_through
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import Rotor
@@ -121,7 +122,7 @@ def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Cyc
         if name == "disc_radius" and here.friction == 0.0:  # no cycle knows it
             return close_orbit(there, member.state, period, stop)
         guess = Guess(here, member.state, period)
-        course = course_from(guess, name, limits, MOST_POINTS, stop)
+        course = branch_through(guess, name, limits, MOST_POINTS, stop)
         rising = course.first.tangent[PLACE] > 0.0
         side = Side([course.first if rising == (end > begin) else course.first.reversed()])
         while not side.end:

@@ -38,7 +38,7 @@ from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, leads_to
 from rotor_ida.basins.cycle_sections import CycleSection
 from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED
 from rotor_ida.basins.known import ContactFree, Known, may_roll
-from rotor_ida.cycles.limit_cycle import follow
+from rotor_ida.cycles.limit_cycle import sampled_orbit
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import Rotor
@@ -233,12 +233,13 @@ def _states_of(search: Search, subject: Subject) -> Values:
         return known.whirls[subject.label].centre[:, None]
     if subject.cycle is not None:
         cycle = subject.cycle
-        return follow(known.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES, stop).T
+        return sampled_orbit(known.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES, stop).T
     if may_roll(known.rotor):
         start = subject.start
         return states_of_rub(known.rotor, start, SAMPLES) if np.isfinite(start).all() else _NONE
     # chaos, as long as it lasts: what ends elsewhere by itself needs no shock
-    states = follow(known.rotor, subject.start, 1.0, CHAOS_BEGINS + SAMPLES, stop)[-SAMPLES:].T
+    orbit = sampled_orbit(known.rotor, subject.start, 1.0, CHAOS_BEGINS + SAMPLES, stop)
+    states = orbit[-SAMPLES:].T
     left = np.flatnonzero(ends_of(known, states, search.tolerance, stop) != UNDECIDED)
     lasting = int(left[0]) if left.size else SAMPLES
     return states[:, : lasting if lasting >= FEWEST else 0]

@@ -30,7 +30,7 @@ from rotor_ida.checks import (
     check_seed,
     shown,
 )
-from rotor_ida.cycles.limit_cycle import follow, whirl_beside
+from rotor_ida.cycles.limit_cycle import sampled_orbit, whirl_beside
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force
@@ -276,7 +276,7 @@ def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
     """Return what a limit cycle does, from one period of it."""
     stop, period = np.zeros(1, np.uint8), member.attractor.period
     cycle = close_orbit(rotor, member.state, period, stop)
-    states = follow(rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)[:-1]
+    states = sampled_orbit(rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)[:-1]
     revolution = 2.0 * math.pi / rotor.omega
     impulse = cycle.impulse
     if math.isnan(impulse):  # without clearance: the integral of a smooth periodic function

@@ -6,9 +6,10 @@ or what `rotor_ida.orders`, `rotor_ida.full_spectrum`, `rotor_ida.spectrogram` o
 unit, dimensionless otherwise. Exact results go `beneath` the picture.
 """
 
-from rotor_ida.plot.signals.motion import plot_centre_line, plot_orbit, plot_trace
-from rotor_ida.plot.signals.spectra import plot_cascade, plot_full_spectrum, plot_spectrogram
-from rotor_ida.plot.signals.tracks import plot_bode, plot_orders, plot_polar
+from rotor_ida.plot.signals.cascades import plot_cascade, plot_spectrogram
+from rotor_ida.plot.signals.orbits import plot_centre_line, plot_orbit, plot_trace
+from rotor_ida.plot.signals.orders import plot_bode, plot_orders, plot_polar
+from rotor_ida.plot.signals.spectra import plot_full_spectrum, plot_spectrum
 
 __all__ = [
     "plot_bode",
@@ -19,5 +20,6 @@ __all__ = [
     "plot_orders",
     "plot_polar",
     "plot_spectrogram",
+    "plot_spectrum",
     "plot_trace",
 ]

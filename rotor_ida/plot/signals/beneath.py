@@ -1,27 +1,109 @@
-"""Exact results under a picture of signals: curves, whirls, special points, lines of cycles."""
+"""Exact results beneath a picture of signals: curves, whirls, special points, lines of cycles."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import DARK_BROWN, FOLD, GREY, HOPF, INK, PURPLE
+from rotor_ida.plot.appearance import DARK_BROWN, FOLD, GREY, HOPF, INK, PURPLE, draw_marks
+from rotor_ida.plot.datasets import check_dataset, parameters_in
 from rotor_ida.plot.responses import CURVE, draw_curve
-from rotor_ida.plot.signals.units import Scales, Units, check_parameters, list_of, scales_of
-from rotor_ida.schema import flags_of
+from rotor_ida.plot.signals.units import Scales, Units, scales_of
+from rotor_ida.schema import flags_of, words_of
 
+Beneath = xr.Dataset | Sequence[xr.Dataset]
+T = TypeVar("T")
+# What can lie beneath a picture, and the variables that tell it; the first that fits is it.
+KINDS = {
+    "curve": CURVE,
+    "folds": ("fold_omega", "fold_amplitude"),
+    "hopf_points": ("hopf_omega", "hopf_amplitude"),
+    "cycle": ("line_kind", "whirl_amplitude"),
+    "backward_whirl": ("amplitude", "whirl_speed", "kind"),
+    "whirls": ("amplitude", "branch", "phase_lag"),
+    "rest": ("radial_frequency", "x", "y"),
+    "motion": ("t", "x", "y"),
+}
 CYCLE = "exact cycle"
 # Of the strongest: lines of a cycle that are weaker are left out.
 WEAKEST = 1e-4
-WHIRLS = {"slipping": "slipping whirl", "rolling": "dry whip"}
+BACKWARD = {"slipping": ("exact slipping whirl", GREY), "rolling": ("exact dry whip", DARK_BROWN)}
+# Words and marks of special points.
+SPECIAL = {"fold": (FOLD, "D"), "hopf": (HOPF, "o")}
+
+
+def made_beneath(
+    beneath: Beneath,
+    shown: xr.Dataset,
+    units: Units,
+    makers: Mapping[str, Callable[[xr.Dataset, Scales], list[T]]],
+    allowed: str,
+    *,
+    of_any_speed: Collection[str] = tuple(KINDS),
+) -> list[T]:
+    """Return what is made of exact results in the units of a picture; refuse other ones.
+
+    Parameters
+    ----------
+    beneath : Dataset or sequence of Dataset
+        The exact results.
+    shown : Dataset
+        What is shown above them.
+    units : Units
+        The units of the picture.
+    makers : mapping of str to callable
+        What makes something of each kind of result.
+    allowed : str
+        The kinds in words, for the message.
+    of_any_speed : collection of str
+        Kinds that may be of another speed than what is shown.
+    """
+    made: list[T] = []
+    # curves first: other points ask them for lags
+    for dataset in sorted(list_of(beneath), key=lambda each: _kind_of(each) != "curve"):
+        kind = _kind_of(dataset)
+        if kind not in makers:
+            title = dataset.attrs.get("title", "another dataset")
+            raise InputError(f"beneath must be {allowed}, got {title!r}")
+        _check_parameters(dataset, shown, () if kind not in of_any_speed else ("omega",))
+        made += makers[kind](dataset, scales_of(dataset, shown, units))
+    return made
+
+
+def _kind_of(dataset: xr.Dataset) -> str:
+    names = set(dataset.variables)
+    return next((kind for kind, needed in KINDS.items() if names.issuperset(needed)), "other")
+
+
+def list_of(beneath: Beneath) -> list[xr.Dataset]:
+    """Return one dataset or several as a list."""
+    if not isinstance(beneath, xr.Dataset | Sequence):
+        raise InputError(
+            f"beneath must be a Dataset or several in a list, got {type(beneath).__name__}"
+        )
+    listed = [beneath] if isinstance(beneath, xr.Dataset) else list(beneath)
+    return [check_dataset("beneath", each, ()) for each in listed]
+
+
+def _check_parameters(exact: xr.Dataset, shown: xr.Dataset, skipped: Sequence[str]) -> None:
+    """Refuse exact results of another rotor than that of the signals, where both tell."""
+    for name in parameters_in(exact):
+        if name in shown.variables and name not in skipped:
+            here, there = np.atleast_1d(exact[name].values), float(shown[name])
+            if there not in here:
+                raise InputError(
+                    f"beneath must have the {name} of the signals, {there!r}, got "
+                    f"{float(here[0])!r}"
+                )
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +128,7 @@ class Response:
     lags: Values
     marker: str = ""
     words: str = ""
-    filled: Values | None = None
+    filled: npt.NDArray[np.bool_] | None = None
 
     def draw_amplitude(self, ax: Axes) -> None:
         """Draw amplitudes over the speed."""
@@ -69,72 +151,56 @@ class Response:
         self._points(ax, np.radians(self.lags), self.amplitudes)
 
     def _points(self, ax: Any, across: Values, up: Values) -> None:
-        words = self.words
-        for filled in (True, False):
-            chosen = np.isfinite(across + up)
-            if self.filled is not None:
-                chosen &= self.filled == filled
-            elif filled:
-                continue
+        shown = np.isfinite(across + up)
+        filled = np.zeros(shown.shape, dtype=bool) if self.filled is None else self.filled
+        for chosen, face in ((shown & filled, INK), (shown & ~filled, "white")):
             if chosen.any():
-                ax.plot(across[chosen], up[chosen], ls="", marker=self.marker, ms=4.4, mew=1.0,
-                        mec=INK, mfc=INK if filled else "white", label=words,
-                        zorder=3.7)  # fmt: skip
-                words = "_"
+                draw_marks(ax, across[chosen], up[chosen], self.marker, INK, size=4.4, face=face,
+                           label=self.words, level=3.7)  # fmt: skip
 
 
-def responses_of(
-    beneath: xr.Dataset | Sequence[xr.Dataset], shown: xr.Dataset, units: Units
-) -> list[Response]:
+def responses_of(beneath: Beneath, shown: xr.Dataset, units: Units) -> list[Response]:
     """Return what can lie under an order over the speed; refuse what cannot."""
-    datasets = list_of(beneath)
-    curves = [each for each in datasets if set(CURVE) <= set(each.variables)]
-    found = [_curve(each, shown, units) for each in curves]
-    drawn = [each.curve for each in found if each.curve is not None]
-    for dataset in datasets:
-        if any(dataset is curve for curve in curves):
-            continue
-        names = set(dataset.variables)
-        if "fold_omega" in names:
-            found.append(_special(dataset, "fold", FOLD, "D", drawn, shown, units))
-        elif "hopf_omega" in names:
-            found.append(_special(dataset, "hopf", HOPF, "o", drawn, shown, units))
-        elif {"amplitude", "branch", "phase_lag"} <= names:
-            found.append(_whirls(dataset, shown, units))
-        elif "line_kind" in names:
-            found.append(_cycle(dataset, shown, units))
-        else:
-            raise InputError(
-                "beneath must be a response curve, whirls, folds, Hopf points or a limit cycle, "
-                f"got {dataset.attrs.get('title', 'another dataset')!r}"
-            )
-    return found
+    curves: list[xr.Dataset] = []
+
+    def curve(dataset: xr.Dataset, scales: Scales) -> list[Response]:
+        drawn = _curve(dataset, scales, units)
+        curves.append(drawn)
+        nothing = np.empty(0)
+        return [Response(drawn, nothing, nothing, nothing)]
+
+    makers = {
+        "curve": curve,
+        "folds": lambda each, scales: [_special("fold", each, scales, units, curves, shown)],
+        "hopf_points": lambda each, scales: [_special("hopf", each, scales, units, curves, shown)],
+        "whirls": lambda each, scales: [_whirls(each, scales, units)],
+        "cycle": lambda each, scales: [_cycle(each, scales, units)],
+    }
+    allowed = "a response curve, whirls, folds, Hopf points or a limit cycle"
+    return made_beneath(beneath, shown, units, makers, allowed)
 
 
-def _curve(curve: xr.Dataset, shown: xr.Dataset, units: Units) -> Response:
-    """Return a response curve within the speeds that are shown."""
-    scales = _scales(curve, shown, units)
+def _curve(curve: xr.Dataset, scales: Scales, units: Units) -> xr.Dataset:
+    """Return a response curve in the units of a picture, with lags in degrees."""
     speeds = units.speeds(curve["omega"].values * scales.omega).values
-    turned = curve.assign(
+    return curve.assign(
         omega=(curve["omega"].dims, speeds),
         amplitude=curve["amplitude"] * scales.length,
         phase_lag=np.degrees(curve["phase_lag"]),
     )
-    nothing = np.empty(0)
-    return Response(turned, nothing, nothing, nothing)
 
 
 def _special(
-    dataset: xr.Dataset, name: str, words: str, marker: str, curves: Sequence[xr.Dataset],
-    shown: xr.Dataset, units: Units,
+    name: str, dataset: xr.Dataset, scales: Scales, units: Units, curves: Sequence[xr.Dataset],
+    shown: xr.Dataset,
 ) -> Response:  # fmt: skip
     """Return folds or Hopf points, with the lags that a curve has there."""
-    scales = _scales(dataset, shown, units)
+    words, marker = SPECIAL[name]
     speeds = units.speeds(dataset[f"{name}_omega"].values.ravel() * scales.omega).values
     amplitudes = dataset[f"{name}_amplitude"].values.ravel() * scales.length
     if "speed" in shown.variables:  # what lies beyond the picture is not in its legend either
-        seen = units.speeds(shown["speed"].values).values
-        within = (speeds >= 0.98 * seen.min()) & (speeds <= 1.02 * seen.max())
+        drawn = units.speeds(shown["speed"].values).values
+        within = (speeds >= 0.98 * drawn.min()) & (speeds <= 1.02 * drawn.max())
         speeds, amplitudes = speeds[within], amplitudes[within]
     lags = np.array([_lag_on(curves, *each) for each in zip(speeds, amplitudes, strict=True)])
     return Response(None, speeds, amplitudes, lags, marker, words)
@@ -152,25 +218,27 @@ def _lag_on(curves: Sequence[xr.Dataset], speed: float, amplitude: float) -> flo
     return lag
 
 
-def _whirls(dataset: xr.Dataset, shown: xr.Dataset, units: Units) -> Response:
-    """Return the whirls at given speeds."""
-    scales = _scales(dataset, shown, units)
+def _flat_whirls(
+    whirls: xr.Dataset,
+) -> tuple[Values, Values, Values, npt.NDArray[np.bool_]]:
+    """Return speeds, amplitudes and lags of whirls one after the other, and which are stable."""
+    names = ("omega", "amplitude", "phase_lag", "stability")
     omega, amplitude, lag, stability = (
-        each.values.ravel()
-        for each in xr.broadcast(
-            dataset["omega"], dataset["amplitude"], dataset["phase_lag"], dataset["stability"]
-        )
+        each.values.ravel() for each in xr.broadcast(*(whirls[name] for name in names))
     )
-    stable = stability != flags_of(dataset["stability"])["unstable"]
+    return omega, amplitude, lag, stability != flags_of(whirls["stability"])["unstable"]
+
+
+def _whirls(whirls: xr.Dataset, scales: Scales, units: Units) -> Response:
+    """Return the whirls at given speeds."""
+    omega, amplitude, lag, stable = _flat_whirls(whirls)
     speeds = units.speeds(omega * scales.omega).values
-    return Response(
-        None, speeds, amplitude * scales.length, np.degrees(lag), "s", "exact whirl", stable
-    )
+    amplitude, lag = amplitude * scales.length, np.degrees(lag)
+    return Response(None, speeds, amplitude, lag, "s", "exact whirl", stable)
 
 
-def _cycle(cycle: xr.Dataset, shown: xr.Dataset, units: Units) -> Response:
+def _cycle(cycle: xr.Dataset, scales: Scales, units: Units) -> Response:
     """Return the part of a limit cycle at the spin speed, with its lag: its mean as it turns."""
-    scales = _scales(cycle, shown, units)
     spin = cycle["line_kind"].values == flags_of(cycle["line_kind"])["spin"]
     amplitude = np.atleast_1d(cycle["whirl_amplitude"].values[spin]) * scales.length
     speeds = units.speeds(np.full(amplitude.size, float(cycle["omega"])) * scales.omega).values
@@ -179,19 +247,13 @@ def _cycle(cycle: xr.Dataset, shown: xr.Dataset, units: Units) -> Response:
     return Response(None, speeds, amplitude, np.full(amplitude.size, lag), "s", f"1X of {CYCLE}")
 
 
-def _scales(exact: xr.Dataset, shown: xr.Dataset, units: Units) -> Scales:
-    check_parameters(exact, shown, skipped=("omega",))
-    return scales_of(exact, shown, units)
-
-
 def _near(lags: Any, around: float) -> Any:
     """Return lags in degrees, all moved by the whole turns that bring them nearest to others."""
     middle = float(np.nanmedian(lags)) if np.isfinite(lags).any() else around
     return lags + 360.0 * round((around - middle) / 360.0)
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
+class Line(NamedTuple):
     """An exact line of a spectrum: its frequency and amplitude in the units of a picture."""
 
     frequency: float
@@ -204,34 +266,26 @@ class Line:
 
 
 def lines_of(
-    beneath: xr.Dataset | Sequence[xr.Dataset],
-    shown: xr.Dataset,
-    units: Units,
-    *,
-    over_speed: bool = False,
+    beneath: Beneath, shown: xr.Dataset, units: Units, *, over_speed: bool = False
 ) -> list[Line]:
     """Return the exact lines of cycles and whirls; refuse what has none.
 
     In a picture over the speed also folds and Hopf points, on the line of order 1.
     """
-    found: list[Line] = []
-    for dataset in list_of(beneath):
-        check_parameters(dataset, shown, skipped=("omega",))
-        scales, names = scales_of(dataset, shown, units), set(dataset.variables)
-        if "line_kind" in names:
-            found += _lines_of_cycle(dataset, scales, units)
-        elif "whirl_speed" in names and "kind" in names:
-            found += _lines_of_backward(dataset, scales, units)
-        elif {"amplitude", "branch"} <= names:
-            found += _lines_of_whirls(dataset, scales, units)
-        elif {"fold_omega", "hopf_omega"} & names:
-            found += _special_lines(dataset, scales, units) if over_speed else []
-        elif not set(CURVE) <= names:
-            raise InputError(
-                "beneath must be a limit cycle, backward whirls or synchronous whirls, got "
-                f"{dataset.attrs.get('title', 'another dataset')!r}"
-            )
-    return found
+
+    def special(name: str, dataset: xr.Dataset, scales: Scales) -> list[Line]:
+        return _special_lines(name, dataset, scales, units) if over_speed else []
+
+    makers: dict[str, Callable[[xr.Dataset, Scales], list[Line]]] = {
+        "curve": lambda _each, _scales: [],
+        "folds": lambda each, scales: special("fold", each, scales),
+        "hopf_points": lambda each, scales: special("hopf", each, scales),
+        "cycle": lambda each, scales: _lines_of_cycle(each, scales, units),
+        "backward_whirl": lambda each, scales: _lines_of_backward(each, scales, units),
+        "whirls": lambda each, scales: _lines_of_whirls(each, scales, units),
+    }
+    allowed = "a limit cycle, backward whirls or synchronous whirls"
+    return made_beneath(beneath, shown, units, makers, allowed)
 
 
 def _lines_of_cycle(cycle: xr.Dataset, scales: Scales, units: Units) -> list[Line]:
@@ -245,49 +299,44 @@ def _lines_of_cycle(cycle: xr.Dataset, scales: Scales, units: Units) -> list[Lin
     ]
 
 
-def _special_lines(dataset: xr.Dataset, scales: Scales, units: Units) -> list[Line]:
+def _special_lines(name: str, dataset: xr.Dataset, scales: Scales, units: Units) -> list[Line]:
     """Return folds, or Hopf points with the two lines that a cycle has beside 1X as it is born."""
-    fold = "fold_omega" in dataset.variables
-    name, words, marker = ("fold", FOLD, "D") if fold else ("hopf", HOPF, "o")
-    found = []
+    words, marker = SPECIAL[name]
+    lines = []
     for place, omega in np.ndenumerate(dataset[f"{name}_omega"].values):
         if not math.isfinite(omega):
             continue
         height = float(dataset[f"{name}_amplitude"].values[place]) * scales.length
-        beside = 0.0 if fold else float(dataset["hopf_frequency"].values[place])
+        rates = [omega]
+        if name == "hopf":
+            beside = float(dataset["hopf_frequency"].values[place])
+            rates += [omega - beside, omega + beside]
         speed = float(units.speeds(omega * scales.omega))
-        for rate in [omega] if fold else [omega, omega - beside, omega + beside]:
-            at = float(units.frequencies(rate * scales.rate))
-            found.append(Line(at, height, words, INK, marker, speed))
-    return found
+        for rate in rates:
+            frequency = float(units.frequencies(rate * scales.rate))
+            lines.append(Line(frequency, height, words, INK, marker, speed))
+    return lines
 
 
 def _lines_of_backward(whirls: xr.Dataset, scales: Scales, units: Units) -> list[Line]:
-    kinds = {number: word for word, number in flags_of(whirls["kind"]).items()}
     speed = float(units.speeds(float(whirls["omega"]) * scales.omega))
-    found = []
-    for number in range(whirls.sizes["whirl"]):
-        whirl = whirls.isel(whirl=number)
-        if not math.isfinite(float(whirl["amplitude"])):
-            continue
-        kind = kinds[int(whirl["kind"])]
-        place = float(units.frequencies(float(whirl["whirl_speed"]) * scales.rate))
-        height = float(whirl["amplitude"]) * scales.length
-        colour = DARK_BROWN if kind == "rolling" else GREY
-        found.append(Line(place, height, f"exact {WHIRLS[kind]}", colour, "v", speed))
-    return found
+    heights = whirls["amplitude"].values * scales.length
+    frequencies = units.frequencies(whirls["whirl_speed"].values * scales.rate).values
+    return [
+        Line(float(frequency), float(height), *BACKWARD[kind], "v", speed)
+        for frequency, height, kind in zip(
+            frequencies, heights, words_of(whirls["kind"]), strict=True
+        )
+        if math.isfinite(height)
+    ]
 
 
 def _lines_of_whirls(whirls: xr.Dataset, scales: Scales, units: Units) -> list[Line]:
-    omega, amplitude, stability = (
-        each.values.ravel()
-        for each in xr.broadcast(whirls["omega"], whirls["amplitude"], whirls["stability"])
-    )
-    flags = flags_of(whirls["stability"])
+    omega, amplitude, _, stable = _flat_whirls(whirls)
     rates = omega * scales.omega
     return [
         Line(float(units.frequencies(rate)), float(height) * scales.length, "line of exact whirl",
              INK, "s", float(units.speeds(rate)))
-        for rate, height, kind in zip(rates, amplitude, stability, strict=True)
-        if math.isfinite(height) and kind != flags["unstable"]
+        for rate, height, kept in zip(rates, amplitude, stable, strict=True)
+        if math.isfinite(height) and kept
     ]  # fmt: skip

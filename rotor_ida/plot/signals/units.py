@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,15 +13,11 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import SPEED_UNITS
-from rotor_ida.model.table import ALL_PARAMETERS
-from rotor_ida.plot.appearance import MOST_IN_A_LINE, check_dataset
-from rotor_ida.plot.labels import SEPARATOR, parameter_text
 from rotor_ida.results.si_units import PREFIXES
+from rotor_ida.signals.spectra import STEADY
 
 LENGTH = re.compile(r"^([pnumkM]?)m$")
 RATE = re.compile(r"^([pnumkM]?)s-1$")
-# A speed that changes by less than that is one speed.
-STEADY = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +49,8 @@ class Units:
 
     def _turns(self, values: npt.ArrayLike, factor: float, unit: str) -> xr.DataArray:
         scale = 1.0 if self.rate is None else self.rate * factor
-        told = "1" if self.rate is None else unit
-        return xr.DataArray(scale * np.asarray(values), attrs={"units": told})
+        shown = "1" if self.rate is None else unit
+        return xr.DataArray(scale * np.asarray(values), attrs={"units": shown})
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,11 +64,11 @@ class Scales:
 
 def units_of(dataset: xr.Dataset, length: str, rate: str | None = None) -> Units:
     """Return the units of a dataset: those of its variables of a length, and of a rate or time."""
-    found = None
+    radians = None
     if rate is not None:
         unit = str(dataset[rate].attrs.get("units", "1"))
-        found = 1.0 if unit == "rpm" else radians_in(unit if "-1" in unit else f"{unit}-1")
-    return Units(str(dataset[length].attrs.get("units", "1")), found)
+        radians = 1.0 if unit == "rpm" else radians_in(unit if "-1" in unit else f"{unit}-1")
+    return Units(str(dataset[length].attrs.get("units", "1")), radians)
 
 
 def radians_in(unit: str) -> float | None:
@@ -84,8 +79,8 @@ def radians_in(unit: str) -> float | None:
     >>> radians_in("ms-1"), radians_in("1")
     (1000.0, None)
     """
-    found = RATE.match(unit)
-    return PREFIXES[found[1]] if found else None
+    parts = RATE.match(unit)
+    return PREFIXES[parts[1]] if parts else None
 
 
 def scales_of(exact: xr.Dataset, shown: xr.Dataset, units: Units) -> Scales:
@@ -119,45 +114,11 @@ def scales_of(exact: xr.Dataset, shown: xr.Dataset, units: Units) -> Scales:
 
 
 def _metres(unit: str) -> float:
-    found = LENGTH.match(unit)
-    assert found is not None
-    return 1.0 / PREFIXES[found[1]]
-
-
-def list_of(beneath: xr.Dataset | Sequence[xr.Dataset]) -> list[xr.Dataset]:
-    """Return one dataset or several as a list."""
-    if not isinstance(beneath, xr.Dataset | Sequence):
-        raise InputError(
-            f"beneath must be a Dataset or several in a list, got {type(beneath).__name__}"
-        )
-    listed = [beneath] if isinstance(beneath, xr.Dataset) else list(beneath)
-    return [check_dataset("beneath", each, ()) for each in listed]
-
-
-def check_parameters(exact: xr.Dataset, shown: xr.Dataset, skipped: Sequence[str] = ()) -> None:
-    """Refuse exact results of another rotor than that of the signals, where both tell."""
-    for name in ALL_PARAMETERS:
-        if name in exact.variables and name in shown.variables and name not in skipped:
-            here, there = np.atleast_1d(exact[name].values), float(shown[name])
-            if there not in here:
-                raise InputError(
-                    f"beneath must have the {name} of the signals, {there!r}, got "
-                    f"{float(here[0])!r}"
-                )
+    parts = LENGTH.match(unit)
+    assert parts is not None
+    return 1.0 / PREFIXES[parts[1]]
 
 
 def is_one_speed(speeds: Values) -> bool:
     """Return whether speeds are the same but for noise."""
     return bool(np.ptp(speeds) <= STEADY * np.abs(speeds).max(initial=0.0))
-
-
-def title_of(dataset: xr.Dataset, *, one_speed: bool) -> str:
-    """Return the parameters that a dataset tells, but for a speed that changes."""
-    names = [
-        name
-        for name in ALL_PARAMETERS
-        if name in dataset.variables and not dataset[name].ndim and (name != "omega" or one_speed)
-    ]
-    text = [parameter_text({name: float(dataset[name])}) for name in names]
-    lines = [text] if len(text) <= MOST_IN_A_LINE else [text[:3], text[3:]]
-    return "\n".join(SEPARATOR.join(line) for line in lines)

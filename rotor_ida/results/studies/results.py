@@ -16,6 +16,7 @@ from rotor_ida.results.studies.database import FILE
 from rotor_ida.results.studies.store import Piece, Study, opened
 
 Result = TypeVar("Result")
+Folder = str | os.PathLike[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +101,7 @@ class Results(Generic[Result]):
 
 @contextmanager
 def open_results(
-    folder: str | os.PathLike[str] | None,
+    folder: Folder | None,
     design: Mapping[str, Any],
     points: int,
     form: Form[Result],

@@ -21,6 +21,7 @@ from rotor_ida import (
     signals_of,
     simulate,
     spectrogram,
+    spectrum,
     synchronous_response,
 )
 from rotor_ida.closed_forms import response_curve
@@ -33,11 +34,12 @@ from rotor_ida.plot import (
     plot_orders,
     plot_polar,
     plot_spectrogram,
+    plot_spectrum,
     plot_trace,
     save_figure,
 )
-from rotor_ida.plot.signals.spectra import COLOURS
-from rotor_ida.schema import labelled_dataset
+from rotor_ida.plot.signals.cascades import COLOURS
+from rotor_ida.schema import flags_of, labelled_dataset
 
 REST = (0.0, 0.0, 0.0, 0.0)
 EVERY = (
@@ -105,19 +107,17 @@ def figure_of(drawn):
 
 
 @pytest.mark.parametrize("draw", EVERY)
-def test_runs_and_signals_give_the_same_numbers(draw, up):
+def test_runs_and_signals_give_the_same_picture(draw, up, tmp_path):
     """A picture needs no more of a run than two probes and a keyphasor tell."""
     run = draw(up, keyphasor=True) if draw is plot_orbit else draw(up)
-    seen = draw(signals_of(up))
-    for here, there in zip(figure_of(run).axes, figure_of(seen).axes, strict=True):
+    seen = figure_of(draw(signals_of(up)))
+    for here, there in zip(figure_of(run).axes, seen.axes, strict=True):
         assert here.get_xlabel() == there.get_xlabel()
         np.testing.assert_allclose(here.get_xlim(), there.get_xlim(), rtol=0.02, atol=0.05)
-
-
-@pytest.mark.parametrize("draw", EVERY)
-def test_every_plot_can_be_saved(draw, up, tmp_path):
-    files = save_figure(figure_of(draw(up)), tmp_path / "drawn")
-    assert all(path.stat().st_size > 5000 for path in files)
+    assert all(path.stat().st_size > 5000 for path in save_figure(seen, tmp_path / "drawn"))
+    box = seen.get_tightbbox()
+    assert min(box.x0, box.y0) >= -0.02
+    assert (np.array([box.x1, box.y1]) <= seen.get_size_inches() + 0.02).all()
 
 
 def test_bode_shows_amplitude_and_lag_of_a_known_whirl():
@@ -291,11 +291,11 @@ def test_a_cascade_keeps_the_largest_of_the_segments_that_share_a_row(up):
 
 def test_segments_suit_the_rate_of_the_speed(up):
     """The line of a chirp of rate a in a Hann window of length T is a T or 3 pi/T wide."""
-    from rotor_ida.plot.signals.spectra import _segment_for
     from rotor_ida.signals.record import record_of
+    from rotor_ida.signals.spectra import segment_for
 
     record = record_of(up)
-    length = _segment_for(record) * record.equal_step()
+    length = segment_for(record) * record.equal_step()
     assert length == pytest.approx(math.sqrt(3.0 * math.pi / 0.005), rel=0.01)
 
 
@@ -310,10 +310,15 @@ def test_a_spectrogram_darkens_with_the_amplitude_in_grey(up):
     assert "whirl amplitude $|c|$" in [each.get_ylabel() for each in ax.figure.axes]
 
 
-def test_forward_and_backward_lie_on_either_side_of_zero(up):
-    ax = plot_full_spectrum(up.sel(t=slice(300, None)))
-    backward, forward = (line_of(ax, word).get_xdata() for word in ("backward", "forward"))
-    assert backward.max() <= 0.0 <= forward.min()
+def test_forward_and_backward_lie_on_either_side_of_zero(up, bouncing):
+    for ax, words in (
+        (plot_full_spectrum(up.sel(t=slice(300, None))), ""),
+        (plot_spectrum(spectrum(bouncing)), " whirl"),
+    ):
+        backward, forward = (
+            line_of(ax, f"{word}{words}").get_xdata() for word in ("backward", "forward")
+        )
+        assert backward.max() <= 0.0 <= forward.min()
 
 
 def test_dry_whip_is_marked_at_its_speed_backwards():
@@ -352,6 +357,13 @@ def test_dots_of_the_keyphasor_stand_once_a_revolution_after_a_gap():
     gone = np.isnan(orbit.get_xdata())
     turns = (seen.angle.values / (2.0 * np.pi)) % 1.0
     np.testing.assert_array_equal(gone, turns > 0.97)
+
+
+def test_under_a_run_up_whirls_may_be_of_several_speeds(up):
+    whirls = synchronous_response(omega=[1.2, 1.7], zeta=0.07, delta0=0.5)
+    ax = plot_orbit(up.sel(t=slice(0, 100)), beneath=whirls)
+    circles = [line for line in ax.get_lines() if line.get_label() == "exact whirl"]
+    assert len(circles) == int((whirls.stability == flags_of(whirls.stability)["stable"]).sum())
 
 
 def test_runs_have_dots_only_when_asked(up):

@@ -4,38 +4,38 @@ import numpy as np
 import pytest
 
 from rotor_ida import ArchiveError
-from rotor_ida.basins import batches
+from rotor_ida.basins import following
 from rotor_ida.basins.atlas import cells
 from rotor_ida.cycles import continue_cycle
 from rotor_ida.results.studies import Piece, opened
 from rotor_ida.results.studies.arrays import packed
 from rotor_ida.results.studies.results import open_results
-from rotor_ida.steady import run_ups_dataset
-from rotor_ida.steady import sweep_dataset as dataset
+from rotor_ida.steady import run_ups, sweep
 
 FORMS = {
-    "points of a sweep": dataset.FORM,
-    "run-up": run_ups_dataset.FORM,
-    "batch of starts": batches.FORM,
+    "points of a sweep": sweep.FORM,
+    "run-up": run_ups.FORM,
+    "batch of starts": following.FORM,
     "stretch of a branch": continue_cycle.FORM,
     "cell of an atlas": cells.FORM,
 }
 
 
 def test_every_bit_of_a_batch_comes_back():
-    batch = batches.BatchResult(
+    batch = following.BatchResult(
         8192,
         np.array([0, -3, 2], dtype=np.int16),
         np.array([0.5, np.nan, 2.0], dtype=np.float32),
         np.array([[1.0, 2.0, 3.0, 4.0, 1e-300, 1.0]]),
-        np.empty((0, 4)),
         np.array([3.0, 1e5]),
         np.array(1e-6),
+        aperiodic={following.CHAOTIC: np.array([[0.1, 0.2, 1e-300, 3.0]])},
     )
-    back = batches.FORM.unpack(batches.FORM.pack(batch))
+    back = following.FORM.unpack(following.FORM.pack(batch))
     assert back.first == 8192
-    for name in ("labels", "times", "cycles", "chaos", "watched"):
-        one, other = getattr(back, name), getattr(batch, name)
+    of_chaos = (each.aperiodic[following.CHAOTIC] for each in (back, batch))
+    names = ("labels", "times", "cycles", "watched")
+    for one, other in (of_chaos, *((getattr(back, name), getattr(batch, name)) for name in names)):
         assert (one.dtype, one.shape, one.tobytes()) == (other.dtype, other.shape, other.tobytes())
 
 

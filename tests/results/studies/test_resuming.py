@@ -107,7 +107,7 @@ def test_an_interrupt_leaves_a_study_that_goes_on(tmp_path):
 
 
 def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
-    from rotor_ida.steady import ramps
+    from rotor_ida.steady import sweep as sweeps
 
     def has_no_memory(rotor, *rest, **options):
         if rotor.omega == 2.0:
@@ -116,7 +116,7 @@ def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
 
     given = {"omega": [1.0, 2.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
     with monkeypatch.context() as patch:
-        patch.setattr(ramps, "follow_to_steady_state", has_no_memory)
+        patch.setattr(sweeps, "follow_to_steady_state", has_no_memory)
         found = sweep(**given, study=tmp_path)
     assert found.message.values.ravel().tolist() == ["", "MemoryError"]
     assert status(tmp_path)["left"] == 1
@@ -174,14 +174,14 @@ def test_a_seed_of_numpy_leaves_no_trace(tmp_path):
 
 
 def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypatch):
-    from rotor_ida.steady import ramps
+    from rotor_ida.steady import sweep as sweeps
 
     def fails_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise OverflowError("too large")
         return follow.follow_to_steady_state(rotor, *rest, **options)
 
-    monkeypatch.setattr(ramps, "follow_to_steady_state", fails_at_two)
+    monkeypatch.setattr(sweeps, "follow_to_steady_state", fails_at_two)
     given = {"omega": [1.0, 2.0, 3.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
     found = sweep(**given, study=tmp_path)
     told = status(tmp_path)
@@ -194,7 +194,7 @@ def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypat
 
 
 def test_a_fault_of_the_program_is_raised_and_what_was_done_is_kept(tmp_path, monkeypatch):
-    from rotor_ida.steady import ramps
+    from rotor_ida.steady import sweep as sweeps
 
     def slips_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
@@ -202,7 +202,7 @@ def test_a_fault_of_the_program_is_raised_and_what_was_done_is_kept(tmp_path, mo
         return follow.follow_to_steady_state(rotor, *rest, **options)
 
     given = {"omega": [1.0, 2.0, 3.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
-    monkeypatch.setattr(ramps, "follow_to_steady_state", slips_at_two)
+    monkeypatch.setattr(sweeps, "follow_to_steady_state", slips_at_two)
     with pytest.raises(KeyError, match="a slip"):
         sweep(**given, study=tmp_path)
     monkeypatch.undo()

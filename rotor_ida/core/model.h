@@ -1,0 +1,40 @@
+/* What the model of this library has: constants, by which the compiler removes what it has not.
+ *
+ * A library knows one model: the paper's rotor; the general one, with a shaft, a load, another law
+ * of contact and friction; or that with a speed that changes. `hatch_build.py` chooses it. This is
+ * the only place that asks the preprocessor: elsewhere stands `if (HAS_FRICTION)`. A name that only
+ * another model has is declared all the same, and 0 (see the derived headers). */
+#ifndef ROTOR_IDA_MODEL_H
+#define ROTOR_IDA_MODEL_H
+
+#ifdef WHOLE_MODEL
+enum { IS_GENERAL = 1 };
+#else
+enum { IS_GENERAL = 0 };
+#endif
+
+#ifdef RUN_UP
+enum { SPEED_CHANGES = 1 };
+#define DERIVED_HEADER "derived_run_up.h"
+#else
+enum { SPEED_CHANGES = 0 };
+#ifdef WHOLE_MODEL
+#define DERIVED_HEADER "derived_whole.h"
+#else
+#define DERIVED_HEADER "derived.h"
+#endif
+#endif
+
+enum {
+    HAS_SHAFT = IS_GENERAL,
+    HAS_LOAD = IS_GENERAL,
+    HAS_CONTACT_DAMPING = IS_GENERAL,
+    HAS_LINEAR_CONTACT = IS_GENERAL, /* beside Hertz's */
+    HAS_FRICTION = IS_GENERAL,
+    /* a speed that changes has no closed form of flight, and no neighbours are followed beside it
+     */
+    HAS_CLOSED_FLIGHT = !SPEED_CHANGES,
+    HAS_NEIGHBOURS = !SPEED_CHANGES
+};
+
+#endif

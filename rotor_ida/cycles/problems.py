@@ -1,0 +1,333 @@
+"""The curves of limit cycles that are followed: cycles over a parameter, bifurcations over two.
+
+Beside the equations of shooting a third condition holds on a curve of bifurcations: a test function
+of the monodromy matrix M, ``2 (1 + q) - tr M`` for a fold or ``tr M`` for a doubling, is 0; for a
+torus, and in general, see `rotor_ida.cycles.multipliers`. It is smooth, and no eigenvalue has to be
+followed. A cusp, where two folds meet, is where the curve turns back in the plane of the
+parameters, though not in the space of all unknowns. A curve of torus points ends where the pair on
+the unit circle becomes real, at 1 or -1.
+
+Where the contact's stiffness or damping begins at once, M changes like a root beyond a graze: at
+the ring in a linear contact, and at the state in which the contact with damping just does not come
+loose. There such a curve has a corner, and may end.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rotor_ida.arrays import Values
+from rotor_ida.core.runs import COLUMNS
+from rotor_ida.cycles.continuation import Curve, Point, Problem, shooting_equations
+from rotor_ida.cycles.guess import DOUBLING, Guess
+from rotor_ida.cycles.multipliers import doubling_test, fold_test, on_unit_circle, torus_test
+from rotor_ida.cycles.shooting import (
+    Cycle,
+    checked_cycle,
+    contacts_of,
+    failure,
+    period_of,
+    revolutions_of,
+)
+from rotor_ida.cycles.special_points import Count
+from rotor_ida.errors import SimulationError
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.table import PARAMETERS
+from rotor_ida.parallel.jobs import Stop
+from rotor_ida.simulation.neighbours import Shot, shoot
+from rotor_ida.simulation.orbit import REVERSE, ROLL
+
+FOLD, GRAZE, TORUS, SLIDING, CUSP = "fold", "graze", "torus", "sliding", "cusp"
+TESTS: dict[str, Callable[[Shot], float]] = {
+    FOLD: fold_test,
+    DOUBLING: doubling_test,
+    TORUS: torus_test,
+}
+# Where the (first) parameter stands among the unknowns, behind the state and the period.
+PLACE = 5
+# A rotor that does not turn, or is not damped, has no cycles; one without a load has others.
+NEVER_ZERO = ("omega", "zeta", "load")
+# What unknowns are multiplied by for half a period.
+HALF = np.array([1.0, 1.0, 1.0, 1.0, 0.5, 1.0])
+# Where the period doubles, doubled cycles are sought aside at these parts of the size of the state,
+# in turn: close to where they leave, and if Newton's method falls back there, farther and nearer.
+ASIDE = (1e-3, 3e-3, 1e-2, 3e-4, 1e-4, 3e-5)
+# What was found there is doubled if after half its period it misses its start by this part of that.
+STILL_ASIDE = 0.1
+# Step of the differences by which a test function is differentiated, in parts of the scales: about
+# the root of rounding, and short beside the kink that the trace has at a graze.
+DIFFERENCE = 1e-8
+# The derivatives serve until an unknown has moved by a step: beside a graze they change without
+# bound.
+KEPT_WITHIN = 1e-8
+
+
+@dataclass(frozen=True, slots=True)
+class Continuation:
+    """A branch of cycles, or a curve of bifurcations, that is to be followed.
+
+    Parameters
+    ----------
+    line : Curve
+        What takes the steps.
+    name : str
+        The (first) parameter.
+    first : Point
+        Its first point, led forward.
+    limits : dict of int to tuple of float
+        The least and the largest value [1] of each parameter, by its place among the unknowns.
+    most : int
+        The largest number of points.
+    both : bool
+        Whether it goes on from there both ways; from where a period doubles there is but one.
+    half : Problem, optional
+        The cycles of half the period, to which those of the branch may come.
+    """
+
+    line: Curve[Shot]
+    name: str
+    first: Point[Shot]
+    limits: dict[int, tuple[float, float]]
+    most: int
+    both: bool = True
+    half: Problem[Shot] | None = None
+
+
+def branch_through(
+    guess: Guess, parameter: str, limits: tuple[float, float], most: int, stop: Stop
+) -> Continuation:
+    """Return the branch through a cycle, or the doubled one that leaves it at a doubling.
+
+    The guess has a period. SimulationError if there is no branch.
+    """
+    rotor, period = guess.rotor, guess.period or math.nan
+    value = getattr(rotor, parameter)
+    doubles = guess.special == DOUBLING
+    scale = _scale(guess, period * (2.0 if doubles else 1.0), [value], [limits])
+    times = revolutions_of(rotor, scale[4])
+    line = Curve(cycles_over(rotor, parameter, stop, times), scale)
+    half = None if times % 2 else cycles_over(rotor, parameter, stop, times // 2)
+    if doubles:
+        first = _doubled(line, guess, value)
+        return Continuation(line, parameter, first, {PLACE: limits}, most, both=False, half=half)
+    first = line.first(np.append(guess.state, (period, value)))
+    first = first.reversed() if guess.slope < 0.0 else first
+    return Continuation(line, parameter, first, {PLACE: limits}, most, half=half)
+
+
+def bifurcations_through(
+    guess: Guess,
+    kind: str,
+    names: tuple[str, str],
+    limits: tuple[tuple[float, float], tuple[float, float]],
+    most: int,
+    stop: Stop,
+) -> Continuation:
+    """Return the curve through a bifurcation."""
+    values = [getattr(guess.rotor, name) for name in names]
+    period = guess.period or math.nan
+    scale = _scale(guess, period, values, limits)
+    line = Curve(_problem(guess.rotor, kind, names, scale, stop), scale)
+    first = line.first(np.append(guess.state, (period, *values)))
+    return Continuation(line, names[0], first, {PLACE: limits[0], PLACE + 1: limits[1]}, most)
+
+
+def _scale(
+    guess: Guess,
+    period: float,
+    values: Sequence[float],
+    limits: Sequence[tuple[float, float]],
+) -> Values:
+    """Return the sizes of state, period and parameters, in parts of which lengths are measured."""
+    sizes = [value or high - low for value, (low, high) in zip(values, limits, strict=True)]
+    return np.array([*[np.linalg.norm(guess.state)] * 4, period, *sizes])
+
+
+# ---- Cycles over a parameter ----
+
+
+def nearest_gap(shot: Shot) -> float:
+    """Return the extremum of the radius that is nearest to the ring, from there: 0 at a graze."""
+    gaps: list[float] = (shot.extrema["radius"] - shot.rotor.delta0).tolist()
+    return min(gaps, key=abs)
+
+
+def changes_of(shot: Shot) -> int:
+    """Return how often on an orbit the disc begins to roll, or slides the other way."""
+    return int(np.isin(shot.event_kinds, (ROLL, REVERSE)).sum())
+
+
+# What is counted on an orbit; of the second no function of the orbit is 0 where it changes.
+COUNTS = {
+    GRAZE: Count(contacts_of, nearest_gap),
+    SLIDING: Count(changes_of, lambda _shot: math.inf),
+}
+
+
+def cycles_over(rotor: Rotor, parameter: str, stop: Stop, revolutions: int) -> Problem[Shot]:
+    """Return the cycles of a rotor over one of its parameters.
+
+    Under a load they are those of so many revolutions.
+    """
+    tests: dict[str, Callable[[Point[Shot], Point[Shot]], float]] = {
+        FOLD: lambda point, _last: fold_test(point.stretch),
+        DOUBLING: lambda point, _last: doubling_test(point.stretch),
+    }
+    if may_have_tori(rotor, parameter):
+        tests[TORUS] = lambda point, _last: torus_test(point.stretch)
+    return Problem(
+        lambda unknowns: shot_of(rotor, unknowns, (parameter,), stop),
+        lambda _unknowns, shot, direction: closing_equations(
+            shot, direction, (parameter,), revolutions
+        ),
+        checked_cycle,
+        tests,
+        COUNTS,
+        autonomous=rotor.load == 0.0,
+    )
+
+
+def may_have_tori(rotor: Rotor, *varied: str) -> bool:
+    """Return whether a torus may be born from cycles of a rotor, some parameters of it varied."""
+    where = ("contact_damping", "friction", "load")
+    return any(name in varied or getattr(rotor, name) > 0.0 for name in where)
+
+
+def closing_equations(
+    shot: Shot, direction: Values, parameters: Sequence[str], revolutions: int
+) -> tuple[Values, Values]:
+    """Return what the equations of a cycle miss, and their derivatives by all unknowns.
+
+    They are those of `shooting_equations`; under a load the last is ``T = k 2 pi/omega`` instead.
+    """
+    columns = [COLUMNS.index(name) for name in parameters]
+    miss, matrix = shooting_equations(shot, direction, *shot.by_parameter[:, columns].T)
+    if shot.rotor.load > 0.0:
+        period = period_of(shot.rotor, revolutions)
+        miss[4], matrix[4] = period - shot.duration, 0.0
+        matrix[4, 4] = 1.0
+        for place, name in enumerate(parameters, start=PLACE):
+            if name == "omega":
+                matrix[4, place] = period / shot.rotor.omega
+    return miss, matrix
+
+
+def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Stop) -> Shot:
+    """Return the orbit that state, period and some parameters mean.
+
+    Below 0, where no machine is, the orbit is led on along its derivative at 0: so a step may pass
+    a limit there. SimulationError if a parameter cannot be, or the orbit cannot be followed.
+    """
+    values, below = dict[str, float](), dict[str, float]()
+    for name, value in zip(parameters, unknowns[5:].tolist(), strict=True):
+        if value < 0.0 and name not in PARAMETERS:
+            below[name] = value
+        elif value < 0.0 or (value == 0.0 and name in NEVER_ZERO):
+            raise SimulationError(f"{name} falls to {value:.3g}")
+        values[name] = max(value, 0.0)
+    here, whole = replace(rotor, **values), any(name not in PARAMETERS for name in parameters)
+    shot = shoot(here, unknowns[:4], float(unknowns[4]), stop, whole=whole)
+    for name, value in below.items():
+        shot = replace(shot, end=shot.end + value * shot.by_parameter[:, COLUMNS.index(name)])
+    return shot
+
+
+def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
+    """Return a point of the doubled branch near a period doubling, led away from it.
+
+    Its cycles leave along the eigenvector of the multiplier -1, twice round.
+    """
+    period = guess.period or math.nan
+    once = line.problem.shoot(np.append(guess.state, (period, value)))
+    multipliers, vectors = np.linalg.eig(once.monodromy)
+    aside = np.real(vectors[:, np.argmin(np.abs(multipliers + 1.0))])
+    if line.problem.autonomous:
+        aside -= (aside @ once.start_rate) / (once.start_rate @ once.start_rate) * once.start_rate
+    away = np.zeros(6)
+    away[:4] = aside / np.linalg.norm(aside)
+    for part in ASIDE:
+        unknowns = np.append(guess.state, (2.0 * period, value)) + part * away * line.scale
+        try:
+            point = line.near(unknowns, away)
+        except SimulationError:
+            continue
+        if _half_misses(line, point) > STILL_ASIDE * part:
+            return point
+    x, y, vx, vy = guess.state.tolist()
+    message = f"no doubled cycle was found beside the one of period {period:.9g}"
+    raise SimulationError(message, time=0.0, state=(x, y, vx, vy))
+
+
+def _half_misses(line: Curve[Shot], point: Point[Shot]) -> float:
+    """Return by how much half a period misses its start, relative to the size of the state."""
+    start = point.stretch.start
+    half = line.problem.shoot(point.unknowns * HALF)
+    return float(np.linalg.norm(half.end - start) / np.linalg.norm(start))
+
+
+# ---- Bifurcations over two ----
+
+
+def _problem(
+    rotor: Rotor, kind: str, names: tuple[str, str], scale: Values, stop: Stop
+) -> Problem[Shot]:
+    """Return the bifurcations of a kind over two parameters of a rotor."""
+    test, revolutions = TESTS[kind], revolutions_of(rotor, scale[PLACE - 1])
+
+    def follow(unknowns: Values) -> Shot:
+        return shot_of(rotor, unknowns, names, stop)
+
+    gradient = _Gradient(lambda unknowns: test(follow(unknowns)), scale)
+
+    def equations(unknowns: Values, shot: Shot, direction: Values) -> tuple[Values, Values]:
+        miss, matrix = closing_equations(shot, direction, names, revolutions)
+        slopes = gradient.near(unknowns, test(shot))
+        return np.append(miss, -test(shot)), np.vstack([matrix, slopes])
+
+    return Problem(
+        follow,
+        equations,
+        _checked_torus if kind == TORUS else checked_cycle,
+        {CUSP: _turning},
+        COUNTS,
+        autonomous=rotor.load == 0.0,
+    )
+
+
+def _checked_torus(shot: Shot) -> Cycle:
+    """Return an orbit as a limit cycle with a complex pair of multipliers on the unit circle."""
+    cycle = checked_cycle(shot)
+    if not on_unit_circle(shot):
+        raise failure(shot, "the pair of multipliers on the unit circle has become real")
+    return cycle
+
+
+class _Gradient:
+    """The derivatives of a test function by the unknowns, kept while these do not move.
+
+    Newton's method needs them to find its way, not to say where it has come to.
+    """
+
+    def __init__(self, function: Callable[[Values], float], scale: Values) -> None:
+        self._function, self._scale = function, scale
+        self._place, self._gradient = np.full(scale.size, math.inf), np.empty(scale.size)
+
+    def near(self, unknowns: Values, here: float) -> Values:
+        """Return the derivatives at unknowns, where the function is `here`."""
+        if not (np.abs(unknowns - self._place) <= KEPT_WITHIN * np.abs(self._scale)).all():
+            self._place = unknowns
+            for place, step in enumerate(DIFFERENCE * self._scale):
+                beside = unknowns.copy()
+                beside[place] += step
+                change = self._function(beside) - here
+                self._gradient[place] = change / (beside[place] - unknowns[place])
+        return self._gradient.copy()
+
+
+def _turning(point: Point[Shot], last: Point[Shot]) -> float:
+    """Return how far the parameters move as they did at the point before; 0 at a cusp."""
+    return float(point.tangent[PLACE:] @ last.tangent[PLACE:])

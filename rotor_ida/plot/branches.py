@@ -1,0 +1,287 @@
+"""Branches of limit cycles over a parameter, and their bifurcation curves in the plane of two."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from rotor_ida.arrays import Values
+from rotor_ida.cycles.branch_course import Course, course_of, parameters_of, runs_of
+from rotor_ida.errors import InputError
+from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.plot.appearance import (
+    BLUE,
+    BOUNCING_CYCLE,
+    BROWN,
+    DOUBLING,
+    FOLD_OF_CYCLES,
+    FULL_CONTACT_CYCLE,
+    GRAZE,
+    HOPF,
+    INK,
+    ORANGE,
+    PURPLE,
+    RED,
+    ROLLING_CYCLE,
+    SLIDING,
+    STABLE_CYCLE,
+    UNSTABLE_CYCLE,
+    draw_marks,
+    drawing,
+    own_legend,
+    raise_limit,
+)
+from rotor_ida.plot.datasets import check_dataset, hold_units, one_value
+from rotor_ida.plot.labels import LABELS, in_lines, label_axis, parameter_text, title_of
+from rotor_ida.schema import words_of
+
+SPECIALS = ("special_kind", "special_value", "special_point")
+BRANCH = (*PARAMETERS, "radius_min", "radius_max", "stability", "response", *SPECIALS,
+          "special_radius_min", "special_radius_max")  # fmt: skip
+# How far a band covers what is under it, and how its edges are drawn, by its stability.
+COVER = {"stable": 0.28, "unstable": 0.09}
+EDGES = {"stable": (STABLE_CYCLE, "-", 1.1), "unstable": (UNSTABLE_CYCLE, (0, (3.2, 1.8)), 0.9)}
+BANDS = {
+    "bouncing": (BOUNCING_CYCLE, ORANGE),
+    "full_contact": (FULL_CONTACT_CYCLE, PURPLE),
+    "rolling": (ROLLING_CYCLE, BROWN),
+}
+
+
+class _Mark(NamedTuple):
+    """How one kind of special point is drawn."""
+
+    words: str
+    marker: str
+    size: float
+    face: str
+
+
+MARKS = {
+    "fold": _Mark(FOLD_OF_CYCLES, "s", 4.0, "white"),
+    "period_doubling": _Mark(DOUBLING, "P", 5.4, BROWN),
+    "graze": _Mark(GRAZE, "x", 3.8, BROWN),
+    "cusp": _Mark("cusp", "*", 7.5, "white"),
+    "torus": _Mark("torus", "D", 3.8, "white"),
+    "sliding": _Mark(SLIDING, "1", 5.4, BROWN),
+    "hopf": _Mark(HOPF, "o", 4.2, "white"),
+}
+# Bifurcation curves: one look for each kind, as long as they are of one rotor.
+CURVES = {
+    "fold": (FOLD_OF_CYCLES, "-"),
+    "period_doubling": (DOUBLING, (0, (6, 1.8))),
+    "torus": ("torus", (0, (1.2, 1.2))),
+}
+COLOURS = (BLUE, ORANGE, PURPLE, RED, BROWN)
+
+
+def plot_branch(branch: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw a branch of limit cycles: the range of the radius over the continued parameter.
+
+    The edges of the band are the smallest and the largest radius of the cycles, solid where these
+    are stable, dashed where not; its colour tells bouncing from full contact. Folds, period
+    doublings, torus points and grazes are marked on the upper edge. Several branches, and what
+    `plot_amplitude` has drawn before, can be on the same axes, which then keep their labels and
+    title.
+
+    Parameters
+    ----------
+    branch : Dataset
+        What `rotor_ida.continue_cycle` returned.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, continue_cycle, limit_cycle
+    >>> rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    >>> cycle = limit_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
+    >>> plot_branch(continue_cycle(rotor, start=cycle, limits=(1.9, 2.1))).get_ylabel()
+    'radius $|z|$'
+    """
+    branch = check_dataset("branch", branch, BRANCH)
+    parameter = parameters_of("branch", branch, "parameter", 1)[0]
+    course = course_of(branch)
+    with drawing(ax) as ax:
+        fresh = not ax.has_data()
+        hold_units(ax.yaxis, branch["radius_max"])
+        if fresh:
+            others = [name for name in PARAMETERS if name != parameter]
+            ax.set(xlabel=LABELS[parameter], title=title_of("branch", branch, others))
+            label_axis(ax.yaxis, "radius", branch["radius_max"])
+        _draw_bands(ax, course)
+        _draw_edges(ax, course)
+        places = branch["special_value"].values, branch["special_radius_max"].values
+        _draw_specials(ax, branch, *places, tuple(MARKS))
+        raise_limit(ax, float(branch["radius_max"].max()))
+        own_legend(ax)
+    return ax
+
+
+def plot_curves(
+    curves: xr.Dataset | Sequence[xr.Dataset],
+    *,
+    fold_points: xr.Dataset | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    r"""Draw bifurcation curves of limit cycles in the plane of their two parameters.
+
+    Parameters
+    ----------
+    curves : Dataset or sequence of Dataset
+        What `rotor_ida.bifurcation_curve` returned, all over the same two parameters.
+    fold_points : Dataset, optional
+        What `rotor_ida.folds` returned for many clearances and one ``zeta``: the folds of the
+        synchronous whirl, beside curves over ``omega`` and ``delta0``.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Raises
+    ------
+    InputError
+        If there is no curve, or one is over other parameters, or has another ``zeta`` than the
+        folds of the whirl.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, bifurcation_curve, limit_cycle
+    >>> rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    >>> cycle = limit_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
+    >>> curve = bifurcation_curve(rotor, start=cycle, kind="period_doubling",
+    ...                           limits=[(1.5, 2.5), (1.9, 2.1)])
+    >>> plot_curves(curve).get_ylabel()
+    'clearance $\\delta_0$'
+    """
+    datasets = [curves] if isinstance(curves, xr.Dataset) else list(curves)
+    if not datasets:
+        raise InputError("curves must hold at least one bifurcation curve, got none")
+    across, up = _plane_of(datasets)
+    others = [name for name in ALL_PARAMETERS if name not in {across, up}]
+    values = [
+        {name: one_value("curves", curve, name) for name in others if name in curve.coords}
+        for curve in datasets
+    ]
+    if fold_points is not None:
+        _check_folds(fold_points, {across, up}, values)
+    several = any(each != values[0] for each in values)
+    with drawing(ax) as ax:
+        ax.set(xlabel=LABELS[across], ylabel=LABELS[up])
+        if fold_points is not None:
+            _draw_folds_of_whirl(ax, fold_points, across)
+        for curve, value in zip(datasets, values, strict=True):
+            words, dashes = CURVES[_kind_of_curve(curve)]
+            label = f"{words}, {parameter_text(value)}" if several else words
+            colour = _colour_of(ax, label)
+            ax.plot(curve[across].values, curve[up].values, color=colour, ls=dashes, lw=1.2,
+                    label=label, zorder=2.5)  # fmt: skip
+            places = curve["special_value"].values, curve["special_second_value"].values
+            if parameters_of("curves", curve, "parameters", 2)[0] != across:
+                places = places[::-1]
+            _draw_specials(ax, curve, *places, ("cusp",))
+        if not several:
+            ax.set_title(in_lines(parameter_text(values[0])))
+        own_legend(ax)
+    return ax
+
+
+def _plane_of(curves: Sequence[xr.Dataset]) -> tuple[str, str]:
+    """Return the two parameters that all curves are over."""
+    for curve in curves:
+        check_dataset("curves", curve, (*PARAMETERS, *SPECIALS, "special_second_value"))
+    across, up = parameters_of("curves", curves[0], "parameters", 2)
+    for curve in curves[1:]:
+        names = parameters_of("curves", curve, "parameters", 2)
+        if set(names) != {across, up}:
+            raise InputError(
+                f"curves must all be over {across} and {up}, got {' and '.join(names)}"
+            )
+    return across, up
+
+
+def _kind_of_curve(curve: xr.Dataset) -> str:
+    kind = str(curve.attrs.get("kind", ""))
+    if kind not in CURVES:
+        raise InputError(f"curves must be of {' or '.join(CURVES)}, got the kind {kind!r}")
+    return kind
+
+
+def _draw_bands(ax: Axes, course: Course) -> None:
+    """Fill between smallest and largest radius, piece by piece: a branch folds over itself."""
+    rising = (np.diff(course.value) > 0.0).tolist()
+    kinds = list(zip(course.response, course.stability, rising, strict=True))
+    for first, last in runs_of(kinds):
+        response, stability, _ = kinds[first]
+        piece = slice(first, last + 1)
+        ax.fill_between(
+            course.value[piece], course.low[piece], course.high[piece], color=BANDS[response][1],
+            alpha=COVER[stability], lw=0.0, zorder=1.6,
+        )  # fmt: skip
+    for response in dict.fromkeys(course.response):
+        words, colour = BANDS[response]
+        ax.fill_between([], [], color=colour, alpha=COVER["stable"], lw=0.0,
+                        label=f"{words}: range of $|z|$")  # fmt: skip
+
+
+def _draw_edges(ax: Axes, course: Course) -> None:
+    for kind, (words, dashes, width) in EDGES.items():
+        lines: list[Values] = []
+        for first, last in runs_of(course.stability):
+            if course.stability[first] == kind:
+                piece = slice(first, last + 1)
+                for edge in (course.low, course.high):
+                    lines += [np.stack([course.value[piece], edge[piece]]), np.full((2, 1), np.nan)]
+        if lines:
+            ax.plot(*np.concatenate(lines, axis=1), color=BROWN, ls=dashes, lw=width, label=words,
+                    zorder=2.4)  # fmt: skip
+
+
+def _draw_specials(
+    ax: Axes, branch: xr.Dataset, across: Values, up: Values, kinds: Sequence[str]
+) -> None:
+    """Mark the special points of some kinds."""
+    here = np.array(words_of(branch["special_kind"]))
+    for kind in kinds:
+        mark, chosen = MARKS[kind], here == kind
+        if chosen.any():
+            draw_marks(ax, across[chosen], up[chosen], mark.marker, BROWN, size=mark.size,
+                       face=mark.face, label=mark.words, level=2.8)  # fmt: skip
+
+
+def _check_folds(
+    fold_points: object, names: set[str], values: Sequence[Mapping[str, float]]
+) -> None:
+    """Refuse folds of the whirl that do not belong beside curves over these parameters."""
+    if not names <= set(PARAMETERS) or any(len(each) > 1 for each in values):
+        raise InputError("fold_points must be left out beside curves of a machine, got some")
+    folds = check_dataset("fold_points", fold_points, ("zeta", "delta0", "fold_omega"))
+    if names != {"omega", "delta0"}:
+        raise InputError(
+            f"fold_points must be left out beside curves over {' and '.join(sorted(names))}"
+        )
+    zeta = one_value("fold_points", folds, "zeta")
+    for each in values:
+        if each["zeta"] != zeta:
+            raise InputError(
+                f"fold_points must have the zeta of the curves, {values[0]['zeta']!r}, got {zeta!r}"
+            )
+
+
+def _draw_folds_of_whirl(ax: Axes, fold_points: xr.Dataset, across: str) -> None:
+    """Draw the folds of the synchronous whirl in points, since they come and go."""
+    places = xr.broadcast(fold_points["fold_omega"], fold_points["delta0"])
+    omega, delta0 = (place.values.ravel() for place in places)
+    x, y = (omega, delta0) if across == "omega" else (delta0, omega)
+    ax.plot(x, y, ls="", marker=".", ms=2.8, mew=0.0, color=INK, label="fold of the whirl",
+            zorder=2.3)  # fmt: skip
+
+
+def _colour_of(ax: Axes, words: str) -> str:
+    """Return the colour of what has this name on the axes, or one that nothing there has."""
+    drawn = {str(line.get_label()): str(line.get_color()) for line in ax.lines}
+    if words in drawn:
+        return drawn[words]
+    return next((colour for colour in COLOURS if colour not in drawn.values()), INK)

@@ -1,0 +1,316 @@
+"""Motion in the long run: Poincaré sections, Lyapunov exponents, bifurcation diagrams."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.axes import Axes
+
+from rotor_ida.arrays import Values
+from rotor_ida.errors import InputError
+from rotor_ida.model.table import FRICTIONLESS, PARAMETERS
+from rotor_ida.plot.appearance import (
+    BLUE,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    draw_marks,
+    draw_ring,
+    drawing,
+    own_legend,
+    say_in_middle,
+)
+from rotor_ida.plot.datasets import (
+    check_dataset,
+    check_same_units,
+    clearance_of,
+    one_value,
+    parameters_in,
+)
+from rotor_ida.plot.labels import LABELS, in_lines, label_axis, parameter_text, title_of, with_error
+from rotor_ida.plot.responses import plot_amplitude
+from rotor_ida.results.si_units import scale_of
+from rotor_ida.schema import flags_of
+
+# How the points of a section are drawn.
+LEAST_SPAN = 0.2
+FEW = 20
+WORDS = {
+    "revolution": "once a revolution",
+    "entry": "at each entry",
+    "exit": "at each exit",
+    "peak": "at each largest radius",
+}
+# How the exponents are told apart.
+LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
+# What a bifurcation diagram is made of.
+FREE = "extremum, contact-free or unresolved"
+FREE_KINDS = ("contact_free", "touching", "unresolved")
+EXTREMA = {
+    "constant": ("constant radius", BLUE),
+    "maximum": ("local maximum of $|z|$", ORANGE),
+    "minimum": ("local minimum of $|z|$", PURPLE),
+}
+FEW_EXTREMA = 3000
+WITH_EXTREMA = (*PARAMETERS, "response", "extremum_count", "extremum_radius", "extremum_kind")
+
+
+def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw the points of a section.
+
+    Parameters
+    ----------
+    section : Dataset
+        What `rotor_ida.poincare_section` returned. Entries and exits, which all lie on the
+        ring, are drawn as radial velocity over the angle from the unbalance, other sections as
+        displacements, with the ring.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, poincare_section
+    >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> ax = plot_section(poincare_section(rotor, start=(0, 0, 0, 0), revolutions=9))
+    >>> ax.get_title()
+    'once a revolution'
+    """
+    needed = (*PARAMETERS, "rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
+    section = check_dataset("section", section, needed)
+    at = str(section.attrs.get("section", ""))
+    z = section["rotating_x"].values + 1j * section["rotating_y"].values
+    with drawing(ax, width=4.0, height=4.0) as ax:
+        if at in ("entry", "exit"):
+            w = section["rotating_vx"].values + 1j * section["rotating_vy"].values
+            across, up = _together(np.angle(z)), (w * z.conj()).real / np.abs(z)
+            scales = (1.0, scale_of(section, "velocity"))
+            ax.set_xlabel(LABELS["angle"])
+            label_axis(ax.yaxis, "radial_velocity", section["rotating_vx"])
+        else:
+            across, up, scales = z.real, z.imag, (scale_of(section, "length"),) * 2
+            label_axis(ax.xaxis, "rotating_x", section["rotating_x"])
+            label_axis(ax.yaxis, "rotating_y", section["rotating_y"])
+            draw_ring(ax, clearance_of(section, "section"))
+            ax.set_aspect("equal", adjustable="datalim")
+        ax.plot(across, up, ls="", marker="o", ms=_mark_size(z), mec="none", mfc=BLUE, zorder=3.0)
+        _leave_room(ax, *scales)
+        if not z.size:
+            say_in_middle(ax, "no crossing")
+        words = WORDS.get(at, title_of("section", section))
+        if phase := float(section.attrs.get("phase", 0.0)):
+            words = f"unbalance at {math.degrees(phase):.4g}°"
+        ax.set_title(words + _counted(z))
+    return ax
+
+
+def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    r"""Draw the mean rates of stretching over the time of the mean, with the exponents.
+
+    The legend has each exponent with the standard error of its last digits in brackets.
+
+    Parameters
+    ----------
+    found : Dataset
+        What `rotor_ida.lyapunov_exponent` returned.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, lyapunov_exponent
+    >>> found = lyapunov_exponent(Rotor(omega=1.7, zeta=0.07, delta0=0.0), start=(0, 0, 0, 0),
+    ...                           batches=4)
+    >>> plot_exponents(found).get_legend_handles_labels()[1][0]
+    '$\\lambda_1 = -0.07000$'
+    """
+    needed = ("t", "running_exponent", "lyapunov_exponent", "lyapunov_error")
+    found = check_dataset("found", found, needed)
+    with drawing(ax) as ax:
+        label_axis(ax.xaxis, "t", found["t"])
+        label_axis(ax.yaxis, "running_exponent", found["running_exponent"])
+        ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
+        for number, (colour, dashes) in enumerate(LINES):
+            part = found.isel(exponent=number)
+            value, error = part["lyapunov_exponent"].item(), part["lyapunov_error"].item()
+            words = f"$\\lambda_{number + 1} = {with_error(value, error)}$"
+            ax.plot(part["t"], part["running_exponent"], color=colour, ls=dashes, lw=1.1,
+                    label=words)  # fmt: skip
+        ax.set_xlim(0.0, float(found["t"].values[-1]))
+        low, high = float(found["lyapunov_exponent"].min()), float(found["lyapunov_exponent"].max())
+        room = max(high - low, abs(high), abs(low)) or 1.0
+        # the first, still unsettled means may lie outside
+        ax.set_ylim(low - 0.3 * room, high + 0.9 * room)
+        ax.legend(
+            ncols=2, loc="upper center", fontsize=8.0, handlelength=2.0, columnspacing=1.0,
+            borderaxespad=0.2,
+        )  # fmt: skip
+    return ax
+
+
+def plot_extrema(
+    found: xr.Dataset,
+    *,
+    exact: xr.Dataset | None = None,
+    fold_points: xr.Dataset | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the extrema of the radius over the speed, or over what else varies.
+
+    Parameters
+    ----------
+    found : Dataset
+        What `rotor_ida.bifurcation_diagram` returned, in which one parameter varies. It may hold
+        several ``delta0`` beside `exact`.
+    exact : Dataset, optional
+        What `rotor_ida.closed_forms.response_curve` returned, for the same parameters and one
+        ``delta0``: drawn under the extrema over the speed, and only those of this clearance are
+        shown.
+    fold_points : Dataset, optional
+        What `rotor_ida.folds` returned for the same parameters.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import bifurcation_diagram
+    >>> found = bifurcation_diagram(omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=[(0, 0, 0, 0)])
+    >>> plot_extrema(found).get_ylabel()
+    'radius $|z|$'
+    """
+    found = check_dataset("found", found, WITH_EXTREMA)
+    over, held = _varied(found, exact)
+    extrema = _extrema_of(found, over, None if over == "delta0" else held["delta0"])
+    with drawing(ax) as ax:
+        if exact is None:
+            ax.set_title(in_lines(parameter_text(held)))
+        else:
+            plot_amplitude(exact, fold_points=fold_points, ax=ax)
+        size = 2.6 if extrema.number < FEW_EXTREMA else 1.2
+        for words, (colour, chosen) in extrema.groups.items():
+            if not chosen.any():
+                continue
+            steady = words == EXTREMA["constant"][0]
+            face = "none" if steady else colour
+            ax.plot(
+                extrema.across[chosen], extrema.radius[chosen], ls="", marker="o",
+                ms=3.4 if steady else size, mec=colour if steady else "none", mfc=face, mew=0.7,
+                rasterized=True, zorder=2.4 if words == FREE else 3.0,
+            )  # fmt: skip
+            draw_marks(ax, [], [], "o", colour, size=3.4, face=face, edge=0.7, label=words)
+        ax.set_xlabel(LABELS[over])
+        label_axis(ax.yaxis, "radius", found["extremum_radius"])
+        own_legend(ax)
+    return ax
+
+
+class _Extrema(NamedTuple):
+    """The extrema of a diagram, one after the other: how many are shown, and each kind of them."""
+
+    across: Values
+    radius: Values
+    number: int
+    groups: dict[str, tuple[str, npt.NDArray[np.bool_]]]
+
+
+def _extrema_of(found: xr.Dataset, over: str, delta0: float | None) -> _Extrema:
+    """Return the extrema over a parameter; of one clearance, or of all."""
+    counts = found["extremum_count"]
+    places = xr.broadcast(found[over], found["delta0"], found["response"], counts)
+    across, clearance, response = (
+        np.repeat(place.transpose(*counts.dims).values.ravel(), counts.values.ravel())
+        for place in places[:3]
+    )
+    if over == "omega" and "extremum_speed" in found.variables:
+        across = found["extremum_speed"].values
+    here = np.full(clearance.shape, True) if delta0 is None else clearance == delta0
+    # of an unresolved motion it is not known whether the extrema remain
+    free = _is_of(response, found["response"], FREE_KINDS)
+    of_kind = {
+        kind: here & _is_of(found["extremum_kind"].values, found["extremum_kind"], (kind,))
+        for kind in EXTREMA
+    }
+    swinging = free & ~of_kind["constant"]
+    groups = {
+        words: (colour, of_kind[kind] & ~swinging) for kind, (words, colour) in EXTREMA.items()
+    }
+    groups[FREE] = (GREY, here & swinging)
+    return _Extrema(across, found["extremum_radius"].values, int(here.sum()), groups)
+
+
+def _is_of(
+    numbers: Values, variable: xr.DataArray, kinds: tuple[str, ...]
+) -> npt.NDArray[np.bool_]:
+    """Return which numbers of a flag variable are of some kinds."""
+    flags = flags_of(variable)
+    return np.isin(numbers, [flags[kind] for kind in kinds if kind in flags])
+
+
+def _varied(found: xr.Dataset, exact: xr.Dataset | None) -> tuple[str, dict[str, float]]:
+    """Return which parameter varies in a diagram, and the values of the others."""
+    names = parameters_in(found)
+    if exact is None:
+        varied = [name for name in names if found[name].size > 1]
+        over = varied[0] if len(varied) == 1 else "omega"
+        others = {name: one_value("found", found, name) for name in names if name != over}
+        return over, others
+    exact = check_dataset("exact", exact, ("omega", "amplitude"))
+    check_same_units("exact", exact, found)
+    others = {name: one_value("found", found, name) for name in names[1:] if name != "delta0"}
+    curve = {
+        name: one_value("exact", exact, name) for name in FRICTIONLESS if name in exact.variables
+    }
+    for name, default in FRICTIONLESS.items():
+        here, there = others.get(name, default), curve.get(name, default)
+        if here != there:
+            raise InputError(f"found must have the {name} of exact, {there!r}, got {here!r}")
+    delta0 = one_value("exact", exact, "delta0")
+    if delta0 not in found["delta0"].values:
+        raise InputError(f"found must hold the delta0 of exact, {delta0!r}, it does not")
+    return "omega", others | {"delta0": delta0}
+
+
+def _together(angle: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return angles cut open at their widest gap, so that no cluster is torn apart at pi."""
+    order = np.sort(angle)
+    gaps = np.diff(order)
+    if not gaps.size or gaps.max() <= 2.0 * math.pi + order[0] - order[-1]:
+        return angle
+    least = order[gaps.argmax() + 1]
+    cut = least + np.mod(angle - least, 2.0 * math.pi)
+    return np.asarray(cut - 2.0 * math.pi * np.round(cut.mean() / (2.0 * math.pi)))
+
+
+def _distinct(z: npt.NDArray[np.complex128]) -> int:
+    """Return the number of points that can be told apart."""
+    return int(np.unique(np.round(z / (np.abs(z).max(initial=0.0) or 1.0), 3)).size)
+
+
+def _counted(z: npt.NDArray[np.complex128]) -> str:
+    """Return how many crossings fall on few points, where they do."""
+    distinct = _distinct(z)
+    if not 0 < distinct <= FEW or z.size <= 2 * distinct:
+        return ""
+    return f": {z.size} crossings, {distinct} point{'s' if distinct > 1 else ''}"
+
+
+def _mark_size(z: npt.NDArray[np.complex128]) -> float:
+    """Return a size of the marks by the number of points that can be told apart."""
+    distinct = _distinct(z)
+    return 4.5 if distinct <= FEW else 3.0 if distinct <= 200 else 1.6
+
+
+def _leave_room(ax: Axes, across: float, up: float) -> None:
+    """Widen limits that would blow rounding up, of values of these orders, to the whole panel."""
+    for low, high, widen, order in (
+        (*ax.get_xlim(), ax.set_xlim, across),
+        (*ax.get_ylim(), ax.set_ylim, up),
+    ):
+        least = LEAST_SPAN * max(order, abs(low), abs(high))
+        if high - low < least:
+            middle = 0.5 * (low + high)
+            widen(middle - 0.5 * least, middle + 0.5 * least)

@@ -1,0 +1,155 @@
+"""The figure that suits each kind of dataset, of sweeps and whirls with the exact curve behind."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import cast
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rotor_ida import plot
+from rotor_ida.checks import check_panels
+from rotor_ida.closed_forms import folds, hopf_points, response_curve
+from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS
+from rotor_ida.plot.datasets import parameters_in, rotors_in
+from rotor_ida.plot.labels import LABELS
+
+# Up to so many speeds of a table of whirls are marked.
+FEW_SPEEDS = 30
+# At so many clearances the folds of the whirl are shown beside those of cycles.
+CLEARANCES = 41
+# Folds and Hopf points are shown over these speeds, or up to a margin beyond the last of them.
+MARKED, USUAL, MARGIN = ("fold_omega", "hopf_omega"), (0.05, 3.0), 1.2
+# A panel that is a figure alone is so wide and high [inch].
+ALONE = (5.6, 4.2)
+
+
+def _with_axes(draw: Callable[[xr.Dataset], Axes]) -> Callable[[xr.Dataset], Figure]:
+    """Return what draws the figure that axes are in."""
+    return lambda dataset: cast(Figure, draw(dataset).figure)
+
+
+def _figure_of_whirls(dataset: xr.Dataset) -> Figure:
+    """Return the figure of exact curves, with what a dataset has on them; a panel for each."""
+    parts = [part for _, part in rotors_in(dataset, but=("omega",))]
+    columns = math.ceil(math.sqrt(check_panels(len(parts))))
+    rows = math.ceil(len(parts) / columns)
+    figure, axes = plot.panels(rows, columns, width=2.4 + 2.4 * columns, height=1.6 + 2.0 * rows)
+    for ax, part in zip(axes, parts, strict=False):
+        few = "branch" in part.dims and part.sizes["omega"] <= FEW_SPEEDS
+        curve, fold_points, hopf = _exact_beside(part)
+        plot.plot_amplitude(
+            curve,
+            whirls=part if few else None,
+            simulated=part if "response" in part else None,
+            fold_points=fold_points,
+            hopf_points=hopf,
+            ax=ax,
+        )
+    shown = axes[: len(parts)]
+    for ax in axes[len(parts) :]:
+        ax.remove()
+    plot.shared_legend(figure, shown)
+    with plot.style():
+        for ax in shown[max(0, len(parts) - columns) :]:
+            ax.tick_params(labelbottom=True)
+            ax.set_xlabel(LABELS["omega"])
+    return figure
+
+
+def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
+    """Return the exact curve for a part, its folds and Hopf points; None under a load."""
+    given = {name: part[name].item() for name in ALL_PARAMETERS[1:] if name in part.variables}
+    if given.pop("load", 0.0) > 0.0:
+        return None, None, None
+    given.pop("disc_radius", None)  # of these whirls it moves none
+    curve = response_curve(**given, limits=_limits_of(part))
+    has_hopf_points = given.get("friction") or given.get("contact_damping")
+    return curve, folds(**given), hopf_points(**given) if has_hopf_points else None
+
+
+def _figure_of_atlas(dataset: xr.Dataset) -> Figure:
+    """Return the figure of an atlas: shares over one parameter, or a map over two."""
+    line = sum(dataset[name].size > 1 for name in parameters_in(dataset)) == 1
+    return _with_legend(plot.plot_attractors if line else plot.plot_attractor_map, dataset)
+
+
+def _figure_of_fractions(dataset: xr.Dataset) -> Figure:
+    """Return the figure of basin fractions: by attractor, or over the speed by kind."""
+    if dataset["omega"].size > 1:
+        return _with_legend(plot.plot_basin_fractions, dataset)
+    return cast(Figure, plot.plot_attractor_fractions(dataset).figure)
+
+
+def _with_legend(draw: Callable[[xr.Dataset, Axes], Axes], dataset: xr.Dataset) -> Figure:
+    """Return a figure with its legend under it."""
+    figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
+    draw(dataset, ax)
+    plot.shared_legend(figure, [ax])
+    return figure
+
+
+def _figure_of_branch(dataset: xr.Dataset) -> Figure:
+    figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
+    plot.plot_branch(dataset, ax=ax)
+    return figure
+
+
+def _figure_of_curve(dataset: xr.Dataset) -> Figure:
+    """Return the figure of a bifurcation curve, beside the folds of the whirl."""
+    figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
+    plot.plot_curves(dataset, fold_points=_whirls_beside(dataset), ax=ax)
+    return figure
+
+
+def _whirls_beside(curve: xr.Dataset) -> xr.Dataset | None:
+    """Return the folds of the whirl within the limits of a curve over speed and clearance."""
+    limits = np.reshape(curve.attrs["limits"], (2, 2))
+    of = dict(zip(str(curve.attrs["parameters"]).split(), limits.tolist(), strict=True))
+    beyond = any(name in curve.variables for name in FRICTIONLESS)
+    if beyond or set(of) != {"omega", "delta0"}:
+        return None
+    delta0, (low, high) = curve["delta0"].values, of["omega"]
+    clearances = np.linspace(delta0.min(), delta0.max(), CLEARANCES)
+    whirls = folds(zeta=curve["zeta"].item(), delta0=clearances)
+    within = (whirls["fold_omega"] >= low) & (whirls["fold_omega"] <= high)
+    return whirls.where(within) if within.any() else None
+
+
+def _limits_of(part: xr.Dataset) -> tuple[float, float]:
+    """Return the range of speeds to draw: a wider one round one or two, or round what is marked."""
+    if "omega" not in part.variables:
+        marks = np.concatenate([part[name].values.ravel() for name in MARKED if name in part])
+        return USUAL[0], max(USUAL[1], MARGIN * float(np.nan_to_num(marks).max(initial=0.0)))
+    lowest, highest = float(part["omega"].min()), float(part["omega"].max())
+    if part.sizes["omega"] < 3:
+        lowest, highest = 0.5 * lowest, 1.2 * highest
+    return lowest, highest or 1.0
+
+
+# What draws a dataset of each kind.
+FIGURES: dict[str, Callable[[xr.Dataset], Figure]] = {
+    "run": plot.plot_run,
+    "sweep": _figure_of_whirls,
+    "whirls": _figure_of_whirls,
+    "folds": _figure_of_whirls,
+    "hopf_points": _figure_of_whirls,
+    "backward_whirl": _with_axes(plot.plot_backward_whirl),
+    "cycle": plot.cycle_figure,
+    "branch": _figure_of_branch,
+    "curve": _figure_of_curve,
+    "basin": _with_axes(plot.plot_basin),
+    "basin_fractions": _figure_of_fractions,
+    "atlas": _figure_of_atlas,
+    "run_ups": plot.run_ups_figure,
+    "fit": plot.fit_figure,
+    "signals": _with_axes(plot.plot_orbit),
+    "orders": _with_axes(plot.plot_orders),
+    "full_spectrum": _with_axes(plot.plot_full_spectrum),
+    "spectrogram": _with_axes(plot.plot_spectrogram),
+    "centre_line": _with_axes(plot.plot_centre_line),
+}

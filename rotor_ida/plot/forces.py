@@ -1,0 +1,144 @@
+"""The contacts of a run and their forces."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from rotor_ida.arrays import Values
+from rotor_ida.plot.appearance import (
+    BLUE,
+    ORANGE,
+    RED,
+    SHADE,
+    draw_marks,
+    drawing,
+    legend_below,
+    say_in_middle,
+)
+from rotor_ida.plot.datasets import check_dataset
+from rotor_ida.plot.decimation import COLUMNS
+from rotor_ida.plot.labels import LABELS, label_axis
+
+PEAK = "peak of a contact"
+
+
+def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw the contact force over time, with the peak of each contact.
+
+    With friction that is the normal force, and beside it the force along the ring.
+
+    Parameters
+    ----------
+    forces : Dataset
+        What `rotor_ida.contact_forces` returned.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, contact_forces, simulate
+    >>> run = simulate(Rotor(omega=1.7, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), duration=20)
+    >>> plot_forces(contact_forces(run)).get_ylabel()
+    'contact force $f$'
+    """
+    forces = check_dataset("forces", forces, ("t", "force", "peak_time", "peak_force"))
+    time, lowest = forces["t"].values, 0.0
+    rubs = "tangential_force" in forces
+    normal = forces["normal_force" if rubs else "force"].values
+    with drawing(ax) as ax:
+        label_axis(ax.xaxis, "t", forces["t"])
+        label_axis(ax.yaxis, "force", forces["force"])
+        ax.plot(time, normal, color=BLUE, lw=0.9, label="normal force" if rubs else "force")
+        if rubs:
+            along = forces["tangential_force"].values
+            ax.plot(time, along, color=ORANGE, lw=0.9, label="force along the ring")
+            lowest = min(lowest, 1.1 * float(along.min(initial=0.0)))
+        peaks = peaks_on(forces, time, normal)
+        draw_marks(ax, *peaks, "o", RED, size=2.8, face="white", edge=0.8, label=PEAK)
+        ax.set_xlim(float(time[0]), float(time[-1]))
+        ax.set_ylim(bottom=lowest)
+        if rubs:
+            legend_below(ax, columns=3)
+    return ax
+
+
+def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw which share of the contacts stays below each peak force.
+
+    Parameters
+    ----------
+    forces : Dataset
+        What `rotor_ida.contact_forces` returned.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, contact_forces, simulate
+    >>> run = simulate(Rotor(omega=1.7, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), duration=20)
+    >>> plot_force_peaks(contact_forces(run)).get_xlabel()
+    'peak force $f$'
+    """
+    forces = check_dataset("forces", forces, ("peak_force", "peak_fraction"))
+    peaks, share = forces["peak_force"].values, forces["peak_fraction"].values
+    whole = np.flatnonzero(np.isfinite(share))
+    order = whole[np.argsort(peaks[whole], kind="stable")]
+    peaks, share = peaks[order], share[order]
+    with drawing(ax) as ax:
+        label_axis(ax.xaxis, "peak_force", forces["peak_force"])
+        if peaks.size > 1:
+            ax.step(np.append(peaks[0], peaks), np.append(0.0, share), where="post", color=RED)
+            ax.set_xlim(0.0, 1.08 * float(peaks[-1]))
+        else:
+            say_in_middle(ax, "fewer than two whole contacts")
+        ax.set_ylim(0.0, 1.02)
+        ax.set_ylabel(LABELS["peak_fraction"])
+    return ax
+
+
+def shade_contacts(ax: Axes, run: xr.Dataset) -> None:
+    """Shade the contacts of a run, as far as it shows them; those that no dot parts as one."""
+    if not {"entry_time", "exit_time"} <= set(run.variables):
+        return
+    first, last = (float(each) for each in run["t"].values[[0, -1]])
+    entries = np.nan_to_num(run["entry_time"].values, nan=first)
+    exits = np.nan_to_num(run["exit_time"].values, nan=last)
+    shown = (exits >= first) & (entries <= last)
+    entries, exits = np.clip(entries[shown], first, last), np.clip(exits[shown], first, last)
+    if not entries.size:
+        return
+    apart = np.flatnonzero(entries[1:] - exits[:-1] > (last - first) / COLUMNS)
+    begins, ends = np.append(0, apart + 1), np.append(apart, entries.size - 1)
+    bars = list(zip(entries[begins], exits[ends] - entries[begins], strict=True))
+    ax.broken_barh(bars, (0.0, 1.0), label="in contact", transform=ax.get_xaxis_transform(),
+                   facecolor=SHADE, linewidth=0.0, zorder=0.5)  # fmt: skip
+
+
+def peaks_of(dataset: xr.Dataset) -> tuple[Values, Values]:
+    """Return times and forces of the peaks of contacts.
+
+    Where a run begins or ends inside a contact, the largest force there is no peak.
+    """
+    times, first, last = dataset["peak_time"].values, *dataset["t"].values[[0, -1]]
+    inside = (times > first) & (times < last)
+    return times[inside], dataset["peak_force"].values[inside]
+
+
+def peaks_on(dataset: xr.Dataset, time: Values, force: Values) -> tuple[Values, Values]:
+    """Return times and forces of the peaks of contacts, as they lie on the force over time.
+
+    With contact damping the force is largest before the indentation, whose time is told.
+    """
+    times, peaks = peaks_of(dataset)
+    if "contact_damping" not in dataset.variables:
+        return times, peaks
+    free = np.flatnonzero(force == 0.0)
+    first = np.append(-1, free)[np.searchsorted(time[free], times, side="right")] + 1
+    last = np.append(free, time.size)[np.searchsorted(time[free], times, side="right")]
+    places = [
+        one + int(np.argmax(force[one:other])) if other > one else one
+        for one, other in zip(first.tolist(), last.tolist(), strict=True)
+    ]
+    return time[np.minimum(places, time.size - 1).astype(int)], peaks

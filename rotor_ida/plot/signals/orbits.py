@@ -1,0 +1,304 @@
+"""The motion itself: orbits with the pulses of the keyphasor, the centre line, traces over time."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.axes import Axes
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_nonnegative
+from rotor_ida.errors import InputError
+from rotor_ida.plot.appearance import (
+    BLUE,
+    DASHES,
+    INK,
+    ORANGE,
+    PURPLE,
+    draw_marks,
+    draw_ring,
+    drawing,
+    legend_below,
+)
+from rotor_ida.plot.datasets import check_dataset, clearance_of
+from rotor_ida.plot.decimation import draw_path, kept_in_columns, thinned
+from rotor_ida.plot.forces import shade_contacts
+from rotor_ida.plot.labels import label_axis, label_of, title_of
+from rotor_ida.plot.runs import NEEDED, draw_orbit
+from rotor_ida.plot.signals.beneath import Beneath
+from rotor_ida.plot.signals.exact_motion import Trace, centres_of, orbits_of, traces_of
+from rotor_ida.plot.signals.speeds import mark_speeds, title_of_signals
+from rotor_ida.plot.signals.units import is_one_speed, units_of
+from rotor_ida.schema import flags_of
+from rotor_ida.signals.orders import centre_line
+from rotor_ida.signals.path import path_of
+from rotor_ida.signals.record import Record, record_of
+
+# The orbit is left blank for this part of a revolution before each pulse.
+BLANK = 0.03
+# More pulses have smaller dots.
+FEW_PULSES, MANY_PULSES = 40, 400
+# An exact orbit of more points fills its ring, and is a thin line.
+MANY_POINTS = 20_000
+TRACES = {"x": (BLUE, "$x$"), "y": (ORANGE, "$y$"), "radius": (INK, "radius")}
+
+
+def plot_orbit(
+    run: xr.Dataset,
+    *,
+    keyphasor: bool | None = None,
+    clearance: float | None = None,
+    beneath: Beneath = (),
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the orbit in the plane, with the ring of the clearance and dots of the keyphasor.
+
+    Parameters
+    ----------
+    run : Dataset
+        What `rotor_ida.simulate` or `rotor_ida.run_up` returned, or signals.
+    keyphasor : bool, optional
+        Whether each pulse of the keyphasor is a dot, and the orbit blank just before it, so that
+        blank and dot tell the way round. By default of signals whose angle is known, and not of
+        runs, whose contacts and events are drawn. A pulse of a run is where the unbalance points
+        along x.
+    clearance : float, optional
+        Clearance of signals that do not tell it, in their unit.
+    beneath : Dataset or sequence of Dataset
+        Exact orbits under this one: of `rotor_ida.synchronous_response`, `rotor_ida.limit_cycle`
+        and `rotor_ida.backward_whirl`. Of whirls at several speeds those at that of the run. Under
+        a run-up they may be of any speed, such as its last.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Notes
+    -----
+    An orbit of more than 20000 samples passes through the same cells of a grid finer than the dots
+    of a figure, each step drawn once. If more than 60000 are left even so, every dot that the
+    orbit passes through is inked: an excursion of one sample stays in the picture.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, signals_of, simulate
+    >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> run = simulate(rotor, start=(0, 0, 0, 0), duration=20, samples=401)
+    >>> plot_orbit(run).get_xlabel()
+    'displacement $x$'
+    >>> [text.get_text() for text in plot_orbit(signals_of(run)).get_legend().get_texts()]
+    ['clearance', 'orbit', 'pulse of the keyphasor']
+    """
+    given = _within(check_dataset("run", run, ("t", "x", "y")))
+    is_run = set(NEEDED) <= set(given.variables)
+    record = record_of(given, "run") if keyphasor or not is_run else None
+    exact = orbits_of(beneath, given, units_of(given, "x", "t"))
+    with drawing(ax, width=4.0, height=4.9) as ax:
+        label_axis(ax.xaxis, "x", given["x"])
+        label_axis(ax.yaxis, "y", given["y"])
+        for orbit in exact:
+            width = 2.6 if orbit.x.size < MANY_POINTS else 0.6
+            ax.plot(orbit.x, orbit.y, color=orbit.colour, ls=orbit.dashes, lw=width, alpha=0.5,
+                    label=orbit.words, zorder=1.9)  # fmt: skip
+        if is_run:
+            path = path_of(given)
+            draw_orbit(ax, given, path)
+            ax.set_title(title_of("run", given))
+            if keyphasor and record is not None:
+                _draw_pulses(ax, record, path.time, path.x, path.y)
+        elif record is not None:
+            draw_ring(ax, _ring_of(given, clearance) or 0.0)
+            marked = record.angles is not None if keyphasor is None else keyphasor
+            _draw_orbit(ax, record, marked=marked)
+            one_speed = "speed" not in given.variables
+            ax.set_title(title_of_signals(given, one_speed=one_speed))
+        ax.set_aspect("equal", adjustable="datalim")
+        legend_below(ax)
+    return ax
+
+
+def plot_centre_line(
+    signals: xr.Dataset,
+    *,
+    clearance: float | None = None,
+    revolutions: int = 1,
+    beneath: Beneath = (),
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the mean position of the shaft as the speed changes, in the circle of the clearance.
+
+    Parameters
+    ----------
+    signals : Dataset
+        Signals, a run or run-up, or what `rotor_ida.centre_line` made of one.
+    clearance : float, optional
+        Clearance of signals that do not tell it, in their unit.
+    revolutions : int
+        As of `rotor_ida.centre_line`, where that is still to be computed.
+    beneath : Dataset or sequence of Dataset
+        Exact places under the line: of `rotor_ida.closed_forms.rest`, the mean of a
+        `rotor_ida.limit_cycle`, and the centre of `rotor_ida.synchronous_response`.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, run_up
+    >>> heavy = Rotor(omega=0.3, zeta=0.1, delta0=2.0, shaft_stiffness=0.1, load=0.3)
+    >>> up = run_up(heavy, start=(0, -2, 0, 0), to=1.5, rate=0.005, samples=8001)
+    >>> plot_centre_line(up).get_ylabel()
+    'mean displacement $y$'
+    """
+    given = check_dataset("signals", signals, ())
+    ready = {"offset_x", "offset_y", "window"} <= set(given.variables)
+    means = given if ready else centre_line(given, revolutions=revolutions)
+    units = units_of(means, "offset_x", "speed")
+    speeds = units.speeds(means["speed"].values)
+    x, y = means["offset_x"].values, means["offset_y"].values
+    exact = centres_of(beneath, means, units)
+    with drawing(ax, width=4.2, height=4.9) as ax:
+        label_axis(ax.xaxis, "x", units.lengths(x), words="mean displacement $x$")
+        label_axis(ax.yaxis, "y", units.lengths(y), words="mean displacement $y$")
+        ring = _ring_of(means, clearance)
+        draw_ring(ax, ring or 0.0)
+        ax.plot(*thinned(x, y), color=BLUE, lw=1.1, label="centre line", zorder=3.0)
+        for place, words, marker in exact:
+            draw_marks(ax, place.real, place.imag, marker, PURPLE, size=8.0, face="none",
+                       edge=1.3, label=words, level=3.3)  # fmt: skip
+        size = ring or float(max(np.ptp(x), np.ptp(y))) or 1.0
+        mark_speeds(ax, x + 1j * y, speeds, BLUE, apart=0.08 * size,
+                    label=label_of("speed", speeds))  # fmt: skip
+        ax.set_aspect("equal", adjustable="datalim")
+        ax.set_title(title_of_signals(means, one_speed=is_one_speed(speeds.values)))
+        legend_below(ax)
+    return ax
+
+
+def plot_trace(
+    signals: xr.Dataset,
+    *,
+    names: tuple[str, ...] = ("x", "y"),
+    clearance: float | None = None,
+    beneath: Beneath = (),
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw displacements over time, with contacts shaded and the pulses of the keyphasor.
+
+    Parameters
+    ----------
+    signals : Dataset
+        Signals, or a run or run-up: the contacts of these are known.
+    names : tuple of {"x", "y", "radius"}
+        What is drawn.
+    clearance : float, optional
+        Clearance of signals that do not tell it, in their unit.
+    beneath : Dataset or sequence of Dataset
+        Exact motion under the trace: of `rotor_ida.limit_cycle`, shifted along time to where the
+        end of the trace lies on it, of `rotor_ida.synchronous_response` the whirl nearest to that
+        end, or any other motion ``x y`` on ``t``, such as a flight.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Notes
+    -----
+    Of more than 20000 samples the first, last, smallest and largest in each column of dots are
+    drawn, which gives the same picture: no spike is lost. Contacts closer to each other than a
+    dot are shaded as one.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> run = simulate(Rotor(omega=1.7, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), duration=20)
+    >>> ax = plot_trace(run)
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['in contact', '$x$', '$y$', 'clearance']
+    """
+    given = check_dataset("signals", signals, ("t", "x", "y"))
+    if not names or any(name not in TRACES for name in names):
+        raise InputError(f"names must be of {', '.join(TRACES)}, got {names!r}")
+    times, z = given["t"].values, given["x"].values + 1j * given["y"].values
+    units = units_of(given, "x", "t")
+    exact = traces_of(beneath, given, units)
+    radius_alone = names == ("radius",)
+    with drawing(ax, width=7.0, height=2.9) as ax:
+        shade_contacts(ax, given)
+        for trace in exact:
+            _draw_exact_trace(ax, trace, names)
+        label_axis(ax.xaxis, "t", given["t"])
+        words = "radius $|z|$" if radius_alone else "displacement"
+        label_axis(ax.yaxis, "x", units.lengths(times), words=words)
+        for name in names:
+            values = _component(name, z)
+            kept = kept_in_columns(times, values)
+            colour, label = TRACES[name]
+            ax.plot(times[kept], values[kept], color=colour, lw=0.8, label=label)
+        ring = _ring_of(given, clearance)
+        if ring:
+            for side in (ring,) if radius_alone else (ring, -ring):
+                ax.axhline(side, color=INK, lw=0.7, ls=DASHES, zorder=2.6,
+                           label="clearance" if side > 0.0 else "_")  # fmt: skip
+        ax.set_xlim(float(times[0]), float(times[-1]))
+        legend_below(ax, columns=5)
+    return ax
+
+
+def _component(name: str, z: npt.NDArray[np.complex128]) -> Values:
+    """Return what is drawn of complex displacements by its name."""
+    return {"x": z.real, "y": z.imag, "radius": np.abs(z)}[name]
+
+
+def _draw_exact_trace(ax: Axes, trace: Trace, names: tuple[str, ...]) -> None:
+    for name in names:
+        values = _component(name, trace.z)
+        kept = kept_in_columns(trace.times, values)
+        ax.plot(trace.times[kept], values[kept], color=PURPLE, lw=2.6, alpha=0.4,
+                label=trace.words, zorder=1.9)  # fmt: skip
+
+
+def _draw_orbit(ax: Axes, record: Record, *, marked: bool) -> None:
+    """Draw the orbit of signals, blank before each pulse of the keyphasor if these are marked."""
+    times, x, y = record.times, record.z.real, record.z.imag
+    if marked:
+        blank = _blank(record)
+        x, y = (np.where(blank, np.nan, each) for each in (x, y))
+    draw_path(ax, x, y, colour=BLUE, width=0.8, words="orbit", level=2.5)
+    if marked:
+        _draw_pulses(ax, record, times, record.z.real, record.z.imag)
+
+
+def _blank(record: Record) -> npt.NDArray[np.bool_]:
+    """Return at which samples the orbit is blank: just before a pulse."""
+    turns = record.known_angles() / (2.0 * math.pi)
+    return np.asarray((turns % 1.0) > 1.0 - BLANK, dtype=bool)
+
+
+def _draw_pulses(ax: Axes, record: Record, times: Values, x: Values, y: Values) -> None:
+    """Draw a dot on the path at each pulse."""
+    pulses = record.pulses()
+    size = 4.0 if pulses.size <= FEW_PULSES else 2.4 if pulses.size <= MANY_PULSES else 1.4
+    ax.plot(np.interp(pulses, times, x), np.interp(pulses, times, y), ls="", marker="o", ms=size,
+            mfc=INK, mec="white", mew=0.3, label="pulse of the keyphasor", zorder=3.4,
+            rasterized=pulses.size > 10_000)  # fmt: skip
+
+
+def _within(run: xr.Dataset) -> xr.Dataset:
+    """Return a part of a run with the events of that part alone."""
+    if not {"event_time", "event_kind", "starts_in_contact"} <= set(run.variables):
+        return run
+    events, (first, last) = run["event_time"].values, run["t"].values[[0, -1]]
+    before = run["event_kind"].values[events < first]
+    part = run.isel(event=(events >= first) & (events <= last))
+    if not before.size:
+        return part
+    touches = before[-1] != flags_of(run["event_kind"])["exit"]
+    return part.assign(starts_in_contact=run["starts_in_contact"].copy(data=np.int8(touches)))
+
+
+def _ring_of(given: xr.Dataset, clearance: float | None) -> float | None:
+    """Return the clearance in the unit of the signals, if it is known."""
+    if clearance is not None:
+        return check_nonnegative("clearance", clearance)
+    if "delta0" in given.variables and not given["delta0"].ndim:
+        return clearance_of(given)
+    return None

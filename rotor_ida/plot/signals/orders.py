@@ -1,0 +1,354 @@
+"""Orders over the speed: Bode plots, polar plots, order tracks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_choice, check_positive
+from rotor_ida.errors import InputError
+from rotor_ida.plot.appearance import drawing, legend_below, look, own_legend, style
+from rotor_ida.plot.datasets import check_dataset
+from rotor_ida.plot.labels import LABELS, label_axis, label_of
+from rotor_ida.plot.signals.beneath import Beneath, Response, responses_of
+from rotor_ida.plot.signals.speeds import legs_of, mark_speeds, title_of_signals
+from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
+from rotor_ida.signals.orders import orders as tracked
+
+SENSES = ("forward", "backward")
+
+
+class OneOrder(NamedTuple):
+    """One order of a whirl over the windows, its words, and what is known of it exactly."""
+
+    title: str
+    units: Units
+    speeds: xr.DataArray
+    amplitude: Values
+    lag: Values
+    words: str
+    exact: list[Response]
+
+
+def plot_bode(
+    signals: xr.Dataset,
+    *,
+    order: float = 1.0,
+    sense: str = "forward",
+    beneath: Beneath = (),
+    axes: Sequence[Axes] | None = None,
+) -> list[Axes]:
+    r"""Draw amplitude and phase of one order over the speed.
+
+    Parameters
+    ----------
+    signals : Dataset
+        Signals, a run or run-up, or what `rotor_ida.orders` made of one.
+    order : float
+        Multiple of the speed [1].
+    sense : {"forward", "backward"}
+        Which whirl is shown.
+    beneath : Dataset or sequence of Dataset
+        Exact results that lie under the order 1 forward: of
+        `rotor_ida.closed_forms.response_curve`, `rotor_ida.synchronous_response`,
+        `rotor_ida.folds`, `rotor_ida.hopf_points` and `rotor_ida.limit_cycle`, as they are or in
+        the units of `rotor_ida.dimensional`. Dimensionless ones are given the units of the
+        signals where these tell the scales of the machine.
+    axes : sequence of two Axes, optional
+        Where to draw amplitude and phase; by default the axes of a new figure.
+
+    Returns
+    -------
+    list of Axes
+        Those of the amplitude and of the phase.
+
+    Notes
+    -----
+    The phase is a lag: of the whirl behind the mark of the shaft, which for a run is the unbalance;
+    0 below and 180° above a resonance.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, run_up
+    >>> from rotor_ida.closed_forms import response_curve
+    >>> up = run_up(Rotor(omega=0.3, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), to=2.5,
+    ...             rate=0.005, samples=20_001)
+    >>> exact = response_curve(zeta=0.07, delta0=0.5, limits=(0.3, 2.5))
+    >>> [ax.get_ylabel() for ax in plot_bode(up, beneath=exact)]
+    ['whirl amplitude $|c|$', 'phase lag $\\theta$ [°]']
+    """
+    one = _one_order(signals, order, sense, beneath)
+    speeds, amplitude = one.speeds, one.amplitude
+    with style():
+        upper, lower = _pair_of(axes)
+        angles, breaks = unwound(one.lag, amplitude)
+        for response in one.exact:
+            response.draw_amplitude(upper)
+            response.draw_phase(lower, around=float(np.nanmedian(angles)))
+        for part, words, colour, dashes in legs_of(speeds.values, one.words):
+            upper.plot(speeds[part], amplitude[part], color=colour, ls=dashes, lw=1.1, label=words,
+                       zorder=3.2)  # fmt: skip
+            lower.plot(*_broken(speeds.values, angles, breaks, part), color=colour, ls=dashes,
+                       lw=1.1, zorder=3.2)  # fmt: skip
+        label_axis(upper.yaxis, "whirl_amplitude", one.units.lengths(amplitude))
+        _label_degrees(lower)
+        for ax in (upper, lower):
+            label_axis(ax.xaxis, "speed", speeds)
+            _speed_limits(ax, speeds.values)
+        upper.set_ylim(0.0, 1.06 * _highest(upper))
+        upper.set_xlabel("")
+        upper.tick_params(labelbottom=False)
+        upper.set_title(one.title)
+        own_legend(upper)
+    return [upper, lower]
+
+
+def plot_polar(
+    signals: xr.Dataset,
+    *,
+    order: float = 1.0,
+    sense: str = "forward",
+    beneath: Beneath = (),
+    ax: Axes | None = None,
+) -> Axes:
+    r"""Draw amplitude and phase of one order as a vector, with marks of the speed along its way.
+
+    Parameters
+    ----------
+    signals, order, sense, beneath
+        As of `plot_bode`.
+    ax : Axes, optional
+        Polar axes to draw on and return; by default those of a new figure.
+
+    Notes
+    -----
+    The lag grows clockwise from the x axis, against the rotation, which is counterclockwise: the
+    vector points where the high spot is as the mark of the shaft passes the x axis.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, run_up
+    >>> up = run_up(Rotor(omega=0.3, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), to=2.5,
+    ...             rate=0.005, samples=20_001)
+    >>> ax = plot_polar(up)
+    >>> ax.name, ax.get_theta_direction().item()
+    ('polar', -1.0)
+    """
+    one = _one_order(signals, order, sense, beneath)
+    speeds, amplitude, lag = one.speeds, one.amplitude, one.lag
+    apart = 0.06 * float(amplitude.max())
+    with style():
+        polar = _polar_axes(ax)
+        polar.set_theta_direction(-1)
+        polar.set_theta_zero_location("E")
+        for response in one.exact:
+            response.draw_polar(polar)
+        for part, words, colour, dashes in legs_of(speeds.values, one.words):
+            polar.plot(lag[part], amplitude[part], color=colour, ls=dashes, lw=1.1, label=words,
+                       zorder=3.2)  # fmt: skip
+            z = amplitude[part] * np.exp(1j * lag[part])
+            mark_speeds(polar, z, speeds[part], colour, apart=apart)
+        polar.set_rlim(0.0, 1.08 * float(amplitude.max()))
+        polar.set_rlabel_position(202.5)
+        polar.tick_params(axis="y", labelsize=7.5)
+        polar.set_xlabel(_words_of_polar(one.units, amplitude), labelpad=8.0)
+        # above the label of the angle, in whatever order the two are laid out
+        polar.set_title(one.title, y=1.0, pad=20.0)
+        legend_below(polar, columns=3)
+    return cast(Axes, polar)
+
+
+def plot_orders(
+    signals: xr.Dataset,
+    *,
+    orders: npt.ArrayLike = (0.5, 1.0, 2.0),
+    logarithmic: bool = False,
+    beneath: Beneath = (),
+    ax: Axes | None = None,
+) -> Axes:
+    r"""Draw the amplitudes of several orders, forward and backward, over the speed.
+
+    Parameters
+    ----------
+    signals : Dataset
+        As of `plot_bode`.
+    orders : array_like, shape (k,)
+        Multiples of the speed [1]; of what `rotor_ida.orders` returned all are shown.
+    logarithmic : bool
+        Whether the amplitudes are on a logarithmic scale.
+    beneath
+        As of `plot_bode`: under the order 1 forward.
+    ax : Axes, optional
+        Where to draw, and what is returned; by default the axes of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, run_up
+    >>> up = run_up(Rotor(omega=0.3, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), to=2.5,
+    ...             rate=0.005, samples=20_001)
+    >>> [text.get_text() for text in plot_orders(up, orders=[1]).get_legend().get_texts()]
+    ['1X forward', '1X backward']
+    """
+    tracks = tracks_of(signals, orders)
+    units = units_of(tracks, "forward_whirl_amplitude", "speed")
+    speeds = units.speeds(tracks["speed"].values)
+    with drawing(ax) as ax:
+        for response in responses_of(beneath, tracks, units):
+            response.draw_amplitude(ax)
+        highest = 0.0
+        for number, order in enumerate(tracks["order"].values.tolist()):
+            colour, dashes = look(number + 1)
+            for sense in SENSES:
+                amplitude = tracks[f"{sense}_whirl_amplitude"].values[..., number]
+                highest = max(highest, float(amplitude.max()))
+                ax.plot(speeds, amplitude, color=colour, lw=1.1, zorder=3.2,
+                        ls="-" if order == 1.0 else dashes, ms=3.0, mfc="white", mew=0.7,
+                        marker="" if sense == "forward" else "v",
+                        markevery=(0.02 * (number + 1), 0.08),
+                        label=_words(order, sense))  # fmt: skip
+        label_axis(ax.xaxis, "speed", speeds)
+        label_axis(ax.yaxis, "whirl_amplitude", units.lengths(speeds))
+        _speed_limits(ax, speeds.values)
+        if logarithmic:
+            ax.set_yscale("log")
+            ax.set_ylim(1e-4 * highest, 2.0 * highest)
+        else:
+            ax.set_ylim(0.0, 1.06 * _highest(ax))
+        ax.set_title(title_of_signals(tracks, one_speed=is_one_speed(speeds.values)))
+        legend_below(ax, columns=4)
+    return ax
+
+
+def tracks_of(signals: xr.Dataset, orders: npt.ArrayLike) -> xr.Dataset:
+    """Return orders, tracked if they are not yet."""
+    given = check_dataset("signals", signals, ())
+    return given if "forward_whirl_amplitude" in given.variables else tracked(given, orders)
+
+
+def order_words(order: float) -> str:
+    """Return the name of an order, as it is said.
+
+    Examples
+    --------
+    >>> order_words(1.0), order_words(0.5), order_words(-1.0), order_words(0.47)
+    ('1X', '½X', '−1X', '0.47X')
+    """
+    fractions = {0.5: "½", 0.25: "¼", 1.5: "1½"}
+    size = abs(order)
+    number = fractions.get(size, f"{size:g}")
+    return f"{'−' if order < 0.0 else ''}{number}X"
+
+
+def unwound(lag: Values, amplitude: Values) -> tuple[Values, npt.NDArray[np.bool_]]:
+    """Return lags in degrees about their mean, and before which of them a line is broken.
+
+    The mean, in which amplitudes weigh, lies from 0 to 360; the lags within 180 of it.
+    """
+    mean = math.degrees(np.angle((amplitude * np.exp(1j * lag)).sum())) % 360.0
+    angles = mean + (np.degrees(lag) - mean + 180.0) % 360.0 - 180.0
+    return angles, np.append(False, np.abs(np.diff(angles)) > 180.0)
+
+
+def _one_order(signals: xr.Dataset, order: float, sense: str, beneath: Beneath) -> OneOrder:
+    """Return one order of signals; under the order 1 forward, and no other, exact results."""
+    check_choice("sense", sense, SENSES)
+    tracks = tracks_of(signals, [order])
+    units = units_of(tracks, "forward_whirl_amplitude", "speed")
+    wanted, tracked_orders = check_positive("order", order), tracks["order"].values
+    place = int(np.abs(tracked_orders - wanted).argmin())
+    if abs(tracked_orders[place] - wanted) > 1e-9 * wanted:
+        raise InputError(f"signals must hold the order {wanted:g}, got {tracked_orders.tolist()}")
+    exact = responses_of(beneath, tracks, units)
+    if exact and (order, sense) != (1.0, "forward"):
+        raise InputError(f"beneath goes under the order 1 forward, got {order:g} {sense}")
+    speeds, one = units.speeds(tracks["speed"].values), tracks.isel(order=place)
+    return OneOrder(
+        title_of_signals(tracks, one_speed=is_one_speed(speeds.values)),
+        units,
+        speeds,
+        one[f"{sense}_whirl_amplitude"].values,
+        one[f"{sense}_phase_lag"].values,
+        _words(order, sense),
+        exact,
+    )
+
+
+def _words(order: float, sense: str) -> str:
+    return f"{order_words(order)} {sense}"
+
+
+def _broken(
+    across: Values, up: Values, breaks: npt.NDArray[np.bool_], part: slice
+) -> tuple[Values, Values]:
+    """Return a part of a line with gaps where it is broken.
+
+    A point between two gaps, which no line shows, is left out, lest the axis make room for it.
+    """
+    at = np.flatnonzero(breaks[part])
+    at = at[at > 0]
+    ends = np.concatenate([[0], at, [across[part].size]])
+    alone = ends[:-1][np.diff(ends) == 1]
+    drawn = up[part].copy()
+    drawn[alone] = np.nan
+    return np.insert(across[part], at, np.nan), np.insert(drawn, at, np.nan)
+
+
+def _speed_limits(ax: Axes, speeds: Values) -> None:
+    """Show the speeds that there are, and some beside one speed."""
+    low, high = float(speeds.min()), float(speeds.max())
+    room = 0.05 * high if is_one_speed(speeds) else 0.02 * (high - low)
+    ax.set_xlim(max(0.0, low - room), high + room)
+
+
+def _highest(ax: Axes) -> float:
+    """Return the largest value that lies within the speeds shown; 1 where there is none."""
+    low, high = ax.get_xlim()
+    heights = [0.0]
+    for line in ax.get_lines():
+        across, up = (np.asarray(each, dtype=np.float64) for each in line.get_data())
+        heights.append(
+            float(np.nan_to_num(up[(across >= low) & (across <= high)]).max(initial=0.0))
+        )
+    return max(heights) or 1.0
+
+
+def _label_degrees(ax: Axes) -> None:
+    ax.set_ylabel(f"{LABELS['phase_lag']} [°]")
+    ax.yaxis.set_major_locator(MaxNLocator(steps=[1, 1.5, 3, 4.5, 9, 10], nbins=7))
+    low, high = ax.get_ylim()
+    ax.set_ylim(min(low, 0.0) if low > -30.0 else low, max(high, 180.0))
+
+
+def _pair_of(axes: Sequence[Axes] | None) -> tuple[Axes, Axes]:
+    if axes is None:
+        figure = Figure(figsize=(5.4, 5.0), layout="constrained")
+        upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.6, 1.0))
+        return upper, lower
+    given = list(axes)
+    if len(given) != 2 or not all(isinstance(each, Axes) for each in given):
+        raise InputError(f"axes must be two matplotlib Axes, got {len(given)}")
+    return given[0], given[1]
+
+
+def _polar_axes(ax: Axes | None) -> Any:
+    if ax is None:
+        return Figure(figsize=(4.6, 5.6), layout="constrained").add_subplot(projection="polar")
+    if getattr(ax, "name", "") != "polar":
+        raise InputError("ax must be polar: figure.add_subplot(projection='polar') makes it")
+    return ax
+
+
+def _words_of_polar(units: Units, amplitude: Values) -> str:
+    """Return what the circles, the angle and the dots of a polar plot are."""
+    radius = label_of("whirl_amplitude", units.lengths(amplitude))
+    unit = "[rpm]" if units.rate is not None else r"$\omega$"
+    return f"{radius}; lag clockwise, against the rotation; dots: speed {unit}"

@@ -1,0 +1,106 @@
+"""Speeds along a picture of signals: marks of round ones, parts that rise and fall, titles."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.ticker import MaxNLocator
+
+from rotor_ida.arrays import Values
+from rotor_ida.plot.appearance import BLUE, GOING_DOWN, GOING_UP, INK, ORANGE, draw_marks
+from rotor_ida.plot.datasets import parameters_in
+from rotor_ida.plot.labels import in_lines, parameter_text
+from rotor_ida.plot.signals.units import is_one_speed
+
+# A turn of the speed is noise if it is smaller than this part of the largest, or so many times
+# what the speed wobbles by.
+WOBBLE, NOISE = 0.02, 5.0
+MOST_MARKS = 8
+
+
+class Leg(NamedTuple):
+    """A part in which the speed rises or falls: its windows, words and looks."""
+
+    part: slice
+    words: str
+    colour: str
+    dashes: object
+
+
+def title_of_signals(dataset: xr.Dataset, *, one_speed: bool) -> str:
+    """Return the parameters that a dataset tells, but for a speed that changes."""
+    known = {
+        name: float(dataset[name])
+        for name in parameters_in(dataset)
+        if not dataset[name].ndim and (name != "omega" or one_speed)
+    }
+    return in_lines(parameter_text(known))
+
+
+def legs_of(speeds: Values, words: str) -> list[Leg]:
+    """Return the parts in which the speed rises and falls, with their words and looks."""
+    turns = _turning_points(speeds)
+    if len(turns) == 2:
+        return [Leg(slice(None), words, BLUE, "-")]
+    legs: list[Leg] = []
+    for begin, end in pairwise(turns):
+        part = slice(begin, end + 1)
+        if speeds[end] > speeds[begin]:
+            legs.append(Leg(part, f"{words}: {GOING_UP}", BLUE, "-"))
+        else:
+            legs.append(Leg(part, f"{words}: {GOING_DOWN}", ORANGE, (0, (6, 1.2))))
+    return legs
+
+
+def _turning_points(speeds: Values) -> list[int]:
+    """Return the places of first and last speed, and of those at which it turns for good."""
+    # of a steady ramp the second differences are noise alone
+    noise = float(np.median(np.abs(np.diff(speeds, 2)))) if speeds.size > 2 else 0.0
+    least = max(WOBBLE * float(np.abs(speeds).max(initial=0.0)), NOISE * noise)
+    turns, extreme, rising = [0], 0, 0
+    for place, speed in enumerate(speeds.tolist()):
+        step = speed - speeds[extreme]
+        if rising == 0:
+            rising = int(np.sign(step)) if abs(step) > least else 0
+            extreme = place if rising else extreme
+        elif rising * step >= 0.0:
+            extreme = place
+        elif abs(step) > least:
+            turns.append(extreme)
+            extreme, rising = place, -rising
+    return [*turns, speeds.size - 1]
+
+
+def mark_speeds(
+    ax: Any, z: npt.NDArray[np.complex128], speeds: xr.DataArray, colour: str, *, apart: float,
+    label: str = "_",
+) -> None:  # fmt: skip
+    """Mark round speeds along the way of a vector, with their numbers where these lie apart."""
+    low, high = float(speeds.min()), float(speeds.max())
+    if is_one_speed(speeds.values):
+        return
+    polar = ax.name == "polar"
+    rising = bool(speeds[-1] >= speeds[0])
+    order = np.argsort(speeds.values, kind="stable")
+    ticks = MaxNLocator(nbins=2 * MOST_MARKS, steps=[1, 2, 5, 10]).tick_values(low, high)
+    ticks = [tick for tick in ticks if low <= tick <= high]
+    along = speeds.values[order]
+    places = np.interp(ticks, along, z[order].real) + 1j * np.interp(ticks, along, z[order].imag)
+    across, up = (np.angle(places), np.abs(places)) if polar else (places.real, places.imag)
+    draw_marks(ax, across, up, "o", INK, size=3.2, face=colour, edge=0.5, label=label,
+               level=3.4)  # fmt: skip
+    named: list[complex] = []
+    for tick, place, *point in zip(ticks, places.tolist(), across, up, strict=True):
+        if any(abs(place - other) <= apart for other in named):
+            continue
+        named.append(place)
+        # outside of a run-up's way, and inside of a run-down's
+        right = (place.real >= 0.0) == rising
+        ax.annotate(
+            f"{tick:.6g}", point, xytext=(5 if right else -5, 0), textcoords="offset points",
+            fontsize=7.0, ha="left" if right else "right", va="center_baseline", zorder=3.5,
+        )  # fmt: skip

@@ -1,0 +1,153 @@
+"""The motion of a run between its outputs and events, as smooth as it is, and the force along it.
+
+All is in the units of the run, which may be those of `rotor_ida.dimensional`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import COMPONENTS
+from rotor_ida.model.contact import contact_force, damping_factor
+from rotor_ida.results.run import rotor_of
+from rotor_ida.results.si_units import scale_of
+from rotor_ida.schema import MODE, flags_of, words_of
+
+# Between outputs the motion is the cubic that has its velocities too, but only where they lie
+# closer than this part of a revolution; farther apart it would be an invention.
+SMOOTH_BELOW = 0.2
+POINTS_A_REVOLUTION = 90
+# How a motion goes on after events that tell it; after the others it slips.
+AFTER = {"exit": "flight", "roll": "rolling", "release": "loose"}
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """The motion, at times close enough to be drawn as smooth as it is, in the run's units."""
+
+    time: Values
+    x: Values
+    y: Values
+    # whether the stretch that begins at each time is in contact
+    in_contact: npt.NDArray[np.bool_]
+    # how fast the distance from the bearing axis grows, where that is known
+    radial_speed: Values | None = None
+    # with friction, how the stretch that begins at each time goes on: a number of `MODE`
+    mode: npt.NDArray[np.int8] | None = None
+
+    @property
+    def radius(self) -> Values:
+        """Distance from the bearing axis."""
+        return np.hypot(self.x, self.y)
+
+    def stretches(self, chosen: npt.NDArray[np.bool_], *columns: Values) -> list[Values]:
+        """Return columns of values along the chosen stretches of the path, parted by NaN."""
+        begins = chosen[:-1]
+        shown = np.zeros(chosen.shape, dtype=bool)
+        shown[:-1] |= begins
+        shown[1:] |= begins
+        # a point that ends one stretch without beginning the next is followed by a gap
+        last = np.nonzero(shown[:-1] & ~begins)[0] + 1
+        return [np.insert(np.where(shown, column, np.nan), last, np.nan) for column in columns]
+
+
+def path_of(run: xr.Dataset) -> Path:
+    """Return outputs and events in one sequence, with points between where they lie close."""
+    times = np.concatenate([run["t"].values, run["event_time"].values])
+    columns = [np.append(run[name].values, run[f"event_{name}"].values) for name in COMPONENTS]
+    table = np.stack(columns, axis=1)
+    # velocities in units of length over units of time, which may have prefixes of their own
+    table[:, 2:] *= scale_of(run, "length") / (scale_of(run, "time") * scale_of(run, "velocity"))
+    times, first = np.unique(times, return_index=True)
+    states = table[first]
+    steps = np.diff(times)
+    revolutions = max(1.0, largest_speed(run)) / (2.0 * math.pi * scale_of(run, "time"))
+    points = np.clip(np.ceil(steps * revolutions * POINTS_A_REVOLUTION), 1, None).astype(int)
+    points[steps * revolutions > SMOOTH_BELOW] = 1
+    step = np.repeat(np.arange(steps.size), points)
+    part = (np.arange(step.size) - np.repeat(np.cumsum(points) - points, points) + 1) / points[step]
+    time = np.append(times[:1], times[step] + part * steps[step])
+    places, speeds = _cubic(part[:, None], steps[step, None], states[step], states[step + 1])
+    x, y = np.concatenate([states[:1, :2], places]).T
+    vx, vy = np.concatenate([states[:1, 2:], speeds]).T
+    radius = np.hypot(x, y)
+    outwards = np.divide(x * vx + y * vy, radius, out=np.zeros_like(radius), where=radius > 0.0)
+    return Path(time, x, y, _in_contact(run, time), outwards, _modes(run, time))
+
+
+def _cubic(part: Values, step: Values, before: Values, after: Values) -> tuple[Values, Values]:
+    """Return places and speeds on the cubic through two states, part of a step after the first."""
+    rise = part * part * (3.0 - 2.0 * part)
+    bend_a, bend_b = part * (1.0 - part) ** 2, part * part * (part - 1.0)
+    ends = before[:, :2] * (1.0 - rise) + after[:, :2] * rise
+    places = ends + step * (before[:, 2:] * bend_a + after[:, 2:] * bend_b)
+    climb = 6.0 * part * (1.0 - part) * (after[:, :2] - before[:, :2]) / step
+    turn_a, turn_b = (1.0 - part) * (1.0 - 3.0 * part), part * (3.0 * part - 2.0)
+    return places, climb + before[:, 2:] * turn_a + after[:, 2:] * turn_b
+
+
+def force_along(run: xr.Dataset, path: Path) -> Values:
+    """Return the contact force along the path of a run in the units of the run."""
+    rotor, length = rotor_of(run), scale_of(run, "length")
+    force = contact_force(path.radius / length, rotor.delta0, rotor.contact_exponent)
+    if rotor.contact_damping > 0.0 and path.radial_speed is not None:
+        speed = path.radial_speed * scale_of(run, "time") / length
+        force = force * damping_factor(speed, rotor.contact_damping)
+    return scale_of(run, "force") * force
+
+
+def largest_speed(run: xr.Dataset) -> float:
+    """Return the largest speed of a run [1]."""
+    omega = float(run["omega"])
+    if "speed" in run.variables:
+        omega = max(omega, float(run["speed"].max()) / scale_of(run, "speed"))
+    return omega
+
+
+def _in_contact(run: xr.Dataset, time: Values) -> npt.NDArray[np.bool_]:
+    """Return whether the stretch that begins at each time is in contact."""
+    passed = np.searchsorted(run["event_time"].values, time, side="right")
+    leaving = flags_of(run["event_kind"])["exit"]
+    after = np.append(bool(run["starts_in_contact"].values), run["event_kind"].values != leaving)
+    return np.asarray(after[passed], dtype=bool)
+
+
+def _modes(run: xr.Dataset, time: Values) -> npt.NDArray[np.int8] | None:
+    """Return how the stretch that begins at each time goes on; None without friction."""
+    if "mode" not in run.variables:
+        return None
+    events = run["event_time"].values
+    between = _modes_without_samples(run)
+    passed = np.searchsorted(events, run["t"].values, side="right")
+    sampled, first = np.unique(passed, return_index=True)
+    between[sampled] = run["mode"].values[first]
+    return between[np.searchsorted(events, time, side="right")]
+
+
+def _modes_without_samples(run: xr.Dataset) -> npt.NDArray[np.int8]:
+    """Return how the motion goes on from its start and from each event, as far as events tell."""
+    x, y, vx, vy = (run[f"event_{name}"].values for name in COMPONENTS)
+    speed = run["omega"].item()
+    if "event_speed" in run.variables:
+        speed = run["event_speed"].values / scale_of(run, "speed")
+    rim = run["disc_radius"].item() * speed * scale_of(run, "velocity")
+    slip = np.append((x * vy - y * vx) / np.hypot(x, y) + rim, 0.0)
+    # it keeps its sense from one event to the next, at one of which it may be 0
+    senses = np.where(slip[:-1] + slip[1:] < 0.0, -1, 1).tolist()
+    modes = [int(run["mode"].values[0])]
+    for word, sense in zip(words_of(run["event_kind"]), senses, strict=True):
+        turned = -modes[-1] if word == "reverse" else sense
+        modes.append(MODE[AFTER[word]] if word in AFTER else turned)
+    return np.array(modes, dtype=np.int8)
+
+
+def rotated_back(x: Values, y: Values, angle: Values) -> tuple[Values, Values]:
+    """Return displacements on axes that have turned by an angle."""
+    rotated = (x + 1j * y) * np.exp(-1j * angle)
+    return rotated.real, rotated.imag

@@ -1,0 +1,306 @@
+"""A study on a grid: its jobs, done by whatever executor and kept as they end, and their columns.
+
+A sweep is one, many run-ups are another. Each job is of one or more points of the grid, and its
+result becomes rows of tables: one row for each point, and for each event on the way to it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Column
+from rotor_ida.checks import COMPONENTS, MOST_NUMBERS, MOST_POINTS_OF_STUDY, State, check_points
+from rotor_ida.errors import SimulationError
+from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotors import Rotors
+from rotor_ida.parallel import FailedJob, Progress, Workers, run_all
+from rotor_ida.parallel.jobs import Job, Result, Work
+from rotor_ida.results.studies.arrays import scratch
+from rotor_ida.results.studies.results import Folder, Form, Results, open_results
+from rotor_ida.schema import STATUS, labelled
+
+Array = npt.NDArray[np.generic]
+Table = npt.NDArray[np.void]
+Places = npt.NDArray[np.int64]
+Job_co = TypeVar("Job_co", covariant=True)
+
+REST: State = (0.0, 0.0, 0.0, 0.0)
+# What solver, physics and memory raise of a point; anything else is a fault of the program's own.
+EXPECTED = (SimulationError, ArithmeticError, MemoryError)
+# A failure of the surroundings, not of the point: another attempt may succeed.
+PASSING = "MemoryError"
+NO_COLUMNS = np.dtype([])
+
+
+def reason_of(error: Exception) -> str:
+    """Return what a message says of an error that was `EXPECTED`."""
+    if isinstance(error, SimulationError):
+        return str(error)
+    return f"{type(error).__name__}: {error}".rstrip(": ")
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The axes of a study.
+
+    Parameters
+    ----------
+    rotors : Rotors
+        The rotors, whose parameters are the first axes.
+    axes : mapping of str to ndarray
+        The axes behind these in their order: the numbers of the starts, ``start``, and more [1].
+    starts : sequence of tuple of float
+        The starts ``(x, y, vx, vy)`` [1].
+    """
+
+    rotors: Rotors
+    axes: Mapping[str, npt.NDArray[Any]]
+    starts: Sequence[State]
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Dimensions of a result."""
+        return (*self.rotors.dims, *self.axes)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values along each dimension."""
+        return (*self.rotors.sizes, *(axis.size for axis in self.axes.values()))
+
+    @property
+    def points(self) -> int:
+        """Number of points."""
+        return math.prod(self.shape)
+
+    @property
+    def coordinates(self) -> dict[str, Column | xr.Variable]:
+        """The coordinates of a result."""
+        states = zip(COMPONENTS, np.array(self.starts).T, strict=True)
+        return {
+            **self.rotors.coordinates,
+            **{name: (name, axis) for name, axis in self.axes.items()},
+            **{f"start_{name}": ("start", column.copy()) for name, column in states},
+        }
+
+    def rotor(self, place: tuple[int, ...]) -> Rotor:
+        """Return the rotor at a place, an index along each dimension."""
+        return self.rotors.rotor(place[: len(self.rotors.dims)])
+
+    def check_size(self, study: object) -> None:
+        """Refuse more points than memory, or the folder of a study, has room for."""
+        most = MOST_NUMBERS if study is None else MOST_POINTS_OF_STUDY
+        check_points(self.rotors, *self.axes.values(), most=most)
+
+    def labelled(self, columns: Mapping[str, Array]) -> dict[str, xr.Variable]:
+        """Return columns with a number for each point as variables."""
+        return {
+            name: labelled(name, self.dims, column.reshape(self.shape))
+            for name, column in columns.items()
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Some points of a study.
+
+    Parameters
+    ----------
+    points : structured array, shape (n,)
+        What is kept of each point, its ``status`` and ``event_count`` among it.
+    messages : list of str
+        Why each failed; empty if it did not.
+    events : structured array, shape (m,), optional
+        The events of one point after those of the other.
+    """
+
+    points: Table
+    messages: list[str]
+    events: Table | None = None
+
+
+class Plan(Protocol[Job_co]):
+    """The jobs of a study, by number, each of `length` points."""
+
+    @property
+    def grid(self) -> Grid:
+        """The points of all jobs."""
+
+    @property
+    def length(self) -> int:
+        """Number of points of each job."""
+
+    def job(self, number: int) -> Job_co:
+        """Return what a worker needs to do a job."""
+
+    def places(self, number: int) -> Places:
+        """Return where the points of a job stand among all, in the order of the dimensions."""
+
+    def slowest_first(self) -> Places:
+        """Return the numbers of the jobs in an order that leaves no long one to the end."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task(Generic[Job, Result]):
+    """What is done of each job, and kept of it.
+
+    Parameters
+    ----------
+    work : callable
+        Does a job; a function of a module, as processes need.
+    lost : callable
+        Returns what stands for a job whose workers died, and why they did.
+    rows : callable
+        Returns a result as rows.
+    form : Form
+        How rows become arrays of a study and come back.
+    point, event : dtype
+        The columns of a point, and of an event.
+    """
+
+    work: Work[Job, Result]
+    lost: Callable[[Job, str], Result]
+    rows: Callable[[Result], Rows]
+    form: Form[Rows]
+    point: np.dtype[np.void]
+    event: np.dtype[np.void] = NO_COLUMNS
+
+
+class Columns(NamedTuple):
+    """What a study has found: columns with a number for each point, and for each event."""
+
+    points: dict[str, Array]
+    events: dict[str, Array]
+
+
+def form_of(
+    word: str, table: str, point: np.dtype[np.void], event: np.dtype[np.void] = NO_COLUMNS
+) -> Form[Rows]:
+    """Return how rows are kept: one table of points, and one of events if there are such columns.
+
+    A table has one header; arrays of their own would have one each.
+    """
+    names, of_events = list(point.names or ()), list(event.names or ())
+    return Form(
+        word,
+        lambda rows: (
+            {"messages": np.array(rows.messages, dtype=str), table: rows.points}
+            | ({} if rows.events is None else {"events": rows.events})
+        ),
+        lambda arrays: Rows(
+            arrays[table][names],
+            arrays["messages"].tolist(),
+            arrays["events"][of_events] if of_events else None,
+        ),
+    )
+
+
+def run_study(
+    plan: Plan[Job],
+    task: Task[Job, Result],
+    design: Mapping[str, object],
+    *,
+    study: Folder | None,
+    workers: Workers,
+    progress: Progress | None,
+) -> Columns:
+    """Do the jobs of a study that are not kept yet, and return the columns of all.
+
+    `design` is all that decides on the bits: a study with another one is refused.
+    """
+    with open_results(study, design, plan.grid.points, task.form) as kept:
+        _do_jobs(plan, task, kept, workers, progress)
+        points = _point_columns(plan, task.point, kept)
+        events = _event_columns(plan, task.event, kept, points) if task.event.names else {}
+    return Columns(points, events)
+
+
+def _do_jobs(
+    plan: Plan[Job],
+    task: Task[Job, Result],
+    kept: Results[Rows],
+    workers: Workers,
+    progress: Progress | None,
+) -> None:
+    """Do the jobs that are not kept yet, and keep each as it ends."""
+    points = plan.grid.points
+    if progress is not None and kept.points_done:
+        progress(kept.points_done, points)
+    due = [number for number in plan.slowest_first().tolist() if number not in kept.done]
+    if not due:
+        return
+    jobs = (plan.job(number) for number in due)
+    postponed = 0
+    count = workers.number and min(
+        workers.number, len(due)
+    )  # the cluster at an address has its own
+    with closing(run_all(task.work, jobs, workers=count, executor=workers.executor)) as ended:
+        for turn, result in ended:
+            number = due[turn]
+            died = isinstance(result, FailedJob)
+            rows = task.rows(
+                task.lost(plan.job(number), result.reason)
+                if isinstance(result, FailedJob)
+                else result
+            )
+            failures = np.flatnonzero(rows.points["status"] == STATUS["failed"]).tolist()
+            reasons = [rows.messages[place] for place in failures]
+            if died or any(reason.startswith(PASSING) for reason in reasons):
+                kept.hold(number, rows)  # another time it may be done
+                postponed += plan.length
+            else:
+                first = reasons[0] if reasons else ""
+                kept.keep(number, rows, len(rows.messages), failed=len(reasons), reason=first)
+            if progress is not None:
+                progress(kept.points_done + postponed, points)
+
+
+def _point_columns(
+    plan: Plan[Job], kind: np.dtype[np.void], kept: Results[Rows]
+) -> dict[str, Array]:
+    """Return the columns with a number, or a message, for each point."""
+    columns = _scratch(kind, plan.grid.points, kept.folder)
+    messages: dict[int, str] = {}
+    for number, rows in kept.results():
+        places = plan.places(number)
+        for name, column in columns.items():
+            column[places] = rows.points[name]
+        both = zip(places.tolist(), rows.messages, strict=True)
+        messages |= {place: message for place, message in both if message}
+    width = max(map(len, messages.values()), default=1)
+    texts = scratch((plan.grid.points,), f"<U{width}", kept.folder)
+    texts[:] = ""
+    for place, message in messages.items():
+        texts[place] = message
+    return columns | {"message": texts}
+
+
+def _event_columns(
+    plan: Plan[Job], kind: np.dtype[np.void], kept: Results[Rows], points: Mapping[str, Array]
+) -> dict[str, Array]:
+    """Return the columns with a number for each event, in the order of the points."""
+    ends = np.cumsum(points["event_count"], dtype=np.int64)
+    columns = _scratch(kind, int(ends[-1]), kept.folder)
+    for number, rows in kept.results():
+        assert rows.events is not None
+        first = 0
+        counts = rows.points["event_count"].tolist()
+        for place, count in zip(plan.places(number).tolist(), counts, strict=True):
+            end = int(ends[place])
+            for name, column in columns.items():
+                column[end - count : end] = rows.events[name][first : first + count]
+            first += count
+    return columns
+
+
+def _scratch(kind: np.dtype[np.void], size: int, folder: Path | None) -> dict[str, Array]:
+    """Return unset columns, in memory, or in `folder` if they may be larger than that."""
+    return {name: scratch((size,), kind[name], folder) for name in kind.names or ()}

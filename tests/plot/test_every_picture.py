@@ -1,0 +1,96 @@
+"""What holds for every picture: its labels, its units, its place, and what it refuses."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from rotor_ida import InputError, dimensional
+from rotor_ida.plot import mixed_panels
+from rotor_ida.plot.labels import IN_UNITS, LABELS
+from tests.plot.pictures import MACHINE, PICTURES
+
+UNITS = {"length": "µm", "time": "ms", "velocity": "mm/s"}
+# What each kind of quantity is written in then, and what a dimensionless 1 is.
+WRITTEN = {
+    "number": ("", 1.0),
+    "length": ("µm", 1e6 * MACHINE.length_scale),
+    "time": ("ms", 1e3 * MACHINE.time_scale),
+    "velocity": ("mm/s", 1e3 * MACHINE.velocity_scale),
+    "force": ("N", MACHINE.force_scale),
+    "rate": ("1/s", 1.0 / MACHINE.time_scale),
+    "natural": ("rad/ms", 1e-3 / MACHINE.time_scale),
+}
+every_picture = pytest.mark.parametrize("picture", PICTURES, ids=str)
+
+
+def in_units(dataset):
+    return dimensional(dataset, MACHINE, units=UNITS)
+
+
+def lines_in_data(ax):
+    """Return the points of each line that lies in the units of both axes."""
+    return [
+        np.ma.filled(np.ma.asarray(line.get_xydata(), float), np.nan)
+        for line in ax.lines
+        if line.get_transform() == ax.transData
+    ]
+
+
+@every_picture
+def test_axes_are_labelled_with_name_and_symbol_and_the_unit_of_the_dataset(picture):
+    plain, si = picture.drawn(), picture.drawn(in_units)
+    for shown, in_si, (name, kind) in (
+        (plain.get_xlabel(), si.get_xlabel(), picture.across),
+        (plain.get_ylabel(), si.get_ylabel(), picture.up),
+    ):
+        assert shown == LABELS[name]
+        unit = WRITTEN[kind][0]
+        assert in_si == (f"{IN_UNITS[name]} [{unit}]" if unit else LABELS[name])
+
+
+@every_picture
+def test_a_dataset_in_si_units_is_drawn_to_scale(picture):
+    plain, si = picture.drawn(), picture.drawn(in_units)
+    scales = [WRITTEN[kind][1] for _, kind in (picture.across, picture.up)]
+    lines, others = lines_in_data(si), lines_in_data(plain)
+    assert len(lines) == len(others)
+    for line, other in zip(lines, others, strict=True):
+        np.testing.assert_allclose(line, other * scales, rtol=1e-9, atol=1e-9)
+    assert len(si.collections) == len(plain.collections)
+    assert lines or si.collections
+
+
+@every_picture
+def test_no_text_is_cut_off(picture):
+    for convert in (lambda each: each, in_units):
+        figure = picture.drawn(convert).figure
+        figure.draw_without_rendering()
+        box = figure.get_tightbbox()
+        assert box.x0 >= -0.02
+        assert box.y0 >= -0.02
+        assert box.x1 <= figure.get_figwidth() + 0.02
+        assert box.y1 <= figure.get_figheight() + 0.02
+
+
+@every_picture
+def test_is_drawn_on_the_axes_given(picture):
+    ax = Figure().subplots()
+    assert picture.drawn(ax=ax) is ax
+    with pytest.raises(InputError, match="ax must be matplotlib Axes, got str"):
+        picture.drawn(ax="here")
+
+
+@every_picture
+def test_other_things_are_refused(picture):
+    with pytest.raises(InputError, match="it lacks"):
+        picture.drawn(lambda each: each.drop_vars(list(each.data_vars)))
+    with pytest.raises(InputError, match="must be a Dataset, got int"):
+        picture.drawn(lambda _: 3)
+
+
+def test_panels_are_lettered_and_solid_ones_are_where_they_are_wanted():
+    figure, axes = mixed_panels(1, 2, solid=[0])
+    assert [ax.name for ax in axes] == ["3d", "rectilinear"]
+    assert [ax.get_title(loc="left") for ax in figure.axes] == ["a", "b"]
+    with pytest.raises(InputError, match="solid must hold numbers of panels below 2, got 2"):
+        mixed_panels(1, 2, solid=[2])

@@ -1,0 +1,33 @@
+"""Forces over time, and how their peaks are distributed."""
+
+import numpy as np
+
+from rotor_ida import Rotor, contact_forces, simulate
+from rotor_ida.plot import plot_force_peaks, plot_forces
+
+REST = (0.0, 0.0, 0.0, 0.0)
+BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+
+
+def lines_of(ax):
+    return {line.get_label(): line for line in ax.lines}
+
+
+def test_forces_and_their_peaks():
+    forces = contact_forces(simulate(BOUNCING, start=REST, duration=30.0))
+    lines = lines_of(plot_forces(forces))
+    np.testing.assert_array_equal(lines["force"].get_ydata(), forces.force)
+    step = plot_force_peaks(forces).lines[0]
+    assert step.get_ydata()[-1] == 1.0
+    none = forces.isel(contact=slice(0, 0))
+    texts = [text.get_text() for text in plot_force_peaks(none).texts]
+    assert texts == ["fewer than two whole contacts"]
+
+
+def test_largest_force_at_the_end_of_a_run_is_no_peak():
+    """A run that ends inside a contact while the force grows has not seen its peak."""
+    run = simulate(BOUNCING, start=REST, duration=6.0, samples=601)
+    rising = contact_forces(run.sel(t=slice(0.0, 2.0)))
+    assert rising.peak_time.size
+    cut = rising.assign(peak_time=("contact", np.full(rising.sizes["contact"], 2.0)))
+    assert lines_of(plot_forces(cut))["peak of a contact"].get_xdata().size == 0

@@ -1,0 +1,185 @@
+"""Motions that never repeat themselves: touches that fade, tori and chaos."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    Rotor,
+    lyapunov_exponent,
+    simulate,
+    sweep,
+    synchronous_response,
+)
+from rotor_ida.closed_forms import touch_fading
+from rotor_ida.closed_forms.contact_free import complex_amplitude
+from rotor_ida.schema import RESPONSE
+from rotor_ida.simulation.neighbours import shoot
+from rotor_ida.simulation.options import Options
+from rotor_ida.steady import follow
+from rotor_ida.steady.follow import follow_to_steady_state
+from tests.steady.following import LOADED, REST, followed, of_paper
+
+TAYLOR = Options(method="taylor")
+GO_ON = np.zeros(1, np.uint8)
+
+
+# ---- Touches that fade ----
+
+
+@pytest.mark.parametrize("omega", [0.5, 2.28, 2.94])
+def test_ever_slighter_touches_lead_to_a_contact_free_whirl(omega):
+    settled = of_paper(omega, 2.0)
+    assert settled.response == "touching"
+    assert settled.event_times.size > 50
+    assert 0.0 < settled.features.radius_max - 2.0 < 2e-3
+    assert math.isnan(settled.features.period)
+
+
+def test_touches_that_are_slight_from_the_start_are_touching_too():
+    """The indentation falls from 1.8e-4 at t = 300 only to 1.3e-4 at 1000."""
+    start = (1.369616873214543, -2.302132862361297, -4.590264760638053, -4.834723644714709)
+    settled = of_paper(1.25, 2.0, start)
+    assert settled.response == "touching"
+    assert 0.0 < settled.features.radius_max - 2.0 < 2e-4
+
+
+def test_touches_of_a_linear_contact_fade_by_their_own_law():
+    """1/sqrt(h) grows by sqrt(2/kappa)/(3 zeta) from touch to touch."""
+    for omega, damping in ((0.5, 0.0), (2.28, 0.5), (2.94, 0.0)):
+        machine = Rotor(
+            omega=omega, zeta=0.07, delta0=2.0, contact_exponent=1.0, contact_damping=damping
+        )
+        whirl = complex(complex_amplitude(omega, 0.07))
+        start, velocity = whirl + 2.0 - abs(whirl) + 1e-6, 1j * omega * whirl
+        run = simulate(
+            machine, start=(start.real, start.imag, velocity.real, velocity.imag),
+            duration=2500.0, samples=2, method="taylor",
+        )  # fmt: skip
+        growth = np.diff(run.peak_indentation.values[-40:] ** -0.5)
+        assert growth.mean() == pytest.approx(touch_fading(machine), rel=0.02)
+
+
+def test_touches_fade_by_the_law_that_friction_leaves_as_it_is():
+    """Friction carries the centre along the ring: 1/h grows as without, ever more closely."""
+    rotor = Rotor(omega=1.6, zeta=0.2, delta0=1.4, friction=0.35, disc_radius=1.0)
+    settled = follow_to_steady_state(rotor, (3.4, -0.3, -0.4, -0.4), TAYLOR)
+    assert settled.response == "touching"
+    run = simulate(rotor, start=(3.4, -0.3, -0.4, -0.4), duration=4000.0, method="taylor")
+    growth = np.diff(1.0 / run.peak_indentation.values)
+    off = np.abs(growth / touch_fading(rotor) - 1.0)
+    assert off[-20:].max() < 0.01
+    assert off[-20:].max() < 0.5 * off[20:40].max()
+
+
+# ---- Tori and chaos ----
+
+
+@pytest.mark.parametrize(
+    ("omega", "delta0", "start", "exponent"),
+    [(1.38, 1.0, (1.5, -0.25, 0.0, 0.0), 0.0362), (1.69, 2.0, (3.0, 1.0, 0.0, 0.0), 0.0083)],
+)
+def test_known_chaos_is_chaotic_with_the_known_exponent(omega, delta0, start, exponent):
+    """From DESIGN, section 9; an orbit of its own within the error that it states."""
+    settled = of_paper(omega, delta0, start)
+    assert settled.response == "chaotic"
+    seen, error = settled.features.lyapunov_exponent, settled.features.lyapunov_error
+    assert seen > 5.0 * error
+    assert abs(seen - exponent) < 4.0 * error
+    assert math.isnan(settled.features.period)
+
+
+def test_exponents_are_stated_only_where_they_were_asked_for():
+    assert math.isnan(of_paper(2.0, 2.0).features.lyapunov_exponent)
+
+
+def test_touches_that_fade_slowly_are_not_asked_for_chaos(monkeypatch):
+    """Of a fast rotor they follow the law only after 3,000: an exponent takes far longer."""
+    monkeypatch.setattr(follow, "exponents_of", None)  # called, it would raise
+    settled = of_paper(100.0, 1.0, (3.0, 0.0, 0.0, 0.0), zeta=1.0, options=Options(method="taylor"))
+    assert settled.response == "touching"
+    assert settled.window_end > follow.LATE
+
+
+def test_a_cycle_without_load_becomes_a_torus_under_a_slight_one():
+    """Its period, 4.5639, is no whole number of revolutions; its radii are those of DESIGN."""
+    beyond = []
+    for load in (0.02, 0.01):
+        settled = followed(Rotor(omega=2.0, zeta=0.07, delta0=2.0, load=load))
+        assert settled.response == "quasi_periodic"
+        assert math.isnan(settled.features.period)
+        assert abs(settled.features.lyapunov_exponent) < 1e-6
+        beyond.append(settled.features.radius_max - 4.104416607)
+    assert 0.0 < beyond[1] < 0.02
+    assert beyond[0] / beyond[1] == pytest.approx(2.0, rel=0.1)
+
+
+def test_on_a_torus_one_exponent_is_zero_and_their_sum_is_that_of_the_damping():
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, load=0.01)
+    found = lyapunov_exponent(rotor, start=REST, transient=2000.0, duration=4000.0)
+    exponents = found.lyapunov_exponent.values
+    assert abs(exponents[0]) < 1e-6
+    assert exponents[1] < -0.01
+    assert found.exponent_sum.item() == pytest.approx(-0.28, abs=1e-9)
+
+
+def test_friction_makes_tori_without_a_load():
+    """Where a pair of multipliers has crossed the unit circle the motion never repeats itself.
+
+    Two exponents are zero, and the others below.
+    """
+    rotor = Rotor(
+        omega=2.37, zeta=0.02, delta0=1.0, contact_exponent=1.0, friction=0.05, disc_radius=5.0
+    )
+    near = np.array([0.157, 1.116, 0.906, -4.344])
+    found = sweep(
+        omega=2.37, zeta=0.02, delta0=1.0, contact_exponent=1.0, friction=0.05, disc_radius=5.0,
+        starts=[near], method="taylor",
+    ).squeeze()  # fmt: skip
+    assert found.response == RESPONSE["quasi_periodic"]
+    assert np.isnan(found.period)
+    exponents = lyapunov_exponent(rotor, start=near, transient=2000.0, duration=3000.0)
+    first, second, third, _ = exponents.lyapunov_exponent.values
+    assert abs(first) < 1e-4
+    assert abs(second) < 1e-4
+    assert third < -2e-3
+
+
+def test_exponents_of_a_cycle_under_a_load_are_those_of_its_multipliers():
+    """Spans of an exponent end anywhere in a revolution: the load must be where it then is."""
+    rotor, count = LOADED["three times"]
+    state = followed(rotor).end
+    period = count * 2.0 * math.pi / rotor.omega
+    multipliers = np.linalg.eigvals(shoot(rotor, np.array(state), period, GO_ON).monodromy)
+    expected = np.sort(np.log(np.abs(multipliers)))[::-1] / period
+    found = lyapunov_exponent(rotor, start=state, transient=300.0, duration=6000.0)
+    np.testing.assert_allclose(found.lyapunov_exponent, expected, atol=2e-4)
+    assert expected.sum() == pytest.approx(-4.0 * rotor.zeta, rel=1e-9)
+    assert expected[0] < -0.005
+
+
+def test_chaos_under_a_load_is_told_with_its_exponent():
+    rotor = Rotor(omega=1.5, zeta=0.05, delta0=1.0, shaft_stiffness=0.05, load=0.6)
+    settled = followed(rotor)
+    assert settled.response == "chaotic"
+    exponent, error = settled.features.lyapunov_exponent, settled.features.lyapunov_error
+    assert exponent > 5.0 * error
+    found = lyapunov_exponent(rotor, start=(0.5, 0.0, 0.0, 0.3), duration=10_000.0)
+    other, its_error = (float(found[f"lyapunov_{each}"][0]) for each in ("exponent", "error"))
+    assert abs(exponent - other) < 4.0 * math.hypot(error, its_error)
+
+
+def test_exponents_add_up_to_the_divergence_also_under_a_load():
+    machine = Rotor(omega=1.2, zeta=0.07, delta0=0.5, shaft_stiffness=0.3, load=0.3)
+    found = lyapunov_exponent(machine, start=(0, 0, 0, 0), duration=500.0)
+    assert found.exponent_sum.item() == pytest.approx(-0.28, abs=1e-9)
+    assert found.divergence.item() == -0.28
+    damped = Rotor(omega=1.2, zeta=0.07, delta0=0.5, contact_damping=0.5)
+    found = lyapunov_exponent(damped, start=(0, 0, 0, 0), duration=500.0)
+    assert np.isnan(found.divergence.item())
+    assert found.exponent_sum.item() < -1.0
+    # on a synchronous whirl they are the real parts of its eigenvalues
+    exact = synchronous_response(omega=1.2, zeta=0.07, delta0=0.5, contact_damping=0.5)
+    slowest = float(exact.growth_rate.max())
+    assert found.lyapunov_exponent.values[0] == pytest.approx(slowest, abs=2e-3)
