@@ -16,6 +16,8 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.table import FRICTIONLESS, OF_ROTOR
 
 CONVENTIONS = "CF-1.11"
+# The attribute that says what kind of result a dataset is, a row of `rotor_ida.results.kinds`.
+RESULT_KIND = "result_kind"
 
 
 @dataclass(frozen=True)
@@ -95,6 +97,20 @@ END = {
 WITH_EXTENTS = ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "friction")
 EXTREMUM = {"minimum": -1, "constant": 0, "maximum": 1}
 
+
+def _states(words: str, axes: Mapping[str, str], where: Mapping[str, str]) -> dict[str, Quantity]:
+    """Return the components of states, by prefixes and by what these say behind the component."""
+    nouns = {"": "displacement", "v": "velocity"}
+    return {
+        f"{prefix}{kind}{axis}": Quantity(
+            words.format(noun=noun, axis=side) + behind, scale="velocity" if kind else "length"
+        )
+        for prefix, behind in where.items()
+        for kind, noun in nouns.items()
+        for axis, side in axes.items()
+    }
+
+
 QUANTITIES: dict[str, Quantity] = {
     # a fit
     "unknown": Quantity("parameter that was sought", ""),
@@ -124,21 +140,24 @@ QUANTITIES: dict[str, Quantity] = {
     "noise": Quantity("standard deviation of the noise in each direction", scale="length"),
     # parameters
     **{name: Quantity(each.meaning) for name, each in OF_ROTOR.items()},
+    **_states(
+        "{axis} {noun}",
+        {"x": "horizontal", "y": "vertical"},
+        {"": "", "event_": " at the event", "start_": " at the start", "end_": " at the end"},
+    ),
+    # on axes that turn with the unbalance
+    **_states(
+        "{noun} {axis} the unbalance",
+        {"x": "along", "y": "across"},
+        {"rotating_": "", "event_rotating_": " at the event", "special_": ""},
+    ),
     # a run
     "t": Quantity("time", scale="time"),
-    "x": Quantity("horizontal displacement", scale="length"),
-    "y": Quantity("vertical displacement", scale="length"),
-    "vx": Quantity("horizontal velocity", scale="velocity"),
-    "vy": Quantity("vertical velocity", scale="velocity"),
     "starts_in_contact": Quantity("whether the run starts in contact", flags=NO_YES),
     "event_time": Quantity("time of contact entry or exit", scale="time"),
     "event_kind": Quantity("kind of contact event", flags=EVENT_KIND),
     "event_time_error": Quantity("estimated error of the event time", scale="time"),
     "horizon": Quantity("time up to which the start determines the orbit", scale="time"),
-    "event_x": Quantity("horizontal displacement at the event", scale="length"),
-    "event_y": Quantity("vertical displacement at the event", scale="length"),
-    "event_vx": Quantity("horizontal velocity at the event", scale="velocity"),
-    "event_vy": Quantity("vertical velocity at the event", scale="velocity"),
     "entry_time": Quantity("time at which the contact begins", scale="time"),
     "exit_time": Quantity("time at which the contact ends", scale="time"),
     "peak_time": Quantity("time of largest indentation in the contact", scale="time"),
@@ -186,15 +205,6 @@ QUANTITIES: dict[str, Quantity] = {
     "rolling_fraction": Quantity("part of the time in contact in which the disc rolls"),
     "total_contact_loss": Quantity("energy lost in contacts by their damping", scale="energy"),
     "forward_fraction": Quantity("part of the contacts passed in forward whirl"),
-    # a run on axes that turn with the unbalance
-    "rotating_x": Quantity("displacement along the unbalance", scale="length"),
-    "rotating_y": Quantity("displacement across the unbalance", scale="length"),
-    "rotating_vx": Quantity("velocity along the unbalance", scale="velocity"),
-    "rotating_vy": Quantity("velocity across the unbalance", scale="velocity"),
-    "event_rotating_x": Quantity("displacement along the unbalance at the event", scale="length"),
-    "event_rotating_y": Quantity("displacement across the unbalance at the event", scale="length"),
-    "event_rotating_vx": Quantity("velocity along the unbalance at the event", scale="velocity"),
-    "event_rotating_vy": Quantity("velocity across the unbalance at the event", scale="velocity"),
     # sections, spectra and forces
     "crossing": Quantity("number of the point of the section"),
     "crossing_time": Quantity("time at which the motion crosses the section", scale="time"),
@@ -310,10 +320,6 @@ QUANTITIES: dict[str, Quantity] = {
     "solution_y": Quantity("vertical displacement by a claimed solution", scale="length"),
     # sweeps
     "start": Quantity("number of the start"),
-    "start_x": Quantity("horizontal displacement at the start", scale="length"),
-    "start_y": Quantity("vertical displacement at the start", scale="length"),
-    "start_vx": Quantity("horizontal velocity at the start", scale="velocity"),
-    "start_vy": Quantity("vertical velocity at the start", scale="velocity"),
     "direction": Quantity("direction in which the speed is swept", flags=DIRECTION),
     "response": Quantity("kind of response over the final window", flags=RESPONSE),
     "radius_min": Quantity(
@@ -324,10 +330,6 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "window_start": Quantity("time at which the final window begins", scale="time"),
     "window_end": Quantity("time at which the final window and the run end", scale="time"),
-    "end_x": Quantity("horizontal displacement at the end", scale="length"),
-    "end_y": Quantity("vertical displacement at the end", scale="length"),
-    "end_vx": Quantity("horizontal velocity at the end", scale="velocity"),
-    "end_vy": Quantity("vertical velocity at the end", scale="velocity"),
     "status": Quantity("whether the run was done", flags=STATUS),
     "message": Quantity("why the run failed", ""),
     "event_count": Quantity("number of contact events of the run"),
@@ -472,10 +474,6 @@ QUANTITIES: dict[str, Quantity] = {
     "special_value": Quantity("continued parameter at the special point"),
     "special_second_value": Quantity("second continued parameter at the special point"),
     "special_period": Quantity("period at the special point", scale="time"),
-    "special_x": Quantity("displacement along the unbalance", scale="length"),
-    "special_y": Quantity("displacement across the unbalance", scale="length"),
-    "special_vx": Quantity("velocity along the unbalance", scale="velocity"),
-    "special_vy": Quantity("velocity across the unbalance", scale="velocity"),
     "special_point": Quantity("number of the point of the branch before the special one"),
     "special_radius_min": Quantity(
         "smallest distance from the bearing axis at the special point", scale="length"
@@ -526,11 +524,14 @@ def labelled_dataset(
     variables: Mapping[str, Column | xr.Variable],
     coordinates: Mapping[str, Column | xr.Variable],
     attributes: Mapping[str, object] | None = None,
+    *,
+    kind: str = "",
 ) -> xr.Dataset:
     """Return a dataset whose variables carry their long names and units.
 
     Each is given by its name in `QUANTITIES`: dimensions and values, or a variable that is labelled
-    already. Further attributes say, for example, where the result came from.
+    already. Further attributes say, for example, where the result came from. The kind is a row of
+    `rotor_ida.results.kinds`; only what is no result of this package has none.
 
     Examples
     --------
@@ -556,6 +557,8 @@ def labelled_dataset(
             indexes[name] = index = PandasIndex(variable.values, name, variable.dtype)
             held.update(index.create_variables({name: variable}))
     told = {"Conventions": CONVENTIONS, "title": title, **(attributes or {})}
+    if kind:
+        told[RESULT_KIND] = kind
     # The public constructor compares, aligns and copies what is known to fit: 0.3 ms, as long as
     # simulating a hundred contacts takes. The one that xarray uses itself does without.
     names = {*coordinates, *indexes}
@@ -572,8 +575,9 @@ def labelled_dataset(
 
 
 def origin_of(dataset: xr.Dataset) -> dict[str, object]:
-    """Return the attributes of a dataset that a result made from it inherits: all but the title."""
-    return {str(name): value for name, value in dataset.attrs.items() if name != "title"}
+    """Return the attributes that a result made from a dataset inherits: all but title and kind."""
+    own = {"title", RESULT_KIND}
+    return {str(name): value for name, value in dataset.attrs.items() if name not in own}
 
 
 def check_dimensionless(name: str, dataset: xr.Dataset) -> None:

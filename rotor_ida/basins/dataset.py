@@ -70,7 +70,7 @@ def basin_dataset(
     coordinates |= {name: ((), value) for name, value in fixed.items()}
     coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
     title = "Rotor in a clearance: what each start ends on"
-    return labelled_dataset(title, variables, coordinates, _attributes(result))
+    return labelled_dataset(title, variables, coordinates, _attributes(result), kind="basin")
 
 
 def fractions_dataset(starts: Starts, result: Labelled, drawn: Mapping[str, object]) -> xr.Dataset:
@@ -103,7 +103,9 @@ def fractions_dataset(starts: Starts, result: Labelled, drawn: Mapping[str, obje
     coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
     coordinates["response"] = ("response", np.array(kinds, dtype=np.int8))
     title = "Rotor in a clearance: fractions of starts"
-    return labelled_dataset(title, variables, coordinates, _attributes(result, drawn))
+    return labelled_dataset(
+        title, variables, coordinates, _attributes(result, drawn), kind="basin_fractions"
+    )
 
 
 def _agreement(result: Labelled) -> dict[str, xr.Variable]:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from itertools import product
-from typing import Literal
 
 import numpy as np
 import xarray as xr
 from rich.console import RenderableType
 
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.cli import describe_signals
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.cli.variables import (
     Description,
@@ -30,25 +29,16 @@ from rotor_ida.cli.variables import (
 )
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import SPEED_UNITS
-from rotor_ida.model.table import ALL_PARAMETERS, OPTIONAL, PARAMETERS
+from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, flags_of
 
-Kind = Literal[
-    "run", "sweep", "bifurcation_diagram", "basin", "basin_fractions", "atlas", "comparison",
-    "run_ups", "whirls", "folds", "hopf_points", "backward_whirl", "cycle", "branch", "curve",
-    "touchdown", "fit", "signals", "orders", "centre_line", "whirl_over_spin", "full_spectrum",
-    "spectrogram", "spectral_lines", "other",
-]  # fmt: skip
 EVENT = ("event_time", "event_kind", "event_speed", "event_x", "event_y", "event_time_error")
 CONTACT = (
     *("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force"),
     *("heat", "slip_distance", "rolling_time"),
 )
-BACKWARD = ("kind", "amplitude", "whirl_speed", "stability", "growth_rate", "normal_force",
-            "tangential_force")  # fmt: skip
-WHIRL = ("amplitude", *PARAMETERS, "branch", "phase_lag", "stability", "growth_rate", "in_contact")
-FOLD = ("fold_omega", "fold_amplitude", "zeta", "delta0", "fold")
 ATTRACTOR = (
     *("kind", "attractor", "amplitude", "phase_lag", "radius_min", "radius_max"),
     *("trapping", "confirmed", "count", "fraction", "fraction_error"),
@@ -115,61 +105,157 @@ MATCH = (
 )
 
 
-def kind_of(dataset: xr.Dataset) -> Kind:
-    """Return what a dataset holds, as its variables tell."""
-    signs: dict[Kind, bool] = {
-        "comparison": "matched_branch" in dataset,
-        "basin": "label" in dataset and "attractor" in dataset.dims,
-        "basin_fractions": "response_fraction" in dataset,
-        "atlas": "missed_fraction" in dataset and set(PARAMETERS) <= set(dataset.dims),
-        "touchdown": {"missed_fraction", "excursion"} <= set(dataset.variables),
-        "bifurcation_diagram": "extremum_radius" in dataset,
-        "run_ups": {"ending", "rate", "to"} <= set(dataset.variables),
-        "sweep": "response" in dataset and set(PARAMETERS) <= set(dataset.dims),
-        "run": "event_time" in dataset and "t" in dataset.dims,
-        "whirls": "amplitude" in dataset and "branch" in dataset.dims,
-        "folds": "fold_omega" in dataset,
-        "hopf_points": "hopf_omega" in dataset,
-        "backward_whirl": "birth_omega" in dataset and "whirl" in dataset.dims,
-        "curve": "special_second_value" in dataset,
-        "fit": {"estimate", "covariance"} <= set(dataset.variables),
-        "branch": "special_value" in dataset and "special" in dataset.dims,
-        "cycle": {"period_error", "multiplier_error"} <= set(dataset.variables),
-        "orders": "forward_whirl_amplitude" in dataset,
-        "centre_line": "offset_x" in dataset,
-        "whirl_over_spin": "whirl_over_spin" in dataset,
-        "full_spectrum": "noise_floor" in dataset,
-        "spectrogram": "bandwidth" in dataset and "window" in dataset.dims,
-        "spectral_lines": "window_residual" in dataset and "line" in dataset.dims,
-        "signals": {"x", "y"} <= set(dataset.data_vars) and "t" in dataset.dims,
-    }
-    return next((kind for kind, found in signs.items() if found), "other")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rows:
+    """Rows of a result: variables along the dimensions of the first of them.
+
+    Parameters
+    ----------
+    title : str
+        What people read above the table.
+    key : str
+        What the rows are called in the record.
+    names : tuple of str
+        The variables; where the first is NaN there is nothing, and no row. Those that a dataset
+        does not have are left out.
+    columns : tuple of str
+        What people read, in order, if not all.
+    """
+
+    title: str
+    key: str
+    names: tuple[str, ...]
+    columns: tuple[str, ...] = ()
+
+    def of(self, dataset: xr.Dataset) -> list[Record]:
+        """Return the rows of a dataset."""
+        lead, *_ = self.names
+        rows = rows_of(dataset, [name for name in self.names if name in dataset.variables])
+        return [row for row in rows if row[lead] == row[lead]]
+
+    def table(self, rows: list[Record], most: int | None) -> list[RenderableType]:
+        """Return the table of rows that a dataset has."""
+        told = [name for name in self.columns or self.names if rows and name in rows[0]]
+        return rows_table(self.title, rows, told, most)
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """What is said of a kind of result: its numbers, and tables along its dimensions."""
+
+    title: str
+    tables: tuple[Rows, ...]
+
+    def __call__(self, dataset: xr.Dataset, most: int | None) -> Description:
+        """Return the record of a dataset and its tables."""
+        there = [each for each in self.tables if each.names[0] in dataset.variables]
+        rows = {each.key: each.of(dataset) for each in there}
+        scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
+        parameters = parameters_in(dataset)
+        record: Record = {
+            "kind": kind_of(dataset),
+            "parameters": parameters,
+            **scalars,
+            **rows,
+            **about(dataset),
+        }
+        numbers = {name: each for name, each in parameters.items() if not isinstance(each, list)}
+        told = {with_unit(dataset, name): each for name, each in (numbers | scalars).items()}
+        parts = [part for each in there for part in each.table(rows[each.key], most)]
+        return record, [pairs(self.title, told), *parts] if told else parts
+
+
+FOUND_FOLDS = Rows(
+    title="Folds",
+    key="folds",
+    names=("fold_omega", "fold_amplitude", *ALL_PARAMETERS[1:], "rate", "jump_omega", "fold",
+           "fold_drift", "fold_curvature", "fold_remainder", "fold_passage"),
+    columns=(*ALL_PARAMETERS[1:], "fold_omega", "fold_amplitude", "rate", "jump_omega"),
+)  # fmt: skip
+FOLDS = Sheet("Rotor", (FOUND_FOLDS,))
+WHIRLS = Sheet(
+    "Rotor",
+    (
+        Rows(
+            title="Synchronous whirls",
+            key="whirls",
+            names=("amplitude", *ALL_PARAMETERS, "branch", "phase_lag", "stability", "growth_rate",
+                   "in_contact"),
+            columns=(*ALL_PARAMETERS, "amplitude", "phase_lag", "stability", "growth_rate",
+                     "in_contact"),
+        ),
+        FOUND_FOLDS,
+    ),
+)  # fmt: skip
+HOPF_POINTS = Sheet(
+    "Rotor",
+    (
+        Rows(
+            title="Hopf points",
+            key="hopf_points",
+            names=("hopf_omega", "hopf_amplitude", "hopf_frequency", *ALL_PARAMETERS[1:]),
+            columns=(*ALL_PARAMETERS[1:], "hopf_omega", "hopf_amplitude", "hopf_frequency"),
+        ),
+    ),
+)
+BACKWARD_WHIRL = Sheet(
+    "Rotor",
+    (
+        Rows(
+            title="Backward whirls without unbalance",
+            key="whirls",
+            names=("amplitude", "kind", "whirl_speed", "stability", "growth_rate", "normal_force",
+                   "tangential_force"),
+            columns=("kind", "amplitude", "whirl_speed", "stability", "growth_rate",
+                     "normal_force", "tangential_force"),
+        ),
+    ),
+)  # fmt: skip
+
+
+def show_by_dimension(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the variables of a dataset, its numbers, and tables along each of its dimensions."""
+    variables: list[Record] = [
+        {
+            "name": str(name),
+            "long_name": str(variable.attrs.get("long_name", "")),
+            "units": str(variable.attrs.get("units", "")),
+            "dimensions": " ".join(str(dim) for dim in variable.dims),
+        }
+        for name, variable in dataset.variables.items()
+    ]
+    sheet = Sheet("Numbers", tuple(_along(dataset, dims) for dims in _dimensions(dataset)))
+    record, parts = sheet(dataset, most)
+    heads = list(variables[0]) if variables else ()
+    return {**record, "variables": variables}, [
+        *rows_table("Variables", variables, heads, None),
+        *parts,
+    ]
+
+
+def _dimensions(dataset: xr.Dataset) -> list[tuple[str, ...]]:
+    """Return the dimensions of variables of which not too many values can be told."""
+    shapes = [each.dims for each in dataset.data_vars.values() if each.size <= MOST_TOLD]
+    return [tuple(map(str, dims)) for dims in dict.fromkeys(shapes) if dims]
+
+
+def _along(dataset: xr.Dataset, dims: tuple[str, ...]) -> Rows:
+    """Return the rows of all variables along some dimensions, behind the coordinates there."""
+    known = [name for name in (*ALL_PARAMETERS, *dims) if name in dataset.coords]
+    places = [name for name in dict.fromkeys(known) if set(dataset[name].dims) & set(dims)]
+    names, words = names_on(dataset, *dims), ", ".join(dims)
+    return Rows(
+        title=f"Along {words}",
+        key=f"along {words}",
+        names=(*names, *places),
+        columns=(*places, *names),
+    )
 
 
 def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
     """Return the record of a dataset and its tables, of at most so many rows each."""
-    described = {
-        "run": _run,
-        "sweep": _sweep,
-        "run_ups": _run_ups,
-        "bifurcation_diagram": _sweep,
-        "basin": _attractors,
-        "basin_fractions": _attractors,
-        "atlas": _atlas,
-        "touchdown": _touchdown,
-        "comparison": _comparison,
-        "whirls": _whirls,
-        "folds": _folds,
-        "hopf_points": _hopf_points,
-        "backward_whirl": _backward_whirl,
-        "cycle": _cycle,
-        "branch": _branch,
-        "curve": _curve,
-        "fit": _fit,
-        **describe_signals.BY_KIND,
-        "other": _other,
-    }
-    return described[kind_of(dataset)](dataset, most)
+    described: Description = loaded(KINDS[kind_of(dataset)].shown)(dataset, most)
+    return described
 
 
 def origin(dataset: xr.Dataset) -> RenderableType:
@@ -184,7 +270,8 @@ def origin(dataset: xr.Dataset) -> RenderableType:
     return pairs("Archive", shown)
 
 
-def _run(dataset: xr.Dataset, most: int | None) -> Description:
+def show_run(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return scalars, events and contacts of a run."""
     attributes = about(dataset)
     parameters = parameters_in(dataset)
     parameters |= _begun(dataset, attributes)
@@ -279,7 +366,8 @@ def _largest(values: Iterable[object]) -> float:
     return max(known, default=math.nan)
 
 
-def _sweep(dataset: xr.Dataset, most: int | None) -> Description:
+def show_sweep(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the responses of a sweep or diagram, and how many there are of each kind."""
     names = [name for name in POINT if name in dataset.variables]
     points = rows_of(dataset, names) if dataset["response"].size <= MOST_TOLD else []
     record: Record = {
@@ -295,7 +383,7 @@ def _sweep(dataset: xr.Dataset, most: int | None) -> Description:
     return record, parts
 
 
-def _run_ups(dataset: xr.Dataset, most: int | None) -> Description:
+def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
     """Return how run-ups end at each rate of each rotor, and every one of them."""
     told = [name for name in ALL_PARAMETERS if name in dataset.variables]
     parts = [f"{word}_fraction" for word in ENDS_IN_WORDS]
@@ -344,7 +432,8 @@ def _kinds(dataset: xr.Dataset) -> list[Record]:
     return rows
 
 
-def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
+def show_attractors(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the attractors of a basin or of fractions, and what became of the starts."""
     columns = [name for name in ATTRACTOR if name in dataset]
     attractors = rows_of(dataset, columns)
     counts = {name: value_of(dataset, name) for name in names_on(dataset)}
@@ -363,7 +452,7 @@ def _attractors(dataset: xr.Dataset, most: int | None) -> Description:
     return record | about(dataset), [*parts, pairs("Starts", counts)]
 
 
-def _atlas(dataset: xr.Dataset, most: int | None) -> Description:
+def show_atlas(dataset: xr.Dataset, most: int | None) -> Description:
     """Return each attractor with where it exists and how likely it is there."""
     words = {number: word for word, number in flags_of(dataset["kind"]).items()}
     rows: list[Record] = []
@@ -406,7 +495,7 @@ def _agreement(dataset: xr.Dataset) -> Record:
     return {"agreement": alike / count if count else math.nan, "agreement_count": count}
 
 
-def _touchdown(dataset: xr.Dataset, most: int | None) -> Description:
+def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
     """Return what each attractor does, a column for each, and what throws it to another."""
     rows = rows_of(dataset, names_on(dataset, "attractor"))
     scalars = _scalars(dataset)
@@ -464,7 +553,8 @@ def _end(row: Record, name: str) -> str:
     return f"{row[name]:.5g}" if kind == "none" else f"{row[name]:.5g} {kind}"
 
 
-def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
+def show_comparison(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return how many responses lie on an exact one, and each point."""
     from rotor_ida.verification.compare import summarise  # noqa: PLC0415 - only this kind needs it
 
     names = [name for name in MATCH if name in dataset.variables]
@@ -489,59 +579,8 @@ def _comparison(dataset: xr.Dataset, most: int | None) -> Description:
     return record, parts
 
 
-def _whirls(dataset: xr.Dataset, most: int | None) -> Description:
-    more = [name for name in OPTIONAL if name in dataset.variables]
-    every = rows_of(dataset, (*WHIRL, *more))
-    whirls = [row for row in every if row["stability"] != "absent"]
-    ordered = (
-        *(*PARAMETERS, *more, "amplitude", "phase_lag", "stability", "growth_rate", "in_contact"),
-    )
-    record: Record = {"kind": "whirls", "whirls": whirls}
-    parts = rows_table("Synchronous whirls", whirls, ordered, most)
-    if "fold_omega" in dataset:
-        record["folds"], of_folds = _fold_rows(dataset, most)
-        parts += of_folds
-    return record | attributes_of(dataset), parts
-
-
-def _folds(dataset: xr.Dataset, most: int | None) -> Description:
-    rows, parts = _fold_rows(dataset, most)
-    return {"kind": "folds", "folds": rows, **attributes_of(dataset)}, parts
-
-
-def _fold_rows(dataset: xr.Dataset, most: int | None) -> tuple[list[Record], list[RenderableType]]:
-    more = [name for name in OPTIONAL if name in dataset["fold_omega"].coords]
-    every = rows_of(dataset, (*FOLD, *more))
-    rows = [row for row in every if row["fold_omega"] == row["fold_omega"]]
-    columns = ("zeta", "delta0", *more, "fold_omega", "fold_amplitude")
-    return rows, rows_table("Folds", rows, columns, most)
-
-
-def _hopf_points(dataset: xr.Dataset, most: int | None) -> Description:
-    more = [name for name in OPTIONAL if name in dataset.variables]
-    found = ("hopf_omega", "hopf_amplitude", "hopf_frequency")
-    every = rows_of(dataset, (*found, "zeta", "delta0", *more))
-    rows = [row for row in every if row["hopf_omega"] == row["hopf_omega"]]
-    parts = rows_table("Hopf points", rows, ("zeta", "delta0", *more, *found), most)
-    return {"kind": "hopf_points", "hopf_points": rows, **attributes_of(dataset)}, parts
-
-
-def _backward_whirl(dataset: xr.Dataset, most: int | None) -> Description:
-    every = rows_of(dataset, BACKWARD)
-    whirls = [row for row in every if row["stability"] != "absent"]
-    parameters, birth = parameters_in(dataset), float(dataset["birth_omega"])
-    record: Record = {
-        "kind": "backward_whirl",
-        "parameters": parameters,
-        "whirls": whirls,
-        "birth_omega": birth,
-        **attributes_of(dataset),
-    }
-    parts = rows_table("Backward whirls without unbalance", whirls, BACKWARD, most)
-    return record, [*parts, pairs("Machine", {**parameters, "birth_omega": birth})]
-
-
-def _cycle(dataset: xr.Dataset, most: int | None) -> Description:
+def show_cycle(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return a limit cycle with its multipliers and strongest lines."""
     attributes = about(dataset)
     parameters = parameters_in(dataset)
     parameters["start"] = attributes.pop("start", None)
@@ -564,7 +603,8 @@ def _cycle(dataset: xr.Dataset, most: int | None) -> Description:
     return record, parts
 
 
-def _branch(dataset: xr.Dataset, most: int | None) -> Description:
+def show_branch(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the ends, special points and stable ranges of a branch."""
     varied = parameters_of("branch", dataset, "parameter", 1)
     record, parts = _followed("branch", "Branch of limit cycles", dataset, varied, most)
     stable: list[Record] = [{"from": low, "to": high} for low, high in stable_ranges(dataset)]
@@ -572,14 +612,15 @@ def _branch(dataset: xr.Dataset, most: int | None) -> Description:
     return record, [*parts, *rows_table("Stable ranges", stable, ("from", "to"), most)]
 
 
-def _curve(dataset: xr.Dataset, most: int | None) -> Description:
+def show_curve(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the ends and special points of a bifurcation curve."""
     varied = parameters_of("curve", dataset, "parameters", 2)
     kind = str(dataset.attrs.get("kind", "")).replace("_", " ")
     return _followed("curve", f"{kind.capitalize()} curve", dataset, varied, most)
 
 
 def _followed(
-    kind: Kind, title: str, dataset: xr.Dataset, varied: Sequence[str], most: int | None
+    kind: str, title: str, dataset: xr.Dataset, varied: Sequence[str], most: int | None
 ) -> Description:
     """Return what a branch and a bifurcation curve have in common."""
     held = parameters_in(dataset.drop_vars(varied))
@@ -610,7 +651,7 @@ def _followed(
     ]
 
 
-def _fit(dataset: xr.Dataset, most: int | None) -> Description:
+def show_fit(dataset: xr.Dataset, most: int | None) -> Description:
     """Return what a fit found, what the signals tell of it, and whether noise is left."""
     about: Record = {
         "machine": dataset.attrs["machine"],
@@ -627,20 +668,6 @@ def _fit(dataset: xr.Dataset, most: int | None) -> Description:
     return {**about, "unknown": rows, "identifiability": told}, [
         pairs("Fit", about), *rows_table("Unknown", rows, FITTED, most), *told
     ]  # fmt: skip
-
-
-def _other(dataset: xr.Dataset, most: int | None) -> Description:
-    variables: list[Record] = [
-        {
-            "name": str(name),
-            "long_name": str(variable.attrs.get("long_name", "")),
-            "units": str(variable.attrs.get("units", "")),
-            "dimensions": " ".join(str(dim) for dim in variable.dims),
-        }
-        for name, variable in dataset.variables.items()
-    ]
-    record: Record = {"kind": "other", "variables": variables, **attributes_of(dataset)}
-    return record, rows_table("Variables", variables, list(variables[0]) if variables else (), most)
 
 
 def _telling(points: Sequence[Record]) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -32,7 +32,7 @@ MOST_PEAKS = 50
 PLACE = ("t", "speed")
 
 
-def _signals(dataset: xr.Dataset, _: int | None) -> Description:
+def show_signals(dataset: xr.Dataset, _: int | None) -> Description:
     """Return how long and how dense a record is, how fast the rotor turns, and the displacements.
 
     The samples themselves stay in the archive.
@@ -108,7 +108,7 @@ def _inverse_of(times: xr.DataArray) -> str:
     return {"1": "", "s": " [Hz]"}.get(unit, f" [1/{unit}]")
 
 
-def _orders(dataset: xr.Dataset, _: int | None) -> Description:
+def show_orders(dataset: xr.Dataset, _: int | None) -> Description:
     """Return of each order, forward and backward, the largest amplitude and where it is."""
     largest: list[Record] = []
     for order in dataset["order"].values.tolist():
@@ -139,7 +139,7 @@ def _orders(dataset: xr.Dataset, _: int | None) -> Description:
     return record, [*parts, table("Largest amplitudes", largest, columns, digits=6)]
 
 
-def _centre_line(dataset: xr.Dataset, _: int | None) -> Description:
+def show_centre_line(dataset: xr.Dataset, _: int | None) -> Description:
     """Return the mean position first and last, and where it is furthest from the middle."""
     distance = np.hypot(dataset["offset_x"].values, dataset["offset_y"].values)
     places = {"first": 0, "last": -1, "furthest out": int(distance.argmax()),
@@ -156,7 +156,7 @@ def _centre_line(dataset: xr.Dataset, _: int | None) -> Description:
     return record, [*parts, table("Positions", rows, list(rows[0]), digits=6)]
 
 
-def _whirl(dataset: xr.Dataset, most: int | None) -> Description:
+def show_whirl_over_spin(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the stretches over which the whirl keeps its sense."""
     sense = dataset["whirl_sense"].values
     edges = [0, *(np.flatnonzero(np.diff(sense)) + 1).tolist(), sense.size]
@@ -176,7 +176,7 @@ def _whirl(dataset: xr.Dataset, most: int | None) -> Description:
     return record, [*parts, *rows_table("Senses", rows, list(rows[0]), most, digits=6)]
 
 
-def _full_spectrum(dataset: xr.Dataset, most: int | None) -> Description:
+def show_full_spectrum(dataset: xr.Dataset, most: int | None) -> Description:
     """Return bandwidth and noise floor, and the highest peaks that are clear of it."""
     attributes = about(dataset)
     scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
@@ -212,7 +212,8 @@ def _peaks(dataset: xr.Dataset) -> list[Record]:
     return rows_of(dataset[names].isel(frequency=places), names) if places.size else []
 
 
-def _spectral_lines(dataset: xr.Dataset, most: int | None) -> Description:
+def show_spectral_lines(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the lines, the strongest first."""
     names = names_on(dataset, "line")
     rows = sorted(rows_of(dataset, names), key=lambda row: -_number(row["whirl_amplitude"]))
     scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
@@ -225,7 +226,7 @@ def _spectral_lines(dataset: xr.Dataset, most: int | None) -> Description:
     return record, [*parts, *rows_table("Lines", shown, columns, most)]
 
 
-def _spectrogram(dataset: xr.Dataset, most: int | None) -> Description:
+def show_spectrogram(dataset: xr.Dataset, most: int | None) -> Description:
     """Return what is covered, and the highest line of some segments from first to last."""
     every = _highest(dataset)
     attributes = about(dataset)
@@ -303,14 +304,3 @@ def _named(attributes: Record, names: Sequence[str]) -> Record:
 
 def _number(value: object) -> float:
     return value if isinstance(value, float) else math.nan
-
-
-BY_KIND: dict[str, Callable[[xr.Dataset, int | None], Description]] = {
-    "signals": _signals,
-    "orders": _orders,
-    "centre_line": _centre_line,
-    "whirl_over_spin": _whirl,
-    "full_spectrum": _full_spectrum,
-    "spectrogram": _spectrogram,
-    "spectral_lines": _spectral_lines,
-}

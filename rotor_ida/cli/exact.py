@@ -185,6 +185,7 @@ def _hanging(rotor: Rotor) -> xr.Dataset:
             "frequency": ("line", np.array([0.0, rotor.omega])),
         },
         {"t": ("t", times), **_labels(rotor)},
+        kind="exact_motion",
     )
 
 
@@ -235,7 +236,10 @@ def _flight(dataset: xr.Dataset, record: Record, rotor: Rotor) -> xr.Dataset:
         )
     columns = {"x": ("t", x[seen]), "y": ("t", y[seen])}
     return labelled_dataset(
-        "Flight until the first touch", columns, {"t": ("t", whole[seen]), **_labels(rotor)}
+        "Flight until the first touch",
+        columns,
+        {"t": ("t", whole[seen]), **_labels(rotor)},
+        kind="exact_motion",
     )
 
 

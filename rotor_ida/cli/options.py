@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from cyclopts import Parameter
 from cyclopts.validators import Number
@@ -23,17 +24,19 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import DimensionalRotor, Rotor
 from rotor_ida.model.table import (
     DEFAULTS,
-    FRICTIONLESS,
     MACHINE_PARAMETERS,
+    OF_MACHINE,
+    OF_ROTOR,
     OPTIONAL,
     PARAMETERS,
+    TABLE,
 )
 from rotor_ida.simulation.options import Backend, Flight, Method
 
 
-def check_varies(*axes: Sequence[float]) -> None:
-    """Refuse a figure of an atlas in which nothing varies."""
-    if all(len(axis) < 2 for axis in axes):
+def check_varies(points: int) -> None:
+    """Refuse a figure of an atlas of so many rotors in which nothing varies."""
+    if points < 2:
         raise InputError("figure needs an atlas of several speeds, dampings or clearances, got one")
 
 
@@ -63,17 +66,6 @@ def _path(text: str, *, name: str | None = None) -> Parameter:
 def _flag(text: str, *, name: str | None = None) -> Parameter:
     return Parameter(name=name, help=text, negative=(), show_default=False)
 
-
-OMEGA = _number("Spin speed over the reference frequency.")
-ZETA = _number("Damping ratio.")
-DELTA0 = _number("Radial clearance over eccentricity.")
-EXPONENT = _number("Exponent of the contact force: 1.5 by Hertz, or 1.")
-OneOmega = Annotated[float | None, OMEGA]
-OneZeta = Annotated[float | None, ZETA]
-OneDelta0 = Annotated[float | None, DELTA0]
-Omegas = Annotated[list[float], _numbers("Spin speeds: numbers, or START:STOP:COUNT.")]
-Zetas = Annotated[list[float], _numbers("Damping ratios: numbers, or START:STOP:COUNT.")]
-Delta0s = Annotated[list[float], _numbers("Clearances: numbers, or START:STOP:COUNT.")]
 
 REST: State = (0.0, 0.0, 0.0, 0.0)
 START = Parameter(
@@ -140,13 +132,13 @@ SpecialNumber = Annotated[
     int | None, _whole_number("Number of the special point in the archive.", 0, MOST_NUMBERS)
 ]
 PointCount = Annotated[int, _whole_number("Largest number of points each way.", 2, MOST_NUMBERS)]
-Name = Literal[
+Continued = Literal[
     "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",
     "disc_radius",
 ]  # fmt: skip
-OneParameter = Annotated[Name, Parameter(help="What is varied.")]
+OneParameter = Annotated[Continued, Parameter(help="What is varied.")]
 TwoParameters = Annotated[
-    tuple[Name, Name],
+    tuple[Continued, Continued],
     Parameter(
         help="What is varied: two of those that continue takes.",
         metavar="NAME NAME",
@@ -190,6 +182,9 @@ Samples = Annotated[
     int, _whole_number("Number of times at which the motion is kept.", 2, MOST_NUMBERS)
 ]
 Rtol = Annotated[float, _number("Relative tolerance.")]
+Atol = Annotated[float, _number("Absolute tolerance.")]
+ContactMethod = Annotated[Method, Parameter(help="Solver of the contact.")]
+SolverBackend = Annotated[Backend, Parameter(help="How the solver is called.")]
 RtolOrNone = Annotated[float | None, _number("Relative tolerance; without it, one that suits.")]
 Workers = Annotated[
     int | None, _whole_number("Jobs done at a time; by default one a core.", 1, MOST_WORKERS)
@@ -295,132 +290,127 @@ AsJson = Annotated[bool, _flag("Print one JSON object, not tables.", name="--jso
 Force = Annotated[bool, _flag("Replace files that are there.")]
 
 
+def _optional_number(text: str) -> Any:
+    return Annotated[float | None, _number(text)]
+
+
+def _optional_numbers(text: str) -> Any:
+    return Annotated[list[float] | None, _numbers(text)]
+
+
+# Of one rotor, and of the rotors of a study, whose speeds a list of folds can do without.
+ONE = {
+    name: Annotated[float, _number(each.help)] if each.needed else _optional_number(each.help)
+    for name, each in OF_ROTOR.items()
+}
+SEVERAL = {
+    name: Annotated[list[float], _numbers(each.axis_help)]
+    if each.needed
+    else _optional_numbers(each.axis_help)
+    for name, each in OF_ROTOR.items()
+}
+SEVERAL_OR_NO_SPEED = SEVERAL | {"omega": _optional_numbers(OF_ROTOR["omega"].axis_help)}
+# Of one rotor without dimensions or in SI units, or in an archive.
+EITHER = {each.name: _optional_number(each.either_help) for each in TABLE} | {
+    "speed": Annotated[
+        float | None,
+        Parameter(
+            help=OF_MACHINE["speed"].si_help[:-1] + ", or with its unit, as 3000rpm or 50Hz.",
+            converter=parsing.converter(parsing.radians),
+            metavar="SPEED",
+        ),
+    ]
+}
+PERHAPS = {name: _optional_number(each.help) for name, each in OF_ROTOR.items()}
+
+Group = TypeVar("Group", bound=type)
+
+
+def with_parameters(
+    options: Mapping[str, Any], defaults: Mapping[str, float | None]
+) -> Callable[[Group], Group]:
+    """Return a decorator that puts parameters before the fields of a dataclass.
+
+    Parameters
+    ----------
+    options : mapping of str to type
+        The type of each parameter, with the option it is.
+    defaults : mapping of str to float or None
+        The values of those that need not be given.
+    """
+
+    def add(group: Group) -> Group:
+        group.__annotations__ = {**options, **group.__annotations__}
+        for name, value in defaults.items():
+            setattr(group, name, value)
+        return group
+
+    return add
+
+
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
+@with_parameters(ONE, DEFAULTS)
 class RotorOptions:
     """One rotor."""
 
-    omega: Annotated[float, OMEGA]
-    zeta: Annotated[float, ZETA]
-    delta0: Annotated[float, DELTA0]
-
     def rotor(self) -> Rotor:
         """Return the rotor."""
-        return Rotor(omega=self.omega, zeta=self.zeta, delta0=self.delta0)
+        return Rotor(**asdict(self))
 
 
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
-class BeyondOptions:
-    """What a rotor has beyond the paper's."""
+@with_parameters(SEVERAL, dict.fromkeys(OPTIONAL))
+class RotorsOptions:
+    """The rotors of a study; without an optional parameter, all have its default."""
 
-    shaft_stiffness: Annotated[
-        float, _number("Stiffness of the shaft over mass times reference frequency squared.")
-    ] = FRICTIONLESS["shaft_stiffness"]
-    contact_exponent: Annotated[float, EXPONENT] = FRICTIONLESS["contact_exponent"]
-    contact_damping: Annotated[
-        float, _number("Relative rise of the contact force at a speed of approach of 1.")
-    ] = FRICTIONLESS["contact_damping"]
-    load: Annotated[float, _number("Static load, downwards.")] = FRICTIONLESS["load"]
-    friction: Annotated[float, _number("Coefficient of friction in the contact.")] = 0.0
-    disc_radius: Annotated[
-        float | None, _number("Radius of the disc over eccentricity, which friction needs.")
-    ] = None
-
-    def of(self, rotor: Rotor) -> Rotor:
-        """Return the rotor with it."""
-        return replace(rotor, **asdict(self))
-
-
-@Parameter(name="*")
-@dataclass(frozen=True, kw_only=True)
-class BeyondAxes:
-    """What rotors have beyond the paper's; without it, nothing."""
-
-    shaft_stiffness: Annotated[
-        list[float] | None, _numbers("Stiffnesses of the shaft: numbers, or START:STOP:COUNT.")
-    ] = None
-    contact_exponent: Annotated[
-        list[float] | None, _numbers("Exponents of the contact force: 1.5 by Hertz, 1, or both.")
-    ] = None
-    contact_damping: Annotated[
-        list[float] | None, _numbers("Contact dampings: numbers, or START:STOP:COUNT.")
-    ] = None
-    load: Annotated[
-        list[float] | None, _numbers("Static loads, downwards: numbers, or START:STOP:COUNT.")
-    ] = None
-    friction: Annotated[
-        list[float] | None, _numbers("Coefficients of friction: numbers, or START:STOP:COUNT.")
-    ] = None
-    disc_radius: Annotated[
-        list[float] | None,
-        _numbers("Radii of the disc, which friction needs: numbers, or START:STOP:COUNT."),
-    ] = None
+    def given(self) -> dict[str, Any]:
+        """Return what is given, by name; one value of an optional parameter is no axis."""
+        values = {name: each for name, each in asdict(self).items() if each is not None}
+        return {
+            name: each[0] if name in OPTIONAL and len(each) == 1 else each
+            for name, each in values.items()
+        }
 
     def axes(self) -> list[list[float]]:
-        """Return those that are given."""
-        return [values for values in asdict(self).values() if values is not None]
+        """Return the values of each parameter that is given."""
+        return [each for each in asdict(self).values() if each is not None]
+
+    def panels(self, over: str = "") -> int:
+        """Return how many panels a figure over one of the parameters has."""
+        return math.prod(
+            len(each) for name, each in asdict(self).items() if each is not None and name != over
+        )
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+@with_parameters(SEVERAL_OR_NO_SPEED, dict.fromkeys(("omega", *OPTIONAL)))
+class WhirlsOptions(RotorsOptions):
+    """Rotors of which whirls or folds are listed."""
 
     def without_load(self) -> dict[str, Any]:
-        """Return what exact whirls have of it."""
+        """Return what is given, but for what exact whirls do not have."""
         given = self.given()
-        if given.pop("load") != 0.0:
+        if given.pop("load", 0.0) != 0.0:
             raise InputError("load must be 0 for exact whirls: under a load there are none")
-        radii = given.pop("disc_radius")  # it moves none
+        radii = given.pop("disc_radius", None)  # it moves none
         if radii is not None:
             check_axis("disc_radius", radii)
         return given
 
-    def given(self) -> dict[str, Any]:
-        """Return each by its name; one value is a number, and no axis."""
-        defaults = DEFAULTS
-        values = {name: values or [defaults[name]] for name, values in asdict(self).items()}
-        return {name: each[0] if len(each) == 1 else each for name, each in values.items()}
-
 
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
-class MachineOptions:
+@with_parameters(EITHER, dict.fromkeys(EITHER))
+class AnyRotorOptions:
     """One rotor, without dimensions or in SI units."""
 
-    omega: OneOmega = None
-    zeta: OneZeta = None
-    delta0: OneDelta0 = None
-    mass: Annotated[float | None, _number("In SI units: mass of the disc, in kg.")] = None
-    contact_stiffness: Annotated[
-        float | None,
-        _number("Stiffness of the contact, in N/m^1.5, or of a linear one in N/m."),
-    ] = None
-    damping: Annotated[float | None, _number("Viscous damping, in N s/m.")] = None
-    eccentricity: Annotated[
-        float | None, _number("Distance of the mass centre from the disc centre, in m.")
-    ] = None
-    clearance: Annotated[float | None, _number("Radial clearance, in m.")] = None
-    speed: Annotated[
-        float | None,
-        Parameter(
-            help="Spin speed, in rad/s, or with its unit, as 3000rpm or 50Hz.",
-            converter=parsing.converter(parsing.radians),
-            metavar="SPEED",
-        ),
-    ] = None
-    shaft_stiffness: Annotated[
-        float | None, _number("Stiffness of the shaft: with a mass in N/m.")
-    ] = None
-    contact_exponent: Annotated[float | None, EXPONENT] = None
-    contact_damping: Annotated[
-        float | None,
-        _number("Relative rise of the contact force over the speed of approach: in s/m."),
-    ] = None
-    load: Annotated[float | None, _number("Static load, downwards: with a mass in N.")] = None
-    friction: Annotated[float | None, _number("Coefficient of friction in the contact.")] = None
-    disc_radius: Annotated[
-        float | None, _number("Radius of the disc, which friction needs: with a mass in m.")
-    ] = None
-
-    def machine(self) -> Rotor | DimensionalRotor:
-        """Return the rotor or the machine, whichever is given whole."""
-        given = {name: value for name, value in asdict(self).items() if value is not None}
+    def chosen(self, **known: float) -> Rotor | DimensionalRotor:
+        """Return the rotor of the two that is given in full, with what is known besides."""
+        every = asdict(self) | known
+        given = {name: value for name, value in every.items() if value is not None}
         needed = given.keys() - set(OPTIONAL)
         if needed == set(PARAMETERS):
             return Rotor(**given)
@@ -523,10 +513,10 @@ class SolverOptions:
     """How one motion is computed."""
 
     rtol: Rtol = 1e-10
-    atol: Annotated[float, _number("Absolute tolerance.")] = 1e-12
-    method: Annotated[Method, Parameter(help="Solver of the contact.")] = "adams"
+    atol: Atol = 1e-12
+    method: ContactMethod = "adams"
     flight: Annotated[Flight, Parameter(help="Motion inside the clearance.")] = "exact"
-    backend: Annotated[Backend, Parameter(help="How the solver is called.")] = "auto"
+    backend: SolverBackend = "auto"
 
 
 @Parameter(name="*")
@@ -535,9 +525,9 @@ class RunUpSolverOptions:
     """How one motion at a speed that changes is computed."""
 
     rtol: Rtol = 1e-10
-    atol: Annotated[float, _number("Absolute tolerance.")] = 1e-12
-    method: Annotated[Method, Parameter(help="Solver of the contact.")] = "adams"
-    backend: Annotated[Backend, Parameter(help="How the solver is called.")] = "auto"
+    atol: Atol = 1e-12
+    method: ContactMethod = "adams"
+    backend: SolverBackend = "auto"
 
 
 @Parameter(name="*")
@@ -554,6 +544,14 @@ class JobOptions:
             metavar="NAME|ADDRESS",
         ),
     ] = "auto"
+
+    def on_every_core(self) -> dict[str, Any]:
+        """Return it, with all cores by default: the program guards its main part."""
+        from rotor_ida.parallel import count_workers  # noqa: PLC0415 - heavy, and not for --help
+
+        every_core = self.workers is None and self.executor == "auto"
+        workers = count_workers(None) if every_core else self.workers
+        return {"workers": workers, "executor": self.executor}
 
 
 def _named(text: str, words: str) -> Parameter:

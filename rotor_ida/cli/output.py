@@ -75,8 +75,8 @@ def answer(
             except (RotorError, OSError) as error:
                 failures.append(str(error))
     if output.figure is not None:
-        from rotor_ida.cli.figures import figure_of  # noqa: PLC0415 - only who draws needs it
         from rotor_ida.plot import save_figure  # noqa: PLC0415
+        from rotor_ida.plot.figures import figure_of  # noqa: PLC0415 - only who draws needs it
 
         stem = output.figure.with_suffix("")
         try:

@@ -11,14 +11,14 @@ from rich.console import RenderableType
 
 from rotor_ida.cli.report import table
 from rotor_ida.model.table import ALL_PARAMETERS
-from rotor_ida.schema import NO_YES, flags_of, words_of
+from rotor_ida.schema import NO_YES, RESULT_KIND, flags_of, words_of
 
 Record = dict[str, object]
 Description = tuple[Record, list[RenderableType]]
 METHOD = ("method", "flight", "backend", "rtol", "atol")
 VERSION = "_version"
-# What an archive adds for its own use.
-HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format")
+# What an archive adds for its own use, and what is shown as the kind.
+HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format", RESULT_KIND)
 
 SPEEDS = ("speed", "event_speed")
 
@@ -35,6 +35,8 @@ def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:
     >>> rows_of(whirls, ["stability", "omega"])
     [{'stability': 'neutral', 'omega': 0.5}, {'stability': 'neutral', 'omega': 1.0}]
     """
+    if not names:
+        return []
     first = dataset[names[0]]
     columns = [values_of(spread_on(dataset, name, first)) for name in names]
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]

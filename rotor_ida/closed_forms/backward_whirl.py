@@ -137,6 +137,7 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
             "whirl": ("whirl", np.arange(len(rows))),
         },
         {"source": "rotor_ida closed forms: whirls that friction keeps up"},
+        kind="backward_whirl",
     )
 
 

@@ -82,11 +82,16 @@ def complex_amplitude(
     >>> complex(complex_amplitude(1.0, 0.0, 3.0))
     (0.5+0j)
     """
-    if np.any(shaft_stiffness):
-        return _held_amplitude(*np.broadcast_arrays(omega, zeta, shaft_stiffness))
-    speed, resistance = np.broadcast_arrays(
-        np.asarray(omega, dtype=np.float64), 2.0 * np.asarray(zeta, dtype=np.float64)
-    )
+    given = (np.asarray(each, dtype=np.float64) for each in (omega, zeta, shaft_stiffness))
+    speed, damping, kappa = np.broadcast_arrays(*given)
+    free = _free_amplitude(speed, 2.0 * damping)
+    if not kappa.any():
+        return free
+    return np.where(kappa > 0.0, _held_amplitude(speed, damping, kappa), free)
+
+
+def _free_amplitude(speed: Values, resistance: Values) -> ComplexValues:
+    """Return the complex amplitude without a shaft."""
     size, turning = np.hypot(speed, resistance), speed > 0.0
     # a quotient of complex numbers would overflow at the smallest speeds
     cosine = np.divide(speed, size, out=np.zeros_like(size), where=turning)

@@ -234,6 +234,7 @@ def labelled_curves(varied: str, curves: Sequence[Sequence[Piece]], rotors: Roto
         {name: (dims, column.reshape(sizes)) for name, column in columns.items()},
         rotors.coordinates | {"point": ("point", np.arange(longest))},
         {"source": _SOURCE, "references": _REFERENCES},
+        kind="response_curve",
     )
 
 

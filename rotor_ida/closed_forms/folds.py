@@ -121,6 +121,7 @@ def folds(
             "source": "rotor_ida closed forms: crossings of the damping along the locus of folds",
             "references": "Mechanika 25(6), 2019, Fig. 6",
         },
+        kind="folds",
     )
 
 
@@ -316,6 +317,7 @@ def cusp(
         "Cusps: damping above which the response curve has no fold",
         {f"cusp_{name}": (rotors.dims, table[..., k]) for k, name in enumerate(Cusp._fields)},
         rotors.coordinates,
+        kind="cusps",
     )
 
 

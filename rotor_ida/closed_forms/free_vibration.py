@@ -299,6 +299,7 @@ def free_periods(
         f"Periods of free vibration of a rotor with {contact} and clearance",
         variables,
         {"delta0": ("delta0", clearances), "amplitude": largest, **coordinates},
+        kind="free_vibration",
     )
 
 

@@ -97,4 +97,5 @@ def hopf_points(
         {f"hopf_{name}": (dims, table[..., k]) for k, name in enumerate(HopfPoint._fields)},
         rotors.coordinates | {"hopf": ("hopf", np.arange(most))},
         {"source": "rotor_ida closed forms: roots of a polynomial in exact arithmetic"},
+        kind="hopf_points",
     )

@@ -94,6 +94,7 @@ def impact(
             "contact_damping": ("contact_damping", dampings),
             **contacts.coordinates,
         },
+        kind="impact",
     )
 
 

@@ -142,6 +142,7 @@ def late_jumps(
     found["jump_omega"] = labelled("jump_omega", (*by_rate, *dims), jumped)
     return found.assign_coords(rate=labelled("rate", by_rate, rates)).assign_attrs(
         title="Late jumps at the folds of the synchronous whirls of a rotor with contact",
+        result_kind="late_jumps",
         source="rotor_ida closed forms: the motion along the centre manifold of each fold",
         references="R. Haberman, SIAM Journal on Applied Mathematics 37, 1979",
     )

@@ -115,7 +115,7 @@ def speeds_at_amplitude(
     ``(A**2 - 1) q**2 + A**2 (4 zeta**2 - 2 s) q + A**2 s**2 = 0``. Unlike the curve at given
     speeds it needs no search, and it has full resolution near the tip, whose amplitude is
     `peak_amplitude`. Below A = 1 only the flank below resonance is left. With friction mu it is a
-    quartic in omega, with ``4 mu zeta A f(A) omega + (mu f(A))**2`` added: see `rubs`.
+    quartic in omega, with ``4 mu zeta A f(A) omega + (mu f(A))**2`` added: see `curve_polynomials`.
 
     References
     ----------
@@ -213,7 +213,7 @@ def peak_amplitude(
     At the tip the two speeds of `speeds_at_amplitude` are one, which is where
     ``h(A) = (A - delta0)**1.5 / (A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``. Beyond the last
     maximum of h, a root of ``3 A**4 - (12 delta0**2 - 1) A**2 - 8 delta0 A + 16 delta0**2``,
-    h falls for ever. With friction the discriminant of a quartic vanishes: see `rubs`. Friction
+    h falls for ever. With friction the discriminant of a quartic vanishes: see `curve_polynomials`. Friction
     bounds the amplitude without damping too, by ``sqrt(1 + 1/mu**2)`` without a shaft.
 
     References
@@ -362,6 +362,7 @@ def peaks(
         f"Largest contacting whirls of a rotor with {contact} and clearance",
         {name: (rotors.dims, each.reshape(rotors.sizes)) for name, each in columns.items()},
         rotors.coordinates,
+        kind="peaks",
     )
 
 

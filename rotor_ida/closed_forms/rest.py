@@ -90,6 +90,7 @@ def rest(rotor: Rotor) -> xr.Dataset:
             "growth_rate": labelled("rest_growth_rate", (), growth),
         },
         {},
+        kind="rest",
     )
 
 

@@ -81,4 +81,5 @@ def restoring_field(
             "potential": (dims, potential),
         },
         {"delta0": ("delta0", clearance), "y": ("y", up), "x": ("x", across), **law.coordinates},
+        kind="restoring_force",
     )

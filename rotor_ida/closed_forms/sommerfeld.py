@@ -225,6 +225,7 @@ def sommerfeld_curve(
         driven_stability=labelled("driven_stability", dims, stability),
     ).assign_attrs(
         title="Torque of the synchronous whirls of a rotor with contact and clearance",
+        result_kind="torque_curve",
         source="rotor_ida closed forms: the power that damping and friction take on each whirl",
         references="A. Sommerfeld, Zeitschrift des Vereines deutscher Ingenieure 46, 1902",
         inertia=moment, slope=falling,

@@ -126,6 +126,7 @@ def synchronous_response(
         },
         rotors.coordinates | {"branch": ("branch", np.arange(present))},
         {"source": _SOURCE, "references": _REFERENCES},
+        kind="whirls",
     )
 
 

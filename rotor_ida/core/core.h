@@ -9,6 +9,7 @@
 #include <stdatomic.h>
 #include <stdint.h>
 
+#include "derived_rotor.h"
 #include "model.h"
 
 /* What the library shows to others; all else is hidden. */
@@ -34,15 +35,6 @@ enum status {
     FULL_INSIDE = 1007,
     UNBALANCED = 1008,
     STALLED = 1009
-};
-
-/* A rotor, and how its speed changes: at a rate, or by what a torque, which falls by a slope with
- * the speed, leaves against the reaction of the motion. Where the speed changes, omega is that of
- * the moment; else the last four are 0. */
-struct rotor {
-    double omega, zeta, delta0, shaft_stiffness, contact_exponent, contact_damping, load;
-    double friction, disc_radius;
-    double rate, torque, slope, inverse_inertia;
 };
 
 /* How a speed changes up to a time. At its beginning a prescribed one is `speed`. */

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from rotor_ida.core import library as found
 from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.spinning import OF_DRIVE
 from rotor_ida.model.table import ALL_PARAMETERS
 
 # How a call ended; the flags of SUNDIALS are negative.
@@ -36,22 +37,24 @@ MESSAGES = {
     -4: "Convergence tests failed too many times, or reached min step size.",
 }
 
-# How a run can contradict the mechanics, as `enum fault` has it: by its events, from
-# `FIRST_OF_SAMPLES` on by its samples, and by its contacts.
-FAULTS = (
-    "",
-    "the state is not finite",
-    "event times do not increase",
-    "entry and exit, or press and release, do not alternate",
-    "an event does not lie at |z| = delta0, or lies off the ring",
-    "the state is not finite",
-    "a sample lies on the wrong side of the ring",
-    "the normal force of a sample is below 0, or missing where it is not",
-    "surfaces slide in another sense than the events say",
-    "the disc slips, or cannot be held, where it should roll",
-    "a contact peaks outside its own span",
-)
-FIRST_OF_SAMPLES, OF_CONTACTS = 5, 10
+# How a run can contradict the mechanics, by the names of `enum fault` and in its order.
+MESSAGE_OF_FAULT = {
+    "SOUND": "",
+    "EVENT_NOT_FINITE": "the state is not finite",
+    "BACKWARDS": "event times do not increase",
+    "NOT_IN_TURN": "entry and exit, or press and release, do not alternate",
+    "OFF_THE_RING": "an event does not lie at |z| = delta0, or lies off the ring",
+    "SAMPLE_NOT_FINITE": "the state is not finite",
+    "WRONG_SIDE_OF_THE_RING": "a sample lies on the wrong side of the ring",
+    "TENSILE": "the normal force of a sample is below 0, or missing where it is not",
+    "SLIDES_ASTRAY": "surfaces slide in another sense than the events say",
+    "SLIPS_WHILE_ROLLING": "the disc slips, or cannot be held, where it should roll",
+    "PEAKS_OUTSIDE": "a contact peaks outside its own span",
+}
+FAULTS = tuple(MESSAGE_OF_FAULT.values())
+# The first of those of samples, which follow those of events; and that of contacts.
+FIRST_OF_SAMPLES = [*MESSAGE_OF_FAULT].index("SAMPLE_NOT_FINITE")
+OF_CONTACTS = [*MESSAGE_OF_FAULT].index("PEAKS_OUTSIDE")
 
 METHODS = {"taylor": 0, "adams": 1, "bdf": 2}
 UNDECIDED, IN_FLIGHT, IN_CONTACT = -1, 0, 1
@@ -61,7 +64,7 @@ LOST, LARGEST_FORCE, HEAT = range(6, 9)
 TIME, RADIUS, KIND, STATE = range(4)
 CONTACT_COLUMNS, EXTREMUM_COLUMNS, STRETCH_COLUMNS = 9, 7, 5
 # What changes a speed; and the columns of the table of its pieces: ends, these, and the speed.
-DRIVE = ("rate", "torque", "slope", "inverse_inertia")
+DRIVE = OF_DRIVE
 PIECE_COLUMNS = 6
 
 

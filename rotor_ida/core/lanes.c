@@ -13,7 +13,6 @@
  * The model is written by hand here, and the whole of it but for a load, under which the motion on
  * the rotating axes hangs on time; tests/basins/test_lanes.py holds it against model/modes.py.
  */
-#ifndef RUN_UP
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -190,7 +189,6 @@ inlined double secant(double square, double delta0, struct law law)
     return law.linear ? depth * y : depth * depth * inverse_root(depth) * y;
 }
 
-#ifdef WHOLE_MODEL
 /* 1 + c d': the part of the contact force that contact damping leaves; where it is negative there
  * is none. */
 inlined double damped_part(struct state z, double contact_damping)
@@ -198,29 +196,23 @@ inlined double damped_part(struct state z, double contact_damping)
     const double closing = fma(z.x, z.u, z.y * z.v) * inverse_root(larger(squares(z.x, z.y), TINY));
     return fma(contact_damping, closing, 1.0);
 }
-#endif
 
-#ifdef WHOLE_MODEL
 /* The normal force over the radius, N/r. */
 inlined double push_over_radius(struct state z, struct rotor rotor, struct law law)
 {
     const double s = secant(squares(z.x, z.y), rotor.delta0, law);
     return s * larger(damped_part(z, rotor.contact_damping), 0.0);
 }
-#endif
 
 /* What draws towards the bearing axis, over the radius. */
 inlined double restoring(struct state z, struct rotor rotor, struct law law)
 {
     const double s = secant(squares(z.x, z.y), rotor.delta0, law);
-#ifdef WHOLE_MODEL
+    if (!HAS_SHAFT && !HAS_CONTACT_DAMPING)
+        return s;
     return fma(s, larger(damped_part(z, rotor.contact_damping), 0.0), rotor.shaft_stiffness);
-#else
-    return s;
-#endif
 }
 
-#ifdef WHOLE_MODEL
 /* See how fast the surfaces slide: v_s = (x v - y u)/r + rho omega. */
 inlined void see_slide(struct slide *seen, struct state z, struct rotor rotor)
 {
@@ -231,7 +223,6 @@ inlined void see_slide(struct slide *seen, struct state z, struct rotor rotor)
     seen->highest = larger(seen->highest, slip);
     seen->farthest = larger(seen->farthest, square);
 }
-#endif
 
 /* x' = u + omega y                              y' = v - omega x
  * u' = omega**2 - 2 zeta u + omega v - s x      v' = -2 zeta v - omega u - s y
@@ -240,7 +231,6 @@ inlined void see_slide(struct slide *seen, struct state z, struct rotor rotor)
 inlined struct state seen_rate(struct state z, struct rotor rotor, struct law law,
                                struct slide *seen)
 {
-    (void)seen; /* of the paper's rotor there is no slip */
     const double omega = rotor.omega, damping = 2.0 * rotor.zeta;
     const double s = restoring(z, rotor, law);
     struct state k = {
@@ -249,13 +239,11 @@ inlined struct state seen_rate(struct state z, struct rotor rotor, struct law la
         fma(-s, z.x, fma(-damping, z.u, fma(omega, z.v, omega * omega))),
         -fma(s, z.y, fma(damping, z.v, omega * z.u)),
     };
-#ifdef WHOLE_MODEL
-    if (law.rubs) {
+    if (HAS_FRICTION && law.rubs) {
         const double drag = rotor.friction * push_over_radius(z, rotor, law);
         k.u = fma(drag, z.y, k.u), k.v = fma(-drag, z.x, k.v);
         see_slide(seen, z, rotor);
     }
-#endif
     return k;
 }
 
@@ -280,13 +268,11 @@ inlined double up_to_kinks(struct state z, struct state next, struct rotor rotor
     const double ring = rotor.delta0 * rotor.delta0;
     const double before = squares(z.x, z.y) - ring, after = squares(next.x, next.y) - ring;
     const double at_ring = up_to_kink(before, after, h, over);
-#ifdef WHOLE_MODEL
+    if (!HAS_CONTACT_DAMPING)
+        return at_ring;
     const double loose = up_to_kink(damped_part(z, rotor.contact_damping),
                                     damped_part(next, rotor.contact_damping), h, over);
     return smaller(at_ring, larger(before, after) > 0.0 ? loose : HOPELESS);
-#else
-    return at_ring;
-#endif
 }
 
 /* Try one step in every lane; a step whose error is too large is taken back and made smaller.
@@ -611,6 +597,8 @@ int core_follow_lanes(const struct rotor *rotor, double *states, int16_t *labels
                       const double free_whirl[4], const double *sections, int64_t section_count,
                       double duration, double tolerance, const stop_flag *stop)
 {
+    if (SPEED_CHANGES) /* which no lane knows: the compiler leaves all of this out */
+        return DONE;
     const struct starts starts = {states, labels, times, count};
     const double first_code = (double)(region_count + 1); /* of those that follow the regions */
     struct lanes lanes = {0};
@@ -654,6 +642,8 @@ int core_measure_returns(const struct rotor *rotor, const double *states, int64_
                          const double section[SECTION], double earliest, double latest,
                          double tolerance, double *values, const stop_flag *stop)
 {
+    if (SPEED_CHANGES)
+        return DONE;
     struct lanes lanes = {0};
     int64_t passed[LANES];
     bool turned[LANES]; /* with friction, whether it has not slid forwards since its start */
@@ -687,4 +677,3 @@ int core_measure_returns(const struct rotor *rotor, const double *states, int64_
     }
     return DONE;
 }
-#endif

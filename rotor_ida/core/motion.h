@@ -57,8 +57,9 @@ struct motion {
     double rtol;
     int tangents;    /* whether four differences come behind the state */
     int begins_anew; /* whether the differences are the unit matrix at the beginning of each step */
-    double low, point;                               /* ends of the last step */
-    double before[MOST_VALUES], values[MOST_VALUES]; /* there */
+    double low, point; /* ends of the last step; and the values there, as vectors like them */
+    _Alignas(32) double before[MOST_VALUES];
+    _Alignas(32) double values[MOST_VALUES];
     int (*restart)(struct motion *, const double *start, const double *atol);
     int (*advance)(struct motion *);
     const double *(*at)(struct motion *, double point);
@@ -82,6 +83,12 @@ static inline double speed_of(const struct motion *motion, const double *values)
     if (SPEED_CHANGES)
         return values[is_contact(motion) ? (int)CONTACT_SPEED : (int)CARTESIAN_SPEED];
     return motion->model.omega;
+}
+
+/* How far a speed that changes has turned the rotor in this phase. */
+static inline double angle_of(const struct motion *motion, const double *values)
+{
+    return values[is_contact(motion) ? (int)CONTACT_ANGLE : (int)CARTESIAN_ANGLE];
 }
 
 static inline double rim_of(const struct motion *motion, const double *values)
@@ -128,7 +135,7 @@ static inline struct vector load_of(const struct motion *motion, const double *v
 {
     const int contact = is_contact(motion);
     const double angle = SPEED_CHANGES
-                             ? values[contact ? (int)CONTACT_ANGLE : (int)CARTESIAN_ANGLE]
+                             ? angle_of(motion, values)
                              : motion->model.omega * (contact ? values[CONTACT_T] : point);
     const struct vector down = product(motion->down, (struct vector){cos(angle), -sin(angle)});
     return contact ? product(down, (struct vector){values[CONTACT_C], -values[CONTACT_S]}) : down;
@@ -170,8 +177,9 @@ struct taylor {
     int order;
     double fallen;         /* what is left of a first term that falls as it is best, at order + 1 */
     int64_t orders, steps; /* expanded, and taken, since the start */
-    double atol[MOST_STATE], inverse[MOST_STATE], sizes[WIDTH];
-    double reading[MOST_VALUES];
+    double atol[MOST_STATE], inverse[MOST_STATE];
+    _Alignas(32) double sizes[WIDTH];
+    _Alignas(32) double reading[MOST_VALUES];
     int has_basis;
     _Alignas(32) double basis[ORDERS][32]; /* of Bernstein, once it is needed */
     struct series series;

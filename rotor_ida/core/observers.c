@@ -31,21 +31,30 @@ double squared_radius_of(const double *values)
     return values[CARTESIAN_X] * values[CARTESIAN_X] + values[CARTESIAN_Y] * values[CARTESIAN_Y];
 }
 
-struct motion_of_centre centre_of(const struct motion *motion, const double *values)
+/* Inlined, as all samples are read so. */
+static inline __attribute__((always_inline)) struct motion_of_centre
+centre_at(const struct motion *motion, const double *values)
 {
-    struct motion_of_centre centre = {.z = {values[0], values[1]}, .w = {values[2], values[3]}};
+    struct motion_of_centre centre;
     if (is_contact(motion)) {
         const struct vector outwards = direction_of(values);
         const double radius = radius_in_contact(&motion->model, values);
         const struct vector velocity = {values[CONTACT_P], momentum_of(motion, values) / radius};
         centre.z = scaled(radius, outwards);
         centre.w = product(velocity, outwards);
+    } else {
+        centre.z = (struct vector){values[CARTESIAN_X], values[CARTESIAN_Y]};
+        centre.w = (struct vector){values[CARTESIAN_VX], values[CARTESIAN_VY]};
     }
-    if (SPEED_CHANGES) {
-        centre.speed = speed_of(motion, values);
-        centre.angle = values[is_contact(motion) ? (int)CONTACT_ANGLE : (int)CARTESIAN_ANGLE];
-    }
+    centre.down = (struct vector){0.0, 0.0};
+    centre.speed = SPEED_CHANGES ? speed_of(motion, values) : 0.0;
+    centre.angle = SPEED_CHANGES ? angle_of(motion, values) : 0.0;
     return centre;
+}
+
+struct motion_of_centre centre_of(const struct motion *motion, const double *values)
+{
+    return centre_at(motion, values);
 }
 
 static void write_state(double *row, struct motion_of_centre centre)
@@ -188,7 +197,7 @@ static void sample_step(struct run *run, const struct step *step)
     const double left = time_left(run);
     if (!is_contact(motion)) {
         for (double due; is_due(run, left, step->end, &due) && !asked_to_stop(run->stop);)
-            record_sample(run, centre_of(motion, motion->glance_at(motion, due)));
+            record_sample(run, centre_at(motion, motion->glance_at(motion, due)));
         return;
     }
     while (run->sampled < run->sample_count && !asked_to_stop(run->stop)) {
@@ -196,7 +205,7 @@ static void sample_step(struct run *run, const struct step *step)
         const double due = smaller(larger(next - run->time, 0.0), left);
         if (next > run->duration || due > step->until)
             break;
-        record_sample(run, centre_of(motion, values_at(step, due)));
+        record_sample(run, centre_at(motion, values_at(step, due)));
     }
 }
 

@@ -237,7 +237,7 @@ static double contact_step(struct taylor *taylor)
     if (taylor->sizes[CONTACT_EXTREMUM_GUARD] > noise)
         step = with_one_root(taylor, CONTACT_EXTREMUM_GUARD, taylor->sizes[CONTACT_EXTREMUM_GUARD],
                              step);
-    return with_one_change(taylor, with_one_release(taylor, step));
+    return IS_GENERAL ? with_one_change(taylor, with_one_release(taylor, step)) : step;
 }
 
 /* A radius inside which the force changes the velocity by less than the tolerance.

@@ -130,7 +130,9 @@ def bifurcation_curve(
         "points": count,
         **start_attributes(guess),
     }
-    dataset = branch_dataset(sides, (first, second), guess.rotor, "Bifurcation of limit cycles")
+    dataset = branch_dataset(
+        sides, (first, second), guess.rotor, "Bifurcation of limit cycles", kind="curve"
+    )
     return dataset.assign_attrs(attributes)
 
 

@@ -234,7 +234,9 @@ def branch_from(
         "start_slope": guess.slope,
         **start_attributes(guess),
     }
-    dataset = branch_dataset(sides, (parameter,), first.rotor, "Branch of limit cycles")
+    dataset = branch_dataset(
+        sides, (parameter,), first.rotor, "Branch of limit cycles", kind="branch"
+    )
     return dataset.assign_attrs(attributes)
 
 

@@ -85,7 +85,7 @@ def start_attributes(guess: Guess) -> dict[str, object]:
 
 
 def branch_dataset(
-    sides: tuple[Side, Side], parameters: tuple[str, ...], rotor: Rotor, title: str
+    sides: tuple[Side, Side], parameters: tuple[str, ...], rotor: Rotor, title: str, *, kind: str
 ) -> xr.Dataset:
     """Return both sides, forward and backward, of a curve of cycles, from end to end.
 
@@ -117,7 +117,7 @@ def branch_dataset(
         "first_reason": backward.reason,
         "last_reason": forward.reason,
     }
-    return labelled_dataset(title, variables, coordinates, ends)
+    return labelled_dataset(title, variables, coordinates, ends, kind=kind)
 
 
 def _special_columns(

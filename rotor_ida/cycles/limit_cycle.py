@@ -314,7 +314,7 @@ def _dataset(rotor: Rotor, guess: Guess, cycle: Cycle | None, response: str) -> 
         attributes["start_period"] = guess.period
     variables = _none(response) if cycle is None else _columns(cycle)
     title = "Limit cycle on the rotating axes"
-    return labelled_dataset(title, variables, coordinates, attributes)
+    return labelled_dataset(title, variables, coordinates, attributes, kind="cycle")
 
 
 def _columns(cycle: Cycle) -> dict[str, xr.Variable]:

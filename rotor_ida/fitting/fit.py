@@ -15,10 +15,10 @@ from rotor_ida.checks import (
     check_between,
 )
 from rotor_ida.errors import SimulationError
-from rotor_ida.fitting.asked import problem_of
-from rotor_ida.fitting.found import dataset_of
-from rotor_ida.fitting.problem import Problem
+from rotor_ida.fitting.arguments import problem_of
+from rotor_ida.fitting.problem import FitProblem
 from rotor_ida.fitting.records import noise_of
+from rotor_ida.fitting.result import dataset_of
 from rotor_ida.model.parameters import DimensionalRotor, Rotor
 
 MOST_EVALUATIONS = 100
@@ -138,7 +138,7 @@ def fit(
     return dataset_of(problem, machine, _solved(problem, noise), level)
 
 
-def _solved(problem: Problem, noise: float | None) -> Values:
+def _solved(problem: FitProblem, noise: float | None) -> Values:
     """Return the solution; what it leaves tells the noise, if that is not given."""
     time_error = problem.time_error
     problem.time_error = math.inf
@@ -158,7 +158,7 @@ def _solved(problem: Problem, noise: float | None) -> Values:
     return solution
 
 
-def _with_clearance(problem: Problem, sought: Values) -> Values:
+def _with_clearance(problem: FitProblem, sought: Values) -> Values:
     """Return a guess with its own clearance, or the best of several if that is sought.
 
     A motion that never touches the ring does not change with the clearance.
@@ -176,7 +176,7 @@ def _with_clearance(problem: Problem, sought: Values) -> Values:
     return guesses[int(np.argmin(left))]
 
 
-def _searched(problem: Problem, first: Values) -> Values:
+def _searched(problem: FitProblem, first: Values) -> Values:
     """Return where the sum of squares is least, from a guess that may be far off.
 
     Other unknowns far off mislead about the clearance, so where much is left it is chosen again
@@ -205,7 +205,7 @@ def _searched(problem: Problem, first: Values) -> Values:
     return min(found, key=lambda each: each[0])[1]
 
 
-def _least(problem: Problem, first: Values) -> Values:
+def _least(problem: FitProblem, first: Values) -> Values:
     """Return where the sum of squares is least, near a guess."""
     from scipy.optimize import least_squares  # noqa: PLC0415 - takes long to import
 

@@ -23,7 +23,7 @@ NO_CHANCE = 1e-3
 
 
 @dataclass(frozen=True)
-class Told:
+class Identifiability:
     """What the derivatives at a solution tell.
 
     Parameters
@@ -41,7 +41,7 @@ class Told:
     words: list[str]
 
 
-def told_by(slopes: Values, scale: Values, names: list[str]) -> Told:
+def identify(slopes: Values, scale: Values, names: list[str]) -> Identifiability:
     """Return what the slopes of weighed residuals, shape (n, k + others), tell of the first k.
 
     What is known of each is measured by its scale: its value, or 1 where that may as well be 0.
@@ -74,7 +74,7 @@ def told_by(slopes: Values, scale: Values, names: list[str]) -> Told:
     words = _words(names, sizes, errors, rows[::-1], covariance)
     full = covariance * scale * scale[:, None]
     full[np.diag_indices(count)] = np.where(lost, math.inf, np.diag(full))
-    return Told(full, told, words)
+    return Identifiability(full, told, words)
 
 
 def _words(

@@ -50,7 +50,7 @@ class Unknown:
 
 
 @dataclass
-class Problem:
+class FitProblem:
     """What is to be made small.
 
     Parameters

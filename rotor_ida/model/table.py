@@ -89,7 +89,16 @@ class Parameter:
     def si_help(self) -> str:
         """What the command line says of the quantity in SI units."""
         unit = "" if self.unit == "1" else f", in {self.shown_unit}"
-        return f"{_capital(self.si_meaning)}{self.note}{unit}."
+        return f"{_capital(self.si_meaning)}{unit}{self.note}."
+
+    @property
+    def either_help(self) -> str:
+        """What the command line says of a number that may be given in either way."""
+        if not self.si_meaning:
+            return self.help
+        if not self.meaning or self.unit == "1":
+            return self.si_help
+        return f"{_capital(self.si_meaning)}{self.note}: with a mass in {self.shown_unit}."
 
 
 def _capital(words: str) -> str:

@@ -33,8 +33,9 @@ from rotor_ida.model.derivation import (
     operands,
 )
 from rotor_ida.model.modes import PAPER, WHOLE, Mode, Model
-from rotor_ida.model.spinning import RUN_UP
+from rotor_ida.model.spinning import OF_DRIVE, RUN_UP
 from rotor_ida.model.symbols import Symbol, split
+from rotor_ida.model.table import ALL_PARAMETERS
 
 MODELS = (PAPER, WHOLE, RUN_UP)
 # When each is compiled.
@@ -541,7 +542,30 @@ def _declare_absent(model: Model) -> list[str]:
 
 def sources() -> dict[str, str]:
     """Return the names and contents of all derived files."""
-    return {name: text for model in MODELS for name, text in sources_of(model).items()}
+    files = {name: text for model in MODELS for name, text in sources_of(model).items()}
+    return files | {"derived_rotor.h": _rotor()}
+
+
+def _rotor() -> str:
+    """Return the structure of a rotor, which is the same in all models."""
+    lines = [
+        f"/* Derived from rotor_ida/model/table.py by `{COMMAND}`. */",
+        "/* clang-format off */",
+        "#ifndef ROTOR_IDA_DERIVED_ROTOR_H",
+        "#define ROTOR_IDA_DERIVED_ROTOR_H",
+        "",
+        "/* A rotor, and how its speed changes: at a rate, or by what a torque, which falls by a",
+        " * slope with the speed, leaves against the reaction of the motion. Where it changes, omega",
+        " * is that of the moment; else the last four are 0. */",
+        "struct rotor {",
+        f"    double {', '.join(ALL_PARAMETERS)};",
+        f"    double {', '.join(OF_DRIVE)};",
+        "};",
+        "",
+        "#endif",
+        "",
+    ]
+    return "\n".join(lines)
 
 
 def sources_of(model: Model) -> dict[str, str]:

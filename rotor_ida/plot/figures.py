@@ -14,9 +14,11 @@ from matplotlib.figure import Figure
 from rotor_ida import plot
 from rotor_ida.checks import check_panels
 from rotor_ida.closed_forms import folds, hopf_points, response_curve
+from rotor_ida.errors import InputError
 from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.plot.datasets import parameters_in, rotors_in
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.results.kinds import KINDS, kind_of, loaded
 
 # Up to so many speeds of a table of whirls are marked.
 FEW_SPEEDS = 30
@@ -28,12 +30,21 @@ MARKED, USUAL, MARGIN = ("fold_omega", "hopf_omega"), (0.05, 3.0), 1.2
 ALONE = (5.6, 4.2)
 
 
-def _with_axes(draw: Callable[[xr.Dataset], Axes]) -> Callable[[xr.Dataset], Figure]:
-    """Return what draws the figure that axes are in."""
-    return lambda dataset: cast(Figure, draw(dataset).figure)
+def figure_of(dataset: xr.Dataset) -> Figure:
+    """Return the figure of a dataset; of a sweep with the exact curve behind it."""
+    kind = kind_of(dataset)
+    drawn = KINDS[kind].drawn
+    if not drawn:
+        raise InputError(
+            "figure must be of a run, of whirls, their folds or Hopf points, of a sweep, run-ups, "
+            "a basin or atlas, of limit cycles, of signals, their orders or spectra, or of a fit, "
+            f"got {kind!r}"
+        )
+    made: Axes | Figure = loaded(drawn)(dataset)
+    return made if isinstance(made, Figure) else cast(Figure, made.figure)
 
 
-def _figure_of_whirls(dataset: xr.Dataset) -> Figure:
+def figure_of_whirls(dataset: xr.Dataset) -> Figure:
     """Return the figure of exact curves, with what a dataset has on them; a panel for each."""
     parts = [part for _, part in rotors_in(dataset, but=("omega",))]
     columns = math.ceil(math.sqrt(check_panels(len(parts))))
@@ -72,13 +83,13 @@ def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
     return curve, folds(**given), hopf_points(**given) if has_hopf_points else None
 
 
-def _figure_of_atlas(dataset: xr.Dataset) -> Figure:
+def figure_of_atlas(dataset: xr.Dataset) -> Figure:
     """Return the figure of an atlas: shares over one parameter, or a map over two."""
     line = sum(dataset[name].size > 1 for name in parameters_in(dataset)) == 1
     return _with_legend(plot.plot_attractors if line else plot.plot_attractor_map, dataset)
 
 
-def _figure_of_fractions(dataset: xr.Dataset) -> Figure:
+def figure_of_fractions(dataset: xr.Dataset) -> Figure:
     """Return the figure of basin fractions: by attractor, or over the speed by kind."""
     if dataset["omega"].size > 1:
         return _with_legend(plot.plot_basin_fractions, dataset)
@@ -93,13 +104,14 @@ def _with_legend(draw: Callable[[xr.Dataset, Axes], Axes], dataset: xr.Dataset) 
     return figure
 
 
-def _figure_of_branch(dataset: xr.Dataset) -> Figure:
+def figure_of_branch(dataset: xr.Dataset) -> Figure:
+    """Return the figure of a branch of limit cycles."""
     figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
     plot.plot_branch(dataset, ax=ax)
     return figure
 
 
-def _figure_of_curve(dataset: xr.Dataset) -> Figure:
+def figure_of_curve(dataset: xr.Dataset) -> Figure:
     """Return the figure of a bifurcation curve, beside the folds of the whirl."""
     figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
     plot.plot_curves(dataset, fold_points=_whirls_beside(dataset), ax=ax)
@@ -129,27 +141,3 @@ def _limits_of(part: xr.Dataset) -> tuple[float, float]:
     if part.sizes["omega"] < 3:
         lowest, highest = 0.5 * lowest, 1.2 * highest
     return lowest, highest or 1.0
-
-
-# What draws a dataset of each kind.
-FIGURES: dict[str, Callable[[xr.Dataset], Figure]] = {
-    "run": plot.plot_run,
-    "sweep": _figure_of_whirls,
-    "whirls": _figure_of_whirls,
-    "folds": _figure_of_whirls,
-    "hopf_points": _figure_of_whirls,
-    "backward_whirl": _with_axes(plot.plot_backward_whirl),
-    "cycle": plot.cycle_figure,
-    "branch": _figure_of_branch,
-    "curve": _figure_of_curve,
-    "basin": _with_axes(plot.plot_basin),
-    "basin_fractions": _figure_of_fractions,
-    "atlas": _figure_of_atlas,
-    "run_ups": plot.run_ups_figure,
-    "fit": plot.fit_figure,
-    "signals": _with_axes(plot.plot_orbit),
-    "orders": _with_axes(plot.plot_orders),
-    "full_spectrum": _with_axes(plot.plot_full_spectrum),
-    "spectrogram": _with_axes(plot.plot_spectrogram),
-    "centre_line": _with_axes(plot.plot_centre_line),
-}

@@ -81,7 +81,9 @@ def filtered_orbit(
     columns = {"x": ("t", z.real), "y": ("t", z.imag)}
     if record.angles is not None:
         columns["angle"] = ("t", record.angles)
-    return record.dataset("Filtered signals", columns, {"t": ("t", record.times)}, told)
+    return record.dataset(
+        "Filtered signals", columns, {"t": ("t", record.times)}, told, kind="signals"
+    )
 
 
 def _of_order(record: Record, order: float, revolutions: int | None) -> Complex:

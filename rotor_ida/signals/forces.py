@@ -87,7 +87,9 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
         "peak_fraction": ("contact", fraction),
     }
     coordinates = parameter_coordinates(rotor) | {"t": ("t", run["t"].values)}
-    return labelled_dataset("Contact forces of one run", columns, coordinates, origin_of(run))
+    return labelled_dataset(
+        "Contact forces of one run", columns, coordinates, origin_of(run), kind="contact_forces"
+    )
 
 
 def _with_friction(run: xr.Dataset, radius: Values, rotor: Rotor) -> dict[str, Values]:

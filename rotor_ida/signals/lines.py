@@ -113,7 +113,7 @@ def _dataset(
     if speed is not None:
         variables["frequency_over_omega"] = ("line", frequencies / speed)
     coordinates: dict[str, Column] = {"line": ("line", np.arange(frequencies.size))}
-    return record.dataset("Lines of the spectrum", variables, coordinates)
+    return record.dataset("Lines of the spectrum", variables, coordinates, kind="spectral_lines")
 
 
 def _strongest(z: Complex, times: Values, most: int) -> Values:

@@ -117,6 +117,7 @@ def orders(
         variables,
         {**window_coordinates(windows), "order": ("order", asked)},
         {"window_revolutions": length, "window_overlap": part},
+        kind="orders",
     )
 
 
@@ -158,7 +159,7 @@ def centre_line(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
     length = check_count("revolutions", revolutions)
     found = orders(signals, 1.0, revolutions=length, overlap=overlap)
     held = found[["offset_x", "offset_y"]]
-    return held.assign_attrs(title="Mean position of the shaft")
+    return held.assign_attrs(title="Mean position of the shaft", result_kind="centre_line")
 
 
 def fit(record: Record, windows: Windows, asked: Values) -> Orders:

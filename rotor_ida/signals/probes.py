@@ -158,7 +158,9 @@ def displacements(z: Complex, angles: npt.ArrayLike, gains: npt.ArrayLike) -> Co
 def with_displacements(signals: xr.Dataset, record: Record, z: Complex) -> xr.Dataset:
     """Return signals with other displacements, keyphasor or angle as they were."""
     columns = {"x": ("t", z.real), "y": ("t", z.imag)}
-    found = record.dataset("Signals of two probes", columns, {"t": ("t", record.times)})
+    found = record.dataset(
+        "Signals of two probes", columns, {"t": ("t", record.times)}, kind="signals"
+    )
     if "keyphasor" in signals.variables:
         return found.assign(keyphasor=signals["keyphasor"].variable)
     if record.angles is None:

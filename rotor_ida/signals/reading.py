@@ -155,7 +155,9 @@ def read_signals(
         variables["keyphasor"] = _labelled("keyphasor", "pulse", pulses, time)
         attributes["pulses_per_revolution"] = per_revolution
     coordinates = {"t": _labelled("t", "t", times, time)}
-    return labelled_dataset("Signals of two probes", variables, coordinates, attributes)
+    return labelled_dataset(
+        "Signals of two probes", variables, coordinates, attributes, kind="signals"
+    )
 
 
 def _words(name: str, given: object) -> dict[str, str]:

@@ -94,6 +94,8 @@ class Record:
         variables: Mapping[str, Column],
         coordinates: Mapping[str, Column],
         attributes: Mapping[str, object] | None = None,
+        *,
+        kind: str,
     ) -> xr.Dataset:
         """Return a result with the units, parameters and origin of the signals."""
         return labelled_dataset(
@@ -104,6 +106,7 @@ class Record:
                 **{name: self.variable(name, *column) for name, column in coordinates.items()},
             },
             {**self.attributes, **(attributes or {})},
+            kind=kind,
         )
 
 
@@ -146,7 +149,9 @@ def signals_of(run: xr.Dataset) -> xr.Dataset:
         "y": ("t", record.z.imag),
         "angle": ("t", record.known_angles()),
     }
-    return record.dataset("Signals of two probes", columns, {"t": ("t", record.times)})
+    return record.dataset(
+        "Signals of two probes", columns, {"t": ("t", record.times)}, kind="signals"
+    )
 
 
 def record_of(signals: object, name: str = "signals") -> Record:

@@ -91,7 +91,9 @@ def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
         coordinates["frequency_over_omega"] = ("frequency", frequency / rotor.omega)
     attributes = {**origin_of(run), "window": window, "record_length": times.size * step}
     columns: dict[str, Column] = {"whirl_amplitude": ("frequency", height)}
-    return labelled_dataset("Two-sided spectrum of one run", columns, coordinates, attributes)
+    return labelled_dataset(
+        "Two-sided spectrum of one run", columns, coordinates, attributes, kind="spectrum"
+    )
 
 
 def lines_of(z: npt.NDArray[np.complex128], step: float, window: Window) -> tuple[Values, Values]:

@@ -101,7 +101,7 @@ def full_spectrum(
     if speed is not None:
         coordinates["frequency_over_omega"] = ("frequency", frequency / speed)
     told = {"window": window, "segment": size, "segment_count": count}
-    return record.dataset("Full spectrum", variables, coordinates, told)
+    return record.dataset("Full spectrum", variables, coordinates, told, kind="full_spectrum")
 
 
 def spectrogram(
@@ -183,7 +183,7 @@ def spectrogram(
         "bandwidth": ((), _bandwidth(weights, step)),
     }
     told = {"window": window, "segment": size, "overlap": 1.0 - hop / size}
-    return record.dataset("Spectrogram", variables, coordinates, told)
+    return record.dataset("Spectrogram", variables, coordinates, told, kind="spectrogram")
 
 
 def _checked(name: str, samples: object, record: Record) -> int:

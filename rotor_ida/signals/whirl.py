@@ -73,4 +73,6 @@ def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
         "whirl_sense": ("window", sense),
     }
     told = {"window_revolutions": length, "window_overlap": part}
-    return record.dataset("Whirl against spin", columns, window_coordinates(windows), told)
+    return record.dataset(
+        "Whirl against spin", columns, window_coordinates(windows), told, kind="whirl_over_spin"
+    )

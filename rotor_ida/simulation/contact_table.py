@@ -158,7 +158,7 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
     columns: dict[str, Column] = {name: ((), value) for name, value in values.items()}
     coordinates = {name: run[name].variable for name in ALL_PARAMETERS if name in run.variables}
     title = "Contacts of one simulated run, summarised"
-    return labelled_dataset(title, columns, coordinates, origin_of(run))
+    return labelled_dataset(title, columns, coordinates, origin_of(run), kind="contact_summary")
 
 
 def _states_at(orbit: Orbit, times: Values, kind: int) -> Values:

@@ -68,7 +68,7 @@ def run_dataset(
     title = "Rotor in a clearance: one simulated run"
     if orbit.speed_record is not None:
         title = "Rotor in a clearance: one run at a speed that changes"
-    return labelled_dataset(title, variables, coordinates, attributes)
+    return labelled_dataset(title, variables, coordinates, attributes, kind="run")
 
 
 def _events(orbit: Orbit) -> dict[str, Column | xr.Variable]:

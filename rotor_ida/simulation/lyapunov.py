@@ -184,7 +184,13 @@ def lyapunov_exponent(
     attributes = provenance(how) | {
         "start": np.array(first), "transient": lead, "duration": length, "batches": count,
     }  # fmt: skip
-    return labelled_dataset("Lyapunov exponents of one motion", columns, coordinates, attributes)
+    return labelled_dataset(
+        "Lyapunov exponents of one motion",
+        columns,
+        coordinates,
+        attributes,
+        kind="lyapunov_exponent",
+    )
 
 
 def exponents_of(

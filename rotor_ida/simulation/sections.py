@@ -156,7 +156,9 @@ def poincare_section(
     }  # fmt: skip
     if at == "revolution":
         attributes["phase"] = float(phase)
-    return labelled_dataset("Section through one motion", columns, coordinates, attributes)
+    return labelled_dataset(
+        "Section through one motion", columns, coordinates, attributes, kind="section"
+    )
 
 
 def _crossings(

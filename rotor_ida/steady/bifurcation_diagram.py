@@ -182,7 +182,11 @@ def bifurcation_diagram(
     if direction is not None:
         check_choice("direction", direction, ("up", "down", "both"))
     slope = None if rate is None else _checked_rate(rate, direction, speeds)
-    attributes = {"title": "Extrema of the radius over a range of speeds", "extrema_time": window}
+    attributes = {
+        "title": "Extrema of the radius over a range of speeds",
+        "result_kind": "bifurcation_diagram",
+        "extrema_time": window,
+    }
     if is_scalar("starts", starts):
         shape = (check_count("starts", starts), len(COMPONENTS))
         starts = np.random.default_rng(seed).uniform(-farthest, farthest, shape)

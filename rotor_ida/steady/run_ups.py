@@ -267,7 +267,7 @@ def _dataset(plan: RunUps, columns: dict[str, Array]) -> xr.Dataset:
     title = "Rotor in a clearance: run-ups over a range of speeds"
     how = provenance(plan.options.attributes())
     coordinates = grid.coordinates | {"rate": rate, "to": ((), plan.to)}
-    return labelled_dataset(title, variables, coordinates, how)
+    return labelled_dataset(title, variables, coordinates, how, kind="run_ups")
 
 
 def fractions_of(endings: Array, counted: tuple[int, ...]) -> dict[str, Array]:

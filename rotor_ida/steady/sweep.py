@@ -235,7 +235,9 @@ def sweep_rotors(
     variables["event_count"].attrs["sample_dimension"] = "event"
     variables |= {name: labelled(name, "event", column) for name, column in columns.events.items()}
     title = "Rotor in a clearance: responses over a range of speeds"
-    return labelled_dataset(title, variables, grid.coordinates, provenance(options.attributes()))
+    return labelled_dataset(
+        title, variables, grid.coordinates, provenance(options.attributes()), kind="sweep"
+    )
 
 
 def _check_can_be_followed(grid: Grid) -> None:

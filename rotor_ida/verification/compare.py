@@ -149,7 +149,8 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     }
     title = "Simulated responses beside the exact ones"
     comment = {"comment": UNDER_LOAD} if "exact_offset" in exact else {}
-    return labelled_dataset(title, variables, coordinates, origin_of(dataset) | comment)
+    attributes = origin_of(dataset) | comment
+    return labelled_dataset(title, variables, coordinates, attributes, kind="comparison")
 
 
 def summarise(compared: xr.Dataset) -> list[dict[str, object]]:

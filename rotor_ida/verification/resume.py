@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,16 +12,24 @@ import xarray as xr
 
 from rotor_ida.basins import basin, basin_fractions
 from rotor_ida.basins.atlas import continue_attractors
+from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.continue_cycle import branch_from
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.errors import ArchiveError
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.model.table import ALL_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.parallel import Progress
+from rotor_ida.results.kinds import STUDIES, loaded
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies import design_of, program_of
 from rotor_ida.steady.run_ups import run_ups
 from rotor_ida.steady.sweep import sweep
+
+# What a study computes, as its folder has it; what does the work; and what goes on with it.
+Design = Mapping[str, Any]
+Jobs = Mapping[str, Any]
+Resumed = Callable[..., xr.Dataset]
+SOLVER = ("rtol", "atol", "method")
 
 
 def resume(
@@ -65,13 +74,12 @@ def resume(
     True
     """
     design = design_of(folder)
+    jobs: Jobs = {"workers": workers, "executor": executor}
     try:
-        function, given = _call(design)
+        resumed: Resumed = loaded(STUDIES[design["kind"]].resumed)(design, jobs)
     except (KeyError, TypeError) as error:
         raise ArchiveError(f"study {str(folder)!r} has a damaged design: {error!r}") from error
-    if design["kind"] != "branch":
-        given |= {"workers": workers, "executor": executor}
-    found = function(**given, study=folder, progress=progress)
+    found = resumed(study=folder, progress=progress)
     before = program_of(design)
     if before == program_of(computing()):
         return found
@@ -79,38 +87,56 @@ def resume(
     return found.assign_attrs(computed_with=said)
 
 
-def _call(design: dict[str, Any]) -> tuple[Callable[..., xr.Dataset], dict[str, Any]]:
-    """Return the function that a design is of, and what it was given."""
-    kind = design["kind"]
-    functions: dict[str, Callable[..., xr.Dataset]]
-    functions = {
-        "sweep": sweep, "run_ups": run_ups, "basin": basin, "basin_fractions": basin_fractions,
-        "branch": branch_from,
-    }  # fmt: skip
-    given = {name: design[name] for name in _GIVEN[kind]}
-    beyond = {name: design[name] for name in OPTIONAL if name in design}
-    if kind in {"sweep", "run_ups"}:
-        starts = [tuple(start) for start in design["starts"]]
-        return functions[kind], {**given, **beyond, "starts": starts}
-    if kind == "continue_attractors":
-        drawn = {name: design[name] for name in _DRAWN if name in design}
-        return continue_attractors, {**given, **beyond, **drawn}
-    rotor = Rotor(**{name: design[name] for name in ALL_PARAMETERS if name in design})
-    if kind == "branch":
-        guess = {name: design[name] for name in ("period", "special", "slope")}
-        given["guess"] = Guess(rotor, np.array(design["state"], dtype=np.float64), **guess)
-        given["limits"] = tuple(given["limits"])
-        return branch_from, given
-    return functions[kind], {**given, "rotor": rotor}
+def resume_sweep(design: Design, jobs: Jobs) -> Resumed:
+    """Return what goes on with a sweep."""
+    given = _given(design, "direction", *SOLVER, "flight") | _axes(design)
+    return partial(sweep, **given, starts=_starts(design), **jobs)
 
 
-_GIVEN = {
-    "sweep": ("omega", "zeta", "delta0", "direction", "rtol", "atol", "method", "flight"),
-    "run_ups": (*PARAMETERS, "to", "rate", "phase", "rtol", "atol", "method"),
-    "basin": ("x", "y", "vx", "vy", "rtol"),
-    "basin_fractions": ("x", "y", "vx", "vy", "rtol", "starts", "seed"),
-    "branch": ("parameter", "limits", "direction", "points"),
-    "continue_attractors": (*PARAMETERS, "rtol", "starts", "shocks"),
-}
-# What starts are drawn from; none of it where they were given.
-_DRAWN = ("x", "y", "vx", "vy", "seed")
+def resume_run_ups(design: Design, jobs: Jobs) -> Resumed:
+    """Return what goes on with many run-ups."""
+    given = _given(design, "to", "rate", "phase", *SOLVER) | _axes(design)
+    return partial(run_ups, **given, starts=_starts(design), **jobs)
+
+
+def resume_basin(design: Design, jobs: Jobs) -> Resumed:
+    """Return what goes on with a basin."""
+    return partial(basin, _rotor(design), **_given(design, *COMPONENTS, "rtol"), **jobs)
+
+
+def resume_fractions(design: Design, jobs: Jobs) -> Resumed:
+    """Return what goes on with basin fractions."""
+    given = _given(design, *COMPONENTS, "rtol", "starts", "seed")
+    return partial(basin_fractions, _rotor(design), **given, **jobs)
+
+
+def resume_atlas(design: Design, jobs: Jobs) -> Resumed:
+    """Return what goes on with an atlas; its starts may have been given, and not drawn."""
+    given = _given(design, "rtol", "starts", "shocks") | _axes(design)
+    drawn = _given(design, *(name for name in (*COMPONENTS, "seed") if name in design))
+    return partial(continue_attractors, **given, **drawn, **jobs)
+
+
+def resume_branch(design: Design, _jobs: Jobs) -> Resumed:
+    """Return what goes on with a branch of limit cycles."""
+    state = np.array(design["state"], dtype=np.float64)
+    guess = Guess(_rotor(design), state, **_given(design, "period", "special", "slope"))
+    given = _given(design, "parameter", "direction", "points")
+    return partial(branch_from, guess=guess, limits=tuple(design["limits"]), **given)
+
+
+def _given(design: Design, *names: str) -> dict[str, Any]:
+    return {name: design[name] for name in names}
+
+
+def _axes(design: Design) -> dict[str, Any]:
+    """Return the parameters of the rotors of a study as it was given them."""
+    return _given(design, *PARAMETERS, *(name for name in OPTIONAL if name in design))
+
+
+def _rotor(design: Design) -> Rotor:
+    return Rotor(**_given(design, *(name for name in ALL_PARAMETERS if name in design)))
+
+
+def _starts(design: Design) -> list[tuple[float, ...]]:
+    return [tuple(start) for start in design["starts"]]

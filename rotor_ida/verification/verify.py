@@ -27,6 +27,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 from rotor_ida.parallel import Progress
+from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.schema import RESPONSE, SPECIAL, words_of
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.run_up import run_up
@@ -61,11 +62,11 @@ Facts = dict[str, object]
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
-    """How results of a kind are known, computed again, and compared."""
+class Verification:
+    """What it takes to compute results of a kind again, and how they are compared."""
 
-    variables: tuple[str, ...]  # by which it is known
-    attributes: tuple[str, ...]  # that it takes to compute it again
+    variables: tuple[str, ...]  # numbers that are needed
+    attributes: tuple[str, ...]
     again: Callable[[xr.Dataset, int | None, Progress | None], xr.Dataset]
     compared: Callable[[xr.Dataset, xr.Dataset], Verdict]
 
@@ -109,12 +110,16 @@ def rerun(
     >>> run = simulate(rotor, start=(0, 0, 0, 0), duration=20.0)
     >>> assert_events_close(rerun(run, method="taylor"), run)
     """
-    kind = _kind_of(dataset)
+    verification = _verification_of(dataset)
     if method is not None:
-        dataset = _by(dataset, kind, method)
+        if "method" not in verification.attributes:
+            kind = kind_of(dataset)
+            raise InputError(f"method must be left out for the kind {kind}, got {method!r}")
+        exact = {"flight": "exact"} if method == "taylor" else {}
+        dataset = dataset.assign_attrs({"method": method, **exact})
     if "time_scale" in dataset.attrs:
         raise InputError("a result in SI units cannot be verified: verify the dimensionless one")
-    return KINDS[kind].again(dataset, workers, progress)
+    return verification.again(dataset, workers, progress)
 
 
 def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
@@ -142,36 +147,31 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     >>> differences(rerun(run), run)["agrees"]
     True
     """
-    counts, trouble = KINDS[_kind_of(archived)].compared(again, archived)
+    counts, trouble = _verification_of(archived).compared(again, archived)
     # on the core the last bits depend
     same = again.attrs.get("core_sources") == archived.attrs.get("core_sources")
     core = "the same" if same else "another than that of the archive"
     return {"agrees": not trouble, **counts, "trouble": trouble, "core": core}
 
 
-def _kind_of(dataset: xr.Dataset) -> str:
-    for kind, each in KINDS.items():
-        if set(each.variables) <= set(dataset.variables):
-            missing = [name for name in each.attributes if name not in dataset.attrs]
-            if missing:
-                raise InputError(f"this {kind} cannot be verified: it lacks {', '.join(missing)}")
-            words = [name for name in each.variables if dataset[name].dtype.kind not in "iuf"]
-            if words:
-                raise InputError(f"{words[0]} must be numbers, got {dataset[words[0]].dtype}")
-            return kind
-    raise InputError(
-        "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_attractors, "
-        "limit_cycle, continue_cycle and bifurcation_curve have computed can be verified, got a "
-        f"dataset of {shown(list(map(str, dataset.data_vars)))}"
-    )
-
-
-def _by(dataset: xr.Dataset, kind: str, method: Method) -> xr.Dataset:
-    """Return a result that says that it was computed by another method."""
-    if "method" not in KINDS[kind].attributes:
-        raise InputError(f"method must be left out for the kind {kind}, got {method!r}")
-    exact = {"flight": "exact"} if method == "taylor" else {}
-    return dataset.assign_attrs({"method": method, **exact})
+def _verification_of(dataset: xr.Dataset) -> Verification:
+    """Return how a result is verified; refuse one that cannot be, or that lacks what it takes."""
+    kind = kind_of(dataset)
+    place = KINDS[kind].verified
+    verification: Verification | None = loaded(place) if place else None
+    if verification is None or not set(verification.variables) <= set(dataset.variables):
+        raise InputError(
+            "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, "
+            "continue_attractors, limit_cycle, continue_cycle and bifurcation_curve have computed "
+            f"can be verified, got a dataset of {shown(list(map(str, dataset.data_vars)))}"
+        )
+    missing = [name for name in verification.attributes if name not in dataset.attrs]
+    if missing:
+        raise InputError(f"this {kind} cannot be verified: it lacks {', '.join(missing)}")
+    words = [name for name in verification.variables if dataset[name].dtype.kind not in "iuf"]
+    if words:
+        raise InputError(f"{words[0]} must be numbers, got {dataset[words[0]].dtype}")
+    return verification
 
 
 def _run(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
@@ -415,59 +415,57 @@ _NUMBERS = ("amplitude", "phase_lag", "radius_min", "radius_max")
 _STARTS = tuple(f"start_{name}" for name in COMPONENTS)
 _RANGES = tuple(f"range_{name}" for name in COMPONENTS)
 _BEGUN = ("start", "start_period", *(f"start_{name}" for name in PARAMETERS))
-KINDS = {
-    "run": Kind(
-        ("event_time", "event_time_error", "t"),
-        (*PARAMETERS, "start", "duration", *HOW),
-        _run,
-        _events,
-    ),
-    "sweep": Kind(
-        ("event_count", "response", "direction", *_STARTS, *PARAMETERS, *_NUMBERS),
-        HOW,
-        _sweep,
-        partial(_points, "response"),
-    ),
-    "run_ups": Kind(
-        ("ending", "response", "rate", "phase", "to", *_STARTS, *PARAMETERS, *_NUMBERS),
-        ("rtol", "atol", "method"),
-        _run_ups,
-        partial(_points, "response"),
-    ),
-    "basin": Kind(
-        ("label", "settling_time", "kind", *COMPONENTS, *_NUMBERS),
-        (*PARAMETERS, "labelling_rtol"),
-        _basin,
-        partial(_points, "label"),
-    ),
-    "basin_fractions": Kind(
-        ("response_fraction", "count", "kind", *_NUMBERS),
-        (*PARAMETERS, "labelling_rtol", "starts", "seed", *_RANGES),
-        _fractions,
-        partial(_points, "count"),
-    ),
-    "atlas": Kind(
-        ("missed_fraction", "count", "kind", *PARAMETERS, *_NUMBERS),
-        ("labelling_rtol", "starts"),
-        _atlas,
-        partial(_points, "count"),
-    ),
-    "cycle": Kind(
-        ("period_error", "multiplier_real", "multiplier_imag"),
-        (*PARAMETERS, "start"),
-        _cycle,
-        partial(_facts, _of_cycle),
-    ),
-    "curve": Kind(
-        ("special_second_value", "special_value", "special_period"),
-        ("kind", "parameters", "limits", "points", *_BEGUN),
-        _curve,
-        partial(_facts, _of_curve),
-    ),
-    "branch": Kind(
-        ("special_value", "special_period", "slope", "stability"),
-        ("parameter", "limits", "direction", "points", "start_special", *_BEGUN),
-        _branch,
-        partial(_facts, _of_branch),
-    ),
-}
+RUN = Verification(
+    ("event_time", "event_time_error", "t"),
+    (*PARAMETERS, "start", "duration", *HOW),
+    _run,
+    _events,
+)
+SWEEP = Verification(
+    ("event_count", "response", "direction", *_STARTS, *PARAMETERS, *_NUMBERS),
+    HOW,
+    _sweep,
+    partial(_points, "response"),
+)
+RUN_UPS = Verification(
+    ("ending", "response", "rate", "phase", "to", *_STARTS, *PARAMETERS, *_NUMBERS),
+    ("rtol", "atol", "method"),
+    _run_ups,
+    partial(_points, "response"),
+)
+BASIN = Verification(
+    ("label", "settling_time", "kind", *COMPONENTS, *_NUMBERS),
+    (*PARAMETERS, "labelling_rtol"),
+    _basin,
+    partial(_points, "label"),
+)
+FRACTIONS = Verification(
+    ("response_fraction", "count", "kind", *_NUMBERS),
+    (*PARAMETERS, "labelling_rtol", "starts", "seed", *_RANGES),
+    _fractions,
+    partial(_points, "count"),
+)
+ATLAS = Verification(
+    ("missed_fraction", "count", "kind", *PARAMETERS, *_NUMBERS),
+    ("labelling_rtol", "starts"),
+    _atlas,
+    partial(_points, "count"),
+)
+CYCLE = Verification(
+    ("period_error", "multiplier_real", "multiplier_imag"),
+    (*PARAMETERS, "start"),
+    _cycle,
+    partial(_facts, _of_cycle),
+)
+CURVE = Verification(
+    ("special_second_value", "special_value", "special_period"),
+    ("kind", "parameters", "limits", "points", *_BEGUN),
+    _curve,
+    partial(_facts, _of_curve),
+)
+BRANCH = Verification(
+    ("special_value", "special_period", "slope", "stability"),
+    ("parameter", "limits", "direction", "points", "start_special", *_BEGUN),
+    _branch,
+    partial(_facts, _of_branch),
+)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,46 +12,29 @@ import pytest
 
 Program = Callable[..., Any]
 
-GOOD = {
-    "--omega": "1.2", "--zeta": "0.07", "--delta0": "0.5", "--start": "0 0 0 0",
-    "--duration": "1",
+# Lines that are right, by command; a test changes their options.
+RIGHT = {
+    "simulate": {"omega": "1.2", "zeta": "0.07", "delta0": "0.5", "start": "0 0 0 0",
+                 "duration": "1"},
+    "run-ups": {"omega": "0.5", "to": "2", "rate": "0.1", "zeta": "0.1", "delta0": "2"},
+    "sweep": {"omega": "1", "zeta": "0.5", "delta0": "0"},
+    "cycle": {"omega": "2", "zeta": "0.07", "delta0": "2"},
+    "continue": {"from": "{cycle}", "limits": "1 3"},
+    "curve": {"from": "{cycle}", "kind": "period_doubling", "limits": "1.9 2.1 1.9 2.1"},
 }  # fmt: skip
 
 
-def simulate(**changes: str) -> str:
+def line_of(command: str, **changes: str) -> str:
     """Return a line that is right but for the changes."""
-    words = GOOD | {f"--{name}": value for name, value in changes.items()}
-    return " ".join(["simulate", *(f"{name} {value}" for name, value in words.items())])
+    return " ".join([command, *(f"--{name} {each}" for name, each in
+                                (RIGHT[command] | changes).items())])  # fmt: skip
+
+
+simulate, run_ups, sweep, cycle, follow, turn = (partial(line_of, command) for command in RIGHT)
 
 
 def run_up(given: str, omega: str = "0.5") -> str:
     return f"run-up --omega {omega} --zeta 0.07 --delta0 0.5 {given}"
-
-
-def run_ups(**changes: str) -> str:
-    words = {"omega": "0.5", "to": "2", "rate": "0.1", "zeta": "0.1", "delta0": "2"} | changes
-    return " ".join(["run-ups", *(f"--{name} {value}" for name, value in words.items())])
-
-
-def sweep(**changes: str) -> str:
-    words = {"omega": "1", "zeta": "0.5", "delta0": "0"} | changes
-    return " ".join(["sweep", *(f"--{name} {value}" for name, value in words.items())])
-
-
-def cycle(**changes: str) -> str:
-    words = {"omega": "2", "zeta": "0.07", "delta0": "2"} | changes
-    return " ".join(["cycle", *(f"--{name} {value}" for name, value in words.items())])
-
-
-def follow(**changes: str) -> str:
-    words = {"from": "{cycle}", "limits": "1 3"} | changes
-    return " ".join(["continue", *(f"--{name} {value}" for name, value in words.items())])
-
-
-def turn(**changes: str) -> str:
-    words = {"kind": "period_doubling", "limits": "1.9 2.1 1.9 2.1"} | changes
-    given = " ".join(f"--{name} {value}" for name, value in words.items())
-    return f"curve --from {{cycle}} {given}"
 
 
 FINITE = "must be a finite real number, got"
@@ -298,6 +282,55 @@ def test_a_mistake_gets_one_line(program: Program, archives: Path, line: str, me
     assert message in answer.err
     assert sorted(Path().rglob("*")) == before
     assert Path("taken.nc").read_text() == Path("taken.png").read_text() == "mine"
+
+
+ROTOR = "--omega 1.2 --zeta 0.07 --delta0 {delta0}"
+PLANE = "--x=-1:1:3 --y=-1:1:3"
+BOX = "--x=-1:1 --y=-1:1 --starts 5"
+MACHINE = (
+    "--mass 4 --contact-stiffness 1e9 --damping 280 --eccentricity 1e-6 --clearance {delta0} "
+    "--speed 1000"
+)
+WITH_FRICTION = {
+    "simulate": f"simulate {ROTOR} --duration 5",
+    "response": f"response {ROTOR}",
+    "folds": "response --zeta 0.07 --delta0 {delta0} --folds",
+    "sweep": f"sweep {ROTOR}",
+    "basin": f"basin {ROTOR} {PLANE}",
+    "fractions": f"fractions {ROTOR} {BOX}",
+    "atlas": f"atlas --omega 1.2 1.3 --zeta 0.07 --delta0 {{delta0}} {BOX}",
+    "touchdown": f"touchdown {ROTOR}",
+    "touchdown of a machine": f"touchdown {MACHINE}",
+    "explore": f"explore {ROTOR} --export page.html --speeds 1:1.2:2",
+    "explore a machine": f"explore {MACHINE} --export page.html --speeds 1000:1100:2",
+    "cycle": f"cycle {ROTOR}",
+    "continue": f"continue {ROTOR} --limits 1 3",
+}
+# Exact whirls slip, whatever the disc: they need no radius.
+WITHOUT_DISC = {"response", "folds"}
+FRICTION = [
+    ("0.5", "--friction 0.1", "disc_radius must be given with friction, got None with friction"),
+    ("0.5", "--friction -0.1 --disc-radius 10", "friction must be zero or positive, got -0.1"),
+    ("0.5", "--friction nan --disc-radius 10", "friction must be a finite real number, got nan"),
+    ("0.5", "--friction 0.1 --disc-radius -1", "disc_radius must be zero or positive, got -1.0"),
+    ("0.5", "--friction 0.1 --disc-radius nan", "radius must be a finite real number, got nan"),
+    ("0.5", "--friction 0.1 --disc-radius wide", "radius must be a finite real number, got 'wide'"),
+    ("0", "--friction 0.1 --disc-radius 10", "friction must be 0 without clearance, where the "),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("command", WITH_FRICTION)
+def test_what_is_wrong_with_friction_gets_one_line_from_every_command(
+    program: Program, command: str
+):
+    for delta0, given, message in FRICTION:
+        if command in WITHOUT_DISC and "--disc-radius" not in given:
+            continue
+        line = f"{WITH_FRICTION[command].format(delta0=delta0)} {given}"
+        answer = program(*line.split())
+        assert (answer.status, answer.out) == (2, ""), line
+        assert re.fullmatch(rf"rotor-ida: [^\n]*{re.escape(message)}[^\n]*\n", answer.err), line
+    assert not list(Path().iterdir())
 
 
 def test_an_empty_word_is_no_number_and_no_path(program: Program):

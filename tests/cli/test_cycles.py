@@ -13,7 +13,7 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli.commands import cycles
-from rotor_ida.cli.figures import figure_of
+from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.studies.database import FILE
 
 Program = Callable[..., Any]

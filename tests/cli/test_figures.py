@@ -16,7 +16,7 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.cli.describe import describe
-from rotor_ida.cli.figures import figure_of
+from rotor_ida.plot.figures import figure_of
 
 
 @pytest.mark.parametrize("omega", [1.7, [1.2, 1.7]])

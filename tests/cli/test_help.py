@@ -26,8 +26,7 @@ from rotor_ida.cli.commands.compute import (
     touchdown,
 )
 from rotor_ida.cli.commands.cycles import continue_, curve, cycle
-from rotor_ida.cli.options import BeyondAxes
-from rotor_ida.model.table import OPTIONAL
+from rotor_ida.model.table import DEFAULTS, OPTIONAL
 
 Program = Callable[..., Any]
 
@@ -158,7 +157,7 @@ def test_defaults_are_those_of_the_library(command: Callable[..., object], libra
         if name in ours and parameter.default is not inspect.Parameter.empty and name != "workers":
             default = ours[name][1]
             if default is None and name in OPTIONAL:  # no axis is given
-                default = BeyondAxes().given()[name]
+                default = DEFAULTS[name]
             # an axis of one number is that number
             assert default in (parameter.default, [parameter.default]), name
 

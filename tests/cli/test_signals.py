@@ -22,8 +22,8 @@ from rotor_ida import (
     whirl_ratio,
 )
 from rotor_ida.cli.describe import describe, kind_of
-from rotor_ida.cli.figures import figure_of
 from rotor_ida.cli.report import Report, console_on, text_of
+from rotor_ida.plot.figures import figure_of
 
 TIMES = np.arange(8000) / 1000.0
 ANGLES = 2.0 * math.pi * 10.3 * TIMES

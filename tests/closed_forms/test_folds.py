@@ -1,6 +1,10 @@
-"""Folds, jumps and the cusp, against 50-digit references."""
+"""Folds, jumps and cusps of every rotor, against 50-digit references, polynomials and scans."""
 
 from __future__ import annotations
+
+import itertools
+import math
+import warnings
 
 import mpmath
 import numpy as np
@@ -11,30 +15,76 @@ from hypothesis import strategies as st
 from rotor_ida.closed_forms import (
     cusp,
     cusp_zeta,
+    eigenvalues,
     folds,
     jumps,
     peak_amplitude,
     stability_determinant,
     synchronous_response,
+    touch_speeds,
 )
+from rotor_ida.closed_forms.contact_laws import RestoringLaw
+from rotor_ida.closed_forms.fold_locus_with_friction import friction_locus
 from rotor_ida.errors import InputError
 
 mpmath.mp.dps = 50
 # Folds are simple crossings except where two of them merge: a few rounding errors remain.
 ROUNDING = 1e-13
+# zeta, delta0, stiffness of the shaft, exponent of the contact
+PAPER = list(itertools.product(
+    [0.003, 0.01, 0.07, 0.15, 0.2, 0.22],
+    [0.0, 0.05, 0.3, 0.5, 0.6, 0.7, 0.9, 0.999, 1.0, 1.5, 3.0],
+    [0.0], [1.5],
+))  # fmt: skip
+LAWS = list(
+    itertools.product([0.003, 0.07, 0.15], [0.1, 0.7, 1.0, 3.0], [0.0, 1e-3, 0.25, 2.0], [1.5, 1.0])
+) + [(0.07, 0.0, kappa, 1.5) for kappa in (1e-3, 0.25, 2.0)]
+RUBBING = [
+    {"zeta": 0.07, "delta0": 0.5, "friction": 0.02},
+    {"zeta": 0.02, "delta0": 0.8, "friction": 0.1},
+    {"zeta": 0.03, "delta0": 1.5, "friction": 0.05, "shaft_stiffness": 0.3},
+    {"zeta": 0.02, "delta0": 2.0, "friction": 0.03, "shaft_stiffness": 0.25,
+     "contact_exponent": 1.0},
+    {"zeta": 0.0, "delta0": 0.5, "friction": 0.05},
+    {"zeta": 0.0, "delta0": 1.2, "friction": 0.2, "shaft_stiffness": 0.1},
+]  # fmt: skip
 
 
-def fold_equations(zeta: float, delta0: float):
-    """The curve and its slope, both zero at a fold, in u = sqrt(A - delta0) and omega."""
-    m, d = 4 * mpmath.mpf(zeta) ** 2, mpmath.mpf(delta0)
+def found_at(zeta, delta0, kappa=0.0, exponent=1.5, friction=0.0) -> list[tuple[float, float]]:
+    found = folds(
+        zeta=zeta, delta0=delta0, shaft_stiffness=kappa, contact_exponent=exponent,
+        friction=friction,
+    )  # fmt: skip
+    pairs = zip(found.fold_omega.values.ravel(), found.fold_amplitude.values.ravel(), strict=True)
+    return [pair for pair in pairs if np.isfinite(pair).all()]
 
-    def equations(u, omega):
+
+def fold_equations(zeta, delta0, kappa, exponent):
+    """The curve and its slope by u, both zero at a fold, in u = sqrt(A - delta0) and omega."""
+    z, d, k = (mpmath.mpf(each) for each in (zeta, delta0, kappa))
+    power = 3 if exponent == 1.5 else 2
+
+    def both(u, omega):
         q, A = omega**2, d + u**2
-        s, tangent = u**3 / A, 3 * u / 2
-        on_curve = A**2 * ((s - q) ** 2 + m * q) / q**2 - 1
-        return [on_curve, ((tangent - q) * (s - q) + m * q) / q]
+        F = u**power + (k - q) * A
+        m = 4 * z**2 * q
+        slope = F * (power * u ** (power - 2) + 2 * (k - q)) + 2 * m * A
+        return [(F**2 + m * A**2) / q**2 - 1, slope / q]
 
-    return equations
+    return both
+
+
+def assert_folds_match(case, rounding=ROUNDING) -> None:
+    for omega, amplitude in found_at(*case):
+        guess = (mpmath.sqrt(mpmath.mpf(amplitude) - case[1]), mpmath.mpf(omega))
+        u, speed = mpmath.findroot(fold_equations(*case), guess, tol=1e-60, maxsteps=60)
+        assert abs(omega / speed - 1) < rounding, case
+        assert abs(amplitude / (mpmath.mpf(case[1]) + u**2) - 1) < rounding, case
+
+
+@pytest.mark.parametrize("case", PAPER + LAWS)
+def test_folds_hold_to_rounding(case):
+    assert_folds_match(case)
 
 
 def reference_count(zeta: float, delta0: float) -> int:
@@ -73,62 +123,186 @@ def reference_count(zeta: float, delta0: float) -> int:
     return count
 
 
-def found_at(zeta: float, delta0: float) -> list[tuple[float, float]]:
-    found = folds(zeta=zeta, delta0=delta0)
-    pairs = zip(found.fold_omega.values.ravel(), found.fold_amplitude.values.ravel(), strict=True)
-    return [pair for pair in pairs if np.isfinite(pair).all()]
+@pytest.mark.parametrize("zeta", [0.01, 0.07, 0.18, 0.23, 0.4])
+@pytest.mark.parametrize("delta0", [0.0, 0.1, 0.5, 0.64, 0.8, 1.0, 2.0])
+def test_resultant_has_as_many_folds(zeta, delta0):
+    assert len(found_at(zeta, delta0)) == reference_count(zeta, delta0)
+
+
+def test_no_fold_is_missed_and_none_invented():
+    """Between two speeds the number of contacting whirls changes by what lies between them."""
+    total = 0
+    for zeta, delta0, kappa, exponent in LAWS:
+        turns = [omega for omega, _ in found_at(zeta, delta0, kappa, exponent)]
+        touches = touch_speeds(zeta=zeta, delta0=delta0, shaft_stiffness=kappa)
+        ends = np.sort([*turns, *touches[touches > 0.0]])
+        speeds = np.unique(
+            np.concatenate([np.geomspace(1e-3, 30.0, 300), ends * (1 - 1e-7), ends * (1 + 1e-7)])
+        )
+        count = synchronous_response(
+            omega=speeds, zeta=zeta, delta0=delta0,
+            shaft_stiffness=kappa, contact_exponent=exponent,
+        ).in_contact.sum("branch").values.ravel()  # fmt: skip
+        for k in np.nonzero(np.diff(count))[0]:
+            between = (speeds[k] < ends) & (ends < speeds[k + 1])
+            assert between.any(), (zeta, delta0, kappa, exponent, speeds[k])
+        for omega in turns:
+            k = np.searchsorted(speeds, omega)
+            if np.sum((speeds[k - 1] < ends) & (ends < speeds[k])) == 1:
+                assert abs(count[k] - count[k - 1]) == 2, (zeta, delta0, kappa, exponent, omega)
+                total += 1
+    assert total > 100
+
+
+def linear_cubic(zeta, delta0, kappa) -> list:
+    """``q (1 + kappa - q)**2 = 4 zeta**2 (delta0**2 - q**2)`` where its whirl is in contact."""
+    z, d, k = mpmath.mpf(zeta), mpmath.mpf(delta0), 1 + mpmath.mpf(kappa)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        roots = mpmath.polyroots(
+            [1, 4 * z**2 - 2 * k, k**2, -4 * z**2 * d**2], maxsteps=500, extraprec=300
+        )
+    found = []
+    for root in roots:
+        q = mpmath.re(root)
+        if abs(mpmath.im(root)) > 1e-30 or q <= 0:
+            continue
+        amplitude = (k - q) * d / ((k - q) ** 2 + 4 * z**2 * q)
+        if amplitude > d:
+            found.append((mpmath.sqrt(q), amplitude))
+    return sorted(found)
+
+
+@pytest.mark.parametrize("delta0", [0.05, 0.5, 0.9, 1.1, 1.5, 8.0])
+@pytest.mark.parametrize("kappa", [0.0, 1e-4, 0.25, 2.0])
+def test_folds_of_a_linear_contact_are_roots_of_a_cubic(delta0, kappa):
+    for zeta in (1e-4, 0.01, 0.07, 0.3, 0.6):
+        expected = linear_cubic(zeta, delta0, kappa)
+        found = found_at(zeta, delta0, kappa, 1.0)
+        assert len(found) == len(expected), (zeta, delta0, kappa)
+        for (omega, amplitude), (speed, size) in zip(found, expected, strict=True):
+            assert abs(omega / speed - 1) < ROUNDING
+            assert abs(amplitude / size - 1) < ROUNDING
+
+
+@pytest.mark.parametrize("zeta", [1.3e-6, 1e-5, 1e-3, 0.05])
+def test_folds_of_a_linear_contact_whose_clearance_is_one_are_roots_of_a_cubic(zeta):
+    """There ``4 zeta**2 = (2 - A) (A - 1)/A``: two folds, however slight the damping."""
+    least = 4.0 * zeta * zeta
+    # A**2 - (3 - 4 zeta**2) A + 2 = 0, written so that the smaller root does not cancel
+    large = 0.5 * ((3.0 - least) + np.sqrt((1.0 - least) * (1.0 - least) - 4.0 * least))
+    found = folds(zeta=zeta, delta0=1.0, contact_exponent=1.0)
+    amplitudes = np.sort(found.fold_amplitude.values.ravel())
+    np.testing.assert_allclose(amplitudes, [2.0 / large, large], rtol=1e-14)
+
+
+def test_a_linear_contact_without_clearance_has_no_fold():
+    assert found_at(0.01, 0.0, 0.3, 1.0) == []
+    assert np.isnan(cusp_zeta(0.0, contact_exponent=1.0))
+
+
+def scanned(rotor, condition, nodes=60_000):
+    """Amplitudes at which a condition changes sign along either flank, by roots of the quartic.
+
+    The speeds at each amplitude are eigenvalues of a companion matrix: no part of the package.
+    """
+    zeta, d, mu = (rotor[name] for name in ("zeta", "delta0", "friction"))
+    kappa, n = rotor.get("shaft_stiffness", 0.0), rotor.get("contact_exponent", 1.5)
+    depth = np.concatenate([np.geomspace(1e-9, 1e-2, nodes // 4), np.linspace(1e-2, 40.0, nodes)])
+    A, f = d + depth, depth**n
+    g = f + kappa * A
+    scale = np.sqrt(g / A)
+    quartic = np.stack([
+        (g * g + (mu * f) ** 2) / scale**4,
+        4.0 * mu * zeta * A * f / scale**3,
+        A * (4.0 * zeta**2 * A - 2.0 * g) / scale**2,
+        0.0 * A,
+    ])  # fmt: skip
+    companion = np.zeros((A.size, 4, 4))
+    companion[:, [1, 2, 3], [0, 1, 2]] = 1.0
+    companion[:, :, 3] = -(quartic / (A * A - 1.0)).T
+    roots = np.linalg.eigvals(companion) * scale[:, None]
+    real = (np.abs(roots.imag) < 1e-9 * np.abs(roots)) & (roots.real > 0.0)
+    speeds = np.sort(np.where(real, roots.real, np.nan), axis=1)[:, :2]
+    changes = []
+    for w in speeds.T:
+        value = condition(A, w, rotor)
+        near = np.isfinite(value[1:] * value[:-1]) & (np.abs(np.diff(w)) < 0.1 * w[1:])
+        changes += A[1:][near & (value[1:] * value[:-1] < 0.0)].tolist()
+    return np.sort(changes)
+
+
+def fold_condition(A, omega, rotor):
+    inside = np.where(np.isfinite(omega), omega, 0.0)
+    return np.where(np.isfinite(omega), stability_determinant(A, omega=inside, **rotor), np.nan)
+
+
+@pytest.mark.parametrize("rotor", RUBBING)
+def test_no_fold_with_friction_is_lost_and_none_invented(rotor):
+    found = folds(**rotor).fold_amplitude.values.ravel()
+    expected = scanned(rotor, fold_condition)
+    inside = np.sort(found[found < 40.0])
+    np.testing.assert_allclose(inside, expected, rtol=0.0, atol=1.5e-3)
+
+
+@pytest.mark.parametrize("rotor", RUBBING)
+def test_at_a_fold_with_friction_two_whirls_merge(rotor):
+    """A little to one side there are two more of them than to the other, around its amplitude."""
+    turns = folds(**rotor)
+    there = list(
+        zip(turns.fold_omega.values.ravel(), turns.fold_amplitude.values.ravel(), strict=True)
+    )
+    assert len(there) > 0
+    for omega, amplitude in there:
+        counts, near = [], []
+        for part in (-1e-6, 1e-6):
+            here = synchronous_response(omega=omega * (1.0 + part), **rotor)
+            there = here.amplitude.values.ravel()[here.in_contact.values.ravel() == 1]
+            counts.append(there.size)
+            near.append(there[np.abs(there / amplitude - 1.0) < 2e-2])
+        assert abs(counts[1] - counts[0]) == 2
+        two = max(near, key=len)
+        assert two.size == 2
+        assert two.min() < amplitude < two.max()
+
+
+def test_folds_lie_on_the_locus():
+    """Where speed and damping are eliminated by hand, the fold has the damping that it was for."""
+    draw, count = np.random.default_rng(5), 0
+    for _ in range(60):
+        zeta, d = 10 ** draw.uniform(-2.5, -0.7), 10 ** draw.uniform(-1.0, 0.5)
+        kappa = float(draw.choice([0.0, 10 ** draw.uniform(-2.0, 0.5)]))
+        mu, exponent = 10 ** draw.uniform(-3.0, -0.5), 1.5 if draw.random() < 0.6 else 1.0
+        for omega, amplitude in found_at(zeta, d, kappa, exponent, mu):
+            lag, damping = friction_locus(
+                np.array([math.sqrt(amplitude - d)]), RestoringLaw(d, kappa, exponent, mu)
+            )
+            place = int(np.nanargmin(np.abs(damping - zeta)))
+            # the locus is steep where it begins
+            assert damping.ravel()[place] == pytest.approx(zeta, rel=1e-8)
+            f = (amplitude - d) ** exponent
+            across = 2.0 * zeta * omega * amplitude + mu * f
+            along = (kappa - omega**2) * amplitude + f
+            assert lag.ravel()[place] == pytest.approx(math.atan2(across, along), abs=1e-6)
+            assert math.hypot(across, along) == pytest.approx(omega**2, rel=1e-10)
+            count += 1
+    assert count > 60
+
+
+def test_folds_move_continuously_from_those_without_friction():
+    """Twice the friction moves them twice as far, as long as both are small."""
+    without = folds(zeta=0.07, delta0=0.5).fold_omega.values.ravel()
+    little, twice = (
+        folds(zeta=0.07, delta0=0.5, friction=mu).fold_omega.values.ravel() - without
+        for mu in (1e-7, 2e-7)
+    )
+    np.testing.assert_allclose(twice, 2.0 * little, rtol=1e-4)
+    np.testing.assert_array_less(little[2:], 0.0)  # those of the resonance, to lower speeds
 
 
 def test_folds_of_the_design_without_clearance():
     found = found_at(0.07, 0.0)
     assert [round(omega, 6) for omega, _ in found] == [1.597821, 1.932754]
-
-
-# Without clearance the two folds merge at A = 12/sqrt(10), a = 2/sqrt(10), b = sqrt(10), where
-# d/dA [(1 - a**2)/(sqrt(A) b)] = 0; so 4 zeta**2 = 0.6/(sqrt(A) sqrt(10)).
-CUSP_ZETA = np.sqrt(0.15 / (np.sqrt(12.0) * 10.0**0.25))
-
-
-def test_jumps_without_clearance_need_a_damping_below_0_15604517():
-    assert cusp_zeta(0.0) == pytest.approx(CUSP_ZETA, rel=1e-15)
-    assert pytest.approx(0.156045165, abs=5e-10) == CUSP_ZETA
-    assert len(found_at(CUSP_ZETA * (1.0 - 1e-13), 0.0)) == 2
-    assert len(found_at(CUSP_ZETA * (1.0 + 1e-13), 0.0)) == 0
-
-
-@pytest.mark.parametrize("delta0", [0.0, 0.1, 0.5, 0.65, 0.9, 1.0, 3.0, 50.0])
-def test_no_fold_above_the_cusp(delta0):
-    critical = cusp_zeta(delta0)
-    assert len(found_at(critical * (1.0 + 1e-12), delta0)) == 0
-    assert len(found_at(critical * (1.0 - 1e-12), delta0)) == 2
-
-
-@pytest.mark.parametrize("delta0", [0.0, 0.1, 0.7, 2.0])
-def test_folds_about_to_merge_hold_to_rounding(delta0):
-    # 1e-8 below the merger they are 1e-4 apart, which magnifies roundings ten thousandfold
-    # in plain doubles; the 32-digit residuals keep them out
-    assert_folds_match(cusp_zeta(delta0) * (1.0 - 1e-8), delta0)
-
-
-def assert_folds_match(zeta: float, delta0: float) -> None:
-    equations = fold_equations(zeta, delta0)
-    for omega, amplitude in found_at(zeta, delta0):
-        guess = (mpmath.sqrt(mpmath.mpf(amplitude) - delta0), mpmath.mpf(omega))
-        u, speed = mpmath.findroot(equations, guess, tol=1e-60, maxsteps=40)
-        assert abs(omega / speed - 1) < ROUNDING, (zeta, delta0)
-        assert abs(amplitude / (mpmath.mpf(delta0) + u**2) - 1) < ROUNDING, (zeta, delta0)
-
-
-@pytest.mark.parametrize("zeta", [0.003, 0.01, 0.07, 0.15, 0.2, 0.22])
-@pytest.mark.parametrize("delta0", [0.0, 0.05, 0.3, 0.5, 0.6, 0.7, 0.9, 0.999, 1.0, 1.5, 3.0])
-def test_folds_hold_to_rounding(zeta, delta0):
-    assert_folds_match(zeta, delta0)
-
-
-@pytest.mark.parametrize("zeta", [0.01, 0.07, 0.18, 0.23, 0.4])
-@pytest.mark.parametrize("delta0", [0.0, 0.1, 0.5, 0.64, 0.8, 1.0, 2.0])
-def test_resultant_has_as_many_folds(zeta, delta0):
-    assert len(found_at(zeta, delta0)) == reference_count(zeta, delta0)
 
 
 def test_two_tiny_folds_near_first_touch_with_some_clearance():
@@ -165,6 +339,22 @@ def test_without_damping_one_fold_is_left_below_unit_clearance():
     np.testing.assert_allclose(slight[2], found_at(0.0, 0.25)[0], rtol=1e-12)
 
 
+@pytest.mark.parametrize("delta0", [0.0, 0.5, 2.0])
+@pytest.mark.parametrize("kappa", [1e-3, 0.25, 2.0])
+def test_without_damping_the_speed_is_stationary_at_a_fold(delta0, kappa):
+    found = found_at(0.0, delta0, kappa, 1.5)
+    assert found
+    for omega, amplitude in found:
+        d, k = mpmath.mpf(delta0), mpmath.mpf(kappa)
+
+        def square(A, d=d, k=k):  # of the speed on the lagging flank
+            return ((A - d) ** 1.5 + k * A) / (A - 1)
+
+        A = mpmath.findroot(lambda A: mpmath.diff(square, A), mpmath.mpf(amplitude), tol=1e-40)
+        assert abs(amplitude / A - 1) < ROUNDING
+        assert abs(omega / mpmath.sqrt(square(A)) - 1) < ROUNDING
+
+
 @settings(max_examples=60, deadline=None)
 @given(
     zeta=st.floats(1e-3, 0.3),
@@ -189,25 +379,28 @@ def test_two_whirls_appear_or_vanish_across_every_fold(zeta, delta0):
         assert abs(determinant) < 1e-10 * max(1.0, omega**4)
 
 
-def test_a_grid_of_folds_holds_what_single_calls_hold():
-    zetas, clearances = [0.0, 0.01, 0.07, 0.5], [0.0, 0.5, 2.0]
-    grid = folds(zeta=zetas, delta0=clearances)
-    assert grid.fold_omega.dims == ("zeta", "delta0", "fold")
-    for zeta in zetas:
-        for delta0 in clearances:
-            point = grid.sel(zeta=zeta, delta0=delta0)
-            alone = found_at(zeta, delta0)
-            values = np.stack([point.fold_omega.values, point.fold_amplitude.values], axis=1)
-            assert np.isnan(values[len(alone) :]).all()
-            # the locus is cut elsewhere on a grid, which moves the last digit
-            np.testing.assert_allclose(values[: len(alone)], np.reshape(alone, (-1, 2)), rtol=1e-14)
+def test_contact_damping_moves_no_fold_but_an_eigenvalue_vanishes_there_too():
+    found = folds(zeta=0.07, delta0=0.5, shaft_stiffness=0.1, contact_damping=[0.0, 0.8])
+    assert found.fold_omega.dims == ("zeta", "delta0", "contact_damping", "fold")
+    with_damping = found.isel(contact_damping=1)
+    assert found.isel(contact_damping=0).fold_omega.values.tolist() == (
+        with_damping.fold_omega.values.tolist()
+    )
+    for omega, amplitude in zip(
+        with_damping.fold_omega.values.ravel(), with_damping.fold_amplitude.values.ravel(),
+        strict=True,
+    ):  # fmt: skip
+        rates = eigenvalues(
+            amplitude, omega=omega, zeta=0.07, delta0=0.5, shaft_stiffness=0.1,
+            contact_damping=0.8,
+        )  # fmt: skip
+        assert np.abs(rates).min() < 1e-12
 
 
-def test_parameters_out_of_range_of_the_locus_are_refused():
-    with pytest.raises(InputError, match="zeta must be 0 or between 1e-20 and"):
-        folds(zeta=1e-30, delta0=0.0)
-    with pytest.raises(InputError, match=r"delta0 must be zero or positive, got -1\.0"):
-        folds(zeta=0.1, delta0=-1.0)
+def test_number_of_folds_need_not_fall_with_the_damping():
+    found = folds(zeta=np.linspace(0.05, 0.26, 1500), delta0=0.7237)
+    counts = found.fold_omega.notnull().sum("fold").values.ravel()
+    assert [4, *counts[1:][np.diff(counts) != 0]] == [4, 2, 4, 2, 0]
 
 
 @pytest.mark.parametrize("delta0", [1.0, 1.5, 3.0, 50.0])
@@ -221,8 +414,86 @@ def test_peak_of_an_isola_vanishes_with_its_folds(delta0):
     assert np.isnan(peak_amplitude(zeta=critical * (1.0 + 1e-10), delta0=delta0))
 
 
-def fold_count(zeta, delta0):
-    return int(folds(zeta=zeta, delta0=delta0).fold_omega.count())
+# Without clearance the two folds merge at A = 12/sqrt(10), a = 2/sqrt(10), b = sqrt(10), where
+# d/dA [(1 - a**2)/(sqrt(A) b)] = 0; so 4 zeta**2 = 0.6/(sqrt(A) sqrt(10)).
+CUSP_ZETA = np.sqrt(0.15 / (np.sqrt(12.0) * 10.0**0.25))
+
+
+def test_jumps_without_clearance_need_a_damping_below_0_15604517():
+    assert cusp_zeta(0.0) == pytest.approx(CUSP_ZETA, rel=1e-15)
+    assert pytest.approx(0.156045165, abs=5e-10) == CUSP_ZETA
+    assert len(found_at(CUSP_ZETA * (1.0 - 1e-13), 0.0)) == 2
+    assert len(found_at(CUSP_ZETA * (1.0 + 1e-13), 0.0)) == 0
+
+
+@pytest.mark.parametrize(
+    ("delta0", "kappa"),
+    [*((delta0, 0.0) for delta0 in (0.0, 0.1, 0.39, 0.5, 0.65, 0.7, 0.70086, 0.7237, 0.9, 1.0, 2.0,
+                                    3.0, 10.0, 50.0)),
+     *itertools.product([0.0, 0.3, 1.0, 4.0], [1e-3, 0.25, 2.0])],
+)  # fmt: skip
+def test_no_fold_above_the_cusp_and_two_below(delta0, kappa):
+    last = cusp_zeta(delta0, shaft_stiffness=kappa)
+    assert len(found_at(last * (1.0 - 1e-12), delta0, kappa)) >= 2
+    for factor in (1.0 + 1e-12, 1.01, 1.3, 5.0):
+        assert len(found_at(last * factor, delta0, kappa)) == 0
+    # 1e-8 below the merger they are 1e-4 apart, which magnifies roundings ten thousandfold
+    # in plain doubles; the 32-digit residuals keep them out
+    rounding = ROUNDING if kappa == 0.0 else 1e-12
+    assert_folds_match((last * (1.0 - 1e-8), delta0, kappa, 1.5), rounding)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        *({"delta0": delta0} for delta0 in (0.0, 0.3, 0.5, 0.70086, 1.5)),
+        *({"delta0": d, "shaft_stiffness": k} for d in (0.5, 2.0) for k in (0.1, 1.0)),
+        {"delta0": 0.5, "friction": 0.05},
+        {"delta0": 0.5, "friction": 0.5},
+        {"delta0": 1.2, "friction": 0.05, "shaft_stiffness": 1.0},
+        {"delta0": 3.0, "friction": 0.1, "shaft_stiffness": 0.1, "contact_exponent": 1.0},
+    ],
+)
+def test_the_last_folds_merge_at_the_cusp(law):
+    limit = cusp(**law)
+    zeta, omega, amplitude = (limit[name].item() for name in limit.data_vars)
+    assert cusp_zeta(**law) == zeta
+    beneath = folds(zeta=zeta * (1.0 - 1e-8), **law)
+    speeds, sizes = beneath.fold_omega.values.ravel(), beneath.fold_amplitude.values.ravel()
+    near = np.abs(speeds / omega - 1.0) < 1e-3
+    assert near.sum() == 2
+    np.testing.assert_allclose(speeds[near].mean(), omega, rtol=1e-6)
+    np.testing.assert_allclose(sizes[near].mean(), amplitude, rtol=1e-6)
+    assert np.isnan(folds(zeta=zeta * (1.0 + 1e-8), **law).fold_omega).all()
+    determinant = stability_determinant(amplitude, omega=omega, zeta=zeta, **law)
+    assert abs(float(determinant)) < 1e-9
+
+
+def test_the_last_fold_of_a_linear_contact_vanishes_at_the_ring():
+    # without a shaft 4 zeta**2 = 1 - delta0**2 at A = delta0
+    last = cusp(delta0=0.6, contact_exponent=1.0)
+    assert last.cusp_zeta.item() == pytest.approx(0.4, rel=1e-12)
+    assert last.cusp_amplitude.item() == pytest.approx(0.6, rel=1e-12)
+    assert len(found_at(0.4 * (1 - 1e-9), 0.6, 0.0, 1.0)) == 1
+    assert len(found_at(0.4 * (1 + 1e-9), 0.6, 0.0, 1.0)) == 0
+
+
+def test_cusp_of_largest_damping_bounds_every_clearance():
+    highest = cusp()
+    scan = np.concatenate([np.linspace(0.0, 3.0, 121), np.geomspace(3.0, 1e3, 15)])
+    table = cusp(delta0=scan).cusp_zeta
+    assert highest.cusp_zeta.item() >= float(table.max())
+    assert highest.cusp_zeta.item() == pytest.approx(0.2510030, abs=5e-8)
+    assert abs(highest.delta0.item() - scan[int(table.values.argmax())]) <= 0.0125
+
+
+def test_much_friction_leaves_no_fold_at_all():
+    assert math.isnan(cusp_zeta(0.5, friction=2.0))
+    assert math.isnan(cusp_zeta(0.1, friction=0.4, contact_exponent=1.0))
+    assert np.isnan(folds(zeta=[0.0, 1e-3, 0.07], delta0=0.5, friction=2.0).fold_omega).all()
+    axis = cusp(delta0=0.5, friction=[0.0, 0.1, 2.0])
+    assert axis.cusp_zeta.dims == ("delta0", "friction")
+    np.testing.assert_array_equal(axis.cusp_zeta.values[0, 0], cusp_zeta(0.5))
 
 
 def test_rotor_lands_on_a_stable_whirl_of_the_curve():
@@ -238,69 +509,81 @@ def test_rotor_lands_on_a_stable_whirl_of_the_curve():
     assert down < last
 
 
-def test_strong_damping_has_no_jump():
-    assert int(jumps(zeta=[1.0, 1.5, 2.0], delta0=0.0).fold_omega.count()) == 0
+@pytest.mark.parametrize(
+    ("rotor", "count"),
+    [
+        ({"zeta": 0.07, "delta0": 0.5}, 4),
+        ({"zeta": 0.07, "delta0": 2.0}, 2),
+        ({"zeta": 0.07, "delta0": 0.5, "shaft_stiffness": 0.25, "contact_damping": 0.1}, 1),
+        ({"zeta": 0.07, "delta0": 2.0, "shaft_stiffness": 0.25}, 1),
+        ({"zeta": 0.07, "delta0": 0.5, "friction": 0.02}, 1),
+        ({"zeta": [1.0, 1.5, 2.0], "delta0": 0.0}, 0),
+    ],
+)
+def test_a_jump_lands_on_a_whirl_that_is_not_unstable(rotor, count):
+    found = jumps(**rotor)
+    assert found.landing_amplitude.dims == found.fold_omega.dims
+    speeds, landings = found.fold_omega.values.ravel(), found.landing_amplitude.values.ravel()
+    for omega, landing in zip(speeds, landings, strict=True):
+        if np.isfinite(landing):
+            here = synchronous_response(omega=omega, **rotor)
+            lasting = here.amplitude.where(here.stability != 1).values
+            assert np.nanmin(abs(lasting - landing)) < 1e-12
+    assert np.isfinite(landings).sum() >= count
+    assert np.isfinite(speeds).any() == (count > 0)
 
 
-@pytest.mark.parametrize("delta0", [0.0, 0.1, 0.39, 0.5, 0.70086, 0.7237, 0.9, 1.0, 2.0, 10.0])
-def test_cusp_is_where_the_last_fold_goes(delta0):
-    last = cusp(delta0=delta0).cusp_zeta.item()
-    assert fold_count(last * (1.0 - 1e-9), delta0) >= 2
-    assert all(fold_count(last * factor, delta0) == 0 for factor in (1.0 + 1e-9, 1.01, 1.3, 5.0))
+def test_axes_are_dimensions_and_hold_what_single_calls_hold():
+    axes = {
+        "zeta": [0.0, 0.01, 0.07],
+        "delta0": [0.5, 2.0],
+        "shaft_stiffness": [0.0, 0.25],
+        "contact_damping": [0.0, 0.1],
+        "friction": [0.0, 0.1],
+    }
+    grid = folds(**axes)
+    assert grid.fold_omega.dims == (*axes, "fold")
+    for values in itertools.product(*axes.values()):
+        place = dict(zip(axes, values, strict=True))
+        point, alone = grid.sel(place), folds(**place)
+        count = alone.sizes["fold"]
+        for name in grid.data_vars:
+            assert np.isnan(point[name].values[count:]).all()
+            # the locus is cut elsewhere on a grid, which moves the last digit
+            found, expected = point[name].values[:count], alone[name].values.ravel()
+            np.testing.assert_allclose(found, expected, rtol=1e-14)
 
 
-def test_number_of_folds_need_not_fall_with_the_damping():
-    found = folds(zeta=np.linspace(0.05, 0.26, 1500), delta0=0.7237)
-    counts = found.fold_omega.notnull().sum("fold").values.ravel()
-    assert [4, *counts[1:][np.diff(counts) != 0]] == [4, 2, 4, 2, 0]
+def test_what_is_default_is_no_coordinate():
+    plain = folds(zeta=0.07, delta0=[0.0, 0.5])
+    same = folds(zeta=0.07, delta0=[0.0, 0.5], shaft_stiffness=0, contact_exponent=1.5)
+    assert same.identical(plain)
+    stiff = folds(zeta=0.07, delta0=[0.0, 0.5], shaft_stiffness=0.25)
+    assert stiff.fold_omega.dims == ("zeta", "delta0", "fold")
+    assert stiff.shaft_stiffness.item() == 0.25
 
 
-def test_cusp_without_clearance():
-    assert cusp(delta0=0.0).cusp_zeta.item() == pytest.approx(0.156045165, abs=5e-10)
-
-
-def test_cusp_of_largest_damping_bounds_every_clearance():
-    highest = cusp()
-    scan = np.concatenate([np.linspace(0.0, 3.0, 121), np.geomspace(3.0, 1e3, 15)])
-    table = cusp(delta0=scan).cusp_zeta
-    assert highest.cusp_zeta.item() >= float(table.max())
-    assert highest.cusp_zeta.item() == pytest.approx(0.2510030, abs=5e-8)
-    assert abs(highest.delta0.item() - scan[int(table.values.argmax())]) <= 0.0125
-
-
-@pytest.mark.parametrize("delta0", [0.0, 0.5, 0.70086, 1.5])
-def test_last_folds_merge_where_it_says(delta0):
-    last = cusp(delta0=delta0)
-    zeta = last.cusp_zeta.item() * (1.0 - 1e-12)
-    found = folds(zeta=zeta, delta0=delta0)
-    # the two folds are apart by the root of what is missing to the cusp
-    omega = last.cusp_omega.item()
-    assert float(abs(found.fold_omega / omega - 1.0).min()) < 1e-4
-    place = {"omega": omega, "zeta": last.cusp_zeta.item(), "delta0": delta0}
-    determinant = stability_determinant(last.cusp_amplitude.item(), **place)
-    assert abs(float(determinant)) < 1e-9
-
-
-def test_scalar_and_table_agree():
-    assert cusp(delta0=0.3).cusp_zeta.item() == cusp_zeta(0.3)
-
-
-def test_cusp_of_a_negative_clearance_is_refused():
-    with pytest.raises(InputError, match="delta0 must be zero or positive"):
-        cusp(delta0=-0.1)
-
-
-def test_landings_with_clearance_are_whirls_that_last():
-    found = jumps(zeta=0.07, delta0=[0.5, 2.0])
-    columns = [
-        found[name].transpose("delta0", ...).values.reshape(2, -1)
-        for name in ("fold_omega", "landing_amplitude")
-    ]
-    table = zip(*columns, found.delta0.values, strict=True)
-    for omega, landing, delta0 in table:
-        for speed, amplitude in zip(omega, landing, strict=True):
-            if np.isfinite(speed):
-                here = synchronous_response(omega=speed, zeta=0.07, delta0=delta0)
-                lasting = here.amplitude.where(here.stability != 1).values
-                assert np.nanmin(abs(lasting - amplitude)) < 1e-12
-    assert found.landing_amplitude.notnull().sum("fold").values.tolist() == [[4, 2]]
+@pytest.mark.parametrize(
+    ("function", "values", "message"),
+    [
+        (folds, {"zeta": 1e-30}, "zeta must be 0 or between 1e-20 and"),
+        (folds, {"delta0": -1.0}, r"delta0 must be zero or positive, got -1\.0"),
+        (cusp, {"delta0": -0.1}, "delta0 must be zero or positive"),
+        (cusp, {"delta0": None, "friction": 0.1}, "delta0 must be given with friction"),
+        (folds, {"friction": -0.1}, "friction must be zero or positive, got -0.1"),
+        (folds, {"friction": 1e9}, "friction must be 0 or between 1e-20 and 1e"),
+        (jumps, {"friction": 0.1, "delta0": 0.0}, "friction must be 0 without clearance"),
+        (folds, {"shaft_stiffness": -1.0}, "shaft_stiffness must be zero or positive, got -1.0"),
+        (folds, {"shaft_stiffness": 1e7}, "shaft_stiffness must be 0 or between 1e-20 and 1e\\+06"),
+        (jumps, {"contact_exponent": 1.2}, "contact_exponent must be 1.5 or 1, got 1.2"),
+        (folds, {"contact_damping": 1.0, "delta0": 0.0}, "contact_damping must be 0 without"),
+        (cusp, {"delta0": None, "shaft_stiffness": 1.0}, "delta0 must be given with shaft_stiff"),
+        (cusp, {"contact_exponent": np.nan}, "contact_exponent must be a finite real number"),
+    ],
+)
+def test_parameters_out_of_range_are_refused(function, values, message):
+    given = {"delta0": 0.5, **values}
+    if function is not cusp:
+        given = {"zeta": 0.07, **given}
+    with pytest.raises(InputError, match=message):
+        function(**given)

@@ -1,7 +1,10 @@
 """The curve at given amplitude: flanks beside the backbone, and the peak where they meet."""
 
+import math
+
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
 from rotor_ida import InputError, synchronous_response
 from rotor_ida.closed_forms import (
@@ -11,19 +14,18 @@ from rotor_ida.closed_forms import (
     response_curve,
     speeds_at_amplitude,
 )
-from rotor_ida.model.contact import contact_force
 
-
-@pytest.mark.parametrize("delta0", [0.0, 0.5, 2.0])
-def test_peak_lies_on_the_curve_and_nothing_is_higher(delta0):
-    found = peaks(zeta=0.07, delta0=delta0)
-    omega, A = found.peak_omega.item(), found.peak_amplitude.item()
-    here = synchronous_response(omega=omega, zeta=0.07, delta0=delta0)
-    # near the tip the amplitude goes like the root of the speed
-    assert float(abs(here.amplitude / A - 1.0).min()) < 1e-6
-    around = omega * (1.0 + np.linspace(-0.01, 0.01, 2001))
-    beside = synchronous_response(omega=around, zeta=0.07, delta0=delta0)
-    assert float(beside.amplitude.max()) <= A * (1.0 + 1e-12)
+LAWS = [(0.0, 1.5), (0.0, 1.0), (0.3, 1.0), (0.3, 1.5), (2.0, 1.5)]
+# With friction.
+RUBBING = [
+    {"zeta": 0.07, "friction": 0.1},
+    {"zeta": 0.02, "friction": 0.03, "shaft_stiffness": 0.3},
+    {"zeta": 0.1, "friction": 0.4, "shaft_stiffness": 2.0, "contact_exponent": 1.0},
+    {"zeta": 0.01, "friction": 0.05, "contact_exponent": 1.0},
+    {"zeta": 0.05, "friction": 0.02, "shaft_stiffness": 0.2},
+    {"zeta": 0.0, "friction": 0.2},
+    {"zeta": 0.0, "friction": 0.1, "shaft_stiffness": 0.5, "contact_exponent": 1.0},
+]
 
 
 def test_clearance_lowers_peak_speed_and_force():
@@ -32,42 +34,14 @@ def test_clearance_lowers_peak_speed_and_force():
         assert (np.diff(found[name].values) < 0.0).all()
 
 
-def test_force_is_that_of_the_contact_law():
-    found = peaks(zeta=0.07, delta0=0.5)
-    force = contact_force(found.peak_amplitude.values, 0.5)
-    np.testing.assert_allclose(found.peak_contact_force.values, force)
-
-
 def test_no_peak_with_strong_damping():
     assert np.isnan(peaks(zeta=1.0, delta0=0.0).peak_omega.item())
-    with pytest.raises(InputError, match="zeta must be positive"):
-        peaks(zeta=0.0, delta0=0.0)
 
 
 def test_backbone_is_the_speed_of_the_undamped_free_whirl():
     amplitudes = np.array([0.2, 0.5, 1.5, 10.0])
     expected = [0.0, 0.0, np.sqrt(1.0 / 1.5), np.sqrt(9.5**1.5 / 10.0)]
     np.testing.assert_allclose(backbone(amplitudes, 0.5), expected, rtol=1e-15)
-
-
-@pytest.mark.parametrize("delta0", [0.0, 0.5, 1.0, 2.0])
-@pytest.mark.parametrize("zeta", [0.0, 0.01, 0.07, 0.5, 2.0])
-def test_curve_at_given_amplitude_finds_the_whirls_again(zeta, delta0):
-    whirls = synchronous_response(omega=np.linspace(0.15, 3.0, 40), zeta=zeta, delta0=delta0)
-    touching = whirls.in_contact.values.ravel() == 1
-    amplitude = whirls.amplitude.values.ravel()[touching]
-    omega = np.broadcast_to(whirls.omega.values[:, None, None, None], whirls.amplitude.shape)
-    omega = omega.ravel()[touching]
-    assert amplitude.size > 0 or zeta >= 0.5
-    speeds = (
-        speeds_at_amplitude(amplitude, zeta=zeta, delta0=delta0)
-        if amplitude.size
-        else np.empty((0, 2))
-    )
-    error = np.nanmin(np.abs(speeds / omega[:, None] - 1.0), axis=1, initial=np.inf)
-    # omega is as uncertain as A near the touch and the tip, where A hardly changes with omega
-    assert (error < 1e-6).all()
-    assert np.median(error) < 1e-14 if error.size else True
 
 
 def test_curve_ends_at_its_peak():
@@ -79,23 +53,6 @@ def test_curve_ends_at_its_peak():
         assert np.isnan(beyond).all()
         assert np.isfinite(at_most).all()
         assert at_most[1] / at_most[0] - 1.0 < 1e-5
-
-
-def test_peak_amplitude_is_the_largest_on_a_dense_curve():
-    for zeta, delta0 in [
-        (0.07, 0.0),
-        (0.2, 0.0),
-        (0.2, 0.5),
-        (0.1, 0.9),
-        (0.1, 1.5),
-        (0.19, 0.95),
-    ]:
-        omega = np.linspace(0.05, 6.0, 20001)
-        whirls = synchronous_response(omega=omega, zeta=zeta, delta0=delta0)
-        contacting = whirls.amplitude.where(whirls.in_contact == 1)
-        assert float(contacting.max()) == pytest.approx(
-            peak_amplitude(zeta=zeta, delta0=delta0), rel=1e-5
-        )
 
 
 def test_flanks_of_the_curve_lie_on_either_side_of_the_backbone():
@@ -112,53 +69,60 @@ def test_strong_damping_leaves_no_peak():
         peak_amplitude(zeta=0.0, delta0=0.0)
 
 
-LAWS = [(0.0, 1.0), (0.3, 1.0), (0.3, 1.5), (2.0, 1.5)]
-
-
 @pytest.mark.parametrize(("kappa", "exponent"), LAWS)
 @pytest.mark.parametrize("delta0", [0.0, 0.5, 1.0, 2.0])
-def test_curve_of_a_machine_at_given_amplitude_finds_the_whirls_again(kappa, exponent, delta0):
-    law = {"shaft_stiffness": kappa, "contact_exponent": exponent}
-    whirls = synchronous_response(
-        omega=np.linspace(0.15, 3.0, 40), zeta=0.07, delta0=delta0, **law
-    ).squeeze(("zeta", "delta0"))
-    touching = whirls.in_contact.values == 1
+@pytest.mark.parametrize("zeta", [0.0, 0.01, 0.07, 0.5, 2.0])
+def test_speeds_at_given_amplitude_are_those_of_the_whirls(zeta, delta0, kappa, exponent):
+    rotor = {
+        "zeta": zeta, "delta0": delta0, "shaft_stiffness": kappa, "contact_exponent": exponent,
+    }  # fmt: skip
+    whirls = synchronous_response(omega=np.linspace(0.15, 3.0, 40), **rotor)
+    whirls = whirls.squeeze(("zeta", "delta0"))
+    touching = (whirls.in_contact.values == 1) & (whirls.amplitude.values > delta0)
     amplitude = whirls.amplitude.values[touching]
     omega = np.broadcast_to(whirls.omega.values[:, None], touching.shape)[touching]
-    assert amplitude.size > 10
-    speeds = speeds_at_amplitude(amplitude, zeta=0.07, delta0=delta0, **law)
-    error = np.nanmin(np.abs(speeds / omega[:, None] - 1.0), axis=1)
+    assert amplitude.size > 10 or zeta >= 0.5
+    if amplitude.size == 0:
+        return
+    error = np.abs(speeds_at_amplitude(amplitude, **rotor) / omega[:, None] - 1.0)
+    error = np.nanmin(error, axis=1)
     # omega is as uncertain as A near the touch and the tip, where A hardly changes with omega
     assert error.max() < 1e-6
     assert np.median(error) < 1e-14
 
 
 @pytest.mark.parametrize(("kappa", "exponent"), LAWS)
-def test_peak_of_a_machine_is_the_largest_of_its_whirls(kappa, exponent):
-    law = {"shaft_stiffness": kappa, "contact_exponent": exponent}
-    found = peaks(zeta=0.1, delta0=[0.0, 0.5, 1.5], **law).squeeze()
-    for delta0 in (0.0, 0.5, 1.5):
-        omega, A, force = (
-            found[name].sel(delta0=delta0).item()
-            for name in ("peak_omega", "peak_amplitude", "peak_contact_force")
-        )
-        around = synchronous_response(
-            omega=omega * (1.0 + np.linspace(-0.02, 0.02, 2001)), zeta=0.1, delta0=delta0, **law
-        )
-        # near the tip the amplitude goes like the root of the speed
-        assert float(around.amplitude.max()) == pytest.approx(A, rel=1e-5)
-        far = synchronous_response(
-            omega=np.linspace(0.05, 6.0, 5001), zeta=0.1, delta0=delta0, **law
-        )
-        assert float(far.amplitude.where(far.in_contact == 1).max()) <= A * (1.0 + 1e-12)
-        assert force == pytest.approx((A - delta0) ** exponent, rel=1e-15)
-        tip = peak_amplitude(zeta=0.1, delta0=delta0, **law)
-        assert tip == A
-        pair = speeds_at_amplitude(tip * (1.0 - 1e-12), zeta=0.1, delta0=delta0, **law)
-        np.testing.assert_allclose(pair[0], omega, rtol=1e-5)
+@pytest.mark.parametrize(
+    ("zeta", "delta0"),
+    [(0.1, 0.0), (0.1, 0.5), (0.1, 1.5), (0.07, 0.0), (0.07, 2.0), (0.2, 0.0), (0.2, 0.5),
+     (0.1, 0.9), (0.19, 0.95)],
+)  # fmt: skip
+def test_the_peak_is_the_largest_of_the_whirls_in_contact(zeta, delta0, kappa, exponent):
+    rotor = {
+        "zeta": zeta, "delta0": delta0, "shaft_stiffness": kappa, "contact_exponent": exponent,
+    }  # fmt: skip
+    found = peaks(**rotor)
+    omega, A, force = (
+        found[name].item() for name in ("peak_omega", "peak_amplitude", "peak_contact_force")
+    )
+    tip = peak_amplitude(**rotor)
+    far = synchronous_response(omega=np.linspace(0.05, 6.0, 5001), **rotor)
+    highest = float(far.amplitude.where(far.in_contact == 1).max())
+    if np.isnan(tip):  # then the curve only rises towards 1, or there is no whirl in contact
+        assert np.isnan(A)
+        assert not highest > 1.0
+        return
+    assert tip == A
+    around = synchronous_response(omega=omega * (1.0 + np.linspace(-0.02, 0.02, 2001)), **rotor)
+    # near the tip the amplitude goes like the root of the speed
+    assert float(around.amplitude.max()) == pytest.approx(A, rel=1e-5)
+    assert highest <= A * (1.0 + 1e-12)
+    assert force == pytest.approx((A - delta0) ** exponent, rel=1e-15)
+    pair = speeds_at_amplitude(tip * (1.0 - 1e-12), **rotor)
+    np.testing.assert_allclose(pair[0], omega, rtol=1e-5)
 
 
-def test_peak_of_a_linear_machine_without_clearance_is_that_of_an_oscillator():
+def test_peak_of_a_linear_contact_without_clearance_is_that_of_an_oscillator():
     """``1/(2 zeta sqrt(1 - zeta**2))`` where damping ratio and speed are those of ``1 + kappa``."""
     for kappa in (0.0, 3.0):
         found = peaks(zeta=0.1, delta0=0.0, shaft_stiffness=kappa, contact_exponent=1.0)
@@ -169,7 +133,7 @@ def test_peak_of_a_linear_machine_without_clearance_is_that_of_an_oscillator():
         assert found.peak_omega.item() == pytest.approx(speed, rel=1e-13)
 
 
-def test_axes_of_machines_are_dimensions_and_numbers_coordinates():
+def test_axes_of_rotors_are_dimensions_and_numbers_coordinates():
     found = peaks(zeta=0.1, delta0=[0.0, 0.5], shaft_stiffness=[0.0, 0.3], contact_exponent=1.0)
     assert found.peak_amplitude.dims == ("zeta", "delta0", "shaft_stiffness")
     assert found.contact_exponent.item() == 1.0
@@ -182,7 +146,7 @@ def test_axes_of_machines_are_dimensions_and_numbers_coordinates():
         )
 
 
-def test_backbone_of_a_machine_is_its_free_whirl():
+def test_backbone_with_a_shaft_is_its_free_whirl():
     law = {"shaft_stiffness": 0.4, "contact_exponent": 1.0}
     found = backbone([0.2, 0.5, 1.5, 10.0], 0.5, **law)
     np.testing.assert_allclose(found**2, [0.4, 0.4, 0.4 + 1.0 / 1.5, 0.4 + 0.95], rtol=1e-15)
@@ -199,3 +163,59 @@ def test_flanks_that_meet_at_no_speed_are_no_peak():
     assert float(curve.amplitude.max()) < 1.0
     found = peaks(zeta=0.5, delta0=0.5, contact_exponent=1.0)
     assert not (found.peak_omega < np.inf).any()
+
+
+@pytest.mark.parametrize("rotor", RUBBING)
+def test_speeds_at_an_amplitude_give_it_back(rotor):
+    amplitudes = np.array([0.4, 0.8, 1.05, 1.5, 3.0, 500.0])
+    speeds = speeds_at_amplitude(amplitudes, delta0=0.5, **rotor)
+    assert np.isnan(speeds[0]).all()  # inside the clearance
+    assert np.isfinite(speeds[1]).tolist() == [True, False]  # one flank below 1
+    assert np.isnan(speeds[-1]).all()  # beyond the peak
+    count = 0
+    for amplitude, pair in zip(amplitudes, speeds, strict=True):
+        for omega in pair[np.isfinite(pair)]:
+            here = synchronous_response(omega=omega, delta0=0.5, **rotor).amplitude
+            assert np.abs(here / amplitude - 1.0).min() < 1e-11
+            count += 1
+    assert count >= 3
+
+
+@pytest.mark.parametrize("rotor", RUBBING)
+def test_the_peak_is_the_largest_amplitude_over_the_speed(rotor):
+    found = peaks(delta0=0.5, **rotor)
+    amplitude, omega, force = (found[name].item() for name in found.data_vars)
+    assert peak_amplitude(delta0=0.5, **rotor) == amplitude
+
+    def largest(speed):
+        return -np.nanmax(synchronous_response(omega=speed, delta0=0.5, **rotor).amplitude)
+
+    near = (omega * (1.0 - 1e-3), omega * (1.0 + 1e-3))
+    best = minimize_scalar(largest, bounds=near, method="bounded", options={"xatol": 1e-10})
+    assert -best.fun == pytest.approx(amplitude, rel=1e-12)
+    assert best.x == pytest.approx(omega, rel=1e-6)
+    assert force == pytest.approx((amplitude - 0.5) ** rotor.get("contact_exponent", 1.5))
+    beyond = np.linspace(0.05, 6.0, 200)
+    assert np.nanmax(synchronous_response(omega=beyond, delta0=0.5, **rotor).amplitude) <= amplitude
+
+
+def test_friction_alone_bounds_the_amplitude():
+    """Without shaft and damping the flanks meet at A = sqrt(1 + 1/mu**2), whatever the contact."""
+    for mu in (0.05, 0.3, 1.0):
+        expected = math.sqrt(1.0 + 1.0 / mu**2)
+        for exponent in (1.0, 1.5):
+            given = {"delta0": 0.5, "friction": mu, "contact_exponent": exponent}
+            assert peak_amplitude(zeta=0.0, **given) == pytest.approx(expected, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        ({"zeta": 0.0}, "zeta must be positive"),
+        ({"delta0": 0.0, "friction": 0.1}, "friction must be 0 without clearance"),
+        ({"friction": 1e-30}, "friction must be 0 or between"),
+    ],
+)
+def test_what_has_no_peak_is_refused(values, says):
+    with pytest.raises(InputError, match=says):
+        peaks(**{"zeta": 0.1, "delta0": 0.5, **values})

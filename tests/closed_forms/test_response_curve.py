@@ -1,6 +1,8 @@
-"""The response curve as a curve: on the whirl equation, whole, in order, turning at folds alone."""
+"""Response curves as curves: on the whirl equation, whole, in order, turning at folds alone."""
 
 from __future__ import annotations
+
+import itertools
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from rotor_ida.closed_forms import (
     peak_amplitude,
     response_curve,
     stability_determinant,
+    touch_speeds,
 )
 from rotor_ida.schema import STABILITY
 
@@ -24,49 +27,110 @@ speed_limits = st.tuples(st.sampled_from([0.0, 0.05, 0.4]), st.floats(0.5, 4.0))
 clearance_limits = st.tuples(st.sampled_from([0.0, 0.3, 1.0]), st.floats(1.1, 5.0))
 
 
+LIMITS = (0.05, 4.0)
+# What the paper's rotor has beside speed, damping and clearance.
+OTHERS = {"shaft_stiffness": 0.0, "contact_exponent": 1.5, "friction": 0.0}
+# Over the speed.
+ROTORS = [
+    {"zeta": 0.07, "delta0": 0.5, "shaft_stiffness": 0.25},
+    {"zeta": 0.07, "delta0": 2.0, "shaft_stiffness": 0.25},
+    {"zeta": 0.07, "delta0": 2.0, "shaft_stiffness": 0.25, "contact_exponent": 1.0},
+    {"zeta": 0.07, "delta0": 1.0, "shaft_stiffness": 0.25},
+    {"zeta": 0.3, "delta0": 0.5, "shaft_stiffness": 2.0, "contact_damping": 0.5},
+    {"zeta": 0.07, "delta0": 0.5, "shaft_stiffness": 0.1, "contact_exponent": 1.0,
+     "contact_damping": 0.5},
+    {"zeta": 0.0, "delta0": 0.5, "shaft_stiffness": 0.25},
+    {"zeta": 0.0, "delta0": 2.0, "shaft_stiffness": 0.25},
+    {"zeta": 0.07, "delta0": 4.0, "shaft_stiffness": 0.01},
+    {"zeta": 0.07, "delta0": 0.5, "contact_exponent": 1.0},
+    {"zeta": 0.07, "delta0": 2.0, "contact_exponent": 1.0},
+    {"zeta": 1.0, "delta0": 0.5, "shaft_stiffness": 0.3},
+    {"zeta": 0.07, "delta0": 0.5, "contact_damping": 0.7},
+]  # fmt: skip
+RUBBING = [
+    {"zeta": 0.07, "friction": 0.1},
+    {"zeta": 0.02, "friction": 0.03, "shaft_stiffness": 0.3},
+    {"zeta": 0.1, "friction": 0.4, "shaft_stiffness": 2.0, "contact_exponent": 1.0},
+    {"zeta": 0.01, "friction": 0.05, "contact_exponent": 1.0},
+    {"zeta": 0.05, "friction": 0.02, "shaft_stiffness": 0.2, "contact_damping": 0.4},
+    {"zeta": 0.0, "friction": 0.2},
+    {"zeta": 0.0, "friction": 0.1, "shaft_stiffness": 0.5, "contact_exponent": 1.0},
+]
+ROTORS += [rotor | {"delta0": delta0} for rotor in RUBBING for delta0 in (0.5, 1.3)]
+# Over the clearance.
+AT_SPEEDS = [
+    {"omega": 1.7, "zeta": 0.07, "shaft_stiffness": 0.25},
+    {"omega": 0.4, "zeta": 0.07, "shaft_stiffness": 0.25},
+    {"omega": 0.5, "zeta": 0.07, "shaft_stiffness": 0.25},
+    {"omega": 1.0, "zeta": 0.07, "shaft_stiffness": 0.25, "contact_exponent": 1.0},
+    {"omega": 0.4, "zeta": 0.07, "shaft_stiffness": 0.25, "contact_exponent": 1.0},
+    {"omega": 1.4, "zeta": 0.1, "shaft_stiffness": 0.25, "contact_exponent": 1.0},
+    {"omega": 1.7, "zeta": 0.07, "contact_damping": 0.7},
+    {"omega": 1.3, "zeta": 0.02, "shaft_stiffness": 1.0},
+    {"omega": 1.7, "zeta": 0.0, "shaft_stiffness": 0.25},
+]
+AT_SPEEDS += [rotor | {"omega": omega} for rotor in RUBBING for omega in (0.5, 1.7)]
+
+
 def columns(curve):
     """The points of one curve, shape (n,), by name, with the parameters that are given."""
     chosen = np.flatnonzero(curve.piece.values.ravel() >= 0)
-    names = ("omega", "zeta", "delta0", "amplitude", "phase_lag", "stability", "in_contact")
     wide = curve.broadcast_like(curve.amplitude)
-    found = {name: wide[name].values.ravel() for name in (*names[3:], "piece")}
-    for name in names[:3]:
-        values = curve[name].values.ravel()
-        found[name] = values if values.size > 1 else np.full(curve.sizes["point"], values[0])
-    return {name: values[chosen] for name, values in found.items()}
+    names = (*curve.data_vars, "zeta", "omega", "delta0", *(OTHERS.keys() & set(curve.coords)))
+    found = {
+        name: np.broadcast_to(wide[name].values, wide.amplitude.shape).ravel()[chosen]
+        if wide[name].dims == wide.amplitude.dims
+        else np.full(chosen.size, curve[name].item())
+        for name in names
+    }
+    return {name: np.full(chosen.size, value) for name, value in OTHERS.items()} | found
 
 
 def crossings(points, varied, value):
-    """Amplitudes at which the lines between successive points pass a value."""
-    x, A = points[varied], points["amplitude"]
+    """Amplitudes at which the lines between successive points pass a value, and their flags."""
+    x, A, flag = points[varied], points["amplitude"], points["stability"]
     passes = ((x[:-1] - value) * (x[1:] - value) < 0.0) & (np.diff(points["piece"]) == 0)
     first = np.flatnonzero(passes)
     part = (value - x[first]) / (x[first + 1] - x[first])
-    return np.sort(A[first] + part * (A[first + 1] - A[first]))
+    amplitude = A[first] + part * (A[first + 1] - A[first])
+    order = np.argsort(amplitude)
+    # of lines that pass a change of stability none
+    flags = np.where(flag[first] == flag[first + 1], flag[first], -1)
+    return amplitude[order], flags[order]
 
 
 def assert_on_the_whirl_equation(points):
-    """The residual is no larger than what rounding of A and of each term makes of it."""
-    A, q = points["amplitude"], points["omega"] ** 2
-    u = np.sqrt(np.maximum(A - points["delta0"], 0.0))
-    damping = 4.0 * points["zeta"] ** 2 * q * A**2
-    excess = np.where(points["in_contact"] == 1, u**3, 0.0) - q * A
-    residual = excess**2 + damping - q**2
-    size = excess**2 + damping + q**2 + 2.0 * abs(excess) * (u**3 + q * A + 1.5 * u * A)
-    assert (abs(residual) <= 1e-14 * size).all()
+    """The residual is no larger than what rounding of A, delta0 and of each term makes of it."""
+    A, omega, kappa, mu = (
+        points[name] for name in ("amplitude", "omega", "shaft_stiffness", "friction")
+    )
+    q, exponent = omega**2, points["contact_exponent"]
+    depth, touches = np.maximum(A - points["delta0"], 0.0), points["in_contact"] == 1
+    force = np.where(touches, depth**exponent, 0.0)
+    impedance = force + (kappa - q) * A + 1j * (2.0 * points["zeta"] * omega * A + mu * force)
+    size = (1.0 + mu) * force + (kappa + q + 2.0 * points["zeta"] * omega) * A + q
+    slope = np.where(touches, exponent * depth ** (exponent - 1.0), 0.0)
+    slack = 1e-14 * (size + (1.0 + mu) * slope * (A + points["delta0"]))
+    assert (np.abs(np.abs(impedance) - q) <= slack).all()
+    off = np.abs(impedance * np.exp(-1j * points["phase_lag"]) - q)
+    assert (off <= 10.0 * slack).all()
 
 
-def assert_agrees_with_the_whirls(points, varied, low, high, **parameters):
-    """At a value between the limits the curve passes once for each whirl, and close to it."""
-    for part in (0.123, 0.456, 0.789):
-        value = low + part * (high - low)
+def assert_agrees_with_the_whirls(points, varied, values, parameters, **tolerance):
+    """The curve passes once for each whirl, close to it, and both are as stable."""
+    for value in values:
         whirls = synchronous_response(**{varied: value}, **parameters)
-        exact = whirls.amplitude.values.ravel()
-        exact = exact[np.isfinite(exact)]
-        found = crossings(points, varied, value)
-        assert found.size == exact.size
-        # lines between 200 points on a monotone arc leave it by 1e-3 of its height at most
-        np.testing.assert_allclose(found, exact, atol=1e-3 * points["amplitude"].max())
+        exact, stability = (
+            whirls[name].values.ravel()[np.isfinite(whirls.amplitude.values.ravel())]
+            for name in ("amplitude", "stability")
+        )
+        found, flags = crossings(points, varied, value)
+        assert found.size == exact.size, (parameters, value)
+        np.testing.assert_allclose(found, exact, **tolerance)
+        assert (flags == stability)[flags >= 0].all(), (parameters, value)
+
+
+PARTS = np.array([0.123, 0.456, 0.789])
 
 
 @settings(max_examples=60, deadline=None)
@@ -75,7 +139,11 @@ def test_curve_over_the_speed_is_on_the_whirls_and_whole(zeta, delta0, limits):
     points = columns(response_curve(zeta=zeta, delta0=delta0, limits=limits))
     assume(points["omega"].size > 0)
     assert_on_the_whirl_equation(points)
-    assert_agrees_with_the_whirls(points, "omega", *limits, zeta=zeta, delta0=delta0)
+    speeds = limits[0] + PARTS * (limits[1] - limits[0])
+    # lines between 200 points on a monotone arc leave it by 1e-3 of its height at most
+    slack = 1e-3 * points["amplitude"].max()
+    rotor = {"zeta": zeta, "delta0": delta0}
+    assert_agrees_with_the_whirls(points, "omega", speeds, rotor, atol=slack)
 
 
 @settings(max_examples=60, deadline=None)
@@ -84,7 +152,53 @@ def test_curve_over_the_clearance_is_on_the_whirls_and_whole(zeta, omega, limits
     points = columns(clearance_curve(omega=omega, zeta=zeta, limits=limits))
     assume(points["delta0"].size > 0)
     assert_on_the_whirl_equation(points)
-    assert_agrees_with_the_whirls(points, "delta0", *limits, omega=omega, zeta=zeta)
+    values = limits[0] + PARTS * (limits[1] - limits[0])
+    slack = 1e-3 * points["amplitude"].max()
+    rotor = {"zeta": zeta, "omega": omega}
+    assert_agrees_with_the_whirls(points, "delta0", values, rotor, atol=slack)
+
+
+@pytest.mark.parametrize("rotor", ROTORS)
+def test_every_whirl_of_every_rotor_is_on_the_curve_over_the_speed(rotor):
+    points = columns(response_curve(**rotor, limits=LIMITS))
+    assert_on_the_whirl_equation(points)
+    speeds = np.random.default_rng(3).uniform(*LIMITS, 30)
+    assert_agrees_with_the_whirls(points, "omega", speeds, rotor, rtol=2e-2)
+    marks = folds(**rotor)
+    marks = list(
+        zip(marks.fold_omega.values.ravel(), marks.fold_amplitude.values.ravel(), strict=True)
+    )
+    if rotor["delta0"] > 0.0:
+        given = (rotor["zeta"], rotor["delta0"], rotor.get("shaft_stiffness", 0.0))
+        names = ("zeta", "delta0", "shaft_stiffness")
+        touches = touch_speeds(**dict(zip(names, given, strict=True)))
+        marks += [(omega, rotor["delta0"]) for omega in touches]
+    for omega, amplitude in marks:
+        if LIMITS[0] < omega < LIMITS[1]:
+            near = np.hypot(points["omega"] / omega - 1.0, points["amplitude"] / amplitude - 1.0)
+            assert near.min() < 1e-12
+
+
+@pytest.mark.parametrize(
+    "law", [{"shaft_stiffness": 0.25}, {"contact_exponent": 1.0}, {"contact_exponent": [1.0]}]
+)
+def test_the_curve_without_clearance_begins_at_rest(law):
+    rotor = {"zeta": 0.07, "delta0": 0.0} | law
+    points = columns(response_curve(**rotor, limits=(0.0, 4.0)))
+    assert points["amplitude"][0] == 0.0
+    assert_on_the_whirl_equation(points)
+    slack = 1e-3 * points["amplitude"].max()
+    speeds = np.random.default_rng(3).uniform(*LIMITS, 30)
+    assert_agrees_with_the_whirls(points, "omega", speeds, rotor, atol=slack)
+
+
+@pytest.mark.parametrize("rotor", AT_SPEEDS)
+def test_every_whirl_of_every_rotor_is_on_the_curve_over_the_clearance(rotor):
+    limits = (0.01, 4.0)
+    points = columns(clearance_curve(**rotor, limits=limits))
+    assert_on_the_whirl_equation(points)
+    values = np.random.default_rng(2).uniform(*limits, 30)
+    assert_agrees_with_the_whirls(points, "delta0", values, rotor, rtol=2e-2)
 
 
 @settings(max_examples=40, deadline=None)
@@ -172,6 +286,29 @@ def test_contact_begins_where_the_contact_free_whirl_ends():
         assert points["amplitude"][touching][0] == points["delta0"][touching][0]
 
 
+def test_a_contact_free_whirl_with_a_resonance_inside_the_clearance_is_one_piece():
+    curve = response_curve(zeta=0.1, delta0=3.0, shaft_stiffness=0.25, limits=LIMITS)
+    at = columns(curve)
+    free = at["in_contact"] == 0
+    assert set(at["piece"][free]) == {0}
+    assert (at["stability"][free] == STABILITY["stable"]).all()
+    top = at["amplitude"][free].argmax()
+    assert at["omega"][free][top] == pytest.approx(0.25 / np.sqrt(0.25 - 0.02), rel=1e-14)
+    expected = 0.25 / (0.2 * np.sqrt(0.25 - 0.01))
+    assert at["amplitude"][free][top] == pytest.approx(expected, rel=1e-14)
+
+
+def test_a_curve_loses_its_stability_at_a_hopf_point():
+    """At zeta 0.07, delta0 0.5, mu 0.1 the large rub is unstable from 1.12297 on, its fold far."""
+    found = response_curve(zeta=0.07, delta0=0.5, friction=0.1, limits=(1.0, 1.3), points=400)
+    touching = found.in_contact.values.ravel() == 1
+    speeds, flags = (found[name].values.ravel()[touching] for name in ("omega", "stability"))
+    unstable, stable = (flags == STABILITY[word] for word in ("unstable", "stable"))
+    assert speeds[unstable].min() == pytest.approx(1.1229705385, abs=2e-3)
+    assert speeds[stable].max() == pytest.approx(1.1229705385, abs=2e-3)
+    assert (unstable | stable).all()
+
+
 def test_points_are_dense_where_the_curve_turns():
     points = columns(response_curve(zeta=0.07, delta0=0.5, limits=(0.05, 3.0)))
     here = points["in_contact"] == 1
@@ -183,14 +320,25 @@ def test_points_are_dense_where_the_curve_turns():
     assert abs(turn).max() < 0.2
 
 
-def test_grid_holds_what_single_curves_hold():
-    grid = response_curve(zeta=[0.07, 0.3], delta0=[0.0, 1.0], limits=(0.1, 3.0), points=30)
-    for zeta in (0.07, 0.3):
-        for delta0 in (0.0, 1.0):
-            single = columns(response_curve(zeta=zeta, delta0=delta0, limits=(0.1, 3.0), points=30))
-            part = columns(grid.sel(zeta=[zeta], delta0=[delta0]))
-            for name, values in single.items():
-                np.testing.assert_array_equal(part[name], values)
+def test_axes_are_dimensions_and_hold_what_single_curves_hold():
+    axes = {
+        "zeta": [0.07, 0.3],
+        "delta0": [0.5, 1.0],
+        "shaft_stiffness": [0.0, 0.25],
+        "friction": [0.0, 0.1],
+    }
+    drawn = {"limits": (0.1, 3.0), "points": 20}
+    grid = response_curve(**axes, **drawn, contact_damping=0.2)
+    assert grid.amplitude.dims == (*axes, "point")
+    assert grid.contact_damping.item() == 0.2
+    assert "contact_exponent" not in grid.coords
+    for values in itertools.product(*axes.values()):
+        place = dict(zip(axes, values, strict=True))
+        single = response_curve(**place, **drawn, contact_damping=0.2)
+        part = grid.sel(place).isel(point=slice(single.sizes["point"]))
+        for name in grid.data_vars:
+            np.testing.assert_array_equal(part[name].values, single[name].values.ravel())
+        assert (grid.sel(place).piece[single.sizes["point"] :] == -1).all()
 
 
 @pytest.mark.parametrize(
@@ -209,6 +357,28 @@ def test_bad_limits_are_refused(limits, message):
         clearance_curve(omega=1.0, zeta=0.07, limits=limits)
 
 
-def test_rest_has_no_curve_over_the_clearance():
-    with pytest.raises(InputError, match=r"omega must be positive, got 0\.0"):
-        clearance_curve(omega=0.0, zeta=0.07, limits=(0.0, 1.0))
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        ({"zeta": [0.0, 0.1], "contact_exponent": 1.0}, "zeta must be positive for the curve"),
+        ({"zeta": 0.0, "contact_exponent": 1.0, "friction": [0.0, 0.1]}, "zeta must be positive"),
+        ({"shaft_stiffness": -1}, "shaft_stiffness must be zero or positive, got -1"),
+    ],
+)
+def test_what_has_no_curve_over_the_speed_is_refused(values, says):
+    with pytest.raises(InputError, match=says):
+        response_curve(**{"zeta": 0.1, "delta0": 0.5, "limits": LIMITS, **values})
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        ({"omega": 0.0}, r"omega must be positive, got 0\.0"),
+        ({"zeta": 0.0, "contact_exponent": 1.0}, "zeta must be positive for the curve of a linear"),
+        ({"contact_damping": 1.0}, "contact_damping must be 0 without clearance"),
+        ({"friction": 0.1}, "friction must be 0 without clearance"),
+    ],
+)
+def test_what_has_no_curve_over_the_clearance_is_refused(values, says):
+    with pytest.raises(InputError, match=says):
+        clearance_curve(**{"omega": 1.0, "zeta": 0.1, "limits": (0.0, 1.0), **values})

@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
 from rotor_ida import DimensionalRotor, dimensional
 from rotor_ida.closed_forms import eigenvalues, stability_determinant, synchronous_response
+from rotor_ida.schema import STABILITY
+
+NAMES = ("amplitude", "phase_lag", "stability", "in_contact", "growth_rate")
 
 
 def stiffnesses(amplitude: float, delta0: float) -> tuple[float, float]:
@@ -24,6 +28,14 @@ def matrix(amplitude: float, omega: float, zeta: float, delta0: float) -> np.nda
     K = np.array([[tangent - q, -2 * zeta * omega], [2 * zeta * omega, secant - q]])
     C = np.array([[2 * zeta, -2 * omega], [2 * omega, 2 * zeta]])
     return np.block([[np.zeros((2, 2)), np.eye(2)], [-K, -C]])
+
+
+rotors = {
+    "amplitude": st.floats(0.05, 30.0),
+    "omega": st.floats(0.05, 10.0),
+    "zeta": st.one_of(st.just(0.0), st.floats(1e-3, 5.0)),
+    "delta0": st.one_of(st.just(0.0), st.floats(0.01, 5.0)),
+}
 
 
 rotors = {
@@ -58,20 +70,124 @@ def test_determinant_is_that_of_the_stiffness(amplitude, omega, zeta, delta0):
     assert found == pytest.approx(np.linalg.det(K), abs=1e-13 * np.linalg.norm(K) ** 2)
 
 
-def test_growth_rates_on_a_grid_are_the_largest_real_parts():
-    omegas, zetas, clearances = np.linspace(0.2, 3.0, 15), [0.02, 0.07, 0.4, 2.0], [0.0, 0.5, 1.5]
-    whirls = synchronous_response(omega=omegas, zeta=zetas, delta0=clearances)
-    checked = 0
-    for omega in omegas:
-        for zeta in zetas:
-            for delta0 in clearances:
-                point = whirls.sel(omega=omega, zeta=zeta, delta0=delta0)
-                for k in np.nonzero(point.in_contact.values)[0]:
-                    A = matrix(float(point.amplitude[k]), omega, zeta, delta0)
-                    expected = np.linalg.eigvals(A).real.max()
-                    assert float(point.growth_rate[k]) == pytest.approx(expected, abs=1e-10)
-                    checked += 1
-    assert checked > 150
+def random_rotors(count, seed, *, friction, contact_damping):
+    """Parameters over many orders of magnitude; a tenth without damping, half with a shaft."""
+    draw = np.random.default_rng(seed)
+    for _ in range(count):
+        yield {
+            "omega": 10 ** draw.uniform(-1.0, 1.0),
+            "zeta": 10 ** draw.uniform(-3.0, 0.0) * (draw.random() > 0.1),
+            "delta0": 10 ** draw.uniform(-2.0, 1.0),
+            "shaft_stiffness": float(draw.choice([0.0, 10 ** draw.uniform(-2.0, 1.0)])),
+            "contact_exponent": float(draw.choice([1.5, 1.0])),
+            "friction": 10 ** draw.uniform(-3.0, 0.5) * friction,
+            "contact_damping": 10 ** draw.uniform(-2.0, 0.5) * contact_damping,
+        }
+
+
+def whirls_of(rotor):
+    """The whirls in contact, a row each."""
+    found = synchronous_response(**rotor)
+    columns = [found[name].values.ravel() for name in NAMES]
+    return [row for row in zip(*columns, strict=True) if row[3] == 1]
+
+
+def field(state, rotor):
+    """The equation of motion on the rotating axes; takes complex states.
+
+    The state is the displacement and the velocity on the fixed axes, both on the rotating ones.
+    """
+    x, y, vx, vy = state
+    omega, zeta, kappa = (rotor[name] for name in ("omega", "zeta", "shaft_stiffness"))
+    r = np.sqrt(x * x + y * y)
+    depth = r - rotor["delta0"]
+    rate = (x * vx + y * vy) / r
+    normal = depth ** rotor["contact_exponent"] * (1.0 + rotor["contact_damping"] * rate)
+    across = rotor["friction"] * normal
+    ax = omega**2 - 2.0 * zeta * vx - kappa * x - (normal * x - across * y) / r
+    ay = -2.0 * zeta * vy - kappa * y - (normal * y + across * x) / r
+    return np.array([vx + omega * y, vy - omega * x, ax + omega * vy, ay - omega * vx])
+
+
+@pytest.mark.parametrize("friction", [False, True])
+@pytest.mark.parametrize("contact_damping", [False, True])
+def test_eigenvalues_are_those_of_the_stated_motion(friction, contact_damping):
+    """Its field vanishes at each whirl; its Jacobian, by complex steps, has the eigenvalues."""
+    count = 0
+    kinds = {"friction": friction, "contact_damping": contact_damping}
+    for rotor in random_rotors(120, seed=3, **kinds):
+        for amplitude, lag, stability, _, growth in whirls_of(rotor):
+            if amplitude - rotor["delta0"] < 1e-6:
+                continue
+            z = amplitude * np.exp(-1j * lag)
+            v = 1j * rotor["omega"] * z
+            state = np.array([z.real, z.imag, v.real, v.imag])
+            size = max(1.0, rotor["omega"] ** 2 * amplitude)
+            assert np.abs(field(state, rotor)).max() < 1e-12 * size
+            steps = [field(state + 1e-30j * unit, rotor).imag / 1e-30 for unit in np.eye(4)]
+            jacobian = np.stack(steps, axis=1)
+            expected = np.linalg.eigvals(jacobian)
+            scale = max(1.0, np.abs(expected).max())
+            found = eigenvalues(amplitude, **rotor)
+            assert max(np.abs(expected - each).min() for each in found) < 1e-11 * scale
+            determinant = stability_determinant(amplitude, **rotor)
+            assert determinant == pytest.approx(np.linalg.det(jacobian), abs=1e-11 * scale**4)
+            assert growth == pytest.approx(expected.real.max(), abs=1e-11 * scale)
+            if abs(expected.real.max()) > 1e-11 * scale:
+                assert (stability == STABILITY["stable"]) == (expected.real.max() < 0.0)
+                count += 1
+    assert count > 50
+
+
+@pytest.mark.parametrize(
+    ("rotor", "word"),
+    [
+        ({"omega": 1.7, "zeta": 0.07, "delta0": 0.5, "contact_damping": 0.2}, "stable"),
+        ({"omega": 1.7, "zeta": 0.07, "delta0": 0.5, "contact_damping": 1.0}, "unstable"),
+    ],
+)
+def test_contact_damping_takes_the_small_whirl_its_stability(rotor, word):
+    """The lagging whirl against an integration: it decays or grows at the rate that is given."""
+    rotor = {"shaft_stiffness": 0.0, "contact_exponent": 1.5, "friction": 0.0} | rotor
+    amplitude, lag, stability, _, rate = whirls_of(rotor)[0]
+    assert stability == STABILITY[word]
+    z = amplitude * np.exp(-1j * lag)
+    rest = np.array([z.real, z.imag, -rotor["omega"] * z.imag, rotor["omega"] * z.real])
+    away = 1e-7 * np.array([np.cos(lag), -np.sin(lag), 0.0, 0.0])
+    run = solve_ivp(
+        lambda _, state: field(state, rotor), (0.0, 160.0), rest + away,
+        method="DOP853", t_eval=np.linspace(60.0, 160.0, 10001), rtol=1e-12, atol=1e-14,
+    )  # fmt: skip
+    distance = np.hypot(*(run.y[:2] - rest[:2, None]))
+    # the largest distance over ten units of time, some turns of the mode
+    early, late = (distance[part].max() for part in (slice(0, 1000), slice(-1000, None)))
+    assert np.log(late / early) / 90.0 == pytest.approx(rate, rel=0.02)
+    assert late < 1e-2
+
+
+def test_known_rub_is_unstable_by_a_pair_that_oscillates():
+    """A whirl with D > 0 that friction takes its stability nonetheless."""
+    known = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5, "friction": 0.1}
+    ((amplitude, _, stability, _, growth),) = whirls_of(known)
+    assert amplitude == pytest.approx(3.9010286365, abs=1e-10)
+    assert growth == pytest.approx(0.0029651, abs=1e-7)
+    assert stability == STABILITY["unstable"]
+    assert stability_determinant(amplitude, **known) > 0.0
+    leading = eigenvalues(amplitude, **known)
+    assert abs(leading[leading.real.argmax()].imag) > 1.0
+
+
+def test_without_damping_friction_drives_every_whirl_in_contact():
+    """The eigenvalues add up to 0 and are not all imaginary, so one has a positive real part."""
+    found = synchronous_response(
+        omega=[0.5, 1.2, 3.0], zeta=0.0, delta0=[0.5, 2.0], friction=[0.0, 1e-12, 0.3]
+    )
+    touching = found.where(found.in_contact == 1)
+    rubbing, smooth = touching.sel(friction=[1e-12, 0.3]), touching.sel(friction=0.0)
+    assert set(np.unique(rubbing.stability)) - {np.nan} >= {STABILITY["unstable"]}
+    assert not (rubbing.stability == STABILITY["stable"]).any()
+    assert not (rubbing.stability == STABILITY["neutral"]).any()
+    assert (smooth.stability == STABILITY["neutral"]).any()
 
 
 def test_no_whirl_flutters_with_a_positive_determinant():
@@ -92,6 +208,26 @@ def test_contact_free_whirl_has_a_zero_eigenvalue():
     np.testing.assert_allclose(
         np.sort_complex(found), np.sort_complex([1.7j, -1.7j, -0.6 + 1.7j, -0.6 - 1.7j]), atol=1e-15
     )
+
+
+@pytest.mark.parametrize("zeta", [0.02, 0.07, 0.9])
+@pytest.mark.parametrize("kappa", [1e-4, 0.25, 2.0])
+def test_a_shaft_holds_the_contact_free_whirl(zeta, kappa):
+    whirls = synchronous_response(omega=5.0, zeta=zeta, delta0=3.0, shaft_stiffness=kappa)
+    free = whirls.isel(branch=0)
+    assert free.in_contact.item() == 0
+    assert free.stability.item() == STABILITY["stable"]
+    # z'' + 2 zeta z' + kappa z = 0 about the whirl, in the fixed frame
+    expected = np.roots([1.0, 2.0 * zeta, kappa]).real.max()
+    assert free.growth_rate.item() == pytest.approx(expected, rel=1e-8)
+
+
+def test_a_contact_free_whirl_is_neutral_without_damping_or_without_a_shaft():
+    whirls = synchronous_response(
+        omega=5.0, zeta=[0.0, 0.1], delta0=3.0, shaft_stiffness=[0.0, 0.5]
+    ).isel(branch=0)
+    expected = [[STABILITY["neutral"]] * 2, [STABILITY["neutral"], STABILITY["stable"]]]
+    assert whirls.stability.values.squeeze().tolist() == expected
 
 
 def test_arrays_give_what_single_numbers_give():

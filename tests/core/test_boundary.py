@@ -386,16 +386,30 @@ def test_structures_are_those_of_the_header(tmp_path):
     assert [*map(int, said)] == expected
 
 
-def test_statuses_are_those_of_the_header():
+def members(enum):
+    """Return the names and numbers of an enumeration of ``core.h``, in its order."""
     header = Path(interface.__file__).parent / "core.h"
     if not header.is_file():
         pytest.skip("an installed package has no sources")
-    stated = re.search(r"enum status \{([^}]*)\}", header.read_text("utf-8"))[1]
-    for name, number in re.findall(r"(\w+) = (\d+)", stated):
-        assert getattr(interface, name) == int(number), name
+    stated = re.search(rf"enum {enum} \{{([^}}]*)\}}", header.read_text("utf-8"))[1]
+    found = {}
+    for name, number in re.findall(r"(\w+)(?: = (-?\d+))?,?", stated):
+        found[name] = int(number) if number else len(found)
+    return found
+
+
+def test_statuses_are_those_of_the_header():
+    for name, number in members("status").items():
+        assert getattr(interface, name) == number, name
         with_more_room = {interface.FULL, interface.FULL_INSIDE}  # a run goes on, or begins anew
-        assert int(number) in {DONE, *with_more_room} or MESSAGES[int(number)]
+        assert number in {DONE, *with_more_room} or MESSAGES[number]
     assert interface.message_of(-28) == "the solver gave up with flag -28"
+
+
+def test_faults_methods_and_modes_are_those_of_the_header():
+    assert [*members("fault")] == [*interface.MESSAGE_OF_FAULT]
+    assert members("method") == {name.upper(): n for name, n in interface.METHODS.items()}
+    assert all(getattr(interface, name) == number for name, number in members("where").items())
 
 
 # ---- Each function of SUNDIALS may fail ----

@@ -9,7 +9,7 @@ import pytest
 
 from rotor_ida import DimensionalRotor, InputError, Rotor
 from rotor_ida.core.runs import COLUMNS
-from rotor_ida.fitting.asked import OF_MACHINE
+from rotor_ida.fitting.arguments import UNITS
 from rotor_ida.fitting.identifiability import ANGLE
 from rotor_ida.fitting.motion import Turning, motion_of
 from rotor_ida.simulation.neighbours import shoot
@@ -59,7 +59,7 @@ def difference(machine, name, step):
 @pytest.mark.parametrize("machine", [MACHINE, LINEAR], ids=["hertz", "linear"])
 def test_derivatives_are_those_of_the_motion(machine):
     """A difference of two motions has an error of its step squared, and of rounding over it."""
-    names = list(OF_MACHINE)
+    names = list(UNITS)
     motion = motion_of(machine, TURNING, START, TIMES, names, AHEAD)
     assert motion.growth < 1e3
     steps = dict(enumerate([1e-10, 1e-10, 1e-7, 1e-7])) | {

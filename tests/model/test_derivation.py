@@ -32,7 +32,11 @@ MOST_LANES = {"paper": 16, "whole": 20, "run_up": 32}
 
 
 @pytest.mark.parametrize(
-    "name", [f"derived{model}.{end}" for model in ("", "_whole", "_run_up") for end in "ch"]
+    "name",
+    [
+        *(f"derived{model}.{end}" for model in ("", "_whole", "_run_up") for end in "ch"),
+        "derived_rotor.h",
+    ],
 )
 def test_the_committed_files_are_those_that_the_model_gives(name):
     """Else run the command of their first line."""

@@ -36,8 +36,10 @@ def plain():
     return simulate(MACHINE.rotor(), start=REST, duration=20.0, samples=201)
 
 
-def test_every_quantity_has_the_unit_and_the_scale_of_its_kind(plain):
+@pytest.mark.parametrize("analysed", [lambda run: run, spectrum, contact_forces])
+def test_every_quantity_has_the_unit_and_the_scale_of_its_kind(plain, analysed):
     chosen = {"length": "um", "time": "ms", "force": "kN", "impulse": "mN s"}
+    plain = analysed(plain)
     shown = dimensional(plain, MACHINE, units=chosen)
     for name, variable in plain.variables.items():
         kind = QUANTITIES[name].scale

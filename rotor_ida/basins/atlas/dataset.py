@@ -71,7 +71,7 @@ def atlas_dataset(
         variables[name] = (dims, column.reshape(*rotors.sizes, *own))
     variables["missed_fraction"] = ((), missed_fraction(starts))
     title = "Rotor in a clearance: attractors and the fractions of starts on each"
-    return labelled_dataset(title, variables, coordinates, _flat(attributes))
+    return labelled_dataset(title, variables, coordinates, _flat(attributes), kind="atlas")
 
 
 def how_computed(tolerance: float, shocks: int, rotor: Rotor) -> dict[str, object]:

@@ -201,7 +201,9 @@ def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Da
     if tried:
         coordinates["target"] = ("target", numbers)
     attributes = {**attributes, **cell.rotor.given}
-    return labelled_dataset("What touching the ring does", variables, coordinates, attributes)
+    return labelled_dataset(
+        "What touching the ring does", variables, coordinates, attributes, kind="touchdown"
+    )
 
 
 def _shocks(cell: Cell) -> dict[str, Column]:

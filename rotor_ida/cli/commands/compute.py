@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
 from pathlib import Path
 
@@ -24,7 +23,6 @@ def simulate(
     duration: options.Duration,
     start: options.Start = options.REST,
     samples: options.Samples = 1001,
-    beyond: options.BeyondOptions = options.BeyondOptions(),
     solver: options.SolverOptions = options.SolverOptions(),
     output: Output = Output(),
 ) -> Report:
@@ -42,7 +40,7 @@ def simulate(
     """
     output.check()
     run = rotor_ida.simulate(
-        beyond.of(rotor.rotor()),
+        rotor.rotor(),
         start=start,
         duration=duration,
         samples=samples,
@@ -53,7 +51,7 @@ def simulate(
 
 def run_up(
     *,
-    machine: options.MachineOptions = options.MachineOptions(),
+    rotor: options.AnyRotorOptions = options.AnyRotorOptions(),
     change: options.ChangeOptions = options.ChangeOptions(),  # noqa: B008 - frozen
     start: options.Start = options.REST,
     samples: options.Samples = 1001,
@@ -79,11 +77,10 @@ def run_up(
             --eccentricity 1e-5 --clearance 2e-5 --speed 300rpm --to 3000rpm \
             --rate 9000rpm/s
     """
-    chosen = machine.machine()
-    rotor = chosen if isinstance(chosen, Rotor) else chosen.rotor()
+    chosen = rotor.chosen()
     output.check()
     run = rotor_ida.run_up(
-        rotor,
+        chosen if isinstance(chosen, Rotor) else chosen.rotor(),
         start=options.dimensionless_start(chosen, start),
         **change.of(chosen),
         samples=samples,
@@ -95,11 +92,8 @@ def run_up(
 
 def response(
     *,
-    zeta: options.Zetas,
-    delta0: options.Delta0s,
-    omega: options.Omegas | None = None,
+    rotors: options.WhirlsOptions,
     folds: options.WithFolds = False,
-    beyond: options.BeyondAxes = options.BeyondAxes(),
     output: Output = Output(),
 ) -> Report:
     r"""List every exact synchronous whirl, with its stability.
@@ -111,30 +105,29 @@ def response(
         rotor-ida response --omega 0.5:3:251 --zeta 0.07 --delta0 0 2 \
             --out whirls.nc --figure whirls.png
     """
-    if omega is None and not folds:
+    given = rotors.given()
+    if "omega" not in given and not folds:
         raise InputError("omega must hold at least one number, got none")
-    if omega is None and output.figure is not None:
+    if "omega" not in given and output.figure is not None:
         raise InputError("figure must be of whirls: give --omega")
-    check_points(omega or [0.0], zeta, delta0, *beyond.axes())
-    output.check(panels=math.prod(map(len, (zeta, delta0, *beyond.axes()))))
-    machine = beyond.without_load()
-    of_folds = {name: value for name, value in machine.items() if name != "contact_damping"}
-    if omega is None:
-        found = rotor_ida.folds(zeta=zeta, delta0=delta0, **of_folds)
+    check_points(*rotors.axes())
+    output.check(panels=rotors.panels(over="omega"))
+    given = rotors.without_load()
+    of_folds = {name: each for name, each in given.items()
+                if name not in {"omega", "contact_damping"}}  # fmt: skip
+    found = rotor_ida.folds(**of_folds) if folds else None
+    if "omega" not in given:
+        assert found is not None
         return answer(found, output, most=MOST_ROWS)
-    whirls = rotor_ida.synchronous_response(omega=omega, zeta=zeta, delta0=delta0, **machine)
-    if folds:
-        found = rotor_ida.folds(zeta=zeta, delta0=delta0, **of_folds)
+    whirls = rotor_ida.synchronous_response(**given)
+    if found is not None:
         whirls = whirls.assign({name: found[name] for name in ("fold_omega", "fold_amplitude")})
     return answer(whirls, output, most=MOST_ROWS)
 
 
 def sweep(
     *,
-    omega: options.Omegas,
-    zeta: options.Zetas,
-    delta0: options.Delta0s,
-    beyond: options.BeyondAxes = options.BeyondAxes(),
+    rotors: options.RotorsOptions,
     start: options.Starts = [options.REST],  # noqa: B006 - never changed
     direction: options.Direction = None,
     jobs: options.JobOptions = options.JobOptions(),
@@ -154,29 +147,15 @@ def sweep(
         rotor-ida sweep --omega 0.5:3:26 --zeta 0.1 --delta0 1 --direction both \
             --shaft-stiffness 0.25 --load 0 0.3 --figure machine
     """
-    check_points(omega, zeta, delta0, *beyond.axes(), start, in_study=study is not None)
-    output.check(panels=math.prod(map(len, (zeta, delta0, *beyond.axes()))))
-    from rotor_ida.parallel import count_workers  # noqa: PLC0415 - heavy, and not for --help
-
-    given = beyond.given()
-    # The program guards its main part: all cores, whatever the backend.
-    every_core = jobs.workers is None and jobs.executor == "auto"
+    check_points(*rotors.axes(), start, in_study=study is not None)
+    output.check(panels=rotors.panels(over="omega"))
     with working("sweep", study) as progress:
         dataset = rotor_ida.sweep(
-            omega=omega,
-            zeta=zeta,
-            delta0=delta0,
-            shaft_stiffness=given["shaft_stiffness"],
-            contact_exponent=given["contact_exponent"],
-            contact_damping=given["contact_damping"],
-            load=given["load"],
-            friction=given["friction"],
-            disc_radius=given["disc_radius"],
+            **rotors.given(),
             starts=start,
             direction=direction,
             **asdict(solver),
-            workers=count_workers(None) if every_core else jobs.workers,
-            executor=jobs.executor,
+            **jobs.on_every_core(),
             study=study,
             progress=progress,
         )
@@ -185,13 +164,10 @@ def sweep(
 
 def run_ups(
     *,
-    omega: options.Omegas,
+    rotors: options.RotorsOptions,
     to: options.ToSpeed,
     rate: options.Rates,
-    zeta: options.Zetas,
-    delta0: options.Delta0s,
     phase: options.Phases = [0.0],  # noqa: B006 - never changed
-    beyond: options.BeyondAxes = options.BeyondAxes(),
     start: options.Starts = [options.REST],  # noqa: B006 - never changed
     jobs: options.JobOptions = options.JobOptions(),
     solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),  # noqa: B008 - frozen
@@ -211,33 +187,17 @@ def run_ups(
             --shaft-stiffness 1 --load 0.2 --start 0 -0.2 0 0 --phase 0:5.5:8 \
             --workers 1 --figure run_ups
     """
-    check_points(
-        omega, zeta, delta0, *beyond.axes(), rate, phase, start, in_study=study is not None
-    )
-    output.check(panels=math.prod(map(len, (omega, zeta, delta0, *beyond.axes()))))
-    from rotor_ida.parallel import count_workers  # noqa: PLC0415 - heavy, and not for --help
-
-    given = beyond.given()
-    # The program guards its main part: all cores, whatever the backend.
-    every_core = jobs.workers is None and jobs.executor == "auto"
+    check_points(*rotors.axes(), rate, phase, start, in_study=study is not None)
+    output.check(panels=rotors.panels())
     with working("run-ups", study) as progress:
         dataset = rotor_ida.run_ups(
-            omega=omega,
+            **rotors.given(),
             to=to,
             rate=rate,
-            zeta=zeta,
-            delta0=delta0,
             phase=phase,
-            shaft_stiffness=given["shaft_stiffness"],
-            contact_exponent=given["contact_exponent"],
-            contact_damping=given["contact_damping"],
-            load=given["load"],
-            friction=given["friction"],
-            disc_radius=given["disc_radius"],
             starts=start,
             **asdict(solver),
-            workers=count_workers(None) if every_core else jobs.workers,
-            executor=jobs.executor,
+            **jobs.on_every_core(),
             study=study,
             progress=progress,
         )
@@ -252,7 +212,6 @@ def basin(
     vx: options.Component = 0.0,
     vy: options.Component = 0.0,
     rtol: options.RtolOrNone = None,
-    beyond: options.BeyondOptions = options.BeyondOptions(),
     jobs: options.JobOptions = options.JobOptions(),
     study: options.Study = None,
     output: Output = Output(),
@@ -271,7 +230,7 @@ def basin(
     output.check()
     with working("basin", study) as progress:
         dataset = rotor_ida.basin(
-            beyond.of(rotor.rotor()),
+            rotor.rotor(),
             x=x,
             y=y,
             vx=vx,
@@ -294,7 +253,6 @@ def fractions(
     starts: options.StartCount = 10_000,
     seed: options.Seed = 0,
     rtol: options.RtolOrNone = None,
-    beyond: options.BeyondOptions = options.BeyondOptions(),
     jobs: options.JobOptions = options.JobOptions(),
     study: options.Study = None,
     out: options.Out = None,
@@ -314,7 +272,7 @@ def fractions(
         raise InputError(f"starts must be at most {MOST_POINTS} without --study, got {starts}")
     with working("fractions", study) as progress:
         dataset = rotor_ida.basin_fractions(
-            beyond.of(rotor.rotor()),
+            rotor.rotor(),
             x=x,
             y=y,
             vx=vx,
@@ -331,9 +289,7 @@ def fractions(
 
 def atlas(
     *,
-    omega: options.Omegas,
-    zeta: options.Zetas,
-    delta0: options.Delta0s,
+    rotors: options.RotorsOptions,
     x: options.Range = 0.0,
     y: options.Range = 0.0,
     vx: options.Range = 0.0,
@@ -342,7 +298,6 @@ def atlas(
     seed: options.Seed = 0,
     rtol: options.Rtol = 1e-6,
     shocks: options.ShockCount = 0,
-    beyond: options.BeyondAxes = options.BeyondAxes(),
     jobs: options.JobOptions = options.JobOptions(),
     study: options.Study = None,
     output: Output = Output(),
@@ -356,19 +311,10 @@ def atlas(
     """
     output.check()
     if output.figure is not None:
-        options.check_varies(omega, zeta, delta0, *beyond.axes())
-    given = beyond.given()
+        options.check_varies(rotors.panels())
     with working("atlas", study) as progress:
         dataset = rotor_ida.continue_attractors(
-            omega=omega,
-            zeta=zeta,
-            delta0=delta0,
-            shaft_stiffness=given["shaft_stiffness"],
-            contact_exponent=given["contact_exponent"],
-            contact_damping=given["contact_damping"],
-            load=given["load"],
-            friction=given["friction"],
-            disc_radius=given["disc_radius"],
+            **rotors.given(),
             x=x,
             y=y,
             vx=vx,
@@ -386,7 +332,7 @@ def atlas(
 
 def touchdown(
     *,
-    machine: options.MachineOptions = options.MachineOptions(),
+    rotor: options.AnyRotorOptions = options.AnyRotorOptions(),
     x: options.Range = 0.0,
     y: options.Range = 0.0,
     vx: options.Range = 0.0,
@@ -410,7 +356,7 @@ def touchdown(
         rotor-ida touchdown --omega 2 --zeta 0.07 --delta0 2 \
             --x=-15:15 --y=-15:15 --shocks 0 --json
     """
-    chosen = machine.machine()
+    chosen = rotor.chosen()
     output.check()
     report = rotor_ida.touchdown_report(
         chosen, x=x, y=y, vx=vx, vy=vy, starts=starts, seed=seed, rtol=rtol, shocks=shocks

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +18,7 @@ from rotor_ida.model.parameters import Rotor
 from rotor_ida.model.table import (
     ALL_PARAMETERS,
     DEFAULTS,
+    OPTIONAL,
     PARAMETERS,
 )
 
@@ -30,13 +31,10 @@ SOURCES = ("cycle", "branch", "curve")
 
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
+@options.with_parameters(options.PERHAPS, dict.fromkeys(PARAMETERS) | DEFAULTS)
 class Origin:
     """Where a branch or a curve begins: at a start of a rotor, or at a cycle in an archive."""
 
-    omega: options.OneOmega = None
-    zeta: options.OneZeta = None
-    delta0: options.OneDelta0 = None
-    beyond: options.BeyondOptions = options.BeyondOptions()
     start: options.StartOrNone = None
     period: options.Period = None
     from_: options.From = None
@@ -46,10 +44,11 @@ class Origin:
     def check(self) -> None:
         """Refuse options that do not go together."""
         of_file = [name for name in ("point", "special") if getattr(self, name) is not None]
-        defaults = DEFAULTS
         of_start = [
-            name for name in (*PARAMETERS, "start", "period") if getattr(self, name) is not None
-        ] + [name for name, value in asdict(self.beyond).items() if value != defaults[name]]
+            name
+            for name in (*PARAMETERS, "start", "period", *OPTIONAL)
+            if getattr(self, name) != DEFAULTS.get(name)
+        ]
         if self.from_ is not None:
             if of_start:
                 raise InputError(f"{of_start[0]} must be left out with --from")
@@ -69,7 +68,7 @@ class Origin:
         """
         if self.from_ is not None:
             return _in_archive(self.from_, self.point, self.special, curve_kind)
-        rotor = self.beyond.of(Rotor(**{name: getattr(self, name) for name in PARAMETERS}))
+        rotor = Rotor(**{name: getattr(self, name) for name in ALL_PARAMETERS})
         start = self.start or options.REST
         if self.period is None:
             return rotor, start
@@ -79,7 +78,6 @@ class Origin:
 def cycle(
     *,
     rotor: options.RotorOptions,
-    beyond: options.BeyondOptions = options.BeyondOptions(),
     start: options.Start = options.REST,
     period: options.Period = None,
     output: Output = Output(),
@@ -96,12 +94,12 @@ def cycle(
             --start 2.6 0.75 0.66 -1.65 --period 4.5
     """
     output.check()
-    machine = beyond.of(rotor.rotor())
+    chosen = rotor.rotor()
     with working("cycle"):
         if period is None:
-            found = rotor_ida.limit_cycle(machine, start=start)
+            found = rotor_ida.limit_cycle(chosen, start=start)
         else:
-            found = _closed(machine, start, period)
+            found = _closed(chosen, start, period)
     if found["period"].notnull() or output.figure is None:
         return answer(found, output, most=FIRST_ROWS)
     report = answer(found, replace(output, figure=None), most=FIRST_ROWS)
@@ -188,7 +186,7 @@ def _in_archive(
     file: Path, point: int | None, special: int | None, curve_kind: str | None
 ) -> tuple[Rotor, xr.Dataset]:
     """Return the cycle in an archive, or that at one point of a branch or curve, and its rotor."""
-    from rotor_ida.cli.describe import kind_of  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - heavy, and not for --help
 
     dataset = read(file)
     kind = kind_of(dataset)

@@ -26,7 +26,7 @@ PAGE = ".html"
 
 def explore(
     *,
-    machine: options.MachineOptions = options.MachineOptions(),
+    machine: options.AnyRotorOptions = options.AnyRotorOptions(),
     start: options.StartOrNone = None,
     file: options.FileToExplore = None,
     port: options.Port = 8765,
@@ -73,12 +73,12 @@ def explore(
 
 
 def _beginning(
-    machine: options.MachineOptions, start: State | None, file: Path | None
+    machine: options.AnyRotorOptions, start: State | None, file: Path | None
 ) -> tuple[Rotor | DimensionalRotor, State, int]:
     """Return the machine, the start and the revolutions that are shown first."""
     given = any(value is not None for value in asdict(machine).values())
     if file is None:
-        chosen = machine.machine() if given else FIRST
+        chosen = machine.chosen() if given else FIRST
         begun = options.dimensionless_start(chosen, start or options.REST)
         rotor = chosen if isinstance(chosen, Rotor) else chosen.rotor()
         check_can_be_followed(rotor, begun)

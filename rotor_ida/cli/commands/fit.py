@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import rotor_ida
@@ -21,7 +21,7 @@ ANY_SPEED = 1.0
 def fit(
     *files: options.SignalFile,
     unknown: options.Unknowns,
-    machine: options.MachineOptions = options.MachineOptions(),
+    rotor: options.AnyRotorOptions = options.AnyRotorOptions(),
     orders: options.Orders = None,
     start: options.StartOrNone = None,
     entries: options.ContactTimes = None,
@@ -47,12 +47,13 @@ def fit(
             --unknown eccentricity unbalance_angle
     """
     output.check()
-    given = machine
-    if given.omega is None and given.zeta is not None:
-        given = replace(given, omega=ANY_SPEED)
-    if given.speed is None and given.mass is not None:
-        given = replace(given, speed=ANY_SPEED)
-    chosen = given.machine()
+    given = asdict(rotor)
+    known = {
+        speed: ANY_SPEED
+        for speed, other in (("omega", "zeta"), ("speed", "mass"))
+        if given[speed] is None and given[other] is not None
+    }
+    chosen = rotor.chosen(**known)
     signals: list[xr.Dataset] = [signals_in(each, reading, times) for each in files]
     found = rotor_ida.fit(
         signals,

@@ -14,7 +14,7 @@ from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report, pairs
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.table import ALL_PARAMETERS
 
 # A time left beyond this many seconds says no more than this one.
 LONGEST_LEFT = 1e12
@@ -148,9 +148,10 @@ def _panels(folder: Path) -> int:
     design = design_of(folder)
     if design.get("kind") == "basin_fractions":
         raise InputError("figure must be of a sweep or basin, got a study of basin fractions")
+    over_speed = design.get("kind") not in {"run_ups", "continue_attractors"}
+    axes = (design.get(name) for name in ALL_PARAMETERS[over_speed:])
+    points = math.prod(len(axis) for axis in axes if isinstance(axis, list))
     if design.get("kind") == "continue_attractors":
-        options.check_varies(*(design[name] for name in PARAMETERS))
+        options.check_varies(points)
         return 1
-    names = ALL_PARAMETERS if design.get("kind") == "run_ups" else ALL_PARAMETERS[1:]
-    axes = (design.get(name) for name in names)
-    return math.prod(len(axis) for axis in axes if isinstance(axis, list))
+    return points

@@ -1,10 +1,9 @@
-"""What is asked of a fit: the problem, from arguments that are checked."""
+"""The arguments of a fit, checked, and the problem that they state."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -20,26 +19,24 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.fitting.identifiability import ANGLE
-from rotor_ida.fitting.problem import Problem, Unknown
+from rotor_ida.fitting.problem import FitProblem, Unknown
 from rotor_ida.fitting.records import Measured, measured, noise_of
 from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.table import OF_MACHINE, OPTIONAL
 from rotor_ida.simulation.orbit import ENTRY, EXIT
 
-# What can be sought of a machine: the unit, and of a dimensionless rotor the name, with how many of
-# the one the other is.
-OF_MACHINE = {
-    "mass": "kg", "contact_stiffness": "N m-1.5", "damping": "N s m-1", "eccentricity": "m",
-    "clearance": "m", "shaft_stiffness": "N m-1", "contact_damping": "s m-1", "load": "N",
-    "friction": "1", ANGLE: "rad",
-}  # fmt: skip
+# What can be sought: of a machine the unit, and of a dimensionless rotor the name of that, with how
+# many of the one the other is.
+FIXED = ("speed", "contact_exponent", "disc_radius")
+UNITS = {name: each.unit for name, each in OF_MACHINE.items() if name not in FIXED} | {ANGLE: "rad"}
 OF_ROTOR = {
     "zeta": ("damping", 2.0),
     "delta0": ("clearance", 1.0),
-    **{name: (name, 1.0) for name in ("shaft_stiffness", "contact_damping", "load", "friction")},
-    ANGLE: (ANGLE, 1.0),
+    **{name: (name, 1.0) for name in (*OPTIONAL, ANGLE) if name not in FIXED},
 }
 # What must stay above this part of its first guess, as a machine has none without it.
-POSITIVE, LEAST = ("mass", "contact_stiffness", "eccentricity", "clearance"), 1e-3
+POSITIVE = (*(name for name, each in OF_MACHINE.items() if each.positive), "clearance")
+LEAST = 1e-3
 MOST_ORDERS, LARGEST_ORDER = 20, 20.0
 # The least errors, over the length or size of the signals: rounding.
 SHARPEST = 1e-12
@@ -57,16 +54,16 @@ def problem_of(
     exits: Any,
     time_error: float | None,
     noise: float | None,
-) -> Problem:
+) -> FitProblem:
     """Return the problem, all checked."""
     given = [signals] if isinstance(signals, xr.Dataset) else _several(signals)
     if not given:
         raise InputError(f"signals must be a dataset, or a list of them, got {shown(signals)}")
     in_si = isinstance(machine, DimensionalRotor)
-    whole = _in_si(machine)
-    if whole.clearance <= 0.0:
+    guess = _in_si(machine)
+    if guess.clearance <= 0.0:
         raise InputError("machine must have a clearance above 0 for a fit, got 0.0")
-    sought = _unknowns(unknown, whole, in_si=in_si)
+    sought = _unknowns(unknown, guess, in_si=in_si)
     tracked = _checked_orders(orders)
     touches = {
         ENTRY: _by_record("entries", entries, len(given)),
@@ -79,7 +76,7 @@ def problem_of(
         )
         for n, each in enumerate(given)
     ]  # fmt: skip
-    problem = Problem(whole, sought, records, 1.0)
+    problem = FitProblem(guess, sought, records, 1.0)
     problem.time_error = _checked_time_error(time_error, records)
     problem.starts = _starts(start, records)
     problem.noise = noise_of(records) if noise is None else _checked_noise(noise, records)
@@ -93,20 +90,16 @@ def _in_si(machine: object) -> DimensionalRotor:
         return machine
     if not isinstance(machine, Rotor):
         raise InputError(f"machine must be a Rotor or a DimensionalRotor, got {shown(machine)}")
-    beyond = {
-        each.name: getattr(machine, each.name)
-        for each in fields(Rotor)
-        if each.name not in {"omega", "zeta", "delta0"}
-    }
+    optional = {name: getattr(machine, name) for name in OPTIONAL}
     return DimensionalRotor(
         mass=1.0, contact_stiffness=1.0, damping=2.0 * machine.zeta, eccentricity=1.0,
-        clearance=machine.delta0, speed=machine.omega, **beyond,
+        clearance=machine.delta0, speed=machine.omega, **optional,
     )  # fmt: skip
 
 
 def _unknowns(unknown: object, machine: DimensionalRotor, *, in_si: bool) -> list[Unknown]:
     """Return what is sought."""
-    known = OF_MACHINE if in_si else OF_ROTOR
+    known = UNITS if in_si else OF_ROTOR
     allowed = f"{', '.join(known)}"
     names = _several(unknown)
     if names is None:
@@ -191,7 +184,7 @@ def _checked_noise(noise: float, records: list[Measured]) -> float:
     return check_between("noise", noise, SHARPEST * size, size / SHARPEST) * records[0].metre
 
 
-def _check_enough(problem: Problem) -> None:
+def _check_enough(problem: FitProblem) -> None:
     """Raise `InputError` where more is sought than compared."""
     compared = _compared(problem)
     sought = problem.first().size
@@ -203,7 +196,7 @@ def _check_enough(problem: Problem) -> None:
         )
 
 
-def _compared(problem: Problem) -> int:
+def _compared(problem: FitProblem) -> int:
     """Return how many numbers are compared, but for contact times."""
     return sum(
         2 * each.tracks.orders.size * each.tracks.windows.times.size for each in problem.records

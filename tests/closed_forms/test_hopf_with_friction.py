@@ -1,4 +1,4 @@
-"""Folds, jumps, cusps and Hopf points with friction, each found by a second way."""
+"""Hopf points with friction, each found by a second way."""
 
 from __future__ import annotations
 
@@ -11,29 +11,16 @@ import pytest
 from scipy.optimize import brentq
 
 from rotor_ida.closed_forms import (
-    cusp,
     cusp_zeta,
     eigenvalues,
     folds,
     hopf_points,
     jumps,
     peaks,
-    stability_determinant,
     synchronous_response,
 )
-from rotor_ida.closed_forms.contact_laws import RestoringLaw
-from rotor_ida.closed_forms.fold_locus_with_friction import friction_locus
 from rotor_ida.errors import InputError
 
-MACHINES = [
-    {"zeta": 0.07, "delta0": 0.5, "friction": 0.02},
-    {"zeta": 0.02, "delta0": 0.8, "friction": 0.1},
-    {"zeta": 0.03, "delta0": 1.5, "friction": 0.05, "shaft_stiffness": 0.3},
-    {"zeta": 0.02, "delta0": 2.0, "friction": 0.03, "shaft_stiffness": 0.25,
-     "contact_exponent": 1.0},
-    {"zeta": 0.0, "delta0": 0.5, "friction": 0.05},
-    {"zeta": 0.0, "delta0": 1.2, "friction": 0.2, "shaft_stiffness": 0.1},
-]  # fmt: skip
 OSCILLATING = [
     {"zeta": 0.07, "delta0": 0.5, "friction": 0.1},
     {"zeta": 0.02, "delta0": 1.0, "friction": 0.05, "shaft_stiffness": 0.2},
@@ -80,11 +67,6 @@ def scanned(machine, condition, nodes=60_000):
     return np.sort(changes)
 
 
-def fold_condition(A, omega, machine):
-    inside = np.where(np.isfinite(omega), omega, 0.0)
-    return np.where(np.isfinite(omega), stability_determinant(A, omega=inside, **machine), np.nan)
-
-
 def hurwitz(A, omega, machine):
     """a3 a2 a1 - a1**2 - a3**2 a0, from the sums of products of the eigenvalues."""
     inside = np.where(np.isfinite(omega), omega, 0.0)
@@ -92,114 +74,6 @@ def hurwitz(A, omega, machine):
     pairs = [x[:, i] + x[:, j] for i in range(4) for j in range(i)]
     # the product of all sums of two eigenvalues is, up to a positive factor, minus that
     return np.where(np.isfinite(omega), np.prod(pairs, axis=0).real, np.nan)
-
-
-@pytest.mark.parametrize("machine", MACHINES)
-def test_no_fold_is_lost_and_none_invented(machine):
-    found = points(folds(**machine), "fold_amplitude")[:, 0]
-    expected = scanned(machine, fold_condition)
-    inside = np.sort(found[found < 40.0])
-    np.testing.assert_allclose(inside, expected, rtol=0.0, atol=1.5e-3)
-
-
-@pytest.mark.parametrize("machine", MACHINES)
-def test_at_a_fold_two_whirls_merge(machine):
-    """A little to one side there are two more of them than to the other, around its amplitude."""
-    there = points(folds(**machine), "fold_omega", "fold_amplitude")
-    assert len(there) > 0
-    for omega, amplitude in there:
-        counts, near = [], []
-        for part in (-1e-6, 1e-6):
-            here = synchronous_response(omega=omega * (1.0 + part), **machine)
-            there = here.amplitude.values.ravel()[here.in_contact.values.ravel() == 1]
-            counts.append(there.size)
-            near.append(there[np.abs(there / amplitude - 1.0) < 2e-2])
-        assert abs(counts[1] - counts[0]) == 2
-        two = max(near, key=len)
-        assert two.size == 2
-        assert two.min() < amplitude < two.max()
-
-
-def test_folds_lie_on_the_locus():
-    """Where speed and damping are eliminated by hand, the fold has the damping that it was for."""
-    draw, count = np.random.default_rng(5), 0
-    for _ in range(60):
-        zeta, d = 10 ** draw.uniform(-2.5, -0.7), 10 ** draw.uniform(-1.0, 0.5)
-        kappa = float(draw.choice([0.0, 10 ** draw.uniform(-2.0, 0.5)]))
-        mu, exponent = 10 ** draw.uniform(-3.0, -0.5), 1.5 if draw.random() < 0.6 else 1.0
-        found = folds(
-            zeta=zeta,
-            delta0=d,
-            shaft_stiffness=kappa,
-            contact_exponent=exponent,
-            friction=mu,
-        )
-        for omega, amplitude in points(found, "fold_omega", "fold_amplitude"):
-            lag, damping = friction_locus(
-                np.array([math.sqrt(amplitude - d)]), RestoringLaw(d, kappa, exponent, mu)
-            )
-            place = int(np.nanargmin(np.abs(damping - zeta)))
-            # the locus is steep where it begins
-            assert damping.ravel()[place] == pytest.approx(zeta, rel=1e-8)
-            f = (amplitude - d) ** exponent
-            across = 2.0 * zeta * omega * amplitude + mu * f
-            along = (kappa - omega**2) * amplitude + f
-            assert lag.ravel()[place] == pytest.approx(math.atan2(across, along), abs=1e-6)
-            assert math.hypot(across, along) == pytest.approx(omega**2, rel=1e-10)
-            count += 1
-    assert count > 60
-
-
-def test_folds_move_continuously_from_those_without_friction():
-    """Twice the friction moves them twice as far, as long as both are small."""
-    without = folds(zeta=0.07, delta0=0.5).fold_omega.values.ravel()
-    little, twice = (
-        folds(zeta=0.07, delta0=0.5, friction=mu).fold_omega.values.ravel() - without
-        for mu in (1e-7, 2e-7)
-    )
-    np.testing.assert_allclose(twice, 2.0 * little, rtol=1e-4)
-    np.testing.assert_array_less(little[2:], 0.0)  # those of the resonance, to lower speeds
-
-
-def test_a_jump_lands_on_what_is_left():
-    found = jumps(zeta=0.07, delta0=0.5, friction=0.02)
-    landing, speeds = found.landing_amplitude.values.ravel(), found.fold_omega.values.ravel()
-    for omega, amplitude in zip(speeds, landing, strict=True):
-        if np.isfinite(amplitude):
-            here = synchronous_response(omega=omega, zeta=0.07, delta0=0.5, friction=0.02)
-            assert np.abs(here.amplitude - amplitude).min() < 1e-12
-    assert np.isfinite(landing).any()
-
-
-@pytest.mark.parametrize(
-    "ring",
-    [
-        {"delta0": 0.5, "friction": 0.05},
-        {"delta0": 0.5, "friction": 0.5},
-        {"delta0": 1.2, "friction": 0.05, "shaft_stiffness": 1.0},
-        {"delta0": 3.0, "friction": 0.1, "shaft_stiffness": 0.1, "contact_exponent": 1.0},
-    ],
-)
-def test_folds_end_at_the_cusp(ring):
-    """Beside its damping there are two, close to its place, and beyond it none."""
-    limit = cusp(**ring)
-    zeta, omega, amplitude = (limit[name].item() for name in limit.data_vars)
-    assert cusp_zeta(**ring) == zeta
-    beneath = points(folds(zeta=zeta * (1.0 - 1e-8), **ring), "fold_omega", "fold_amplitude")
-    assert beneath.shape == (2, 2)
-    np.testing.assert_allclose(beneath.mean(axis=0), (omega, amplitude), rtol=1e-6)
-    assert np.isnan(folds(zeta=zeta * (1.0 + 1e-8), **ring).fold_omega).all()
-
-
-def test_much_friction_leaves_no_fold_at_all():
-    assert math.isnan(cusp_zeta(0.5, friction=2.0))
-    assert math.isnan(cusp_zeta(0.1, friction=0.4, contact_exponent=1.0))
-    assert np.isnan(folds(zeta=[0.0, 1e-3, 0.07], delta0=0.5, friction=2.0).fold_omega).all()
-    axis = cusp(delta0=0.5, friction=[0.0, 0.1, 2.0])
-    assert axis.cusp_zeta.dims == ("delta0", "friction")
-    np.testing.assert_array_equal(axis.cusp_zeta.values[0, 0], cusp_zeta(0.5))
-    with pytest.raises(InputError, match="delta0 must be given with friction"):
-        cusp(friction=0.1)
 
 
 @pytest.mark.parametrize("machine", OSCILLATING)
@@ -292,7 +166,7 @@ def test_the_table_of_the_documentation():
         assert limit.strip() == f"{cusp_zeta(0.5, friction=float(friction)):.5f}"
 
 
-@pytest.mark.parametrize("function", [folds, hopf_points, jumps])
+@pytest.mark.parametrize("function", [hopf_points])
 @pytest.mark.parametrize(
     ("given", "says"),
     [

@@ -1,4 +1,4 @@
-"""What a fit found, as a dataset."""
+"""The result of a fit as a dataset."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.fitting.asked import OF_MACHINE
-from rotor_ida.fitting.identifiability import ANGLE, Told, left_in_words, told_by
+from rotor_ida.fitting.arguments import UNITS
+from rotor_ida.fitting.identifiability import ANGLE, Identifiability, identify, left_in_words
 from rotor_ida.fitting.motion import Motion
-from rotor_ida.fitting.problem import APART, Problem, matched
+from rotor_ida.fitting.problem import APART, FitProblem, matched
 from rotor_ida.model.parameters import DimensionalRotor, Rotor
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import Column
 
 
 def dataset_of(
-    problem: Problem, machine: Rotor | DimensionalRotor, solution: Values, level: float
+    problem: FitProblem, machine: Rotor | DimensionalRotor, solution: Values, level: float
 ) -> xr.Dataset:
     """Return what was found as a dataset, each interval with a level of confidence."""
     _, slopes, motions = problem.at(solution)
-    told = told_by(slopes, _scales(problem, solution), [each.name for each in problem.unknown])
+    told = identify(slopes, _scales(problem, solution), [each.name for each in problem.unknown])
     chi_square, freedom = _left_over(problem, solution, motions), problem.freedom(solution)
     in_si = isinstance(machine, DimensionalRotor)
     variables: dict[str, Column] = {
@@ -60,10 +60,10 @@ def dataset_of(
         length=problem.records[0].units[0],
         time=problem.records[0].units[1],
     )
-    return plain.dataset("Fit of a machine to signals", variables, coordinates)
+    return plain.dataset("Fit of a machine to signals", variables, coordinates, kind="fit")
 
 
-def _scales(problem: Problem, solution: Values) -> Values:
+def _scales(problem: FitProblem, solution: Values) -> Values:
     """Return by what the error of each unknown is measured: its value, or 1 for an angle."""
     return np.array([
         abs(value) if value != 0.0 and each.name != ANGLE else 1.0
@@ -71,7 +71,7 @@ def _scales(problem: Problem, solution: Values) -> Values:
     ])  # fmt: skip
 
 
-def _left_over(problem: Problem, solution: Values, motions: list[Motion]) -> float:
+def _left_over(problem: FitProblem, solution: Values, motions: list[Motion]) -> float:
     """Return chi-square of all that is compared, the guesses of the starts among it."""
     total = 0.0
     for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
@@ -86,7 +86,7 @@ def _left_over(problem: Problem, solution: Values, motions: list[Motion]) -> flo
     return total
 
 
-def _at_bounds(problem: Problem, solution: Values) -> list[str]:
+def _at_bounds(problem: FitProblem, solution: Values) -> list[str]:
     """Return words for each unknown that would rather be less than it may."""
     return [
         f"{each.name} is at its least value {each.least:g}: its interval has one side"
@@ -97,7 +97,7 @@ def _at_bounds(problem: Problem, solution: Values) -> list[str]:
 
 
 def _estimates(
-    problem: Problem, solution: Values, told: Told, level: float, *, in_si: bool
+    problem: FitProblem, solution: Values, told: Identifiability, level: float, *, in_si: bool
 ) -> dict[str, Column]:
     """Return the numbers of each unknown."""
     from scipy.stats import norm  # noqa: PLC0415 - takes long to import
@@ -108,7 +108,7 @@ def _estimates(
     errors = np.sqrt(np.diag(told.covariance))
     least = np.array([each.least for each in problem.unknown])
     exponent = problem.machine.contact_exponent
-    units = [OF_MACHINE[each.name] if in_si else "1" for each in problem.unknown]
+    units = [UNITS[each.name] if in_si else "1" for each in problem.unknown]
     linear = [each if exponent > 1.0 else each.replace("m-1.5", "m-1") for each in units]
     return {
         "estimate": ("unknown", values),
@@ -122,7 +122,7 @@ def _estimates(
     }
 
 
-def _tracks(problem: Problem, motions: list[Motion]) -> dict[str, Column]:
+def _tracks(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
     """Return measured and fitted tracks of all records."""
     found: dict[str, list[Values]] = {}
     for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
@@ -157,7 +157,7 @@ def _tracks(problem: Problem, motions: list[Motion]) -> dict[str, Column]:
     return columns | {"order": ("order", tracked[tracked >= 0.0])}
 
 
-def _touches(problem: Problem, motions: list[Motion]) -> dict[str, Column]:
+def _touches(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
     """Return measured and fitted contact times, those of no computed contact as NaN."""
     measured, fitted, kinds, numbers, compared = [], [], [], [], []
     for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):

@@ -1,0 +1,245 @@
+"""The one registry of kinds of result: what each is, and how it is shown, drawn, verified, resumed.
+
+Every dataset that the package makes says its kind in the attribute ``result_kind``. (``kind`` is
+taken: in archives of bifurcation curves it names the bifurcation.) Archives written before are
+recognised by what they hold.
+
+What is done with a result is named here as ``module:name`` and imported when it is needed, so that
+this module stands below all that compute and draw.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+import xarray as xr
+
+from rotor_ida.model.table import PARAMETERS
+from rotor_ida.schema import RESULT_KIND
+
+OTHER = "other"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kind:
+    """One kind of result.
+
+    Parameters
+    ----------
+    name : str
+        What the attribute ``result_kind`` says.
+    meaning : str
+        What it is, as the page on datasets calls it.
+    variables, dims : tuple of str
+        Variables and dimensions that each result of the kind has. By these it is recognised in an
+        archive that does not state its kind; without any it is not.
+    along : tuple of str
+        Dimensions of the first of these variables, if they are always the same.
+    shown : str
+        Function of the dataset and a number of rows that returns its record and its tables.
+    drawn : str
+        Function of the dataset that returns its figure, or axes in it; empty if there is none.
+    verified : str
+        The `Verification` by which it is computed again and compared; empty if it cannot be.
+    study : str
+        What the design of a study calls it; empty if it is no study.
+    resumed : str
+        Function of the design of a study and of what does the work that returns a function of
+        folder and progress, which goes on with the study.
+    """
+
+    name: str
+    meaning: str
+    variables: tuple[str, ...] = ()
+    dims: tuple[str, ...] = ()
+    along: tuple[str, ...] = ()
+    shown: str = "rotor_ida.cli.describe:show_by_dimension"
+    drawn: str = ""
+    verified: str = ""
+    study: str = ""
+    resumed: str = ""
+
+    def fits(self, dataset: xr.Dataset) -> bool:
+        """Return whether a dataset has what each result of this kind has."""
+        has_all = set(self.variables) <= dataset.variables.keys()
+        if not has_all or not set(self.dims) <= set(dataset.dims):
+            return False
+        return not self.along or dataset[self.variables[0]].dims == self.along
+
+
+_WHIRLS = "rotor_ida.plot.figures:figure_of_whirls"
+_SHOWN = "rotor_ida.cli.describe"
+_SIGNALS = "rotor_ida.cli.describe_signals"
+_DRAWN = "rotor_ida.plot.figures"
+_VERIFIED = "rotor_ida.verification.verify"
+_RESUMED = "rotor_ida.verification.resume"
+
+# In the order in which archives are recognised that do not state their kind.
+KINDS = {
+    kind.name: kind
+    for kind in (
+        Kind(
+            name="comparison", meaning="comparison", variables=("matched_branch",),
+            shown=f"{_SHOWN}:show_comparison",
+        ),
+        Kind(
+            name="basin", meaning="basin", variables=("label",), dims=("attractor",),
+            shown=f"{_SHOWN}:show_attractors", drawn="rotor_ida.plot:plot_basin",
+            verified=f"{_VERIFIED}:BASIN", study="basin", resumed=f"{_RESUMED}:resume_basin",
+        ),
+        Kind(
+            name="basin_fractions", meaning="basin fractions", variables=("response_fraction",),
+            shown=f"{_SHOWN}:show_attractors", drawn=f"{_DRAWN}:figure_of_fractions",
+            verified=f"{_VERIFIED}:FRACTIONS",
+            study="basin_fractions", resumed=f"{_RESUMED}:resume_fractions",
+        ),
+        Kind(
+            name="atlas", meaning="atlas", variables=("missed_fraction",), dims=PARAMETERS,
+            shown=f"{_SHOWN}:show_atlas", drawn=f"{_DRAWN}:figure_of_atlas",
+            verified=f"{_VERIFIED}:ATLAS",
+            study="continue_attractors", resumed=f"{_RESUMED}:resume_atlas",
+        ),
+        Kind(
+            name="touchdown", meaning="report on touching",
+            variables=("missed_fraction", "excursion"), shown=f"{_SHOWN}:show_touchdown",
+        ),
+        Kind(
+            name="bifurcation_diagram", meaning="bifurcation diagram",
+            variables=("extremum_radius",), shown=f"{_SHOWN}:show_sweep",
+        ),
+        Kind(
+            name="run_ups", meaning="run-ups", variables=("ending", "rate", "to"),
+            shown=f"{_SHOWN}:show_run_ups", drawn="rotor_ida.plot:run_ups_figure",
+            verified=f"{_VERIFIED}:RUN_UPS", study="run_ups", resumed=f"{_RESUMED}:resume_run_ups",
+        ),
+        Kind(
+            name="sweep", meaning="sweep", variables=("response",), dims=PARAMETERS,
+            shown=f"{_SHOWN}:show_sweep", drawn=_WHIRLS,
+            verified=f"{_VERIFIED}:SWEEP", study="sweep", resumed=f"{_RESUMED}:resume_sweep",
+        ),
+        Kind(
+            name="run", meaning="run",
+            variables=("event_time",), dims=("t",), along=("event",),
+            shown=f"{_SHOWN}:show_run", drawn="rotor_ida.plot:plot_run",
+            verified=f"{_VERIFIED}:RUN",
+        ),
+        Kind(
+            name="whirls", meaning="exact whirls", variables=("amplitude",), dims=("branch",),
+            shown=f"{_SHOWN}:WHIRLS", drawn=_WHIRLS,
+        ),
+        Kind(
+            name="folds", meaning="folds", variables=("fold_omega",),
+            shown=f"{_SHOWN}:FOLDS", drawn=_WHIRLS,
+        ),
+        Kind(
+            name="hopf_points", meaning="Hopf points", variables=("hopf_omega",),
+            shown=f"{_SHOWN}:HOPF_POINTS", drawn=_WHIRLS,
+        ),
+        Kind(
+            name="backward_whirl", meaning="backward whirls",
+            variables=("birth_omega",), dims=("whirl",),
+            shown=f"{_SHOWN}:BACKWARD_WHIRL", drawn="rotor_ida.plot:plot_backward_whirl",
+        ),
+        Kind(
+            name="curve", meaning="bifurcation curve", variables=("special_second_value",),
+            shown=f"{_SHOWN}:show_curve", drawn=f"{_DRAWN}:figure_of_curve",
+            verified=f"{_VERIFIED}:CURVE",
+        ),
+        Kind(
+            name="fit", meaning="fit", variables=("estimate", "covariance"),
+            shown=f"{_SHOWN}:show_fit", drawn="rotor_ida.plot:fit_figure",
+        ),
+        Kind(
+            name="branch", meaning="branch", variables=("special_value",), dims=("special",),
+            shown=f"{_SHOWN}:show_branch", drawn=f"{_DRAWN}:figure_of_branch",
+            verified=f"{_VERIFIED}:BRANCH", study="branch", resumed=f"{_RESUMED}:resume_branch",
+        ),
+        Kind(
+            name="cycle", meaning="limit cycle", variables=("period_error", "multiplier_error"),
+            shown=f"{_SHOWN}:show_cycle", drawn="rotor_ida.plot:cycle_figure",
+            verified=f"{_VERIFIED}:CYCLE",
+        ),
+        Kind(
+            name="orders", meaning="orders", variables=("forward_whirl_amplitude",),
+            shown=f"{_SIGNALS}:show_orders", drawn="rotor_ida.plot:plot_orders",
+        ),
+        Kind(
+            name="centre_line", meaning="mean position", variables=("offset_x",),
+            shown=f"{_SIGNALS}:show_centre_line", drawn="rotor_ida.plot:plot_centre_line",
+        ),
+        Kind(
+            name="whirl_over_spin", meaning="whirl against spin", variables=("whirl_over_spin",),
+            shown=f"{_SIGNALS}:show_whirl_over_spin",
+        ),
+        Kind(
+            name="full_spectrum", meaning="full spectrum", variables=("noise_floor",),
+            shown=f"{_SIGNALS}:show_full_spectrum", drawn="rotor_ida.plot:plot_full_spectrum",
+        ),
+        Kind(
+            name="spectrogram", meaning="spectrogram", variables=("bandwidth",), dims=("window",),
+            shown=f"{_SIGNALS}:show_spectrogram", drawn="rotor_ida.plot:plot_spectrogram",
+        ),
+        Kind(
+            name="spectral_lines", meaning="lines of the spectrum",
+            variables=("window_residual",), dims=("line",),
+            shown=f"{_SIGNALS}:show_spectral_lines",
+        ),
+        Kind(
+            name="signals", meaning="signals", variables=("x", "y"), dims=("t",),
+            shown=f"{_SIGNALS}:show_signals", drawn="rotor_ida.plot:plot_orbit",
+        ),
+        Kind(
+            name="late_jumps", meaning="late jumps", shown=f"{_SHOWN}:FOLDS", drawn=_WHIRLS,
+        ),
+        Kind(name="contact_summary", meaning="summary of contacts"),
+        Kind(name="contact_forces", meaning="contact forces"),
+        Kind(name="spectrum", meaning="spectrum of a run"),
+        Kind(name="section", meaning="section"),
+        Kind(name="lyapunov_exponent", meaning="Lyapunov exponents"),
+        Kind(name="response_curve", meaning="response curve"),
+        Kind(name="torque_curve", meaning="Sommerfeld's curve"),
+        Kind(name="cusps", meaning="cusps"),
+        Kind(name="peaks", meaning="largest whirls"),
+        Kind(name="impact", meaning="impact"),
+        Kind(name="rest", meaning="rest"),
+        Kind(name="free_vibration", meaning="periods of free vibration"),
+        Kind(name="restoring_force", meaning="restoring force"),
+        Kind(name="exact_motion", meaning="exact motion"),
+        Kind(name=OTHER, meaning="any other dataset"),
+    )
+}  # fmt: skip
+STUDIES = {kind.study: kind for kind in KINDS.values() if kind.study}
+
+
+def kind_of(dataset: xr.Dataset) -> str:
+    """Return the kind of a dataset: what it states, or what its variables and dimensions tell.
+
+    A dataset that has lost a part, for instance by a selection along a dimension that its kind
+    needs, is recognised by what is left.
+
+    Examples
+    --------
+    >>> from rotor_ida import synchronous_response
+    >>> whirls = synchronous_response(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> kind_of(whirls), kind_of(whirls.isel(branch=0))
+    ('whirls', 'other')
+    """
+    stated = KINDS.get(str(dataset.attrs.get(RESULT_KIND, "")))
+    if stated is not None and stated.fits(dataset):
+        return stated.name
+    recognised = (kind for kind in KINDS.values() if kind.variables and kind.fits(dataset))
+    return next((kind.name for kind in recognised), OTHER)
+
+
+def loaded(place: str) -> Any:
+    """Return what a row of the registry names.
+
+    Examples
+    --------
+    >>> loaded("rotor_ida.results.kinds:kind_of") is kind_of
+    True
+    """
+    module, _, name = place.partition(":")
+    return getattr(import_module(module), name)

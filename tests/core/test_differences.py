@@ -1,0 +1,63 @@
+"""Differences carried along with a run: what each parameter adds, and which rows there may be."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rotor_ida import Rotor
+from rotor_ida.core.runs import COLUMNS, RunRequest, follow_run
+from rotor_ida.simulation.neighbours import shoot
+
+BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+
+
+BASES = {
+    "the paper's": {},
+    "shaft": {"shaft_stiffness": 0.05},
+    "release and press": {"contact_damping": 0.5, "contact_exponent": 1.0},
+    "all but a load": {"contact_damping": 2.0, "shaft_stiffness": 0.1},
+}
+
+
+@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize("name", COLUMNS[:5])
+def test_columns_of_parameters_are_differences_of_orbits(base, name):
+    """Across flights, contacts, releases and presses; where the parameter is 0, to one side."""
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, **BASES[base])
+    start, stop = np.array([2.6, 0.75, 0.66, -1.65]), np.zeros(1, np.uint8)
+
+    def end(value):
+        return shoot(replace(rotor, **{name: value}), start, 6.0, stop, whole=True).end
+
+    shot, here, step = shoot(rotor, start, 6.0, stop, whole=True), getattr(rotor, name), 1e-6
+    if here > 0.0:
+        slope = (end(here + step) - end(here - step)) / (2.0 * step)
+    else:
+        slope = (4.0 * end(step) - end(2.0 * step) - 3.0 * end(0.0)) / (2.0 * step)
+    found = shot.by_parameter[:, COLUMNS.index(name)]
+    assert np.abs(found - slope).max() < 3e-8 * max(np.abs(slope).max(), 1.0)
+    if not rotor.beyond:
+        paper = shoot(rotor, start, 6.0, stop)
+        assert paper.by_parameter == pytest.approx(shot.by_parameter[:, :3], abs=1e-12)
+        assert paper.monodromy == pytest.approx(shot.monodromy, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("rotor", "method", "message"),
+    [
+        (BOUNCING, "adams", r"must be carried by taylor, got 'adams'"),
+        (
+            replace(BOUNCING, contact_damping=0.1), "taylor",
+            r"a bundle must have 4 or 12 rows of 4, got \(7, 4\)",
+        ),
+    ],
+)  # fmt: skip
+def test_rows_that_cannot_be_carried_are_refused(rotor, method, message):
+    """Parameters by CVODE, and as few of them as the paper's rotor has."""
+    asked = RunRequest(rotor=rotor, start=(0.0,) * 4, duration=1.0, method=method,
+                  bundle=np.zeros((7, 4)), rtol=1e-12, atol=1e-14)  # fmt: skip
+    with pytest.raises(ValueError, match=message):
+        follow_run(asked)
