@@ -213,8 +213,9 @@ def peak_amplitude(
     At the tip the two speeds of `speeds_at_amplitude` are one, which is where
     ``h(A) = (A - delta0)**1.5 / (A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``. Beyond the last
     maximum of h, a root of ``3 A**4 - (12 delta0**2 - 1) A**2 - 8 delta0 A + 16 delta0**2``,
-    h falls for ever. With friction the discriminant of a quartic vanishes: see `curve_polynomials`. Friction
-    bounds the amplitude without damping too, by ``sqrt(1 + 1/mu**2)`` without a shaft.
+    h falls for ever. With friction the discriminant of a quartic vanishes: see
+    `curve_polynomials`. Friction bounds the amplitude without damping too, by
+    ``sqrt(1 + 1/mu**2)`` without a shaft.
 
     References
     ----------

@@ -20,8 +20,8 @@ from rotor_ida.checks import (
 from rotor_ida.cycles.branch import Side, advance
 from rotor_ida.cycles.continue_cycle import CONTINUED, WAYS, check_limits, follow_sides
 from rotor_ida.cycles.dataset import branch_dataset, start_attributes
-from rotor_ida.cycles.guess import Guess, guess_of
-from rotor_ida.cycles.limit_cycle import check_revolutions, check_turns_and_settles, cycle_from
+from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.limit_cycle import checked_guess, with_period
 from rotor_ida.cycles.problems import (
     TESTS,
     TORUS,
@@ -109,9 +109,7 @@ def bifurcation_curve(
     first, second = _checked_parameters(parameters)
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
     check_progress(progress)
-    guess = guess_of(rotor, start)
-    check_turns_and_settles(guess.rotor)
-    check_revolutions(guess)
+    guess = checked_guess(rotor, start)
     if kind == TORUS and not may_have_tori(guess.rotor):
         raise InputError(
             "contact_damping, friction or load must be above 0 for a torus to be born, got a rotor "
@@ -167,10 +165,7 @@ def _nearest(
     guess: Guess, kind: str, parameter: str, limits: tuple[float, float], stop: Stop
 ) -> Guess:
     """Return the bifurcation of a kind that is nearest along the branch through a cycle."""
-    if guess.period is None:
-        cycle = cycle_from(guess.rotor, guess.state)
-        guess = Guess(guess.rotor, cycle.state, cycle.period)
-    branch = branch_through(guess, parameter, limits, MOST_POINTS_OF_BRANCH, stop)
+    branch = branch_through(with_period(guess), parameter, limits, MOST_POINTS_OF_BRANCH, stop)
     sides = [Side([branch.first]), Side([branch.first.reversed()])][: 2 if branch.both else 1]
     while not all(side.end for side in sides):
         for side in sides:

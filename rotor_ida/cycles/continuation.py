@@ -24,14 +24,14 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Generic, Protocol, TypeVar
+from typing import Generic
 
 import numpy as np
 from scipy.linalg.lapack import dgesv
 from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
-from rotor_ida.cycles.special_points import FINEST, Count, Special, Way, specials_on
+from rotor_ida.cycles.special_points import FINEST, Count, S, Special, Stretch, Way, specials_on
 from rotor_ida.errors import SimulationError
 
 # Lengths are in parts of the scales.
@@ -74,33 +74,6 @@ KEPT_COSINE = 0.95
 EARLIER = 2
 # Steps of the secant method at most; none is longer than the longest along the curve.
 MOST_SECANTS = 30
-
-
-class Stretch(Protocol):
-    """An orbit followed for a time, with the derivatives of its end by a state of n numbers."""
-
-    @property
-    def start(self) -> Values:
-        """State at the start, shape (n,)."""
-
-    @property
-    def end(self) -> Values:
-        """State at the end, shape (n,)."""
-
-    @property
-    def monodromy(self) -> Values:
-        """Derivative of the end by the start, shape (n, n)."""
-
-    @property
-    def start_rate(self) -> Values:
-        """Rate of change of the state at the start, shape (n,)."""
-
-    @property
-    def end_rate(self) -> Values:
-        """Rate of change of the state at the end, shape (n,)."""
-
-
-S = TypeVar("S", bound=Stretch)
 
 
 @dataclass(frozen=True, slots=True)

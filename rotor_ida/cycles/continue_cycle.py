@@ -27,8 +27,8 @@ from rotor_ida.cycles.branch import (
 )
 from rotor_ida.cycles.continuation import Point
 from rotor_ida.cycles.dataset import branch_dataset, start_attributes
-from rotor_ida.cycles.guess import Guess, guess_of
-from rotor_ida.cycles.limit_cycle import check_revolutions, check_turns_and_settles, cycle_from
+from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.limit_cycle import checked_guess, with_period
 from rotor_ida.cycles.problems import NEVER_ZERO, Continuation, branch_through
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
@@ -157,14 +157,9 @@ def continue_cycle(
     check_choice("direction", direction, tuple(WAYS))
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
     check_progress(progress)
-    guess = guess_of(rotor, start)
-    check_turns_and_settles(guess.rotor)
-    check_revolutions(guess)
+    guess = checked_guess(rotor, start)
     bounds = check_limits(parameter, limits, guess.rotor)
-    if guess.period is None:
-        cycle = cycle_from(guess.rotor, guess.state)
-        guess = Guess(guess.rotor, cycle.state, cycle.period)
-    return branch_from(guess, parameter, bounds, direction, count, study, progress)
+    return branch_from(with_period(guess), parameter, bounds, direction, count, study, progress)
 
 
 def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, float]:

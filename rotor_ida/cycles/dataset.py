@@ -13,19 +13,50 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.branch import CLOSED, Side, SpecialBehind
 from rotor_ida.cycles.guess import Guess
-from rotor_ida.cycles.multipliers import defects_of, is_stable, multipliers_of
+from rotor_ida.cycles.multipliers import (
+    defects_of,
+    is_stable,
+    multipliers_near,
+    multipliers_of,
+)
 from rotor_ida.cycles.problems import PLACE
-from rotor_ida.cycles.shooting import Cycle, checked_cycle
+from rotor_ida.cycles.shooting import (
+    Cycle,
+    checked_cycle,
+    close_orbit,
+    period_of,
+    revolutions_of,
+    sampled_orbit,
+)
+from rotor_ida.model.contact import contact_force
 from rotor_ida.model.parameters import Rotor
+from rotor_ida.parallel import Stop
+from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import (
+    LINE_KIND,
     QUANTITIES,
     RESPONSE,
     SPECIAL,
     STABILITY,
+    WHIRL_DIRECTION,
     Column,
     labelled,
     labelled_dataset,
 )
+from rotor_ida.simulation.neighbours import RTOL
+
+# The error of a cycle comes from further solutions with a looser tolerance,
+LOOSER_RTOL = 30.0 * RTOL
+# begun at these parts of the period, where rounding is another as well:
+ELSEWHERE = (0.23, 0.52, 0.81)
+# so many times their largest difference.
+ERROR_SAFETY = 5.0
+# Under a load these begin where they may, with tolerances looser by
+LOOSER_STILL = (1.0, 3.0, 10.0)
+# Samples of one period, for the spectrum and the picture: a power of two.
+SAMPLES = 1024
+# Lines of the spectrum are told that come to this part of the strongest.
+WEAKEST_LINE = 1e-6
 
 
 def cycle_columns(cycles: Sequence[Cycle], dim: str, prefix: str = "") -> dict[str, xr.Variable]:
@@ -73,6 +104,145 @@ def of_cycle(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLi
 
 def _of(cycles: Sequence[Cycle], name: str) -> Values:
     return np.array([getattr(cycle, name) for cycle in cycles], dtype=np.float64)
+
+
+# ---- One cycle ----
+
+
+def cycle_dataset(rotor: Rotor, guess: Guess, cycle: Cycle | None, response: str) -> xr.Dataset:
+    """Return a limit cycle, or what there is instead, as a labelled dataset."""
+    coordinates: dict[str, Column] = {name: ((), value) for name, value in rotor.given.items()}
+    coordinates["multiplier"] = ("multiplier", np.arange(4))
+    attributes = provenance({"method": "taylor", "flight": "exact", "rtol": RTOL}) | {
+        **rotor.given,
+        "start": guess.state,
+    }
+    if guess.period is not None:
+        attributes["start_period"] = guess.period
+    variables = _none(response) if cycle is None else _columns(cycle)
+    title = "Limit cycle on the rotating axes"
+    return labelled_dataset(title, variables, coordinates, attributes, kind="cycle")
+
+
+def _columns(cycle: Cycle) -> dict[str, xr.Variable]:
+    """Return the numbers, one period and the spectrum of a cycle as variables."""
+    columns = {
+        name: variable.isel(cycle=0) for name, variable in cycle_columns([cycle], "cycle").items()
+    }
+    stop = np.zeros(1, np.uint8)
+    states = sampled_orbit(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)
+    looser = _solved_again(cycle, states, stop)
+    multipliers = multipliers_of(cycle.shot)
+    apart = np.abs(
+        [multipliers_near(multipliers, other.shot) - multipliers for other in looser]
+    ).max(axis=0)
+    errors = ERROR_SAFETY * (apart + np.spacing(np.abs(multipliers)))
+    if cycle.rotor.load == 0.0:
+        errors[multipliers == 1.0] = 0.0
+    period_apart = max(abs(other.period - cycle.period) for other in looser)
+    period_error = ERROR_SAFETY * (period_apart + np.spacing(cycle.period))
+    columns["period_error"] = of_cycle("period_error", (), period_error)
+    columns["multiplier_error"] = of_cycle("multiplier_error", "multiplier", errors)
+    if cycle.rotor.delta0 == 0.0:  # the integral of a smooth periodic function
+        radii = np.hypot(states[:-1, 0], states[:-1, 1])
+        force = contact_force(radii, 0.0, cycle.rotor.contact_exponent)
+        impulse = float(force.mean()) * cycle.period
+        columns["impulse_per_period"] = of_cycle("impulse_per_period", (), impulse)
+    times = np.linspace(0.0, cycle.period, SAMPLES + 1)
+    return (
+        columns
+        | {"t": of_cycle("t", "t", times)}
+        | state_columns(states, "t")
+        | _lines(cycle, states)
+    )
+
+
+def _solved_again(cycle: Cycle, states: Values, stop: Stop) -> list[Cycle]:
+    """Return further solutions with looser tolerances, begun elsewhere on the cycle.
+
+    There rounding is another as well. Under a load they can begin after whole revolutions only.
+    """
+    rotor, period = cycle.rotor, cycle.period
+    if rotor.load == 0.0:
+        return [
+            close_orbit(rotor, states[round(part * SAMPLES)], period, stop, LOOSER_RTOL)
+            for part in ELSEWHERE
+        ]
+    revolutions = revolutions_of(rotor, period)
+    begun = sampled_orbit(rotor, cycle.state, period_of(rotor, 1), revolutions + 1, stop)
+    return [
+        close_orbit(rotor, begun[round(part * revolutions)], period, stop, factor * LOOSER_RTOL)
+        for part, factor in zip(ELSEWHERE, LOOSER_STILL, strict=True)
+    ]
+
+
+def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
+    """Return the spectrum of one period: on fixed axes lines at omega + k 2 pi/T."""
+    ratio, orders, sizes = whirl_beside(cycle, states[:-1])
+    chosen = np.flatnonzero(sizes >= WEAKEST_LINE * sizes.max())
+    chosen = chosen[np.argsort(orders[chosen])]
+    frequency = cycle.rotor.omega + 2.0 * math.pi / cycle.period * orders[chosen]
+    kinds = np.where(orders[chosen] == 0.0, LINE_KIND["spin"], np.sign(frequency)).astype(np.int8)
+    if (static := static_order(cycle)) is not None:
+        frequency[orders[chosen] == static] = 0.0
+        kinds[orders[chosen] == static] = LINE_KIND["static"]
+    direction = WHIRL_DIRECTION["forward" if ratio > 0.0 else "backward"]
+    return {
+        "line": of_cycle("line", "line", np.arange(chosen.size)),
+        "frequency": of_cycle("frequency", "line", frequency),
+        "whirl_amplitude": of_cycle("whirl_amplitude", "line", sizes[chosen]),
+        "line_kind": of_cycle("line_kind", "line", kinds),
+        "whirl_ratio": of_cycle("whirl_ratio", (), ratio),
+        "whirl_direction": of_cycle("whirl_direction", (), np.int8(direction)),
+    }
+
+
+def whirl_beside(cycle: Cycle, states: Values) -> tuple[float, Values, Values]:
+    """Return the frequency of the strongest whirl beside the spin over the spin speed.
+
+    It is negative for backward whirl; what stands still is none. Beside it, of all lines at
+    ``omega + k 2 pi/T``, the order k and the amplitude. `states`, shape (n, 4), are one period on
+    the rotating axes, at equal times.
+    """
+    heights = np.fft.fft(states[:, 0] + 1j * states[:, 1]) / len(states)
+    sizes: Values = np.abs(heights)
+    orders = np.asarray(np.fft.fftfreq(len(states), 1.0 / len(states)), dtype=np.float64)
+    others = np.flatnonzero((orders != 0.0) & (orders != static_order(cycle)))
+    strongest = float(orders[others[np.argmax(sizes[others])]])
+    ratio = 1.0 + 2.0 * math.pi / cycle.period * strongest / cycle.rotor.omega
+    return ratio, orders, sizes
+
+
+def static_order(cycle: Cycle) -> float | None:
+    """Return the order of the line that stands still under a load; None without."""
+    return -float(revolutions_of(cycle.rotor, cycle.period)) if cycle.rotor.load > 0.0 else None
+
+
+def _none(response: str) -> dict[str, xr.Variable]:
+    """Return the variables of a result without a limit cycle."""
+    numbers = (
+        *("period", "period_error", "radius_min", "radius_max", "largest_force"),
+        *("impulse_per_period", "trace", "residual", "trivial_defect", "symplectic_defect"),
+        "whirl_ratio",
+    )
+    columns = {name: of_cycle(name, (), math.nan) for name in numbers}
+    columns |= {
+        name: of_cycle(name, "multiplier", np.full(4, math.nan))
+        for name in ("multiplier_real", "multiplier_imag", "multiplier_error")
+    }
+    columns["response"] = of_cycle("response", (), np.int8(RESPONSE[response]))
+    columns["stability"] = of_cycle("stability", (), np.int8(STABILITY["absent"]))
+    columns["contact_count"] = of_cycle("contact_count", (), 0)
+    columns["whirl_direction"] = of_cycle("whirl_direction", (), np.int8(WHIRL_DIRECTION["none"]))
+    none = np.empty(0)
+    columns |= {name: of_cycle(name, "line", none) for name in ("frequency", "whirl_amplitude")}
+    columns["line"] = of_cycle("line", "line", np.empty(0, dtype=np.int64))
+    columns["line_kind"] = of_cycle("line_kind", "line", np.empty(0, dtype=np.int8))
+    columns["t"] = of_cycle("t", "t", none)
+    return columns | state_columns(np.empty((0, 4)), "t")
+
+
+# ---- Branches, and curves of bifurcations ----
 
 
 def start_attributes(guess: Guess) -> dict[str, object]:

@@ -22,11 +22,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotor_ida.arrays import Values
+from rotor_ida.core.interface import DONE, message_of
+from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel.jobs import Stop
-from rotor_ida.simulation.neighbours import MAXIMUM, RTOL, Shot, shoot
+from rotor_ida.simulation.neighbours import ATOL, MAXIMUM, RTOL, Shot, shoot
 
 # Steps of Newton's method at most; a guess far off takes some of them to come near.
 MOST_STEPS = 25
@@ -264,3 +266,21 @@ def _relative_size(step: Values, shot: Shot) -> float:
     """Return the size of a step in parts of state and period."""
     scale = float(np.linalg.norm(shot.start)) or 1.0
     return max(float(np.linalg.norm(step[:4])) / scale, abs(float(step[4])) / shot.duration)
+
+
+def sampled_orbit(rotor: Rotor, state: Values, span: float, count: int, stop: Stop) -> Values:
+    """Return so many states of an orbit, a span apart, on the rotating axes, shape (count, 4)."""
+    times = span * np.arange(count, dtype=np.float64)
+    seen = follow_run(
+        RunRequest(
+            rotor=rotor, start=state, duration=float(times[-1]), rtol=RTOL, atol=ATOL * RTOL,
+            sample_times=times, stop=stop,
+        )
+    )  # fmt: skip
+    if seen.status != DONE:
+        x, y, vx, vy = state.tolist()
+        raise SimulationError(
+            f"an orbit could not be followed: {message_of(seen.status)}",
+            time=0.0, state=(x, y, vx, vy),
+        )  # fmt: skip
+    return seen.samples

@@ -13,19 +13,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.polynomial import Polynomial
 from scipy.optimize import brentq
 
+from rotor_ida.arrays import Values
 from rotor_ida.errors import SimulationError
 
 if TYPE_CHECKING:
-    from rotor_ida.cycles.continuation import Point, Stretch
+    from rotor_ida.cycles.continuation import Point
 
-S = TypeVar("S", bound="Stretch")
-Nodes = list[tuple[float, float]]
 
 # Special points are located to this part of the scales: some dozens of roundings.
 FINEST = 1e-14
@@ -55,6 +54,33 @@ KNOWN = 1e-6
 TOUCH = 1e-7
 # A turn may lie as far outside the step, in parts of it, by the parabola through three points.
 OUTSIDE = 0.5
+
+
+class Stretch(Protocol):
+    """An orbit followed for a time, with the derivatives of its end by a state of n numbers."""
+
+    @property
+    def start(self) -> Values:
+        """State at the start, shape (n,)."""
+
+    @property
+    def end(self) -> Values:
+        """State at the end, shape (n,)."""
+
+    @property
+    def monodromy(self) -> Values:
+        """Derivative of the end by the start, shape (n, n)."""
+
+    @property
+    def start_rate(self) -> Values:
+        """Rate of change of the state at the start, shape (n,)."""
+
+    @property
+    def end_rate(self) -> Values:
+        """Rate of change of the state at the end, shape (n,)."""
+
+
+S = TypeVar("S", bound=Stretch)
 
 
 @dataclass(frozen=True, slots=True)

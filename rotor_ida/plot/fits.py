@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +30,8 @@ RARE = 2.0
 CLEAR = 3.0
 # More windows than these are drawn with small marks.
 MANY = 300
+# What is measured is drawn as points with their errors.
+MEASURED: Any = {"fmt": ".", "ms": 3.5, "lw": 0.0, "elinewidth": 0.8, "color": INK}
 
 
 def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
@@ -110,11 +113,11 @@ def plot_fit(
             axes = list(
                 Figure(figsize=(5.0, 4.4), layout="constrained").subplots(2, 1, sharex=True)
             )
-        for number, row in _records(one):
-            places = over.values[row]
-            part = one.isel(window=row)
-            _draw_amplitude(axes[0], places, part, first=number == 0)
-            _draw_phase(axes[1], places, part)
+        for number in np.unique(one["record"].values):
+            windows = one["record"].values == number
+            part = one.isel(window=windows)
+            _draw_amplitude(axes[0], over.values[windows], part)
+            _draw_phase(axes[1], over.values[windows], part)
         axes[0].set_ylim(bottom=0.0)
         label_axis(axes[0].yaxis, "whirl_amplitude", units.lengths(0.0))
         axes[1].set_ylabel(f"{LABELS['phase_lag']} [°]")
@@ -172,12 +175,6 @@ def _order_of(dataset: xr.Dataset, order: float) -> tuple[xr.Dataset, Units, xr.
     return one, units, over
 
 
-def _records(one: xr.Dataset) -> list[tuple[int, npt.NDArray[np.intp]]]:
-    """Return the number of each record, and its windows."""
-    numbers = one["record"].values
-    return [(int(each), np.flatnonzero(numbers == each)) for each in np.unique(numbers)]
-
-
 def _complex(one: xr.Dataset, words: str) -> npt.NDArray[np.complex128]:
     """Return the complex amplitude of forward whirl."""
     size = one[f"{words}forward_whirl_amplitude"].values
@@ -185,13 +182,13 @@ def _complex(one: xr.Dataset, words: str) -> npt.NDArray[np.complex128]:
     return np.asarray(size * np.exp(-1j * lag), dtype=np.complex128)
 
 
-def _draw_amplitude(ax: Axes, places: Values, one: xr.Dataset, *, first: bool) -> None:
+def _draw_amplitude(ax: Axes, places: Values, one: xr.Dataset) -> None:
     """Draw measured over fitted amplitude of one record."""
     ax.plot(places, one["fitted_forward_whirl_amplitude"].values, color=ORANGE, lw=1.3,
-            label="fitted" if first else None, zorder=3.0)  # fmt: skip
+            label="fitted", zorder=3.0)  # fmt: skip
     ax.errorbar(
         places, one["forward_whirl_amplitude"].values, one["forward_amplitude_error"].values,
-        fmt=".", ms=3.5, lw=0.0, elinewidth=0.8, color=INK, label="measured" if first else None,
+        **MEASURED, label="measured",
     )  # fmt: skip
 
 
@@ -204,10 +201,7 @@ def _draw_phase(ax: Axes, places: Values, one: xr.Dataset) -> None:
     error = one["forward_amplitude_error"].values / one["forward_whirl_amplitude"].values
     clear = error < 1.0 / CLEAR
     ax.plot(places, np.degrees(lag), color=ORANGE, lw=1.3, zorder=3.0)
-    ax.errorbar(
-        places[clear], np.degrees(near[clear]), np.degrees(error[clear]),
-        fmt=".", ms=3.5, lw=0.0, elinewidth=0.8, color=INK,
-    )  # fmt: skip
+    ax.errorbar(places[clear], np.degrees(near[clear]), np.degrees(error[clear]), **MEASURED)
 
 
 def _plot_touches(dataset: xr.Dataset, ax: Axes) -> None:
@@ -237,7 +231,7 @@ def _plot_touches(dataset: xr.Dataset, ax: Axes) -> None:
 
 
 def _estimates_in_words(dataset: xr.Dataset) -> str:
-    """Return what was found, a line for two unknowns."""
+    """Return the estimates, a line for two unknowns."""
     words = []
     for name, value, error, unit in zip(
         dataset["unknown"].values, dataset["estimate"].values, dataset["standard_error"].values,

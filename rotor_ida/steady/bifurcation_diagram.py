@@ -240,8 +240,8 @@ def _followed_on(
 
     With the sweep, in which a point whose motion cannot be followed on has failed.
     """
-    status, message = settled["status"].values.ravel(), settled["message"].values.ravel().tolist()
-    status = status.copy()
+    status = settled["status"].values.flatten()  # a copy
+    message = settled["message"].values.ravel().tolist()
     results: list[Result | None] = [None] * status.size
     due = np.flatnonzero(status == STATUS["done"])
     attempt, jobs = partial(_attempt, work=work), _jobs(settled, due)

@@ -17,7 +17,7 @@ import rotor_ida
 from rotor_ida import Rotor, simulate
 from rotor_ida.basins import kernel, known
 from rotor_ida.basins.kernel import LANES, NOT_FORWARDS, SECTION, UNDECIDED
-from rotor_ida.cycles.limit_cycle import sampled_orbit
+from rotor_ida.cycles.shooting import sampled_orbit
 from rotor_ida.model.equations import push_over_radius, rotating_field
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run

@@ -9,8 +9,8 @@ import pytest
 
 from rotor_ida import Rotor, bifurcation_curve, continue_cycle, limit_cycle
 from rotor_ida.cycles.branch_course import stable_ranges
-from rotor_ida.cycles.limit_cycle import sampled_orbit
 from rotor_ida.cycles.multipliers import doubling_test, fold_test, torus_test
+from rotor_ida.cycles.shooting import sampled_orbit
 from rotor_ida.errors import InputError
 from rotor_ida.schema import RESPONSE, SPECIAL
 from rotor_ida.simulation.neighbours import shoot

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rotor_ida.basins import agreement, attractors, contact_free_whirls, cycle_sections, fates
+from rotor_ida.basins import attractors, cycle_sections, fates, following, known
 from rotor_ida.basins.atlas import shocks
 
 PAGE = (Path(__file__).parents[2] / "docs" / "basins.md").read_text("utf-8")
@@ -14,7 +14,7 @@ WORDS = {2: "two", 3: "three", 5: "five", 8: "eighth", 12: "twelve", 20: "twenty
 @pytest.mark.parametrize(
     "said",
     [
-        f"{contact_free_whirls.STATES} such states were followed",
+        f"{known.STATES} such states were followed",
         f"{cycle_sections.STATES} states on each of {WORDS[len(cycle_sections.SHELLS)]} shells",
         f"with an error of {cycle_sections.TOLERANCE:g} in a step",
         f"the set is {cycle_sections.CAUTION:g} as wide",
@@ -26,9 +26,9 @@ WORDS = {2: "two", 3: "three", 5: "five", 8: "eighth", 12: "twelve", 20: "twenty
         f"at an error of {fates.CLOSELY:g} in a step",
         f"until {fates.LONGEST_BESIDE_CYCLE:,.0f}",
         f"{WORDS[attractors.WITNESSES]} at most, until one comes to the same attractor",
-        f"one in {WORDS[agreement.ONE_START_OF]} of every {WORDS[agreement.ONE_BATCH_OF]} batch",
-        f"one in {agreement.ONE_OF_ROTOR}, and {agreement.MOST_OF_ROTOR} at most",
-        f"({agreement.TIGHTEST:g} at least)",
+        f"one in {WORDS[following.ONE_START_OF]} of every {WORDS[following.ONE_BATCH_OF]} batch",
+        f"one in {following.ONE_OF_ROTOR}, and {following.MOST_OF_ROTOR} at most",
+        f"({following.TIGHTEST:g} at least)",
     ],
 )
 def test_numbers_are_those_of_the_code(said):

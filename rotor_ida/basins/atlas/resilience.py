@@ -38,8 +38,7 @@ from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, leads_to
 from rotor_ida.basins.cycle_sections import CycleSection
 from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED
 from rotor_ida.basins.known import ContactFree, Known, may_roll
-from rotor_ida.cycles.limit_cycle import sampled_orbit
-from rotor_ida.cycles.shooting import Cycle
+from rotor_ida.cycles.shooting import Cycle, sampled_orbit
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Stop

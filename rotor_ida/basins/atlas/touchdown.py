@@ -30,8 +30,8 @@ from rotor_ida.checks import (
     check_seed,
     shown,
 )
-from rotor_ida.cycles.limit_cycle import sampled_orbit, whirl_beside
-from rotor_ida.cycles.shooting import close_orbit
+from rotor_ida.cycles.dataset import whirl_beside
+from rotor_ida.cycles.shooting import close_orbit, sampled_orbit
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.parameters import DimensionalRotor, Rotor
