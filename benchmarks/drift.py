@@ -38,8 +38,8 @@ def error_of_radius(method: Method, rtol: float, time: float, radius: float) -> 
     options = Options(method=method, rtol=rtol)
     orbit = run(ROTOR, START, time + WINDOW, np.empty(0), options, extrema=True)
     assert orbit.extrema is not None
-    late = orbit.extrema[orbit.extrema[:, 0] >= time]
-    return float(late[:, 1].max()) - radius
+    late = orbit.extrema[orbit.extrema["time"] >= time]
+    return float(late["radius"].max()) - radius
 
 
 def main() -> None:

@@ -237,7 +237,7 @@ def run_ups(rounds):
             way = partial(run, machine, case.start, case.duration, asked, options)
             course = through([(0.0, machine.omega), (case.duration, machine.omega
                               + SLOW_RATE * case.duration)], case.duration)  # fmt: skip
-            found = {"steady": way, "changing": partial(way, course=course)}
+            found = {"steady": way, "changing": partial(way, profile=course)}
             events = {each: go().event_times.size for each, go in found.items()}
             times = in_turn({each: clocked(go) for each, go in found.items()}, rounds)
             share = events["steady"] / events["changing"]

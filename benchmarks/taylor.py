@@ -30,7 +30,7 @@ from measuring import ROUNDS, clocked, in_turn, machine, ratio
 import rotor_ida
 from rotor_ida import Rotor
 from rotor_ida.core.library import build_info
-from rotor_ida.core.runs import Asked, stretch
+from rotor_ida.core.runs import RunRequest, stretch
 from rotor_ida.simulation.lyapunov import METHODS_OF_TANGENTS
 from rotor_ida.simulation.neighbours import ATOL
 
@@ -139,7 +139,7 @@ def tangents(_rounds):
 def stretched(rotor, start, rtol, method):
     """Return the mean rates of stretching of one motion, and the seconds that it took."""
     differences = np.ascontiguousarray(np.linalg.qr(np.vander([1.0, 0.7, -0.4, -0.9]))[0])
-    asked = Asked(
+    asked = RunRequest(
         rotor=rotor, start=start, duration=SPAN, rtol=rtol, atol=ATOL * rtol, method=method,
         bundle=differences,
     )  # fmt: skip

@@ -100,3 +100,10 @@ RUBBING: dict[str, Motion] = {
     ),
 }  # fmt: skip
 MOTIONS: dict[str, Motion] = {**SMOOTH, **RUBBING}
+# The methods that all follow the same motion, each as exactly as it can.
+WAYS = {
+    "taylor": {"method": "taylor", "rtol": 1e-13, "atol": 1e-15},
+    "adams": {"method": "adams", "rtol": 1e-13, "atol": 1e-15},
+    "bdf, flight integrated": {"method": "bdf", "rtol": 1e-12, "flight": "cvode"},
+    "reference": {"backend": "python", "rtol": 1e-12, "atol": 1e-14},
+}

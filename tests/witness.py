@@ -167,7 +167,7 @@ def rub_hold(time, state, rotor):
 
 def rub_slip(state, rotor):
     """v_s = v_t + rho omega."""
-    return rub_polar(state)[3] + rotor.disc_radius * rotor.omega
+    return rub_polar(state)[3] + (rotor.disc_radius or 0.0) * rotor.omega
 
 
 def sliding_rates(time, state, rotor, mode):
@@ -228,11 +228,15 @@ def rub_guards(rotor, mode):
         guards.append((held, -4))
     if mode == 2:
         return [*guards, (grip(1), -2), (grip(-1), -2)]
-    return [*guards, (lambda _, state: mode * rub_slip(state, rotor), 2)]
+    if rotor.friction > 0.0:
+        guards.append((lambda _, state: mode * rub_slip(state, rotor), 2))
+    return guards
 
 
 def rub_mode_of(time, state, rotor, stopped=False):
     """How a pressed contact goes on: 1 or -1 where it slides, 2 where it rolls."""
+    if rotor.friction == 0.0:
+        return 1
     slip = 0.0 if stopped else rub_slip(state, rotor)
     if abs(slip) > 1e-13:
         return int(np.sign(slip))
@@ -268,7 +272,7 @@ def rub_stretch(now, end, state, rotor, mode, guards=()):
 
 
 def rubbed(rotor, start, duration):
-    """Follow a machine with friction, off the ring at the start; return its events and its end."""
+    """Follow a rotor, off the ring at the start; return its events and its end."""
     now, state, events = 0.0, np.array(start, dtype=float), []
     mode = 0
     if np.hypot(*state[:2]) > rotor.delta0:

@@ -25,7 +25,6 @@ import numpy as np
 
 from rotor_ida.arrays import Values
 from rotor_ida.basins.kernel import SECTION, Rows, measure_returns
-from rotor_ida.core.interface import KIND, RADIUS, TIME
 from rotor_ida.cycles.multipliers import multipliers_of
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
@@ -109,8 +108,8 @@ def cycle_section(cycle: Cycle, stop: Stop) -> CycleSection:
 def _widest_section(cycle: Cycle, stop: Stop) -> CycleSection:
     """Return the section with the largest set among those that the modes suggest."""
     shot = cycle.shot
-    maxima = shot.extrema[shot.extrema[:, KIND] == MAXIMUM]
-    time = float(maxima[np.argmax(maxima[:, RADIUS]), TIME])
+    maxima = shot.extrema[shot.extrema["kind"] == MAXIMUM]
+    time = float(maxima["time"][np.argmax(maxima["radius"])])
     centre = shoot(cycle.rotor, cycle.state, time, stop).end if time > 0.0 else cycle.state
     round_ = shoot(cycle.rotor, centre, cycle.period, stop)
     normal = round_.start_rate / np.linalg.norm(round_.start_rate)

@@ -98,6 +98,10 @@ def follow(
     _check_shape("free", free, ())
     _check_shape("sections", sections, (section_count,))
     _check_shape("stop", stop, (1,))
+    # the labels are those of regions, of a whirl in flight, of fading touches, and of cycles
+    most, highest = np.iinfo(np.int16).max, region_count + section_count + 1
+    if highest > most:
+        raise ValueError(f"labels of attractors must be at most {most}, got {highest}")
     # whether it was stopped is told by the labels
     library_of(rotor).core_follow_lanes(
         byref(RotorStruct.of(rotor)), pointer(states, np.float64, writeable=True),

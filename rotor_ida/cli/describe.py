@@ -65,6 +65,8 @@ POINT = (
     *("radius_min", "radius_max", "period", "lyapunov_exponent", "lyapunov_error"),
     *("event_count", "extremum_count", "status", "message"),
 )
+# Of points only programs are told these.
+UNTOLD = {"phase_lag", "event_count"}
 TOLD_OF_RUN_UP = (
     *("ending", "response", "rate", "phase", "start", *ALL_PARAMETERS),
     *("largest_force", "largest_force_speed", "largest_radius", "first_touch_speed"),
@@ -120,23 +122,31 @@ class Rows:
         does not have are left out.
     columns : tuple of str
         What people read, in order, if not all.
+    falling : bool
+        Whether the rows stand in order of the first variable, the largest first.
     """
 
     title: str
     key: str
     names: tuple[str, ...]
     columns: tuple[str, ...] = ()
+    falling: bool = False
 
     def of(self, dataset: xr.Dataset) -> list[Record]:
         """Return the rows of a dataset."""
         lead, *_ = self.names
         rows = rows_of(dataset, [name for name in self.names if name in dataset.variables])
-        return [row for row in rows if row[lead] == row[lead]]
+        there = [row for row in rows if row[lead] == row[lead]]
+        return sorted(there, key=lambda row: -_number(row[lead])) if self.falling else there
 
-    def table(self, rows: list[Record], most: int | None) -> list[RenderableType]:
-        """Return the table of rows that a dataset has."""
+    def table(
+        self, dataset: xr.Dataset, rows: list[Record], most: int | None
+    ) -> list[RenderableType]:
+        """Return the table of the rows of a dataset, with units where it has them."""
         told = [name for name in self.columns or self.names if rows and name in rows[0]]
-        return rows_table(self.title, rows, told, most)
+        heads = {name: with_unit(dataset, name) for name in told}
+        shown: list[Record] = [{heads[name]: row[name] for name in told} for row in rows]
+        return rows_table(self.title, shown, list(heads.values()), most)
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +171,7 @@ class Sheet:
         }
         numbers = {name: each for name, each in parameters.items() if not isinstance(each, list)}
         told = {with_unit(dataset, name): each for name, each in (numbers | scalars).items()}
-        parts = [part for each in there for part in each.table(rows[each.key], most)]
+        parts = [part for each in there for part in each.table(dataset, rows[each.key], most)]
         return record, [pairs(self.title, told), *parts] if told else parts
 
 
@@ -211,6 +221,18 @@ BACKWARD_WHIRL = Sheet(
         ),
     ),
 )  # fmt: skip
+SPECTRAL_LINES = Sheet(
+    "Lines by least squares",
+    (
+        Rows(
+            title="Lines",
+            key="lines",
+            names=("whirl_amplitude", "frequency", "frequency_over_omega", "whirl_phase"),
+            columns=("frequency", "frequency_over_omega", "whirl_amplitude", "whirl_phase"),
+            falling=True,
+        ),
+    ),
+)
 
 
 def show_by_dimension(dataset: xr.Dataset, most: int | None) -> Description:
@@ -379,7 +401,8 @@ def show_sweep(dataset: xr.Dataset, most: int | None) -> Description:
     kinds = _kinds(dataset)
     parts: list[RenderableType] = [table("Responses by kind", kinds, list(kinds[0]))]
     if most is not None and points:
-        parts += rows_table("Responses", points, _telling(points), most, digits=6)
+        columns = [name for name in _telling(points, POINT) if name not in UNTOLD]
+        parts += rows_table("Responses", points, columns, most, digits=6)
     return record, parts
 
 
@@ -410,8 +433,7 @@ def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
     title = f"How run-ups to {float(dataset['to']):.6g} end"
     tables: list[RenderableType] = rows_table(title, fractions, columns, MOST_FRACTIONS, digits=6)
     if most is not None and run_ups:
-        saying = {name for row in run_ups for name, value in row.items() if _says(value)}
-        columns = [name for name in TOLD_OF_RUN_UP if name in saying]
+        columns = _telling(run_ups, TOLD_OF_RUN_UP)
         tables += rows_table("Run-ups", run_ups, columns, most, digits=6)
     return record, tables
 
@@ -670,10 +692,14 @@ def show_fit(dataset: xr.Dataset, most: int | None) -> Description:
     ]  # fmt: skip
 
 
-def _telling(points: Sequence[Record]) -> list[str]:
-    """Return the columns of a sweep to show: only those that say anything."""
-    said = {name for point in points for name, value in point.items() if _says(value)}
-    return [name for name in POINT if name in said - {"phase_lag", "event_count"}]
+def _number(value: object) -> float:
+    return value if isinstance(value, float) else math.nan
+
+
+def _telling(rows: Sequence[Record], names: Sequence[str]) -> list[str]:
+    """Return those columns that say anything in any row."""
+    said = {name for row in rows for name, value in row.items() if _says(value)}
+    return [name for name in names if name in said]
 
 
 def _says(value: object) -> bool:

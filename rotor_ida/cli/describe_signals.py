@@ -212,20 +212,6 @@ def _peaks(dataset: xr.Dataset) -> list[Record]:
     return rows_of(dataset[names].isel(frequency=places), names) if places.size else []
 
 
-def show_spectral_lines(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the lines, the strongest first."""
-    names = names_on(dataset, "line")
-    rows = sorted(rows_of(dataset, names), key=lambda row: -_number(row["whirl_amplitude"]))
-    scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
-    record: Record = {"kind": "spectral_lines", "parameters": parameters_in(dataset), **scalars,
-                      "lines": rows, **about(dataset)}  # fmt: skip
-    told = {with_unit(dataset, name): value for name, value in scalars.items()}
-    shown = _headed(dataset, rows)
-    columns = list(shown[0]) if shown else []
-    parts = [pairs("Lines by least squares", {**parameters_in(dataset), **told})]
-    return record, [*parts, *rows_table("Lines", shown, columns, most)]
-
-
 def show_spectrogram(dataset: xr.Dataset, most: int | None) -> Description:
     """Return what is covered, and the highest line of some segments from first to last."""
     every = _highest(dataset)
@@ -300,7 +286,3 @@ def _headed(dataset: xr.Dataset, rows: list[Record]) -> list[Record]:
 
 def _named(attributes: Record, names: Sequence[str]) -> Record:
     return {name: attributes[name] for name in names if name in attributes}
-
-
-def _number(value: object) -> float:
-    return value if isinstance(value, float) else math.nan

@@ -554,6 +554,20 @@ class JobOptions:
         return {"workers": workers, "executor": self.executor}
 
 
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class DrawnOptions:
+    """Random starts, and how they are labelled."""
+
+    x: Range = 0.0
+    y: Range = 0.0
+    vx: Range = 0.0
+    vy: Range = 0.0
+    starts: StartCount = 1000
+    seed: Seed = 0
+    rtol: Rtol = 1e-6
+
+
 def _named(text: str, words: str) -> Parameter:
     return Parameter(help=text, metavar=words, consume_multiple=True, negative=())
 

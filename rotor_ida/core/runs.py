@@ -1,4 +1,4 @@
-"""One run of the core: what is asked of it, and what came of it, in arrays that NumPy owns."""
+"""One run of the core: its request, and its result, in arrays that NumPy owns."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import ctypes
 import math
 from ctypes import byref, c_int64, c_void_p
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,12 +14,9 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.core import sundials
 from rotor_ida.core.interface import (
-    CONTACT_COLUMNS,
-    EXTREMUM_COLUMNS,
     FULL,
     FULL_INSIDE,
     METHODS,
-    PIECE_COLUMNS,
     STRETCH_COLUMNS,
     UNDECIDED,
     RotorStruct,
@@ -33,6 +31,7 @@ from rotor_ida.model.parameters import Rotor
 from rotor_ida.model.table import PARAMETERS
 
 Stop = npt.NDArray[np.uint8]
+Rows = npt.NDArray[np.void]
 
 FIRST_ROOM = 64
 # Rows of a bundle of differences: of the state, and with those that the parameters add.
@@ -42,9 +41,33 @@ COLUMNS = WHOLE.columns
 NO_STOP: Stop = np.zeros(1, np.uint8)
 
 
+def _rows_of_numbers(*names: str) -> np.dtype[np.void]:
+    return np.dtype([(name, np.float64) for name in names])
+
+
+# Rows as the core writes and reads them: `struct contact`, with entry or exit NaN where the contact
+# has none within the run, and the root of the largest indentation; `struct extremum` of the radius,
+# a maximum (1) or a minimum (-1); `struct piece`, a course of the speed up to its end; and angle
+# and speed of a rotor whose speed changes.
+CONTACT = _rows_of_numbers(
+    "entry", "exit", "peak_time", "peak_root", "impulse", "momentum", "lost", "largest_force",
+    "heat",
+)  # fmt: skip
+EXTREMUM = np.dtype(
+    [
+        ("time", np.float64),
+        ("radius", np.float64),
+        ("kind", np.float64),
+        ("state", np.float64, 4),
+    ]
+)
+PIECE = _rows_of_numbers("end", "rate", "torque", "slope", "inverse_inertia", "speed")
+SPIN = _rows_of_numbers("angle", "speed")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Asked:
-    """What is asked of a run.
+class RunRequest:
+    """A run to be followed by the core.
 
     Parameters
     ----------
@@ -73,9 +96,9 @@ class Asked:
         what the parameters add, by `COLUMNS`: three in the paper's model, eight in the whole [1].
     whole : bool
         Whether the core of the whole model follows it, even if the paper's would do.
-    pieces : ndarray, shape (n, 6), optional
-        How the speed changes, piece by piece: when it ends, its rate, or torque, slope and 1/j, and
-        the speed with which a prescribed one begins [1]. Flight is led by Taylor series then.
+    pieces : ndarray of `PIECE`, optional
+        How the speed changes, piece by piece [1]: at a rate from the speed with which a prescribed
+        piece begins, or by a torque. Flight is led by Taylor series then.
     angle : float
         Where the unbalance is at time 0, if the speed changes [1].
     stop : ndarray of uint8, shape (1,)
@@ -96,7 +119,7 @@ class Asked:
     extrema: bool = False
     bundle: Values | None = None
     whole: bool = False
-    pieces: Values | None = None
+    pieces: Rows | None = None
     angle: float = 0.0
     stop: Stop | None = None
 
@@ -107,8 +130,8 @@ class Asked:
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
-    """What came of a run. States are read on rotating axes, but for what was asked otherwise [1].
+class RunResult:
+    """The result of a run. States are read on rotating axes, unless the request says otherwise [1].
 
     Parameters
     ----------
@@ -127,17 +150,15 @@ class Seen:
     ways : ndarray, shape (m + 1,), optional
         With friction how the rotor moves from each event on, and first from its start, as
         `enum way` has it; None without.
-    contacts : ndarray, shape (k, 9)
-        Entry, exit and time of the peak, root of the largest indentation, impulse, angular momentum
-        at the peak, energy lost by contact damping, with that the largest force, and the heat of
-        sliding, of each contact; NaN where it has none within the run [1].
-    extrema : ndarray, shape (m, 7)
-        Time, radius, kind (-1 or 1) and state of each extremum of the radius.
+    contacts : ndarray of `CONTACT`
+        The contacts [1].
+    extrema : ndarray of `EXTREMUM`
+        The extrema of the radius [1].
     evaluations : int
         Evaluations of the right-hand side, or orders expanded.
-    turn : tuple of float
+    end_spin : ndarray of `SPIN`, shape ()
         Angle and speed at the end, if the speed changes [1].
-    sample_turns, event_turns : ndarray, shape (n, 2)
+    sample_spins, event_spins : ndarray of `SPIN`
         The same at the samples and at the events.
     """
 
@@ -151,49 +172,49 @@ class Seen:
     event_kinds: npt.NDArray[np.int8]
     event_states: Values
     ways: npt.NDArray[np.int8] | None
-    contacts: Values
-    extrema: Values
+    contacts: Rows
+    extrema: Rows
     evaluations: int
-    turn: tuple[float, float]
-    sample_turns: Values
-    event_turns: Values
+    end_spin: Rows
+    sample_spins: Rows
+    event_spins: Rows
 
 
-_NO_TIMES, _NO_STATES, _NO_TURNS = np.empty(0), np.empty((0, 4)), np.empty((0, 2))
-_NO_CONTACTS, _NO_EXTREMA = np.empty((0, CONTACT_COLUMNS)), np.empty((0, EXTREMUM_COLUMNS))
+_NO_TIMES, _NO_STATES, _NO_SPINS = np.empty(0), np.empty((0, 4)), np.empty(0, SPIN)
+_NO_CONTACTS, _NO_EXTREMA = np.empty(0, CONTACT), np.empty(0, EXTREMUM)
 _NO_KINDS = np.empty(0, np.int8)
 
 
 class _Tables:
     """The tables of a run, and the structure that points at them."""
 
-    def __init__(self, asked: Asked, room: int) -> None:
-        self.run = run = _struct_of(asked)
+    def __init__(self, request: RunRequest, room: int) -> None:
+        self.run = run = _struct_of(request)
         self.samples = self.event_states = _NO_STATES
         self.event_times, self.event_kinds = _NO_TIMES, _NO_KINDS
         self.event_ways = _NO_KINDS
-        varied = asked.bundle is not None and len(asked.bundle) > DIFFERENCES
-        self.slides = asked.rotor.friction > 0.0 or (varied and bool(asked.rotor.disc_radius))
+        varied = request.bundle is not None and len(request.bundle) > DIFFERENCES
+        self.slides = request.rotor.friction > 0.0 or (varied and bool(request.rotor.disc_radius))
         self.contacts, self.extrema = _NO_CONTACTS, _NO_EXTREMA
-        self.sample_turns = self.event_turns = _NO_TURNS
-        self.turns = asked.pieces is not None
-        if asked.pieces is not None:
-            self.pieces = np.ascontiguousarray(asked.pieces, np.float64)
+        self.sample_spins = self.event_spins = _NO_SPINS
+        self.turns = request.pieces is not None
+        if request.pieces is not None:
+            self.pieces = np.ascontiguousarray(request.pieces)
             run.pieces, run.piece_count = address(self.pieces), len(self.pieces)
-            run.angle = asked.angle
-        if asked.sample_times is not None:
+            run.angle = request.angle
+        if request.sample_times is not None:
             # kept as long as the run
-            self.sample_times = times = np.ascontiguousarray(asked.sample_times, np.float64)
+            self.sample_times = times = np.ascontiguousarray(request.sample_times, np.float64)
             self.samples = np.empty((times.size, 4))
             run.sample_count = times.size
             run.sample_times, run.samples = address(times), address(self.samples)
             if self.turns:
-                self.sample_turns = np.empty((times.size, 2))
-                run.sample_turns = address(self.sample_turns)
-        if asked.extrema:
-            self.extrema = np.empty((2 * room, EXTREMUM_COLUMNS))
+                self.sample_spins = np.empty(times.size, SPIN)
+                run.sample_turns = address(self.sample_spins)
+        if request.extrema:
+            self.extrema = np.empty(2 * room, EXTREMUM)
             run.extremum_room, run.extrema = 2 * room, address(self.extrema)
-        if asked.events:
+        if request.events:
             self.widen(room)
 
     def widen(self, room: int) -> None:
@@ -208,19 +229,19 @@ class _Tables:
             self.event_ways = _longer(self.event_ways, room)
             run.event_ways = address(self.event_ways)
         if self.turns:
-            self.event_turns = _longer(self.event_turns, room)
-            run.event_turns = address(self.event_turns)
+            self.event_spins = _longer(self.event_spins, room)
+            run.event_turns = address(self.event_spins)
         run.event_times, run.event_kinds = (
             address(self.event_times),
             address(self.event_kinds),
         )
         run.event_states, run.contacts = address(self.event_states), address(self.contacts)
 
-    def seen(self, status: int) -> Seen:
+    def result(self, status: int) -> RunResult:
         """Return what came of the run."""
         run = self.run
         x, y, vx, vy = run.state
-        return Seen(
+        return RunResult(
             status,
             run.time,
             (x, y, vx, vy),
@@ -234,9 +255,9 @@ class _Tables:
             self.contacts[: run.contact_count],
             self.extrema[: run.extremum_count],
             run.evaluations,
-            (run.angle, run.rotor.omega),
-            self.sample_turns[: run.sampled],
-            self.event_turns[: run.events],
+            np.array((run.angle, run.rotor.omega), SPIN),
+            self.sample_spins[: run.sampled],
+            self.event_spins[: run.events],
         )
 
     def _ways(self) -> npt.NDArray[np.int8] | None:
@@ -247,27 +268,30 @@ class _Tables:
         return np.concatenate([began, self.event_ways[: self.run.events]])
 
 
-def follow(asked: Asked) -> Seen:
+def follow_run(request: RunRequest) -> RunResult:
     """Follow a run from its start to its end; the status says if it could be followed."""
-    core, room = library_of(asked.rotor, whole=asked.whole), FIRST_ROOM
-    if asked.pieces is not None:
+    core, room = library_of(request.rotor, whole=request.whole), FIRST_ROOM
+    if request.pieces is not None:
         core = library("run_up")
-    tables, before = _Tables(asked, room), None if asked.bundle is None else asked.bundle.copy()
+    tables, before = (
+        _Tables(request, room),
+        None if request.bundle is None else request.bundle.copy(),
+    )
     status = core.core_run(byref(tables.run))
     while status in {FULL, FULL_INSIDE}:
         room *= 4
         full = tables.run.extremum_count == tables.run.extremum_room > 0
         if full or status == FULL_INSIDE:
-            if asked.bundle is not None and before is not None:
-                asked.bundle[:] = before
-            tables = _Tables(asked, room)
+            if request.bundle is not None and before is not None:
+                request.bundle[:] = before
+            tables = _Tables(request, room)
         else:
             tables.widen(room)
         status = core.core_run(byref(tables.run))
-    return tables.seen(status)
+    return tables.result(status)
 
 
-def stretch(asked: Asked, spans: int) -> tuple[Values, Seen]:
+def stretch(request: RunRequest, spans: int) -> tuple[Values, RunResult]:
     """Follow a run over many spans of its duration, its bundle made orthonormal after each.
 
     Returns
@@ -276,80 +300,84 @@ def stretch(asked: Asked, spans: int) -> tuple[Values, Seen]:
         Logarithms of the factors by which each span stretched the four differences, as far as it
         came, and of that by which reversals of sliding have changed their volume in it. Where the
         disc rolled the fourth is minus infinity: a direction is lost.
-    seen : Seen
+    result : RunResult
         What came of the last span.
     """
-    if asked.bundle is None:
+    if request.bundle is None:
         raise ValueError("a stretching must have a bundle, got none")
-    run, stretches, done = _struct_of(asked), np.empty((spans, STRETCH_COLUMNS)), c_int64(0)
+    run, stretches, done = _struct_of(request), np.empty((spans, STRETCH_COLUMNS)), c_int64(0)
     written = pointer(stretches, np.float64, writeable=True)
-    status = library_of(asked.rotor).core_stretch(byref(run), spans, written, byref(done))
+    status = library_of(request.rotor).core_stretch(byref(run), spans, written, byref(done))
     x, y, vx, vy = run.state
-    seen = Seen(
+    result = RunResult(
         status, run.time, (x, y, vx, vy), run.began, run.where, _NO_STATES, _NO_TIMES, _NO_KINDS,
-        _NO_STATES, None, _NO_CONTACTS, _NO_EXTREMA, run.evaluations, (0.0, 0.0),
-        _NO_TURNS, _NO_TURNS,
+        _NO_STATES, None, _NO_CONTACTS, _NO_EXTREMA, run.evaluations, np.zeros((), SPIN),
+        _NO_SPINS, _NO_SPINS,
     )  # fmt: skip
-    return stretches[: done.value], seen
+    return stretches[: done.value], result
 
 
-def _struct_of(asked: Asked) -> RunStruct:
-    """Return what is asked as the core takes it, with no tables."""
-    x, y, vx, vy = _check(asked)
+def _struct_of(request: RunRequest) -> RunStruct:
+    """Return a request as the core takes it, with no tables."""
+    x, y, vx, vy = _check(request)
     run = RunStruct(
-        rotor=RotorStruct.of(asked.rotor),
-        rtol=asked.rtol,
-        atol=asked.atol,
-        duration=asked.duration,
-        slack=asked.slack,
-        method=METHODS[asked.method],
-        fixed_axes=asked.fixed_axes,
-        exact_flight=asked.exact_flight,
-        stop=pointer(NO_STOP if asked.stop is None else asked.stop, np.uint8),
+        rotor=RotorStruct.of(request.rotor),
+        rtol=request.rtol,
+        atol=request.atol,
+        duration=request.duration,
+        slack=request.slack,
+        method=METHODS[request.method],
+        fixed_axes=request.fixed_axes,
+        exact_flight=request.exact_flight,
+        stop=pointer(NO_STOP if request.stop is None else request.stop, np.uint8),
         where=UNDECIDED,
     )
     try:
         run.state = (x, y, vx, vy)
     except RuntimeError as error:  # by which ctypes tells of a type that is none of a number's
-        raise TypeError(f"start must be four real numbers, got {asked.start!r}") from error
-    if asked.method != "taylor":
+        raise TypeError(f"start must be four real numbers, got {request.start!r}") from error
+    if request.method != "taylor":
         run.sundials = ctypes.cast(ctypes.pointer(sundials.functions()), c_void_p)
-    if asked.bundle is not None:
-        more = DIFFERENCES + asked.columns
-        if asked.bundle.shape not in {(DIFFERENCES, 4), (more, 4)}:
-            raise ValueError(f"a bundle must have 4 or {more} rows of 4, got {asked.bundle.shape}")
-        if len(asked.bundle) > DIFFERENCES and asked.method != "taylor":
+    if request.bundle is not None:
+        more = DIFFERENCES + request.columns
+        if request.bundle.shape not in {(DIFFERENCES, 4), (more, 4)}:
             raise ValueError(
-                f"a bundle of {more} rows must be carried by taylor, got {asked.method!r}"
+                f"a bundle must have 4 or {more} rows of 4, got {request.bundle.shape}"
             )
-        run.differences = len(asked.bundle)
-        run.bundle = pointer(asked.bundle, np.float64, writeable=True)
+        if len(request.bundle) > DIFFERENCES and request.method != "taylor":
+            raise ValueError(
+                f"a bundle of {more} rows must be carried by taylor, got {request.method!r}"
+            )
+        run.differences = len(request.bundle)
+        run.bundle = pointer(request.bundle, np.float64, writeable=True)
     return run
 
 
-def _check(asked: Asked) -> tuple[float, float, float, float]:
+def _check(request: RunRequest) -> tuple[float, float, float, float]:
     """Return the start, or raise `ValueError` where the core would not know what to do."""
-    start = asked.start if isinstance(asked.start, tuple) else np.asarray(asked.start).tolist()
+    start = (
+        request.start if isinstance(request.start, tuple) else np.asarray(request.start).tolist()
+    )
     if not isinstance(start, tuple | list) or len(start) != 4:
-        raise ValueError(f"start must be four numbers, got {asked.start!r}")
+        raise ValueError(f"start must be four numbers, got {request.start!r}")
     x, y, vx, vy = start
-    if not math.isfinite(asked.duration + asked.rtol + asked.atol + asked.slack):
-        raise ValueError(f"durations and tolerances must be finite numbers, got {asked!r}")
-    if not (asked.rtol > 0.0 and asked.atol > 0.0):
-        raise ValueError(f"rtol and atol must be positive, got {asked.rtol} and {asked.atol}")
-    if asked.method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {asked.method!r}")
-    if asked.stop is not None and asked.stop.shape != (1,):
-        raise ValueError(f"stop must be one number, got {asked.stop!r}")
-    if asked.pieces is not None and asked.pieces.shape[1:] != (PIECE_COLUMNS,):
-        raise ValueError(f"pieces must be rows of {PIECE_COLUMNS}, got {asked.pieces.shape}")
-    if asked.pieces is not None and asked.bundle is not None:
+    if not math.isfinite(request.duration + request.rtol + request.atol + request.slack):
+        raise ValueError(f"durations and tolerances must be finite numbers, got {request!r}")
+    if not (request.rtol > 0.0 and request.atol > 0.0):
+        raise ValueError(f"rtol and atol must be positive, got {request.rtol} and {request.atol}")
+    if request.method not in METHODS:
+        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {request.method!r}")
+    if request.stop is not None and request.stop.shape != (1,):
+        raise ValueError(f"stop must be one number, got {request.stop!r}")
+    if request.pieces is not None and request.pieces.dtype != PIECE:
+        raise ValueError(f"pieces must be rows of {PIECE}, got {request.pieces.dtype}")
+    if request.pieces is not None and request.bundle is not None:
         raise ValueError("a bundle must not be given with pieces")
-    times = asked.sample_times
+    times = request.sample_times
     if times is not None and times.ndim != 1:
         raise ValueError(f"sample times must be one row of numbers, got {times!r}")
-    if times is not None and times.size and not times[-1] <= asked.duration:
-        raise ValueError(f"sample times must lie within {asked.duration}, got {times[-1]}")
+    if times is not None and times.size and not times[-1] <= request.duration:
+        raise ValueError(f"sample times must lie within {request.duration}, got {times[-1]}")
     return x, y, vx, vy
 
 
@@ -361,12 +389,28 @@ def _longer(table: npt.NDArray[np.generic], room: int) -> npt.NDArray:  # type: 
     return wide
 
 
+class Samples(NamedTuple):
+    """Times and states of samples, in either frame [1]."""
+
+    times: Values
+    states: Values
+
+
+class Events(NamedTuple):
+    """Times, kinds and states of events, in the frame of the samples [1]."""
+
+    times: Values
+    kinds: npt.NDArray[np.int8]
+    states: Values
+
+
 def fault_of(
     rotor: Rotor,
+    samples: Samples,
+    events: Events,
+    contacts: Rows,
+    *,
     began: int,
-    samples: tuple[Values, Values],
-    events: tuple[Values, npt.NDArray[np.int8], Values],
-    contacts: Values,
     allowed: float,
     ways: npt.NDArray[np.int8] | None = None,
 ) -> tuple[int, int]:
@@ -376,44 +420,46 @@ def fault_of(
     ----------
     rotor : Rotor
         The rotor.
+    samples, events : Samples, Events
+        What is to be checked.
+    contacts : ndarray of `CONTACT`
+        The contacts [1].
     began : int
         Whether it began in contact.
-    samples : tuple of ndarray
-        Times and states of the samples, in either frame [1].
-    events : tuple of ndarray
-        Times, kinds and states of the events [1].
-    contacts : ndarray, shape (k, 9)
-        Entry, exit and time of the peak of each contact, and what follows these [1].
     allowed : float
         How far a sample may lie on the wrong side of the ring [1].
     ways : ndarray, shape (m + 1,), optional
         With friction how the rotor moves from its start, and from each event on.
     """
     run, row = RunStruct(rotor=RotorStruct.of(rotor), began=began), c_int64(0)
-    kinds = [*2 * [np.float64], np.float64, np.int8, np.float64, np.float64]
-    tables = [
-        np.ascontiguousarray(table, dtype)
-        for table, dtype in zip((*samples, *events, contacts), kinds, strict=True)
-    ]
-    rows = [*2 * [len(samples[0])], *3 * [len(events[0])], len(contacts)]
-    wide = (1, 4, 1, 1, 4, CONTACT_COLUMNS)
-    if any(table.size != n * m for table, n, m in zip(tables, rows, wide, strict=True)):
-        raise ValueError(f"tables must fit together, got {[table.shape for table in tables]}")
-    (
-        run.sample_times,
-        run.samples,
-        run.event_times,
-        run.event_kinds,
-        run.event_states,
-        run.contacts,
-    ) = (address(table) for table in tables)
+    sampled, happened = len(samples.times), len(events.times)
+    tables = {
+        "sample_times": _table(samples.times, np.float64, (sampled,)),
+        "samples": _table(samples.states, np.float64, (sampled, 4)),
+        "event_times": _table(events.times, np.float64, (happened,)),
+        "event_kinds": _table(events.kinds, np.int8, (happened,)),
+        "event_states": _table(events.states, np.float64, (happened, 4)),
+        "contacts": _table(contacts, contacts.dtype, (len(contacts),)),
+    }
+    if contacts.dtype.itemsize != CONTACT.itemsize:
+        raise ValueError(f"contacts must be rows of {CONTACT}, got {contacts.dtype}")
     if ways is not None:
-        if ways.shape != (len(events[0]) + 1,):
-            raise ValueError(f"tables must fit together, got {ways.shape} ways")
-        later = np.ascontiguousarray(np.append(ways[1:], [0]), np.int8)
-        run.way_began, run.event_ways = int(ways[0]), address(later)
-    run.sampled, run.events, run.contact_count = len(samples[0]), len(events[0]), len(contacts)
+        ways = _table(ways, np.int8, (happened + 1,))
+        run.way_began = int(ways[0])
+        tables["event_ways"] = np.append(ways[1:], np.int8(0))
+    for name, table in tables.items():
+        setattr(run, name, address(table))
+    run.sampled, run.events, run.contact_count = sampled, happened, len(contacts)
     return int(library_of(rotor).core_fault(byref(run), allowed, byref(row))), row.value
+
+
+def _table(
+    table: npt.NDArray[Any], dtype: npt.DTypeLike, shape: tuple[int, ...]
+) -> npt.NDArray[Any]:
+    """Return a table as the core reads it, or raise `ValueError` where it has another shape."""
+    if table.shape != shape:
+        raise ValueError(f"tables must fit together, got {table.shape} in place of {shape}")
+    return np.ascontiguousarray(table, dtype)
 
 
 def starts_in_contact(rotor: Rotor, state: npt.ArrayLike) -> bool:
@@ -459,10 +505,9 @@ def first_touch(
 
     It is NaN where the search gets nowhere.
     """
-    given, held = _four_numbers(state), RotorStruct.of(rotor)
-    asked = pointer(NO_STOP if stop is None else stop, np.uint8)
-    core = library_of(rotor)
-    return float(core.core_first_touch(byref(held), pointer(given, np.float64), limit, asked))
+    begun, given = pointer(_four_numbers(state), np.float64), RotorStruct.of(rotor)
+    flag = pointer(NO_STOP if stop is None else stop, np.uint8)
+    return float(library_of(rotor).core_first_touch(byref(given), begun, limit, flag))
 
 
 def rotate(states: Values, times: Values, omega: float) -> None:

@@ -23,7 +23,6 @@ from scipy.optimize import brentq
 from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.stability import eigenvalues
 from rotor_ida.closed_forms.synchronous import synchronous_response
-from rotor_ida.core.interface import RADIUS
 from rotor_ida.cycles.continuation import EARLIER, FIRST_STEP, Curve, Point, Problem, Step
 from rotor_ida.cycles.guess import DOUBLING
 from rotor_ida.cycles.multipliers import doubling_test, has_trace, on_unit_circle
@@ -251,7 +250,7 @@ def _is_twice_round(shot: Shot) -> bool:
 
 def _halves_agree(shot: Shot, part: float) -> bool:
     """Return whether the extreme radii of both halves of a cycle agree to a part of the largest."""
-    radii = shot.extrema[:, RADIUS].tolist()
+    radii = shot.extrema["radius"].tolist()
     half, odd = divmod(len(radii), 2)
     if odd or not half:
         return False

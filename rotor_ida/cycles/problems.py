@@ -21,7 +21,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.core.interface import RADIUS
 from rotor_ida.core.runs import COLUMNS
 from rotor_ida.cycles.continuation import Curve, Point, Problem, shooting_equations
 from rotor_ida.cycles.guess import DOUBLING, Guess
@@ -153,7 +152,7 @@ def _scale(
 
 def nearest_gap(shot: Shot) -> float:
     """Return the extremum of the radius that is nearest to the ring, from there: 0 at a graze."""
-    gaps: list[float] = (shot.extrema[:, RADIUS] - shot.rotor.delta0).tolist()
+    gaps: list[float] = (shot.extrema["radius"] - shot.rotor.delta0).tolist()
     return min(gaps, key=abs)
 
 

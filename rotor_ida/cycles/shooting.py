@@ -22,18 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.core.interface import (
-    DONE,
-    ENTRY_TIME,
-    EXIT_TIME,
-    IMPULSE,
-    KIND,
-    LARGEST_FORCE,
-    RADIUS,
-    STATE,
-    message_of,
-)
-from rotor_ida.core.runs import Asked, follow
+from rotor_ida.core.interface import DONE, message_of
+from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.parameters import Rotor
@@ -96,12 +86,12 @@ class Cycle:
     @property
     def radius_min(self) -> float:
         """Smallest distance from the bearing axis [1]."""
-        return float(min(self.shot.extrema[:, RADIUS].tolist()))
+        return float(min(self.shot.extrema["radius"].tolist()))
 
     @property
     def radius_max(self) -> float:
         """Largest distance from the bearing axis [1]."""
-        return float(max(self.shot.extrema[:, RADIUS].tolist()))
+        return float(max(self.shot.extrema["radius"].tolist()))
 
     @property
     def contacts(self) -> int:
@@ -123,21 +113,21 @@ class Cycle:
     @property
     def _is_backward(self) -> bool:
         """Whether it whirls backwards, by its angular momentum wherever the radius turns."""
-        x, y, vx, vy = self.shot.extrema[:, STATE:].T
+        x, y, vx, vy = self.shot.extrema["state"].T
         return bool((x * vy - y * vx).max() < 0.0)
 
     @property
     def largest_force(self) -> float:
         """Largest contact force [1]."""
         if self.rotor.contact_damping > 0.0:
-            return float(np.nanmax(self.shot.contacts[:, LARGEST_FORCE]))
+            return float(np.nanmax(self.shot.contacts["largest_force"]))
         exponent = self.rotor.contact_exponent
         return float(contact_force(self.radius_max, self.rotor.delta0, exponent))
 
     @property
     def impulse(self) -> float:
         """Impulse of the contact force in a period [1]; NaN without clearance."""
-        parts = self.shot.contacts[:, IMPULSE]
+        parts = self.shot.contacts["impulse"]
         return float(np.nansum(parts)) if self.rotor.delta0 > 0.0 else math.nan
 
 
@@ -146,10 +136,7 @@ def contacts_of(shot: Shot) -> int:
 
     Where it begins and ends at an entry or an exit, rounding may leave one of these out.
     """
-    return max(
-        sum(map(math.isfinite, shot.contacts[:, column].tolist()))
-        for column in (ENTRY_TIME, EXIT_TIME)
-    )
+    return max(sum(map(math.isfinite, shot.contacts[name].tolist())) for name in ("entry", "exit"))
 
 
 def close_orbit(
@@ -196,7 +183,7 @@ def period_of(rotor: Rotor, revolutions: int) -> float:
 
 def once_round(cycle: Cycle, stop: Stop) -> Cycle:
     """Return a limit cycle over its smallest period, if it was followed round more than once."""
-    most = 1 + int((cycle.shot.extrema[:, KIND] == MAXIMUM).sum())
+    most = 1 + int((cycle.shot.extrema["kind"] == MAXIMUM).sum())
     loaded, revolutions = cycle.rotor.load > 0.0, revolutions_of(cycle.rotor, cycle.period)
     for times in range(revolutions if loaded else most, 1, -1):
         if loaded and revolutions % times:
@@ -284,8 +271,8 @@ def _relative_size(step: Values, shot: Shot) -> float:
 def sampled_orbit(rotor: Rotor, state: Values, span: float, count: int, stop: Stop) -> Values:
     """Return so many states of an orbit, a span apart, on the rotating axes, shape (count, 4)."""
     times = span * np.arange(count, dtype=np.float64)
-    seen = follow(
-        Asked(
+    seen = follow_run(
+        RunRequest(
             rotor=rotor, start=state, duration=float(times[-1]), rtol=RTOL, atol=ATOL * RTOL,
             sample_times=times, stop=stop,
         )

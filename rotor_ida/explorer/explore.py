@@ -19,7 +19,7 @@ from urllib.parse import urlencode
 
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError, RotorError
-from rotor_ida.explorer.lanes import NEVER, Lanes
+from rotor_ida.explorer.queues import NEVER, Queues
 from rotor_ida.explorer.server import LONGEST_VISIT, application, server_of
 from rotor_ida.parallel.progress import progress_bar
 
@@ -44,7 +44,7 @@ def explore(
     *,
     port: int = PORT,
     browser: bool = True,
-    told: Callable[[str], None],
+    report: Callable[[str], None],
     longest_visit: float = LONGEST_VISIT,
 ) -> None:
     """Serve the explorer on this machine until it is told to end.
@@ -57,7 +57,7 @@ def explore(
         Port on the loopback address; 0 takes any that is free.
     browser : bool
         Whether to open the page in a browser.
-    told : callable
+    report : callable
         Called with what to tell the user: the address, once the page can be opened.
     longest_visit : float
         How long a connection that has not shown the key may last, in seconds.
@@ -70,7 +70,7 @@ def explore(
         If the processes that compute do not start.
     """
     with closing(_listen(port)) as listening:
-        asyncio.run(_serve(listening, state, browser, told, longest_visit))
+        asyncio.run(_serve(listening, state, browser, report, longest_visit))
 
 
 def _listen(port: int) -> socket.socket:
@@ -94,7 +94,7 @@ async def _serve(
     listening: socket.socket,
     state: Mapping[str, object],
     browser: bool,
-    told: Callable[[str], None],
+    report: Callable[[str], None],
     longest_visit: float,
 ) -> None:
     ready, failed, stop = asyncio.Event(), asyncio.Event(), asyncio.Event()
@@ -111,31 +111,31 @@ async def _serve(
             if done == total:
                 ready.set()
 
-        lanes = Lanes(progress)
-        lanes.open()
+        queues = Queues(progress)
+        queues.open()
         await _first(ready, stop)
     try:
         if failed.is_set():
             raise RotorError("the processes that compute the panels do not start")
         if not stop.is_set():
-            await _let_in(listening, lanes, state, browser, told, longest_visit, stop)
+            await _let_in(listening, queues, state, browser, report, longest_visit, stop)
     finally:
-        await lanes.close()
+        await queues.close()
 
 
 async def _let_in(
-    listening: socket.socket, lanes: Lanes, state: Mapping[str, object], browser: bool,
-    told: Callable[[str], None], longest_visit: float, stop: asyncio.Event,
+    listening: socket.socket, queues: Queues, state: Mapping[str, object], browser: bool,
+    report: Callable[[str], None], longest_visit: float, stop: asyncio.Event,
 ) -> None:  # fmt: skip
     """Serve the page until `stop`."""
     key = secrets.token_hex(16)
-    server = server_of(application(lanes, key), longest_visit)
+    server = server_of(application(queues, key), longest_visit)
     serving = asyncio.create_task(server.serve([listening]))
     port = listening.getsockname()[1]
     address = f"http://{LOOPBACK}:{port}/#{urlencode({**state, 'key': key})}"
-    told(f"The explorer is at {address}")
+    report(f"The explorer is at {address}")
     with _open_in_a_browser(address) if browser and can_show_a_page() else nullcontext():
-        told("Ctrl-C ends it.")
+        report("Ctrl-C ends it.")
         await _first(stop, serving)
     server.should_exit = True
     await serving

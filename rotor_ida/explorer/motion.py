@@ -1,9 +1,9 @@
-"""The panels of one run: orbit, radius and force over time, section, spectrum."""
+"""The panels of one run: orbit, radius and force over time, section, spectrum and its lines."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,14 +11,14 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.explorer.answers import Answer
-from rotor_ida.explorer.questions import Question
+from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.words import words_of_run
-from rotor_ida.model.contact import contact_force, damping_factor
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.parameters import DimensionalRotor, Rotor
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, MODE
+from rotor_ida.signals.forces import power_in_contact
 from rotor_ida.signals.run_spectrum import lines_of
+from rotor_ida.signals.spectra import full_spectrum
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 
@@ -28,35 +28,42 @@ Arrays = dict[str, npt.NDArray[np.generic]]
 SAMPLES_PER_REVOLUTION = 48
 # A longer run is drawn from fewer samples a revolution, but no fewer than the spectrum needs.
 MOST_SAMPLES, FEWEST_PER_REVOLUTION = 16_384, 8
-# What the run does at its end is told of its last half.
+# The end of a run is its last half.
 LAST = 0.5
 # Lines are drawn up to so many times the spin speed, forward and backward.
 FASTEST_LINE = 5.0
 METHOD: Method = "taylor"
+OF_ENDING = ("t", "x", "y", "vx", "vy", "mode", "slip_speed")
 DRAWN = (
     *("t", "x", "y", "rotating_x", "rotating_y", "radius", "force"),
     *("event_time", "event_time_error", "event_x", "event_y", "event_radius"),
     *("event_rotating_x", "event_rotating_y", "entry_time", "exit_time", "peak_time", "peak_force"),
 )
+# Samples of one period of a cycle, and how small its lines may be beside the largest.
+SAMPLES = 512
+LEAST = 1e-9
 
 
 def show_motion(question: Question) -> Iterator[Answer]:
     """Yield what a page draws of one run."""
     omega = question.rotor.omega
     run = values_of(run_of(question))
-    run |= {"radius": np.hypot(run["x"], run["y"]), "force": force_of(run, question.rotor)}
+    run |= {
+        "radius": np.hypot(run["x"], run["y"]),
+        "force": power_in_contact(run, question.rotor).normal_force,
+    }
     run["event_radius"] = np.hypot(run["event_x"], run["event_y"])
-    turned = rotated(states_of(run, ""), -omega * run["t"])
-    run |= {"rotating_x": turned[:, 0], "rotating_y": turned[:, 1]}
-    met = rotated(states_of(run, "event_"), -omega * run["event_time"])
-    run |= {"event_rotating_x": met[:, 0], "event_rotating_y": met[:, 1]}
+    rotating = rotated(states_of(run, ""), -omega * run["t"])
+    run |= {"rotating_x": rotating[:, 0], "rotating_y": rotating[:, 1]}
+    event_places = rotated(states_of(run, "event_"), -omega * run["event_time"])
+    run |= {"event_rotating_x": event_places[:, 0], "event_rotating_y": event_places[:, 1]}
     each = (run["t"].size - 1) // question.revolutions
-    told = ending(run, question.rotor)
+    summary = ending(run, question.rotor)
     facts: dict[str, object] = {
         **facts_of(question),
-        "end": turned[-1].tolist(),
-        "ending": told,
-        "words": words_of_run(question.machine, told),
+        "end": rotating[-1].tolist(),
+        "ending": summary,
+        "words": words_of_run(question.machine, summary),
         "horizon": float(run["horizon"]),
         "samples_per_revolution": each,
     }
@@ -109,52 +116,6 @@ def values_of(run: xr.Dataset) -> Values:
     return {str(name): variable.values for name, variable in run.variables.items()}
 
 
-def force_of(run: Values, rotor: Rotor) -> npt.NDArray[np.float64]:
-    """Return the normal force of the ring along a run [1], as `contact_forces` has it."""
-    radius = np.hypot(run["x"], run["y"])
-    force = np.asarray(contact_force(radius, rotor.delta0, rotor.contact_exponent))
-    if rotor.contact_damping == 0.0:
-        return force
-    held: npt.NDArray[np.float64] = damping_factor(_outwards(run), rotor.contact_damping)
-    return held * force
-
-
-def loss_rate_of(run: Values, rotor: Rotor) -> npt.NDArray[np.float64]:
-    """Return the rate at which contact damping takes energy along a run: (N - d**n) d' [1]."""
-    radius = np.hypot(run["x"], run["y"])
-    spring = np.asarray(contact_force(radius, rotor.delta0, rotor.contact_exponent))
-    lost: npt.NDArray[np.float64] = (force_of(run, rotor) - spring) * _outwards(run)
-    return lost
-
-
-def rubbing_of(run: Values, rotor: Rotor, revolutions: float) -> dict[str, float]:
-    """Return what friction does in a part of a run: shares of the time in contact, and heat.
-
-    As told by the samples, from one of which to the next the heat grows by mu N |v_s|.
-    """
-    mode, force = run["mode"], run["normal_force"]
-    touching = max(int(np.count_nonzero(mode != MODE["flight"])), 1)
-    rate = rotor.friction * force * np.abs(run["slip_speed"])
-    heat = float(np.trapezoid(rate, run["t"]))
-    return {
-        "heat_per_revolution": heat / revolutions if revolutions else math.nan,
-        **{
-            f"{name}_fraction": int(np.count_nonzero(mode == MODE[name])) / touching
-            for name in ("slipping_forward", "slipping_backward", "rolling")
-        },
-    }
-
-
-def _outwards(run: Values) -> npt.NDArray[np.float64]:
-    """Return the radial velocity along a run [1]; of no matter at the axis."""
-    radius = np.hypot(run["x"], run["y"])
-    moment = run["x"] * run["vx"] + run["y"] * run["vy"]
-    speed: npt.NDArray[np.float64] = np.divide(
-        moment, radius, out=np.zeros_like(radius), where=radius > 0.0
-    )
-    return speed
-
-
 def ending(run: Values, rotor: Rotor) -> dict[str, float]:
     """Return what a run does over its last half: contacts, their peak force, extreme radii.
 
@@ -164,36 +125,43 @@ def ending(run: Values, rotor: Rotor) -> dict[str, float]:
     """
     end = float(run["t"][-1])
     begin = LAST * end
-    late = run["t"] >= begin
-    radius = np.hypot(run["x"], run["y"])[late]
+    late = {name: run[name][run["t"] >= begin] for name in OF_ENDING if name in run}
+    power = power_in_contact(late, rotor)
+    radius = np.hypot(late["x"], late["y"])
     peaks = run["peak_force"][run["peak_time"] >= begin]
-    entries = (run["event_kind"] == EVENT_KIND["entry"]) & (run["event_time"] >= begin)
     revolutions = (end - begin) * rotor.omega / (2.0 * math.pi)
     entry = np.maximum(np.nan_to_num(run["entry_time"], nan=0.0), begin)
     leaving = np.nan_to_num(run["exit_time"], nan=end)
-    steady = float(force_of(run, rotor)[late].max())
-    told = {
-        "contacts_per_revolution": float(entries.sum()) / revolutions if revolutions else math.nan,
+
+    def events(kind: int) -> float:
+        return float(((run["event_kind"] == kind) & (run["event_time"] >= begin)).sum())
+
+    def per_revolution(rate: npt.NDArray[np.float64]) -> float:
+        # over whole periods, of a motion that repeats itself, it is as exact as the samples
+        return float(np.trapezoid(rate, late["t"])) / revolutions if revolutions else math.nan
+
+    found = {
+        "contacts_per_revolution": (
+            events(EVENT_KIND["entry"]) / revolutions if revolutions else math.nan
+        ),
         "contact_fraction": float(np.maximum(leaving - entry, 0.0).sum()) / (end - begin),
-        "largest_force": max(steady, float(peaks.max(initial=0.0))),
+        "largest_force": max(float(power.normal_force.max()), float(peaks.max(initial=0.0))),
         "radius_min": float(radius.min()),
         "radius_max": float(radius.max()),
         "contacts_in_all": float(run["peak_time"].size),
     }
     if rotor.contact_damping > 0.0:
         losses = run["contact_loss"][run["exit_time"] >= begin]
-        loose = (run["event_kind"] == DAMPED_EVENT_KIND["release"]) & (run["event_time"] >= begin)
-        told["loss_per_contact"] = float(losses.mean()) if losses.size else math.nan
-        told["releases"] = float(loose.sum())
-        # over whole periods, of a motion that repeats itself, it is as exact as the samples
-        rate = loss_rate_of(run, rotor)[late]
-        told["loss_per_revolution"] = (
-            float(np.trapezoid(rate, run["t"][late])) / revolutions if revolutions else math.nan
-        )
+        found["loss_per_contact"] = float(losses.mean()) if losses.size else math.nan
+        found["releases"] = events(DAMPED_EVENT_KIND["release"])
+        found["loss_per_revolution"] = per_revolution(power.damping)
     if rotor.friction > 0.0:
-        names = ("t", "mode", "normal_force", "slip_speed")
-        told |= rubbing_of({name: run[name][late] for name in names}, rotor, revolutions)
-    return told
+        mode = late["mode"]
+        touching = max(int(np.count_nonzero(mode != MODE["flight"])), 1)
+        found["heat_per_revolution"] = per_revolution(power.friction)
+        for name in ("slipping_forward", "slipping_backward", "rolling"):
+            found[f"{name}_fraction"] = int(np.count_nonzero(mode == MODE[name])) / touching
+    return found
 
 
 def states_of(run: Values, prefix: str) -> npt.NDArray[np.float64]:
@@ -210,3 +178,41 @@ def _lines(run: Values, omega: float) -> Arrays:
     over = frequency / (omega or 1.0)
     shown = np.abs(over) <= FASTEST_LINE
     return {"line_frequency": over[shown], "line_amplitude": height[shown]}
+
+
+def show_lines(question: Question) -> Iterator[Answer]:
+    """Yield the full spectrum of the last half of a run, over the spin speed."""
+    omega = question.rotor.omega or 1.0
+    run = run_of(question)
+    lines = full_spectrum(run.isel(t=slice((run.sizes["t"] - 1) // 2, -1)))
+    over = lines["frequency"].values / omega
+    shown = np.abs(over) <= FASTEST_LINE
+    facts = {**facts_of(question), "bandwidth_over_omega": float(lines["bandwidth"]) / omega}
+    arrays: Arrays = {
+        "line_over_omega": over[shown], "line_amplitude": lines["whirl_amplitude"].values[shown]
+    }  # fmt: skip
+    yield Answer("lines", facts, arrays)
+
+
+def exact_lines(
+    rotor: Rotor, lies_on: object, settled: dict[str, object], end: Sequence[float]
+) -> Arrays:
+    """Return order and amplitude of the lines of the whirl or cycle that is settled on.
+
+    Of a cycle over one period, from a state on it; without any where it never repeats itself.
+    """
+    nothing: Arrays = {"exact_order": np.empty(0), "exact_amplitude": np.empty(0)}
+    if lies_on == "whirl":
+        height = float(str(settled["exact_amplitude"]))
+        return {"exact_order": np.ones(1), "exact_amplitude": np.array([height])}
+    if lies_on != "cycle" or rotor.omega == 0.0:
+        return nothing
+    period = float(str(settled["exact_period"]))
+    times = np.linspace(0.0, period, SAMPLES, endpoint=False)
+    run = values_of(simulate(rotor, start=end, duration=period, samples=times, method=METHOD))
+    rotating = rotated(states_of(run, ""), -rotor.omega * run["t"])
+    heights = np.abs(np.fft.fft(rotating[:, 0] + 1j * rotating[:, 1])) / SAMPLES
+    orders = 1.0 + np.fft.fftfreq(SAMPLES, 1.0 / SAMPLES) * 2.0 * math.pi / (period * rotor.omega)
+    kept = (heights > LEAST * heights.max()) & (np.abs(orders) <= FASTEST_LINE)
+    place = np.argsort(orders[kept])
+    return {"exact_order": orders[kept][place], "exact_amplitude": heights[kept][place]}

@@ -18,10 +18,16 @@ from rotor_ida.closed_forms.hopf import hopf_points
 from rotor_ida.closed_forms.response_curve import response_curve
 from rotor_ida.cycles.branches import branches_through, holds_cycle
 from rotor_ida.errors import InputError, RotorError
-from rotor_ida.explorer.answers import Answer
-from rotor_ida.explorer.lines import exact_lines
-from rotor_ida.explorer.motion import METHOD, duration_of, ending, facts_of, run_of, values_of
-from rotor_ida.explorer.questions import Question
+from rotor_ida.explorer.messages import Answer, Question
+from rotor_ida.explorer.motion import (
+    METHOD,
+    duration_of,
+    ending,
+    exact_lines,
+    facts_of,
+    run_of,
+    values_of,
+)
 from rotor_ida.explorer.words import (
     NO_CURVE,
     words_of_response,

@@ -10,9 +10,13 @@ from __future__ import annotations
 import asyncio
 import secrets
 import socket
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager, suppress
+from dataclasses import replace
+from functools import partial
 from itertools import count
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import h11
 import uvicorn
@@ -28,10 +32,9 @@ from websockets.frames import Frame
 from websockets.protocol import State
 
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.answers import Answer, packed
-from rotor_ida.explorer.lanes import Lanes
+from rotor_ida.explorer.messages import Answer, Measurement, Question, packed, read_question
 from rotor_ida.explorer.page import TYPES, page_files
-from rotor_ida.explorer.questions import read_question
+from rotor_ida.explorer.queues import Deliver, Queues
 
 HOSTS = ("127.0.0.1", "localhost", "[::1]")
 # A page speaks this, and what follows the dot is its key.
@@ -68,7 +71,7 @@ HEADERS = {
 TOO_MANY_PAGES, TOO_SLOW = 4429, 4408
 
 
-def application(lanes: Lanes, key: str) -> ASGIApp:
+def application(queues: Queues, key: str) -> ASGIApp:
     """Return the page and its answers, for those who know the key."""
     contents, numbers, pages = page_files(), count(1), set[int]()
 
@@ -93,10 +96,10 @@ def application(lanes: Lanes, key: str) -> ASGIApp:
                 return
             pages.add(number)
             try:
-                await _converse(socket, lanes, number)
+                await _converse(socket, queues, number)
             finally:
                 pages.discard(number)
-                lanes.forget(number)
+                queues.forget(number)
 
     routes = [
         Route("/", page), Route("/{name:path}", page), WebSocketRoute("/ask", ask),
@@ -104,7 +107,7 @@ def application(lanes: Lanes, key: str) -> ASGIApp:
     return _only_from_here(Starlette(routes=routes))
 
 
-async def _converse(socket: WebSocket, lanes: Lanes, page: int) -> None:
+async def _converse(socket: WebSocket, queues: Queues, page: int) -> None:
     """Take the questions of a page, and send it what comes of them, until it goes away."""
     unread, held = asyncio.Queue[bytes](), 0
 
@@ -123,11 +126,12 @@ async def _converse(socket: WebSocket, lanes: Lanes, page: int) -> None:
             held -= len(answer)
 
     async def take() -> None:
-        while (message := await socket.receive())["type"] != "websocket.disconnect":
-            try:
-                lanes.ask(page, read_question(message.get("text") or ""), deliver)
-            except InputError as error:
-                deliver(packed(Answer("mistake", {"message": str(error)})))
+        with closing(Inbox(partial(queues.ask, page), deliver)) as inbox:
+            while (message := await socket.receive())["type"] != "websocket.disconnect":
+                try:
+                    inbox.take(message.get("text") or "", message.get("bytes"))
+                except InputError as error:
+                    deliver(packed(Answer("mistake", {"message": str(error)})))
 
     sending, taking = asyncio.create_task(send()), asyncio.create_task(take())
     try:
@@ -140,6 +144,65 @@ async def _converse(socket: WebSocket, lanes: Lanes, page: int) -> None:
     if slow:
         with suppress(TimeoutError):
             await asyncio.wait_for(socket.close(TOO_SLOW), GRACE)
+
+
+class Inbox:
+    """What a page sends: questions, and a measured file in pieces behind the question about it.
+
+    The file is kept in a folder of its own until it is analysed, the page sends another one or
+    goes away.
+    """
+
+    def __init__(
+        self, ask: Callable[[Question | Measurement, Deliver], None], deliver: Deliver
+    ) -> None:
+        self._ask = ask
+        self._deliver = deliver
+        self._folder: TemporaryDirectory[str] | None = None
+        self._coming: Measurement | None = None
+        self._left = 0
+
+    def take(self, text: str, piece: bytes | None) -> None:
+        """Take a message: a text, or a piece of a file that is coming."""
+        if piece is not None and self._coming is not None:
+            self._add(piece)
+            return
+        question = read_question(text)
+        if isinstance(question, Question):
+            self._ask(question, self._deliver)
+            return
+        self.close()
+        self._folder = TemporaryDirectory(prefix="rotor-ida-")
+        path = Path(self._folder.name, f"measured{question.ending}")
+        self._coming, self._left = replace(question, path=path), question.size
+        self._add(b"")
+
+    def _add(self, piece: bytes) -> None:
+        """Add a piece to the file; when it is whole, have it analysed."""
+        coming = self._coming
+        assert coming is not None
+        assert coming.path is not None
+        if len(piece) > self._left:
+            self.close()
+            raise InputError(f"a file must have the {coming.size} bytes announced, got more")
+        with coming.path.open("ab") as file:
+            file.write(piece)
+        self._left -= len(piece)
+        if not self._left:
+            self._coming = None
+            self._ask(coming, partial(self._answered, self._folder))
+
+    def _answered(self, folder: TemporaryDirectory[str] | None, answer: bytes) -> None:
+        if folder is not None:
+            folder.cleanup()
+        self._deliver(answer)
+
+    def close(self) -> None:
+        """Remove what is kept."""
+        self._coming = None
+        if self._folder is not None:
+            self._folder.cleanup()
+            self._folder = None
 
 
 def _only_from_here(app: ASGIApp) -> ASGIApp:

@@ -11,9 +11,8 @@ import xarray as xr
 from rotor_ida.basins.attractors import attractors_of
 from rotor_ida.basins.basin import basin, check_rotor
 from rotor_ida.basins.following import first_look
-from rotor_ida.explorer.answers import Answer
+from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.motion import facts_of
-from rotor_ida.explorer.questions import Question
 from rotor_ida.parallel import interruptible
 from rotor_ida.schema import RESPONSE
 
@@ -23,7 +22,7 @@ FIRST, COARSE, FINE = 32, 48, 144
 LOOKED = 150.0
 RTOL = 1e-6
 KIND_OF = {number: word for word, number in RESPONSE.items()}
-TOLD = ("amplitude", "radius_min", "radius_max")
+RADII = ("amplitude", "radius_min", "radius_max")
 
 
 def show_starts(question: Question) -> Iterator[Answer]:
@@ -37,11 +36,11 @@ def show_starts(question: Question) -> Iterator[Answer]:
         yield _first_look(question)
     for count, rtol in pictures:
         axis = _middles(question.reach, count)
-        found = basin(
+        basins = basin(
             rotor, x=axis, y=axis, vx=question.start[2], vy=question.start[3],
             rtol=rtol, workers=1, executor="serial",
         )  # fmt: skip
-        yield _picture(question, found["label"].values, _attractors(found), finest=rtol is None)
+        yield _picture(question, basins["label"].values, _attractors(basins), finest=rtol is None)
 
 
 def _first_look(question: Question) -> Answer:
@@ -50,14 +49,14 @@ def _first_look(question: Question) -> Answer:
     states = np.empty((4, FIRST, FIRST))
     states[0], states[1] = axis[:, None], axis
     states[2], states[3] = question.start[2], question.start[3]
-    found = interruptible(
+    basins = interruptible(
         lambda stop: first_look(question.rotor, states.reshape(4, -1), LOOKED, stop)
     )
     attractors: list[dict[str, object]] = [
-        {"kind": each.kind, **{name: getattr(each, name) for name in TOLD}}
-        for each in attractors_of(found)
+        {"kind": each.kind, **{name: getattr(each, name) for name in RADII}}
+        for each in attractors_of(basins)
     ]
-    return _picture(question, found.labels, attractors, finest=False)
+    return _picture(question, basins.labels, attractors, finest=False)
 
 
 def _picture(
@@ -83,10 +82,10 @@ def _middles(reach: float, count: int) -> npt.NDArray[np.float64]:
     return reach * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
 
 
-def _attractors(found: xr.Dataset) -> list[dict[str, object]]:
-    kinds = found["kind"].values.tolist()
-    columns = {name: found[name].values.tolist() for name in TOLD}
+def _attractors(basins: xr.Dataset) -> list[dict[str, object]]:
+    kinds = basins["kind"].values.tolist()
+    columns = {name: basins[name].values.tolist() for name in RADII}
     return [
-        {"kind": KIND_OF[kind], **{name: columns[name][number] for name in TOLD}}
+        {"kind": KIND_OF[kind], **{name: columns[name][number] for name in RADII}}
         for number, kind in enumerate(kinds)
     ]

@@ -32,57 +32,57 @@ STEADY = 1e-6
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 
-def words_of_run(machine: Rotor | DimensionalRotor, told: Mapping[str, float]) -> list[str]:
+def words_of_run(machine: Rotor | DimensionalRotor, facts: Mapping[str, float]) -> list[str]:
     """Return what a run does over its last half, in sentences."""
-    if not told["contacts_in_all"]:
+    if not facts["contacts_in_all"]:
         return ["It never touches the ring."]
-    if told["contact_fraction"] == 0.0:
+    if facts["contact_fraction"] == 0.0:
         return ["It has touched the ring, and no longer does."]
-    peak = _force(machine, told["largest_force"])
-    damped = [*_damped(machine, told), *_rubbing(machine, told)]
-    if told["contact_fraction"] >= 1.0:
+    peak = _force(machine, facts["largest_force"])
+    damped = [*_damped(machine, facts), *_rubbing(machine, facts)]
+    if facts["contact_fraction"] >= 1.0:
         always = f"Over the last half it is always in contact, with a force of up to {peak}."
         return [always, *damped]
-    each = told["contacts_per_revolution"]
+    each = facts["contacts_per_revolution"]
     counted = f"{each:.3g} contact" + ("" if f"{each:.3g}" == "1" else "s")
     often = "" if math.isnan(each) else f"{counted} a revolution, "
-    share = 100.0 * told["contact_fraction"]
+    share = 100.0 * facts["contact_fraction"]
     half = f"Over the last half: {often}in contact {share:.3g} % of the time, peak force {peak}."
     return [half, *damped]
 
 
-def words_of_response(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> list[str]:
+def words_of_response(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
     """Return what a rotor settles on, in sentences.
 
     Examples
     --------
     >>> rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.0)
-    >>> told = {"response": "synchronous", "lies_on": "whirl", "digits": 11.38,
+    >>> facts = {"response": "synchronous", "lies_on": "whirl", "digits": 11.38,
     ...         "exact_amplitude": 3.36, "radius_min": 3.36, "radius_max": 3.36,
     ...         "largest_force": 6.17, "contact_fraction": 1.0, "rotor": {"omega": 1.2}}
-    >>> words_of_response(rotor, told)[2]
+    >>> words_of_response(rotor, facts)[2]
     'The simulated whirl and the exact one agree to 11 digits.'
     """
-    kind = told["response"]
+    kind = facts["response"]
     if kind == "failed":
-        return [f"It could not be followed: {told['message']}."]
-    if told["rotor"]["omega"] == 0.0 and kind in {"contact_free", "synchronous"}:
-        return _at_rest(machine, told)
+        return [f"It could not be followed: {facts['message']}."]
+    if facts["rotor"]["omega"] == 0.0 and kind in {"contact_free", "synchronous"}:
+        return _at_rest(machine, facts)
     held = kind == "contact_free" and machine.shaft_stiffness > 0.0 and machine.load == 0.0
     sentences = [f"It settles on {HELD if held else KINDS[kind]}."]
     if kind == "chaotic":
-        apart = _time(machine, 1.0 / told["lyapunov_exponent"])
+        apart = _time(machine, 1.0 / facts["lyapunov_exponent"])
         sentences.append(f"The distance between neighbours grows e-fold every {apart}.")
-    sentences.append(_radii(machine, told))
+    sentences.append(_radii(machine, facts))
     if kind == "contact_free" and machine.load > 0.0 and machine.shaft_stiffness > 0.0:
-        sag = _length(machine, told["rotor"]["load"] / told["rotor"]["shaft_stiffness"])
+        sag = _length(machine, facts["rotor"]["load"] / facts["rotor"]["shaft_stiffness"])
         sentences.append(f"Its centre hangs {sag} below the axis of the bearing.")
-    if told["lies_on"] != "nothing":
-        what = "whirl" if told["lies_on"] == "whirl" else "cycle"
-        digits = math.floor(told["digits"])
+    if facts["lies_on"] != "nothing":
+        what = "whirl" if facts["lies_on"] == "whirl" else "cycle"
+        digits = math.floor(facts["digits"])
         sentences.append(f"The simulated {what} and the exact one agree to {digits} digits.")
-    if told.get("contact_fraction", 0.0) > 0.0:
-        sentences += [_contact(machine, told), *_damped(machine, told), *_rubbing(machine, told)]
+    if facts.get("contact_fraction", 0.0) > 0.0:
+        sentences += [_contact(machine, facts), *_damped(machine, facts), *_rubbing(machine, facts)]
     return sentences
 
 
@@ -107,13 +107,13 @@ def words_of_transient(
     was found settled at t = 17000 (5,411 revolutions).'
     """
 
-    def told(time: float) -> str:
+    def moment(time: float) -> str:
         turns = time * omega / (2.0 * math.pi)
         return _time(machine, time) + (f" ({turns:,.0f} revolutions)" if omega else "")
 
     return (
-        f"The run that is drawn is not there yet: it ends at t = {told(drawn)}, and the rotor was "
-        f"found settled at t = {told(settled)}."
+        f"The run that is drawn is not there yet: it ends at t = {moment(drawn)}, and the rotor "
+        f"was found settled at t = {moment(settled)}."
     )
 
 
@@ -153,85 +153,85 @@ def words_of_whip(
     return "Friction is too weak for dry whip at any speed."
 
 
-def _at_rest(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> list[str]:
+def _at_rest(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
     """Return where a rotor without spin comes to rest."""
-    if told["response"] == "synchronous":
-        return ["It comes to rest on the ring.", _radii(machine, told), _contact(machine, told)]
-    if told["radius_max"] < CENTRE:
+    if facts["response"] == "synchronous":
+        return ["It comes to rest on the ring.", _radii(machine, facts), _contact(machine, facts)]
+    if facts["radius_max"] < CENTRE:
         return ["It comes to rest at the centre of the ring."]
-    return ["It comes to rest inside the clearance.", _radii(machine, told)]
+    return ["It comes to rest inside the clearance.", _radii(machine, facts)]
 
 
-def _damped(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> list[str]:
+def _damped(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
     """Return what contact damping does, where there is any and it does something.
 
     That is told of a contact, or where none ends of a revolution, if the radius varies.
     """
-    loss = told.get("loss_per_contact", math.nan)
+    loss = facts.get("loss_per_contact", math.nan)
     if math.isnan(loss):
-        each = told.get("loss_per_revolution", math.nan)
-        if math.isnan(each) or told["contact_fraction"] < 1.0 or _is_steady(told):
+        each = facts.get("loss_per_revolution", math.nan)
+        if math.isnan(each) or facts["contact_fraction"] < 1.0 or _is_steady(facts):
             return []
         return [f"The contact loses {_energy(machine, each)} a revolution."]
-    loose = ", and lets go before the rotor has left the ring" if told["releases"] else ""
+    loose = ", and lets go before the rotor has left the ring" if facts["releases"] else ""
     return [f"A contact loses {_energy(machine, loss)} in the mean{loose}."]
 
 
-def _rubbing(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> list[str]:
+def _rubbing(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
     """Return how much of the time in contact the disc slips and rolls, and what heat that makes."""
-    if "rolling_fraction" not in told:
+    if "rolling_fraction" not in facts:
         return []
     turns = machine.omega if isinstance(machine, Rotor) else machine.speed
     rolls = "rolls" if turns > 0.0 else STILL
     ways = [
-        (told["rolling_fraction"], rolls),
-        (told["slipping_forward_fraction"], "slips forwards"),
-        (told["slipping_backward_fraction"], "slips backwards"),
+        (facts["rolling_fraction"], rolls),
+        (facts["slipping_forward_fraction"], "slips forwards"),
+        (facts["slipping_backward_fraction"], "slips backwards"),
     ]
     seen = [(part, word) for part, word in ways if part > 0.0]
     if len(seen) == 1 and seen[0][1] == STILL:
         return [f"In contact it {STILL}."]
     if len(seen) == 1:
-        told_of = f"In contact it {seen[0][1]} all the time"
+        share = f"In contact it {seen[0][1]} all the time"
     else:
         parts = [f"{word} {100.0 * part:.3g} %" for part, word in seen]
-        told_of = f"Of the time in contact it {', '.join(parts[:-1])} and {parts[-1]}"
-    heat = told["heat_per_revolution"]
+        share = f"Of the time in contact it {', '.join(parts[:-1])} and {parts[-1]}"
+    heat = facts["heat_per_revolution"]
     if math.isnan(heat) or all(word == rolls for _, word in seen):
-        return [f"{told_of}."]
-    return [f"{told_of}, with a heat of {_energy(machine, heat)} a revolution."]
+        return [f"{share}."]
+    return [f"{share}, with a heat of {_energy(machine, heat)} a revolution."]
 
 
-def _is_steady(told: Mapping[str, Any]) -> bool:
+def _is_steady(facts: Mapping[str, Any]) -> bool:
     """Return whether the radius stays the same."""
-    return bool(told["radius_max"] - told["radius_min"] <= STEADY * told["radius_max"])
+    return bool(facts["radius_max"] - facts["radius_min"] <= STEADY * facts["radius_max"])
 
 
-def _radii(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> str:
-    low, high = (_length(machine, told[name]) for name in ("radius_min", "radius_max"))
-    if told["response"] == "synchronous":
-        radius = _length(machine, told["exact_amplitude"]) if "exact_amplitude" in told else high
+def _radii(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> str:
+    low, high = (_length(machine, facts[name]) for name in ("radius_min", "radius_max"))
+    if facts["response"] == "synchronous":
+        radius = _length(machine, facts["exact_amplitude"]) if "exact_amplitude" in facts else high
         return f"Its radius is {radius}."
-    if told["response"] == "contact_free":
-        gap = _length(machine, max(told["rotor"]["delta0"] - told["radius_max"], 0.0))
+    if facts["response"] == "contact_free":
+        gap = _length(machine, max(facts["rotor"]["delta0"] - facts["radius_max"], 0.0))
         radius = f"is {high}" if low == high else f"goes from {low} to {high}"
         return f"Its radius {radius}, and leaves a gap of {gap} to the ring."
-    period = told.get("period", math.nan)
+    period = facts.get("period", math.nan)
     again = ""
     if not math.isnan(period) and machine.load > 0.0:
-        turns = round(period * told["rotor"]["omega"] / (2.0 * math.pi))
+        turns = round(period * facts["rotor"]["omega"] / (2.0 * math.pi))
         again = f", and repeats every {f'{turns} revolutions' if turns > 1 else 'revolution'}"
     elif not math.isnan(period):
         again = f", and repeats every {_time(machine, period)} as the unbalance sees it"
     return f"Its radius goes from {low} to {high}{again}."
 
 
-def _contact(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> str:
-    peak = _force(machine, told["largest_force"])
-    if told["contact_fraction"] >= 1.0:
-        steady = told["response"] == "synchronous"
+def _contact(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> str:
+    peak = _force(machine, facts["largest_force"])
+    if facts["contact_fraction"] >= 1.0:
+        steady = facts["response"] == "synchronous"
         return f"It presses on the ring with {peak}." if steady else f"Peak force {peak}."
-    each, share = told["contacts_per_revolution"], 100.0 * told["contact_fraction"]
+    each, share = facts["contacts_per_revolution"], 100.0 * facts["contact_fraction"]
     often = "once" if f"{each:.4g}" == "1" else f"{each:.4g} times"
     return (
         f"It touches the ring {often} a revolution, {share:.3g} % of the time, with a "
@@ -240,20 +240,20 @@ def _contact(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> str:
 
 
 def _length(machine: Rotor | DimensionalRotor, value: float) -> str:
-    return _told(machine, value, "length_scale", "m")
+    return _in_units(machine, value, "length_scale", "m")
 
 
 def _time(machine: Rotor | DimensionalRotor, value: float) -> str:
-    return _told(machine, value, "time_scale", "s")
+    return _in_units(machine, value, "time_scale", "s")
 
 
 def _force(machine: Rotor | DimensionalRotor, value: float) -> str:
-    return _told(machine, value, "force_scale", "N")
+    return _in_units(machine, value, "force_scale", "N")
 
 
 def _energy(machine: Rotor | DimensionalRotor, value: float) -> str:
     length = 1.0 if isinstance(machine, Rotor) else machine.length_scale
-    return _told(machine, length * value, "force_scale", "J")
+    return _in_units(machine, length * value, "force_scale", "J")
 
 
 def _rate(machine: Rotor | DimensionalRotor, value: float) -> str:
@@ -262,7 +262,7 @@ def _rate(machine: Rotor | DimensionalRotor, value: float) -> str:
     return f"{value * machine.reference_frequency:.4g} rad/s"
 
 
-def _told(machine: Rotor | DimensionalRotor, value: float, scale: str, unit: str) -> str:
+def _in_units(machine: Rotor | DimensionalRotor, value: float, scale: str, unit: str) -> str:
     """Return a number as it is, or of a machine with its unit."""
     if isinstance(machine, Rotor):
         return f"{value:.6g}"

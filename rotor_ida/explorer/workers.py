@@ -12,23 +12,31 @@ import pickle
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from importlib import import_module
 from queue import SimpleQueue
 from types import FrameType
-from typing import BinaryIO, Literal
+from typing import BinaryIO, Literal, cast
 
 from rotor_ida.errors import RotorError
-from rotor_ida.explorer.answers import Answer, packed
-from rotor_ida.explorer.questions import Question, read_question
+from rotor_ida.explorer.messages import Answer, Measurement, Question, packed, read_question
 
 # What to do about the answer of a number: begin it with its first part, or go on, or give it up.
-Order = tuple[int, Question | Literal["next", "drop"]]
+Order = tuple[int, Question | Measurement | Literal["next", "drop"]]
 
 # The rotor that a process is asked about before a page is let in.
-ASKED_FIRST = (2.0, 0.07, 2.0)
+FIRST_ROTOR = (2.0, 0.07, 2.0)
 # The same with what a machine has beside, which is computed by a library of its own.
-MACHINE_ASKED = {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
+FIRST_MACHINE = {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
+# Module and function that answer what is asked about; all else are files.
+SHOWN_BY = {
+    "motion": ("motion", "show_motion"),
+    "run_up": ("run_ups", "show_run_up"),
+    "lines": ("motion", "show_lines"),
+    "responses": ("responses", "show_responses"),
+    "starts": ("starts", "show_starts"),
+}
 # Seconds after which a part is broken off again.
 SOON = 0.01
 # Bytes that tell the length of an answer, little-endian.
@@ -72,7 +80,7 @@ class Desk:
             if self._begun.pop(number, None) is not None:
                 signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
             return
-        if isinstance(what, Question):
+        if isinstance(what, (Question, Measurement)):
             self._begun[number] = _parts(what)
         self._due.put(number)
 
@@ -115,10 +123,10 @@ def _listen(desk: Desk, orders: BinaryIO) -> None:
     os._exit(0)
 
 
-def _parts(question: Question) -> Iterator[bytes]:
+def _parts(question: Question | Measurement) -> Iterator[bytes]:
     """Yield the parts of an answer; the last may be why there are no more."""
     try:
-        for answer in _show(question.about)(question):
+        for answer in _show(question):
             yield packed(answer, question.ticket)
     except Exception as error:  # the process lives on, whatever it is
         yield packed(Answer("trouble", {"message": _why(error)}), question.ticket)
@@ -132,31 +140,15 @@ def _why(error: Exception) -> str:
     return said if isinstance(error, RotorError) else f"{type(error).__name__}: {said}"
 
 
-def _show(about: str) -> Callable[[Question], Iterator[Answer]]:
-    """Return what answers a question; each process imports only what it needs."""
-    if about == "motion":
-        from rotor_ida.explorer.motion import show_motion  # noqa: PLC0415
+def _show(question: Question | Measurement) -> Iterator[Answer]:
+    """Answer a question; each process imports only what it needs."""
+    if isinstance(question, Measurement):
+        from rotor_ida.explorer.measured import show_measured  # noqa: PLC0415
 
-        return show_motion
-    if about == "run_up":
-        from rotor_ida.explorer.passage import show_run_up  # noqa: PLC0415
-
-        return show_run_up
-    if about == "lines":
-        from rotor_ida.explorer.lines import show_lines  # noqa: PLC0415
-
-        return show_lines
-    if about == "responses":
-        from rotor_ida.explorer.responses import show_responses  # noqa: PLC0415
-
-        return show_responses
-    if about == "starts":
-        from rotor_ida.explorer.starts import show_starts  # noqa: PLC0415
-
-        return show_starts
-    from rotor_ida.explorer.saving import show_file  # noqa: PLC0415
-
-    return show_file
+        return show_measured(question)
+    module, function = SHOWN_BY.get(question.about, ("files", "show_file"))
+    show = getattr(import_module(f"rotor_ida.explorer.{module}"), function)
+    return cast(Iterator[Answer], show(question))
 
 
 def example(
@@ -171,4 +163,4 @@ def example(
     }  # fmt: skip
     if about == "run_up":
         asked |= {"to": omega + 0.01, "rate": 0.01}
-    return read_question(json.dumps(asked))
+    return cast(Question, read_question(json.dumps(asked)))

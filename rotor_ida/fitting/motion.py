@@ -32,15 +32,13 @@ from rotor_ida.simulation.orbit import (
     Orbit,
 )
 from rotor_ida.simulation.run import run
-from rotor_ida.simulation.spin import Course, Ramp
+from rotor_ida.simulation.spin import Ramp, SpeedProfile
 
 OPTIONS = Options(rtol=1e-11, atol=1e-13, method="taylor")
 # Beyond, a motion is chaotic for a fit: what is left of its start is rounding.
 LARGEST_GROWTH = 1e6
 # What a motion and its panels may take: some seconds.
 MOST_PANELS = 1_000_000
-# Column of the largest indentation of a contact in the table of an orbit.
-DEEPEST = 3
 
 
 @dataclass(frozen=True)
@@ -71,7 +69,7 @@ class Turning:
             rate,
         )
 
-    def course(self, frequency: float, ahead: float) -> Course:
+    def course(self, frequency: float, ahead: float) -> SpeedProfile:
         """Return it without dimensions, the unbalance so far ahead of the mark."""
         spins = tuple(
             Ramp(begin * frequency, angle + ahead, speed / frequency, rate / frequency**2)
@@ -80,7 +78,7 @@ class Turning:
                 self.rates.tolist(), strict=False,
             )
         )  # fmt: skip
-        return Course(tuple((self.ends[1:] * frequency).tolist()), spins)
+        return SpeedProfile(tuple((self.ends[1:] * frequency).tolist()), spins)
 
 
 @dataclass(frozen=True)
@@ -198,7 +196,7 @@ def _follow(
     check_can_be_followed(rotor, (x, y, vx, vy))
     course = turning.course(frequency, ahead)
     sampled = np.minimum(times * frequency, course.ends[-1])
-    return run(rotor, (x, y, vx, vy), course.ends[-1], sampled, OPTIONS, course=course)
+    return run(rotor, (x, y, vx, vy), course.ends[-1], sampled, OPTIONS, profile=course)
 
 
 def _simulated(rotor: Rotor) -> Rotor:
@@ -246,7 +244,7 @@ def _longest_panels(
     speeds = np.abs(turning.at(turning.ends[1:], "left")[1])
     fastest = max(float(speeds.max()), float(turning.speeds.max()), machine.damping / machine.mass)
     flight = fastest + math.sqrt(machine.shaft_stiffness / machine.mass)
-    found = orbit.contacts[:, DEEPEST]
+    found = orbit.contacts["peak_indentation"]
     depth = float(np.nanmax(found)) if np.isfinite(found).any() else 0.0
     deepest = depth * machine.length_scale
     exponent = machine.contact_exponent

@@ -122,12 +122,15 @@ def _names_of(nodes: Sequence[Symbol], outputs: Sequence[Symbol]) -> dict[int, s
     """Return a name for what the model names, what is used more than once, and each product."""
     used = Counter(operand.number for node in nodes for operand in operands(node))
     used.update(output.number for output in outputs)
+    # the first coefficient of a base is asked for by itself
+    bases = {node.arguments[0].number for node in nodes if node.kind == "**"}
     names: dict[int, str] = {}
     for node in nodes:
         if node.kind in {"number", "parameter", "state"} or not node.changes:
             continue
         name = node.name
-        if not name and (used[node.number] > 1 or needs_convolution(node)):
+        is_asked = used[node.number] > 1 or node.number in bases or needs_convolution(node)
+        if not name and is_asked:
             name = f"w{len(names)}"
         while name and name in names.values():
             name += "_"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 
 import numpy as np
@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.axis import Axis
 
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import ALL_PARAMETERS
+from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS, OPTIONAL
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import QUANTITIES
 
@@ -78,6 +78,27 @@ def hold_units(axis: Axis, variable: xr.DataArray) -> None:
     # at new units matplotlib looks at lines anew, and forgets how far bars and areas reach
     for ax, limits in reached:
         ax.dataLim.set(limits)
+
+
+def fixed_parameters(
+    name: str, dataset: xr.Dataset, of_all: Sequence[str] = ("zeta", "delta0")
+) -> dict[str, float]:
+    """Return the parameters but the one on the axis, of which there is one value each."""
+    names = (*of_all, *(each for each in OPTIONAL if each in dataset.variables))
+    return {each: one_value(name, dataset, each) for each in names}
+
+
+def check_same_parameters(name: str, here: Mapping[str, float], there: Mapping[str, float]) -> None:
+    """Refuse other parameters than those of the exact curve."""
+    papers = {**FRICTIONLESS, "friction": 0.0}
+    of_this, of_exact = {**papers, **here}, {**papers, **there}
+    for parameter, value in of_exact.items():
+        # contact damping moves no fold
+        skipped = (name, parameter) == ("fold_points", "contact_damping")
+        if of_this[parameter] != value and not skipped:
+            raise InputError(
+                f"{name} must have the {parameter} of exact, {value!r}, got {of_this[parameter]!r}"
+            )
 
 
 def check_same_units(name: str, dataset: xr.Dataset, shown: xr.Dataset) -> None:

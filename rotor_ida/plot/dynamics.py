@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import FRICTIONLESS, PARAMETERS
+from rotor_ida.model.table import PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     GREY,
@@ -27,8 +27,10 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.datasets import (
     check_dataset,
+    check_same_parameters,
     check_same_units,
     clearance_of,
+    fixed_parameters,
     one_value,
     parameters_in,
 )
@@ -261,13 +263,7 @@ def _varied(found: xr.Dataset, exact: xr.Dataset | None) -> tuple[str, dict[str,
     exact = check_dataset("exact", exact, ("omega", "amplitude"))
     check_same_units("exact", exact, found)
     others = {name: one_value("found", found, name) for name in names[1:] if name != "delta0"}
-    curve = {
-        name: one_value("exact", exact, name) for name in FRICTIONLESS if name in exact.variables
-    }
-    for name, default in FRICTIONLESS.items():
-        here, there = others.get(name, default), curve.get(name, default)
-        if here != there:
-            raise InputError(f"found must have the {name} of exact, {there!r}, got {here!r}")
+    check_same_parameters("found", others, fixed_parameters("exact", exact, ("zeta",)))
     delta0 = one_value("exact", exact, "delta0")
     if delta0 not in found["delta0"].values:
         raise InputError(f"found must hold the delta0 of exact, {delta0!r}, it does not")

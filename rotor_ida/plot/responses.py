@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import FRICTIONLESS, OPTIONAL, PARAMETERS
+from rotor_ida.model.table import OPTIONAL, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     CONTACT_FREE,
@@ -38,7 +38,12 @@ from rotor_ida.plot.appearance import (
     own_legend,
     raise_limit,
 )
-from rotor_ida.plot.datasets import check_dataset, check_same_units, one_value
+from rotor_ida.plot.datasets import (
+    check_dataset,
+    check_same_parameters,
+    check_same_units,
+    fixed_parameters,
+)
 from rotor_ida.plot.labels import KIND_WORDS, LABELS, in_lines, label_axis, parameter_text
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of
@@ -194,11 +199,11 @@ def plot_over_clearance(
     'clearance $\\delta_0$'
     """
     exact = check_dataset("exact", exact, CURVE)
-    parameters = _fixed_parameters("exact", exact, ("omega", "zeta"))
+    parameters = fixed_parameters("exact", exact, ("omega", "zeta"))
     if simulated is not None:
         check_dataset("simulated", simulated, ("delta0", *SIMULATED[:-1]))
         optional = {name: value for name, value in parameters.items() if name in OPTIONAL}
-        _check_same("simulated", _fixed_parameters("simulated", simulated, ()), optional)
+        check_same_parameters("simulated", fixed_parameters("simulated", simulated, ()), optional)
         check_same_units("simulated", simulated, exact)
     with drawing(ax) as ax:
         draw_curve(ax, exact, over="delta0", quantity="amplitude")
@@ -227,10 +232,10 @@ def _plot_over_speed(
         shown = check_dataset("simulated", simulated, BESIDE["simulated"])
     else:
         raise InputError("exact must be a Dataset, or None beside simulated, got neither")
-    parameters = _fixed_parameters("simulated" if exact is None else "exact", shown)
+    parameters = fixed_parameters("simulated" if exact is None else "exact", shown)
     for name, dataset in given.items():
         check_dataset(name, dataset, BESIDE[name])
-        _check_same(name, _fixed_parameters(name, dataset), parameters)
+        check_same_parameters(name, fixed_parameters(name, dataset), parameters)
         check_same_units(name, dataset, shown)
     with drawing(ax) as ax:
         if exact is not None:
@@ -261,27 +266,6 @@ def _without_curve(parameters: Mapping[str, float]) -> str:
     before = {name: value for name, value in parameters.items() if name != "load"}
     reason = f"{parameter_text(last)}: {NO_CURVE} under a load" if last else NO_CURVE
     return f"{parameter_text(before)}\n{reason}"
-
-
-def _fixed_parameters(
-    name: str, dataset: xr.Dataset, of_all: Sequence[str] = ("zeta", "delta0")
-) -> dict[str, float]:
-    """Return the parameters but the one on the axis, of which there is one value each."""
-    names = (*of_all, *(each for each in OPTIONAL if each in dataset.variables))
-    return {each: one_value(name, dataset, each) for each in names}
-
-
-def _check_same(name: str, here: Mapping[str, float], there: Mapping[str, float]) -> None:
-    """Refuse other parameters than those of the exact curve."""
-    papers = {**FRICTIONLESS, "friction": 0.0}
-    of_this, of_exact = {**papers, **here}, {**papers, **there}
-    for parameter, value in of_exact.items():
-        # contact damping moves no fold
-        skipped = (name, parameter) == ("fold_points", "contact_damping")
-        if of_this[parameter] != value and not skipped:
-            raise InputError(
-                f"{name} must have the {parameter} of exact, {value!r}, got {of_this[parameter]!r}"
-            )
 
 
 def _draw_points(

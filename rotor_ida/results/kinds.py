@@ -184,7 +184,7 @@ KINDS = {
         Kind(
             name="spectral_lines", meaning="lines of the spectrum",
             variables=("window_residual",), dims=("line",),
-            shown=f"{_SIGNALS}:show_spectral_lines",
+            shown=f"{_SHOWN}:SPECTRAL_LINES",
         ),
         Kind(
             name="signals", meaning="signals", variables=("x", "y"), dims=("t",),

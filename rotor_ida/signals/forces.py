@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -69,7 +71,7 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
         check_one_speed(run, "contact forces with friction")
         told = _with_friction(check_run(run, (*NEEDED, *NEEDED_WITH_FRICTION)), radius, rotor)
     else:
-        held = damping_factor(_outwards(run, radius), rotor.contact_damping)
+        held = damping_factor(_outwards(run), rotor.contact_damping)
         stiffness = held * secant_stiffness(radius, rotor.delta0, rotor.contact_exponent)
         told = {
             "force": held * contact_force(radius, rotor.delta0, rotor.contact_exponent),
@@ -116,7 +118,7 @@ def _hold(run: xr.Dataset, radius: Values, rotor: Rotor) -> Values:
     c, s = run["x"].values / size, run["y"].values / size
     angle, rim = rotor.omega * run["t"].values, (rotor.disc_radius or 0.0) * rotor.omega
     at = Moment(
-        (radius, 0.0), (_outwards(run, radius), -rim), (1.0, 0.0),
+        (radius, 0.0), (_outwards(run), -rim), (1.0, 0.0),
         (np.cos(angle) * c + np.sin(angle) * s, np.sin(angle) * c - np.cos(angle) * s), (-s, -c),
     )  # fmt: skip
     of_rotor = SimpleNamespace(
@@ -126,8 +128,43 @@ def _hold(run: xr.Dataset, radius: Values, rotor: Rotor) -> Values:
     return np.asarray(hold_of_rolling(at, size, of_rotor))
 
 
-def _outwards(run: xr.Dataset, radius: Values) -> Values:
-    """Return the radial velocity; of no matter at the axis."""
-    moment = run["x"].values * run["vx"].values + run["y"].values * run["vy"].values
-    speed: Values = np.divide(moment, radius, out=np.zeros_like(radius), where=radius > 0.0)
+@dataclass(frozen=True, slots=True)
+class PowerInContact:
+    """The normal force along a run, and the energy that a contact takes per unit of time.
+
+    Parameters
+    ----------
+    normal_force : ndarray, shape (n,)
+        ``N = max(0, d**n (1 + c d'))`` [1].
+    damping : ndarray, shape (n,)
+        ``(N - d**n) d'``, which contact damping takes [1].
+    friction : ndarray, shape (n,)
+        ``mu N |v_s|``, the heat of sliding [1].
+    """
+
+    normal_force: Values
+    damping: Values
+    friction: Values
+
+
+def power_in_contact(run: Mapping[str, Values], rotor: Rotor) -> PowerInContact:
+    """Return normal force and lost power of samples ``x y vx vy``, with friction ``slip_speed``."""
+    radius = np.hypot(run["x"], run["y"])
+    spring: Values = contact_force(radius, rotor.delta0, rotor.contact_exponent)
+    outwards = radial_speed(run["x"], run["y"], run["vx"], run["vy"])
+    normal = damping_factor(outwards, rotor.contact_damping) * spring
+    slip = np.abs(run["slip_speed"]) if rotor.friction > 0.0 else 0.0
+    return PowerInContact(normal, (normal - spring) * outwards, rotor.friction * normal * slip)
+
+
+def radial_speed(x: Values, y: Values, vx: Values, vy: Values) -> Values:
+    """Return the radial velocity ``d'`` [1]; of no matter at the axis."""
+    radius = np.hypot(x, y)
+    speed: Values = np.divide(
+        x * vx + y * vy, radius, out=np.zeros_like(radius), where=radius > 0.0
+    )
     return speed
+
+
+def _outwards(run: xr.Dataset) -> Values:
+    return radial_speed(*(run[name].values for name in ("x", "y", "vx", "vy")))

@@ -10,9 +10,9 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import State, check_instance
-from rotor_ida.core.interface import LARGEST_FORCE, PEAK_ROOT
+from rotor_ida.core.runs import SPIN, Rows
 from rotor_ida.errors import InputError
-from rotor_ida.model.contact import contact_force
+from rotor_ida.model.contact import contact_force, damping_factor
 from rotor_ida.model.table import ALL_PARAMETERS
 from rotor_ida.schema import (
     WHIRL_DIRECTION,
@@ -21,41 +21,52 @@ from rotor_ida.schema import (
     labelled_dataset,
     origin_of,
 )
-from rotor_ida.simulation.orbit import ENTRY, EXIT, Orbit
-from rotor_ida.simulation.rubbing import rolling_times, slip_distances
+from rotor_ida.simulation.orbit import (
+    ENTRY,
+    EXIT,
+    SLIDES_BACKWARDS,
+    SLIDES_FORWARDS,
+    Orbit,
+    stretches_of_rolling,
+)
 
-# In an orbit the indentation stands where the core keeps its root.
-PEAK_INDENTATION = PEAK_ROOT
 # Below this part of radius times speed, angular momentum is rounding: there is no whirl.
 NO_WHIRL = 1e-12
+# Where trapezoids differ by more than this part of it from what is of higher order, the samples are
+# too far apart for a slip distance.
+NEAR_ENOUGH = 0.01
 
 
 def contact_columns(orbit: Orbit, start: State) -> dict[str, Column]:
     """Return the contacts of an orbit from `start` as columns on the dimension ``contact``."""
-    contacts = np.ascontiguousarray(orbit.contacts.T)
-    entry, leaving, peak_time, indentation, impulse, moment, lost, _, heat = contacts
     rotor = orbit.rotor
-    at_entry = _states_at(orbit, entry, ENTRY)
-    at_exit = _states_at(orbit, leaving, EXIT)
+    contacts = {
+        name: np.ascontiguousarray(orbit.contacts[name])
+        for name in orbit.contacts.dtype.names or ()
+    }
+    at_entry = _states_at(orbit, contacts["entry"], ENTRY)
+    at_exit = _states_at(orbit, contacts["exit"], EXIT)
     speed = np.hypot(at_entry[:, 2], at_entry[:, 3])
     left_with = np.hypot(at_exit[:, 2], at_exit[:, 3])
     columns = {
-        "entry_time": entry,
-        "exit_time": leaving,
-        "peak_time": peak_time,
-        "peak_indentation": indentation,
+        "entry_time": contacts["entry"],
+        "exit_time": contacts["exit"],
+        "peak_time": contacts["peak_time"],
+        "peak_indentation": contacts["peak_indentation"],
         "peak_force": peak_forces(orbit),
-        "contact_duration": leaving - entry,
-        "impulse": impulse,
+        "contact_duration": contacts["exit"] - contacts["entry"],
+        "impulse": contacts["impulse"],
         "entry_speed": speed,
         "entry_angle": _angle_of_incidence(at_entry),
         "energy_lost": 0.5 * (speed**2 - left_with**2),
-        "whirl_direction": _whirl_direction(orbit, moment, indentation),
+        "whirl_direction": _whirl_direction(
+            orbit, contacts["momentum"], contacts["peak_indentation"]
+        ),
     }
     if rotor.contact_damping > 0.0:
-        columns["contact_loss"] = lost
+        columns["contact_loss"] = contacts["lost"]
     if rotor.friction > 0.0:
-        columns["heat"] = heat
+        columns["heat"] = contacts["heat"]
         columns["slip_distance"] = slip_distances(orbit, start)
         columns["rolling_time"] = rolling_times(orbit)
     return {name: ("contact", column) for name, column in columns.items()}
@@ -65,9 +76,9 @@ def peak_forces(orbit: Orbit) -> Values:
     """Return the largest force of each contact."""
     rotor = orbit.rotor
     if rotor.contact_damping > 0.0:  # it comes before the largest indentation
-        return np.ascontiguousarray(orbit.contacts[:, LARGEST_FORCE])
-    indentation = orbit.contacts[:, PEAK_INDENTATION]
-    return np.asarray(contact_force(indentation, 0.0, rotor.contact_exponent))
+        return np.ascontiguousarray(orbit.contacts["largest_force"])
+    depth = orbit.contacts["peak_indentation"]
+    return np.asarray(contact_force(depth, 0.0, rotor.contact_exponent))
 
 
 def contact_summary(run: xr.Dataset) -> xr.Dataset:
@@ -171,3 +182,90 @@ def _whirl_direction(orbit: Orbit, moment: Values, indentation: Values) -> npt.N
     scale = (orbit.rotor.delta0 + indentation) * fastest
     turning = np.where(np.abs(moment) > NO_WHIRL * scale, np.sign(moment), 0.0)
     return turning.astype(np.int8)
+
+
+# ---- Friction: how far the surfaces slide, and for how long the disc rolls ----
+
+
+def rolling_times(orbit: Orbit) -> Values:
+    """Return for how long the disc rolls in each contact [1]."""
+    began, ended = _limits(orbit)
+    rolled = np.zeros(began.size)
+    for start, end in stretches_of_rolling(orbit).tolist():
+        rolled += np.maximum(np.minimum(end, ended) - np.maximum(start, began), 0.0)
+    return rolled
+
+
+def slip_distances(orbit: Orbit, start: State) -> Values:
+    """Return how far the surfaces slide over each other in each contact, always counted up [1].
+
+    That is the integral of ``|v_s|``, from events and samples: trapezoids, and what the rates at
+    their ends add. NaN where these are too far apart.
+    """
+    assert orbit.ways is not None
+    times = np.concatenate([[0.0], orbit.event_times, orbit.times, [orbit.duration]])
+    states = np.vstack([np.array(start), orbit.event_states, orbit.states, orbit.end])
+    order = np.argsort(times, kind="stable")
+    spins = _spins_at(orbit, times)
+    times, states, spins = times[order], states[order], spins[order]
+    span = np.diff(times)
+    ways = orbit.ways[
+        np.searchsorted(orbit.event_times, 0.5 * (times[1:] + times[:-1]), side="right")
+    ]
+    # before, and behind: at an event the rate jumps
+    first, rate = _slip(orbit, times[:-1], states[:-1], spins[:-1], ways)
+    last, rate_there = _slip(orbit, times[1:], states[1:], spins[1:], ways)
+    sense = np.sign(first + last)
+    flat = 0.5 * span * sense * (first + last)
+    bent = flat + span**2 / 12.0 * sense * (rate - rate_there)
+    slides = (span > 0.0) & np.isin(ways, (SLIDES_FORWARDS, SLIDES_BACKWARDS))
+    began, ended = _limits(orbit)
+    middle = 0.5 * (times[1:] + times[:-1])
+    distances = np.zeros(began.size)
+    for number, (since, until) in enumerate(zip(began.tolist(), ended.tolist(), strict=True)):
+        within = slides & (middle >= since) & (middle <= until)
+        distance, plain = float(bent[within].sum()), float(flat[within].sum())
+        close = abs(distance - plain) <= NEAR_ENOUGH * abs(distance)
+        distances[number] = distance if close else math.nan
+    return distances
+
+
+def _limits(orbit: Orbit) -> tuple[Values, Values]:
+    """Return when each contact began and ended, within the run."""
+    began = np.nan_to_num(orbit.contacts["entry"], nan=0.0)
+    ended = np.nan_to_num(orbit.contacts["exit"], nan=orbit.duration)
+    return began, ended
+
+
+def _spins_at(orbit: Orbit, times: Values) -> Rows:
+    """Return angle and speed at the start, the events, the samples and the end."""
+    omega, record = orbit.rotor.omega, orbit.speed_record
+    if record is not None:
+        start = np.array([(0.0, omega)], SPIN)
+        return np.concatenate([start, record.events, record.samples, record.end[np.newaxis]])
+    spins = np.empty(times.size, SPIN)
+    spins["angle"], spins["speed"] = omega * times, omega
+    return spins
+
+
+def _slip(
+    orbit: Orbit, times: Values, states: Values, spins: Rows, ways: Values
+) -> tuple[Values, Values]:
+    """Return the slip speed, and its rate while the surfaces slide as `ways` says."""
+    rotor, (x, y, vx, vy) = orbit.rotor, states.T
+    angle, speed = spins["angle"], spins["speed"]
+    rho = rotor.disc_radius or 0.0
+    radius = np.maximum(np.hypot(x, y), np.finfo(float).tiny)
+    outwards, across = (x * vx + y * vy) / radius, (x * vy - y * vx) / radius
+    normal = contact_force(radius, rotor.delta0, rotor.contact_exponent)
+    normal = normal * np.maximum(damping_factor(outwards, rotor.contact_damping), 0.0)
+    ahead = angle - np.arctan2(y, x)
+    rate = speed * speed * np.sin(ahead) - 2.0 * rotor.zeta * across - rotor.load * x / radius
+    rate -= rotor.friction * ways * normal + outwards * across / radius
+    if orbit.speed_record is not None:
+        lever, cos, sin = rho - np.cos(ahead), np.cos(angle), np.sin(angle)
+        stiffness = rotor.shaft_stiffness + normal / radius
+        resisted = -2.0 * rotor.zeta * (cos * vy - sin * vx) - stiffness * (cos * y - sin * x)
+        resisted += rotor.friction * ways * normal * lever
+        rate += lever * orbit.speed_record.profile.accelerations(times, speed, resisted)
+    return across + rho * speed, rate

@@ -55,7 +55,7 @@ def run_dataset(
         "horizon": ((), errors.horizon),
         **contact_columns(orbit, start),
         **_friction(orbit),
-        **_turning(orbit),
+        **_spins(orbit),
     }
     coordinates = parameter_coordinates(orbit.rotor) | {"t": ("t", orbit.times)}
     attributes = provenance(orbit.options.attributes()) | {
@@ -66,13 +66,13 @@ def run_dataset(
         **(changes or {}),
     }
     title = "Rotor in a clearance: one simulated run"
-    if orbit.turning is not None:
+    if orbit.speed_record is not None:
         title = "Rotor in a clearance: one run at a speed that changes"
     return labelled_dataset(title, variables, coordinates, attributes, kind="run")
 
 
 def _events(orbit: Orbit) -> dict[str, Column | xr.Variable]:
-    """Return times and kinds of the events; a machine may have more kinds of them."""
+    """Return times and kinds of the events; contact damping and friction have more kinds."""
     flags = EVENT_KIND
     if orbit.rotor.friction > 0.0:
         flags = flags | OF_FRICTION_EVENT_KIND
@@ -108,18 +108,17 @@ def _friction(orbit: Orbit) -> dict[str, Column]:
     return {"mode": ("t", ways), "slip_speed": ("t", slip), "normal_force": ("t", force)}
 
 
-def _turning(orbit: Orbit) -> dict[str, Column]:
+def _spins(orbit: Orbit) -> dict[str, Column]:
     """Return how fast the rotor spins, and where its unbalance is, if the speed changes."""
-    if orbit.turning is None:
+    record = orbit.speed_record
+    if record is None:
         return {}
-    angles, speeds = np.ascontiguousarray(orbit.turning.samples.T)
-    event_angles, event_speeds = np.ascontiguousarray(orbit.turning.events.T)
     return {
-        "speed": ("t", speeds),
-        "angle": ("t", angles),
-        "event_speed": ("event", event_speeds),
-        "event_angle": ("event", event_angles),
-        "revolutions": ((), orbit.turning.end[0] / (2.0 * math.pi)),
+        "speed": ("t", np.ascontiguousarray(record.samples["speed"])),
+        "angle": ("t", np.ascontiguousarray(record.samples["angle"])),
+        "event_speed": ("event", np.ascontiguousarray(record.events["speed"])),
+        "event_angle": ("event", np.ascontiguousarray(record.events["angle"])),
+        "revolutions": ((), record.end["angle"] / (2.0 * math.pi)),
     }
 
 

@@ -96,12 +96,13 @@ def estimate_event_errors(
         widening, of_rounding = WIDENING, OF_ROUNDING
         if rtol < APART * ROUNDING:
             rotor = _nearest(rotor)
+    profile = None if orbit.speed_record is None else orbit.speed_record.profile
     every = max(1, orbit.times.size // MOST_SAMPLES)
     thinned = replace(orbit, times=orbit.times[::every], states=orbit.states[::every])
     try:
         other = run(
             rotor, start, orbit.duration, thinned.times, options, slack=2.0 * slack,
-            scale=scale, stop=stop, course=None if orbit.turning is None else orbit.turning.course,
+            scale=scale, stop=stop, profile=profile,
         )  # fmt: skip
     except SimulationError as error:
         return EventErrors(np.full(orbit.event_times.size, np.inf), error.time)
@@ -124,7 +125,7 @@ def _fastest(orbit: Orbit) -> float:
     omega = float(np.max(orbit.speeds, initial=rotor.omega))
     squares = orbit.states[:, 0] ** 2 + orbit.states[:, 1] ** 2
     farthest = float(np.sqrt(squares.max(initial=delta0**2)))
-    depth = max(farthest - delta0, float(orbit.contacts[:, 3].max(initial=0.0)))
+    depth = max(farthest - delta0, float(orbit.contacts["peak_indentation"].max(initial=0.0)))
     exponent = rotor.contact_exponent
     stiffness = exponent * depth ** (exponent - 1.0) + rotor.shaft_stiffness
     decay = 2.0 * zeta + rotor.contact_damping * depth**exponent
@@ -268,17 +269,17 @@ def _quickening(orbit: Orbit, hold: Values, normal: Values) -> tuple[Values, Val
 
     `hold` is the force that rolling takes at the speed of the moment, `normal` the normal force.
     """
-    if orbit.turning is None or orbit.ways is None:
+    if orbit.speed_record is None or orbit.ways is None:
         return np.zeros_like(hold), np.zeros_like(hold)
     rotor, (x, y, vx, vy) = orbit.rotor, orbit.event_states.T
-    angle, speed = orbit.turning.events.T
+    angle, speed = orbit.speed_record.events["angle"], orbit.speed_record.events["speed"]
     cos, sin, radius = np.cos(angle), np.sin(angle), np.hypot(x, y)
     lever = (rotor.disc_radius or 0.0) - (cos * x + sin * y) / radius
     rolls = orbit.ways[:-1] == ROLLS
     across = np.where(rolls, hold, rotor.friction * orbit.ways[:-1] * normal)
     stiffness = rotor.shaft_stiffness + normal / radius
     resisted = -2.0 * rotor.zeta * (cos * vy - sin * vx) - stiffness * (cos * y - sin * x)
-    faster = orbit.turning.course.accelerations(
+    faster = orbit.speed_record.profile.accelerations(
         orbit.event_times, speed, resisted + across * lever, np.where(rolls, lever**2, 0.0)
     )
     return faster, lever

@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import MOST_NUMBERS, State
-from rotor_ida.core.interface import DONE, KIND, RADIUS, STATE, TIME, message_of
-from rotor_ida.core.runs import Asked, follow
+from rotor_ida.core.interface import DONE, message_of
+from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.parameters import Rotor
@@ -55,25 +55,24 @@ def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float, sto
     or asked to stop.
     """
     times = np.linspace(0.0, duration, math.ceil(duration * _knots_a_time(rotor)) + 1)
-    seen = follow(
-        Asked(
+    result = follow_run(
+        RunRequest(
             rotor=rotor, start=start, duration=duration, rtol=rtol, atol=ATOL * rtol,
             sample_times=times, extrema=True, stop=stop,
         )
     )  # fmt: skip
-    if seen.status != DONE:
-        state = rotated(seen.state, rotor.omega * seen.time).tolist()
+    if result.status != DONE:
+        state = rotated(result.state, rotor.omega * result.time).tolist()
         raise SimulationError(
-            f"the motion could not be followed to its extrema: {message_of(seen.status)}",
-            time=seen.time, state=tuple(state),
+            f"the motion could not be followed to its extrema: {message_of(result.status)}",
+            time=result.time, state=tuple(state),
         )  # fmt: skip
-    radius = np.hypot(seen.samples[:, 0], seen.samples[:, 1])
+    radius = np.hypot(result.samples[:, 0], result.samples[:, 1])
     if np.ptp(radius) <= CONSTANT_WITHIN * radius.max():
         kinds = np.array([CONSTANT], dtype=np.int8)
-        return Extrema(times[:1], radius.mean(keepdims=True), kinds, seen.samples[:1])
-    found = seen.extrema
-    kinds = found[:, KIND].astype(np.int8)
-    return Extrema(found[:, TIME], found[:, RADIUS], kinds, found[:, STATE:])
+        return Extrema(times[:1], radius.mean(keepdims=True), kinds, result.samples[:1])
+    rows = result.extrema
+    return Extrema(rows["time"], rows["radius"], rows["kind"].astype(np.int8), rows["state"])
 
 
 def check_knots(name: str, rotor: Rotor, duration: float) -> None:

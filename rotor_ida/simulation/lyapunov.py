@@ -22,7 +22,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.core import sundials
 from rotor_ida.core.interface import DONE, NOT_FINITE, message_of
-from rotor_ida.core.runs import Asked, stretch
+from rotor_ida.core.runs import RunRequest, stretch
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.parameters import Rotor
@@ -199,7 +199,7 @@ def exponents_of(
     """Return the Lyapunov exponents of a motion that has settled, falling, and their errors.
 
     From `start`, on the rotating axes, as means over `duration`. SimulationError if the
-    integration was stuck, or asked to stop.
+    integration was stuck, or request to stop.
     """
     spans = (math.ceil(TURNING_TIME / SPAN), BATCHES * math.ceil(duration / (BATCHES * SPAN)))
     stretches = _stretches(rotor, start, *spans, SPAN, rtol, stop, "taylor")
@@ -215,16 +215,16 @@ def _stretches(
     """Return the logarithms of stretching over each span after the transient, shape (n, 5)."""
     # Not along the axes: these are special directions of a rotor that starts at rest.
     bundle = np.ascontiguousarray(np.linalg.qr(np.vander([1.0, 0.7, -0.4, -0.9]))[0])
-    asked = Asked(
+    request = RunRequest(
         rotor=rotor, start=start, duration=span, rtol=rtol, atol=ATOL * rtol, method=method,
         bundle=bundle, stop=stop,
     )  # fmt: skip
-    stretches, seen = stretch(asked, lead + count)
+    stretches, result = stretch(request, lead + count)
     whole = np.isfinite(stretches[:, :3]).all(axis=1) & (stretches[:, 3] < np.inf)
-    if seen.status != DONE or not whole.all():
-        time = span * int(whole.sum()) + (seen.time if seen.status != DONE else 0.0)
-        x, y, vx, vy = rotated(seen.state, rotor.omega * time).tolist()
-        reason = message_of(seen.status) if seen.status != DONE else message_of(NOT_FINITE)
+    if result.status != DONE or not whole.all():
+        time = span * int(whole.sum()) + (result.time if result.status != DONE else 0.0)
+        x, y, vx, vy = rotated(result.state, rotor.omega * time).tolist()
+        reason = message_of(result.status) if result.status != DONE else message_of(NOT_FINITE)
         raise SimulationError(
             f"the tangent vectors could not be followed: {reason}", time=time, state=(x, y, vx, vy)
         )

@@ -49,7 +49,7 @@ SLIDING = (FORWARDS, BACKWARDS)
 
 
 @dataclass(frozen=True, slots=True)
-class Machine:
+class SpinningRotor:
     """A rotor and how it spins.
 
     Parameters
@@ -68,17 +68,17 @@ class Machine:
         """The moment of inertia; 0 where the speed is prescribed."""
         return self.spin.inertia if isinstance(self.spin, Driven) else 0.0
 
-    def turned(self, time: float, state: Values) -> tuple[float, float]:
+    def spin_at(self, time: float, state: Values) -> tuple[float, float]:
         """Return angle and speed."""
         angle, speed = self.spin.at(time, state)
         return angle, speed
 
     def rim_speed(self, time: float, state: Values) -> float:
         """Return ``V = rho theta'``."""
-        return (self.rotor.disc_radius or 0.0) * self.turned(time, state)[1]
+        return (self.rotor.disc_radius or 0.0) * self.spin_at(time, state)[1]
 
 
-def rates_of(machine: Machine, mode: int) -> Rates:
+def rates_of(spinning: SpinningRotor, mode: int) -> Rates:
     """Return the right-hand side of the first-order system in one mode.
 
     In flight there is no force even beyond the ring, so that a step may look ahead smoothly; in a
@@ -86,7 +86,7 @@ def rates_of(machine: Machine, mode: int) -> Rates:
     sense where the step looks beyond a reversal. Rolling fixes the tangential velocity: what is
     integrated of it is not looked at.
     """
-    rotor = machine.rotor
+    rotor = spinning.rotor
     delta0, exponent, damping = rotor.delta0, rotor.contact_exponent, rotor.contact_damping
     friction = mode * rotor.friction if mode in SLIDING else 0.0
     turning = SimpleNamespace(
@@ -94,13 +94,13 @@ def rates_of(machine: Machine, mode: int) -> Rates:
     )
 
     def rates(time: float, state: Values, rate: Values) -> None:
-        seen = rolled(machine, time, state) if mode == ROLLING else state
+        seen = rolled(spinning, time, state) if mode == ROLLING else state
         x, y, vx, vy = seen[:IMPULSE].tolist()
         radius = math.hypot(x, y)
         spring = force_over_radius(radius, delta0, exponent) if mode != FLIGHT else 0.0
         approach = radial_rate_of(seen) / radius if spring else 0.0
         secant = spring * (1.0 + damping * approach) if mode != LOOSE else 0.0
-        angle, turning.omega = machine.turned(time, state)
+        angle, turning.omega = spinning.spin_at(time, state)
         rate[X], rate[Y] = vx, vy
         at = Moment((x, y), (vx, vy), (x, y), (math.cos(angle), math.sin(angle)), (0.0, -1.0))
         rate[VX], rate[VY] = accelerations(at, secant, turning)
@@ -109,155 +109,157 @@ def rates_of(machine: Machine, mode: int) -> Rates:
             rate[LOST] = (secant - spring) * radius * approach
         held = 0.0
         if state.size > HEAT:
-            held = hold_of_rolling(machine, time, seen) if mode == ROLLING else 0.0
+            held = hold_of_rolling(spinning, time, seen) if mode == ROLLING else 0.0
             across = friction * secant + held / radius if radius > 0.0 else 0.0
             rate[VX] += across * y
             rate[VY] -= across * x
             drag = friction * secant * radius
-            rate[HEAT] = drag * slip_of(machine, time, seen) if drag else 0.0
+            rate[HEAT] = drag * slip_of(spinning, time, seen) if drag else 0.0
         if state.size > GAINED:
-            _turn_faster(machine, time, seen, rate, (secant, friction * secant * radius + held))
+            _turn_faster(spinning, time, seen, rate, (secant, friction * secant * radius + held))
 
     return rates
 
 
 def _turn_faster(
-    machine: Machine, time: float, state: Values, rate: Values, force: tuple[float, float]
+    spinning: SpinningRotor, time: float, state: Values, rate: Values, force: tuple[float, float]
 ) -> None:
     """Add what the change of the speed brings, given N/|z| and T."""
-    spin, (secant, across) = machine.spin, force
-    angle, speed = machine.turned(time, state)
-    resisted = reaction_of(machine, time, state, secant)
+    spin, (secant, across) = spinning.spin, force
+    angle, speed = spinning.spin_at(time, state)
+    resisted = reaction_of(spinning, time, state, secant)
     if across:
-        resisted += across * lever_of(machine, time, state)
+        resisted += across * lever_of(spinning, time, state)
     faster = spin.acceleration(speed, resisted)
     rate[VX] += faster * math.sin(angle)
     rate[VY] -= faster * math.cos(angle)
     vx, vy = float(state[VX]), float(state[VY])
-    given = (machine.inertia * faster + resisted) * speed
-    spent = 2.0 * machine.rotor.zeta * (vx * vx + vy * vy) + rate[LOST] + rate[HEAT]
+    given = (spinning.inertia * faster + resisted) * speed
+    spent = 2.0 * spinning.rotor.zeta * (vx * vx + vy * vy) + rate[LOST] + rate[HEAT]
     rate[GAINED] = given - spent
     if state.size > SPEED:
         rate[ANGLE], rate[SPEED] = speed, faster
 
 
-def reaction_of(machine: Machine, time: float, state: Values, secant: float) -> float:
+def reaction_of(spinning: SpinningRotor, time: float, state: Values, secant: float) -> float:
     """Return ``R``, the moment of damping, shaft and normal force against the spin."""
-    rotor, (x, y, vx, vy) = machine.rotor, state[:IMPULSE].tolist()
-    angle, _ = machine.turned(time, state)
+    rotor, (x, y, vx, vy) = spinning.rotor, state[:IMPULSE].tolist()
+    angle, _ = spinning.spin_at(time, state)
     cos, sin = math.cos(angle), math.sin(angle)
     stiffness = rotor.shaft_stiffness + secant
     return float(-2.0 * rotor.zeta * (cos * vy - sin * vx) - stiffness * (cos * y - sin * x))
 
 
-def lever_of(machine: Machine, time: float, state: Values) -> float:
+def lever_of(spinning: SpinningRotor, time: float, state: Values) -> float:
     """Return ``rho - cos(theta - phi)``, the lever of T about the centre of mass."""
-    angle, _ = machine.turned(time, state)
+    angle, _ = spinning.spin_at(time, state)
     ahead = (math.cos(angle) * float(state[X]) + math.sin(angle) * float(state[Y])) / radius_of(
         state
     )
-    return (machine.rotor.disc_radius or 0.0) - ahead
+    return (spinning.rotor.disc_radius or 0.0) - ahead
 
 
-def energy_of(machine: Machine, time: float, state: Values) -> float:
+def energy_of(spinning: SpinningRotor, time: float, state: Values) -> float:
     """Return the energy of the motion of the centre of mass, the spin, the springs and the load."""
-    rotor, (x, y, vx, vy) = machine.rotor, state[:IMPULSE].tolist()
-    angle, speed = machine.turned(time, state)
+    rotor, (x, y, vx, vy) = spinning.rotor, state[:IMPULSE].tolist()
+    angle, speed = spinning.spin_at(time, state)
     cos, sin = math.cos(angle), math.sin(angle)
-    motion = (vx - speed * sin) ** 2 + (vy + speed * cos) ** 2 + machine.inertia * speed**2
+    motion = (vx - speed * sin) ** 2 + (vy + speed * cos) ** 2 + spinning.inertia * speed**2
     springs = 0.5 * rotor.shaft_stiffness * (x * x + y * y)
     springs += float(contact_potential(math.hypot(x, y), rotor.delta0, rotor.contact_exponent))
     return float(0.5 * motion + springs + rotor.load * (y + sin))
 
 
-def slip_of(machine: Machine, time: float, state: Values) -> float:
+def slip_of(spinning: SpinningRotor, time: float, state: Values) -> float:
     """Return the slip speed ``v_s = v_t + rho theta'``."""
     around = float(state[X] * state[VY] - state[Y] * state[VX])
-    return around / radius_of(state) + machine.rim_speed(time, state)
+    return around / radius_of(state) + spinning.rim_speed(time, state)
 
 
-def rolled(machine: Machine, time: float, state: Values) -> Values:
+def rolled(spinning: SpinningRotor, time: float, state: Values) -> Values:
     """Return a state of which the tangential velocity is that of rolling, ``-rho theta'``."""
     rise, radius, exact = radial_rate_of(state), radius_of(state), state.copy()
-    rim = machine.rim_speed(time, state)
+    rim = spinning.rim_speed(time, state)
     exact[VX] = (rise * state[X] / radius + rim * state[Y]) / radius
     exact[VY] = (rise * state[Y] / radius - rim * state[X]) / radius
     return exact
 
 
-def hold_of_rolling(machine: Machine, time: float, state: Values) -> float:
+def hold_of_rolling(spinning: SpinningRotor, time: float, state: Values) -> float:
     """Return the force F that rolling takes.
 
     ``F = theta'**2 sin(theta - phi) - gamma cos phi + V (2 zeta + r'/r)
     + theta'' (rho - cos(theta - phi))``.
     """
-    rotor, spin = machine.rotor, machine.spin
+    rotor, spin = spinning.rotor, spinning.spin
     x, y, radius = float(state[X]), float(state[Y]), radius_of(state)
-    angle, speed = machine.turned(time, state)
+    angle, speed = spinning.spin_at(time, state)
     rim = (rotor.disc_radius or 0.0) * speed
     drive = speed**2 * (math.sin(angle) * x - math.cos(angle) * y) - rotor.load * x
     hold = drive / radius + rim * (2.0 * rotor.zeta + radial_rate_of(state) / radius**2)
     if isinstance(spin, Steady):
         return hold
-    lever = lever_of(machine, time, state)
+    lever = lever_of(spinning, time, state)
     push = force_over_radius(radius, rotor.delta0, rotor.contact_exponent)
-    resisted = reaction_of(machine, time, state, push * hold_of(rotor, state))
+    resisted = reaction_of(spinning, time, state, push * hold_of(rotor, state))
     return hold + lever * float(spin.acceleration(speed, resisted + hold * lever, lever**2))
 
 
-def hidden_slip(machine: Machine, time: float, state: Values) -> float:
+def hidden_slip(spinning: SpinningRotor, time: float, state: Values) -> float:
     """Return the slip speed that rounding hides."""
     speed = math.hypot(state[VX], state[VY])
-    return HIDDEN * (float(speed) + machine.rim_speed(time, state))
+    return HIDDEN * (float(speed) + spinning.rim_speed(time, state))
 
 
-def hidden_hold(machine: Machine, time: float, state: Values) -> float:
+def hidden_hold(spinning: SpinningRotor, time: float, state: Values) -> float:
     """Return the size of `hold_of_rolling` that rounding hides."""
-    rotor, spin = machine.rotor, machine.spin
-    speed, rim = machine.turned(time, state)[1], machine.rim_speed(time, state)
+    rotor, spin = spinning.rotor, spinning.spin
+    speed, rim = spinning.spin_at(time, state)[1], spinning.rim_speed(time, state)
     turning = 2.0 * rotor.zeta + abs(radial_rate_of(state)) / radius_of(state) ** 2
     size = speed**2 + rotor.load + rim * turning
     if not isinstance(spin, Steady):
         push = force_over_radius(radius_of(state), rotor.delta0, rotor.contact_exponent)
-        resisted = reaction_of(machine, time, state, push * hold_of(rotor, state))
+        resisted = reaction_of(spinning, time, state, push * hold_of(rotor, state))
         size += abs(spin.acceleration(speed, resisted)) * ((rotor.disc_radius or 0.0) + 1.0)
     return HIDDEN * size
 
 
-def pressed_mode(machine: Machine, time: float, state: Values, slip: float | None = None) -> int:
+def pressed_mode(
+    spinning: SpinningRotor, time: float, state: Values, slip: float | None = None
+) -> int:
     """Decide how a pressed contact goes on: it slides where it does, or where grip is not enough.
 
     `slip` is 0 where that is known.
     """
-    if machine.rotor.friction == 0.0:
+    if spinning.rotor.friction == 0.0:
         return PRESSED
-    sliding = slip_of(machine, time, state) if slip is None else slip
-    if abs(sliding) > hidden_slip(machine, time, state):
+    sliding = slip_of(spinning, time, state) if slip is None else slip
+    if abs(sliding) > hidden_slip(spinning, time, state):
         return FORWARDS if sliding > 0.0 else BACKWARDS
-    rolling = rolled(machine, time, state)
-    hold = hold_of_rolling(machine, time, rolling)
-    grip = machine.rotor.friction * force_of(machine.rotor, state)
-    if abs(hold) <= grip + hidden_hold(machine, time, rolling):
+    rolling = rolled(spinning, time, state)
+    hold = hold_of_rolling(spinning, time, rolling)
+    grip = spinning.rotor.friction * force_of(spinning.rotor, state)
+    if abs(hold) <= grip + hidden_hold(spinning, time, rolling):
         return ROLLING
     return FORWARDS if hold > 0.0 else BACKWARDS
 
 
-def mode_of_start(machine: Machine, start: State) -> int:
+def mode_of_start(spinning: SpinningRotor, start: State) -> int:
     """Decide the mode at a start at time 0; a contact in which the force would pull is loose."""
-    if not starts_in_contact(machine, start):
+    if not starts_in_contact(spinning, start):
         return FLIGHT
-    rotor, state = machine.rotor, first_state(machine, start)
+    rotor, state = spinning.rotor, first_state(spinning, start)
     held = hold_of(rotor, state)
     if held == 0.0 and radius_of(state) > rotor.delta0:  # what it is about to become
         rate = np.empty_like(state)
-        rates_of(machine, LOOSE)(0.0, state, rate)
+        rates_of(spinning, LOOSE)(0.0, state, rate)
         held = hold_of(rotor, state + math.sqrt(HIDDEN) * rate)
-    return pressed_mode(machine, 0.0, state) if held > 0.0 else LOOSE
+    return pressed_mode(spinning, 0.0, state) if held > 0.0 else LOOSE
 
 
-def first_state(machine: Machine, start: State) -> Values:
+def first_state(spinning: SpinningRotor, start: State) -> Values:
     """Return the state with which a run begins."""
-    rotor, spin = machine.rotor, machine.spin
+    rotor, spin = spinning.rotor, spinning.spin
     if isinstance(spin, Driven):
         return np.array([*start, *5 * (0.0,), rotor.omega])
     if not isinstance(spin, Steady):
@@ -266,19 +268,19 @@ def first_state(machine: Machine, start: State) -> Values:
     return np.array([*start, *more * (0.0,)])
 
 
-def starts_in_contact(machine: Machine, start: State) -> bool:
+def starts_in_contact(spinning: SpinningRotor, start: State) -> bool:
     """Decide whether a start at time 0 is in contact.
 
     On the ring the first of radial velocity, acceleration and jerk that is not zero decides,
     without the force: outwards means contact. Where all vanish the rotor whirls along the ring,
     which is flight.
     """
-    rotor = machine.rotor
+    rotor = spinning.rotor
     z, v = complex(start[0], start[1]), complex(start[2], start[3])
     if rotor.delta0 == 0.0 or abs(abs(z) - rotor.delta0) > 4.0 * ROUNDING * abs(z):
         return abs(z) >= rotor.delta0
     zeta, kappa, speed = rotor.zeta, rotor.shaft_stiffness, rotor.omega
-    spin, jolt = machine.spin, 0.0
+    spin, jolt = spinning.spin, 0.0
     faster = float(spin.acceleration(speed, -2.0 * zeta * v.imag - kappa * z.imag))
     a = complex(speed**2, -faster) - 2.0 * zeta * v - kappa * z - 1j * rotor.load
     if isinstance(spin, Driven):

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.core.interface import DONE, STUCK, message_of
-from rotor_ida.core.runs import COLUMNS, DIFFERENCES, Asked, follow
+from rotor_ida.core.runs import COLUMNS, DIFFERENCES, Rows, RunRequest, follow_run
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.equations import push_over_radius, rotating_field
 from rotor_ida.model.parameters import Rotor
@@ -48,15 +48,12 @@ class Shot:
         Derivative of the end by the start [1].
     by_parameter : ndarray, shape (4, n)
         Derivatives of the end by the first n of `rotor_ida.core.runs.COLUMNS` [1]: omega, zeta and
-        delta0, and in the whole model what else a machine has. That by delta0 is 0 without
+        delta0, and in the whole model the other parameters. That by delta0 is 0 without
         clearance.
-    contacts : ndarray, shape (n, 8)
-        Entry, exit and peak time, root of the largest indentation, impulse, angular momentum at the
-        peak, energy lost and largest force of each contact, as `rotor_ida.core.runs.Seen` has them;
-        NaN where it begins before the start, or ends after the end.
-    extrema : ndarray, shape (m, 7)
-        Time, radius, kind, -1 or 1, and state of each minimum and maximum of the radius between
-        them [1].
+    contacts : ndarray of `rotor_ida.core.runs.CONTACT`
+        The contacts [1]: entry or exit is NaN where it lies before the start, or after the end.
+    extrema : ndarray of `rotor_ida.core.runs.EXTREMUM`
+        The minima and maxima of the radius between start and end [1].
     start_rate, end_rate : ndarray, shape (4,)
         Rate of change of the state at the start and at the end [1].
     event_kinds : ndarray, shape (k,)
@@ -71,8 +68,8 @@ class Shot:
     duration: float
     monodromy: Values
     by_parameter: Values
-    contacts: Values
-    extrema: Values
+    contacts: Rows
+    extrema: Rows
     start_rate: Values
     end_rate: Values
     event_kinds: npt.NDArray[np.int8]
@@ -108,7 +105,7 @@ def shoot(
     rtol : float
         Tolerance of one step, relative to the size of the state [1].
     whole : bool
-        Whether to differentiate by all that a machine has, even if it is the paper's rotor.
+        Whether to differentiate by every parameter, even if it is the paper's rotor.
 
     Raises
     ------
@@ -119,8 +116,8 @@ def shoot(
         start = put_on_rolling(rotor, start)
     columns = len(COLUMNS) if whole or rotor.beyond else len(PARAMETERS)
     bundle = np.eye(DIFFERENCES + columns, 4)
-    seen = follow(
-        Asked(
+    result = follow_run(
+        RunRequest(
             whole=whole,
             rotor=rotor,
             start=start,
@@ -133,22 +130,22 @@ def shoot(
             stop=stop,
         )
     )
-    end = np.array(seen.state)
-    status = seen.status
-    if status == DONE and not math.isfinite(sum(bundle.ravel().tolist()) + sum(seen.state)):
+    end = np.array(result.state)
+    status = result.status
+    if status == DONE and not math.isfinite(sum(bundle.ravel().tolist()) + sum(result.state)):
         status = STUCK
     if status != DONE:
         x, y, vx, vy = start.tolist()
         reason = f"an orbit could not be followed round: {message_of(status)}"
         raise SimulationError(reason, time=0.0, state=(x, y, vx, vy))
-    ways = (0, 0) if seen.ways is None else (int(seen.ways[0]), int(seen.ways[-1]))
+    ways = (0, 0) if result.ways is None else (int(result.ways[0]), int(result.ways[-1]))
     rates = (
         rotating_field(start, rotor) + _friction_at(start, rotor, 0.0, ways[0]),
         rotating_field(end, rotor, duration) + _friction_at(end, rotor, duration, ways[1]),
     )
     return Shot(
         rotor, start, end, duration, bundle[:DIFFERENCES].T, bundle[DIFFERENCES:].T,
-        seen.contacts, seen.extrema, *rates, seen.event_kinds, seen.ways,
+        result.contacts, result.extrema, *rates, result.event_kinds, result.ways,
     )  # fmt: skip
 
 

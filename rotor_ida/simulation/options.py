@@ -33,7 +33,7 @@ STEP_SAFETY = 0.03
 LARGEST = 1e6
 # The rotor crosses less clearance in a time below the spacing of doubles, from about 1e-14 on.
 SMALLEST_CLEARANCE = 1e-12
-# Less of what a machine has beyond the paper's rotor is lost in rounding.
+# Less of a parameter beyond the paper's rotor is lost in rounding.
 SMALLEST_BEYOND = 1e-12
 # The final window holds whole revolutions: those of slower rotors take too long, and of faster ones
 # it holds too many.

@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.core.interface import FAULTS, FIRST_OF_SAMPLES, OF_CONTACTS, PEAK_TIME
-from rotor_ida.core.runs import fault_of
+from rotor_ida.core.interface import FAULTS, FIRST_OF_SAMPLES, OF_CONTACTS
+from rotor_ida.core.runs import CONTACT, Events, Rows, Samples, fault_of
 from rotor_ida.errors import InvariantError
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.spin import Course
+from rotor_ida.simulation.spin import SpeedProfile
 
 ENTRY = 1
 EXIT = -1
@@ -22,6 +22,13 @@ ROLL, SLIP, REVERSE = 2, -2, 3
 # How a rotor with friction moves.
 FLIES, SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS, IS_LOOSE = 0, 1, -1, 2, 3
 OF_FRICTION = (ROLL, SLIP, REVERSE)
+# A contact of an orbit is one of the core, with the largest indentation in place of its root.
+ORBIT_CONTACT = np.dtype(
+    [
+        ("peak_indentation" if name == "peak_root" else name, np.float64)
+        for name in CONTACT.names or ()
+    ]
+)
 # How far, in tolerances a radian, the energy of a run whose speed changes may be out of balance.
 UNBALANCED_BY = 1e2
 # How far, in tolerances, a sample may lie on the wrong side of the ring.
@@ -29,29 +36,25 @@ WRONG_SIDE = 1e3
 
 
 @dataclass(frozen=True, slots=True)
-class Turning:
+class SpeedRecord:
     """How the speed of a rotor changed during a run.
 
     Parameters
     ----------
-    course : Course
+    profile : SpeedProfile
         What changes it.
-    samples : ndarray, shape (n, 2)
-        Angle and speed at the sample times [1].
-    events : ndarray, shape (m, 2)
-        Angle and speed at the events [1].
-    end : ndarray, shape (2,)
-        Angle and speed at the end [1].
+    samples, events, end : ndarray of `rotor_ida.core.runs.SPIN`
+        Angle and speed at the sample times, at the events, and at the end [1].
     energies : tuple of float, optional
         The energy at the start and at the end, and what the drive has given less what damping and
-        contacts have taken, which is their difference [1]. The compiled core does not tell: it
+        contacts have taken, which is their difference [1]. None of the compiled core, which
         balances each contact itself.
     """
 
-    course: Course
-    samples: Values
-    events: Values
-    end: Values
+    profile: SpeedProfile
+    samples: Rows
+    events: Rows
+    end: Rows
     energies: tuple[float, float, float] | None
 
 
@@ -79,11 +82,10 @@ class Orbit:
         to slip (-2), or slides the other way (3) [1].
     event_states : ndarray, shape (m, 4)
         ``(x, y, vx, vy)`` at the events, fixed frame [1].
-    contacts : ndarray, shape (k, 9)
-        Entry, exit and peak time, peak indentation, impulse, angular momentum at the peak, energy
-        lost by contact damping, with that the largest force, and the heat of sliding, of each
-        contact [1]; entry or exit, and the impulse, are NaN where the run began or ended inside the
-        contact.
+    contacts : ndarray of `ORBIT_CONTACT`
+        The contacts [1]: angular momentum is that at the peak, the loss and the largest force are
+        those of contact damping, the heat that of sliding. Entry or exit, and the impulse, are NaN
+        where the run began or ended inside the contact.
     end : ndarray, shape (4,)
         State at the end, fixed frame [1].
     evaluations : int
@@ -91,10 +93,9 @@ class Orbit:
     ways : ndarray, shape (m + 1,), optional
         With friction how the rotor moves from its start, and from each event on: in flight (0),
         sliding forwards (1) or backwards (-1), rolling (2) or loose (3).
-    extrema : ndarray, shape (n, 7), optional
-        Time, radius, kind (-1 or 1) and state on the rotating axes of each extremum of the radius
-        [1], where they were asked for.
-    turning : Turning, optional
+    extrema : ndarray of `rotor_ida.core.runs.EXTREMUM`, optional
+        The extrema of the radius, with states on the rotating axes [1], where they were asked for.
+    speed_record : SpeedRecord, optional
         How the speed changed, if it did.
     """
 
@@ -107,29 +108,29 @@ class Orbit:
     event_times: Values
     event_kinds: npt.NDArray[np.int8]
     event_states: Values
-    contacts: Values
+    contacts: Rows
     end: Values
     evaluations: int
     ways: npt.NDArray[np.int8] | None = None
-    extrema: Values | None = None
-    turning: Turning | None = None
+    extrema: Rows | None = None
+    speed_record: SpeedRecord | None = None
 
     @property
     def event_angles(self) -> Values:
         """The angle of the unbalance at each event [1]."""
-        if self.turning is None:
+        if self.speed_record is None:
             return self.rotor.omega * self.event_times
-        return self.turning.events[:, 0]
+        return np.asarray(self.speed_record.events["angle"])
 
     @property
     def event_speeds(self) -> Values | float:
         """The speed at each event, or at all of them [1]."""
-        return self.rotor.omega if self.turning is None else self.turning.events[:, 1]
+        return self.rotor.omega if self.speed_record is None else self.speed_record.events["speed"]
 
     @property
     def speeds(self) -> Values | float:
         """The speed at each sample, or at all of them [1]."""
-        return self.rotor.omega if self.turning is None else self.turning.samples[:, 1]
+        return self.rotor.omega if self.speed_record is None else self.speed_record.samples["speed"]
 
 
 def stretches_of_rolling(orbit: Orbit) -> Values:
@@ -146,37 +147,37 @@ def check_orbit(orbit: Orbit) -> None:
     """Raise `InvariantError` at the first place where an orbit contradicts the mechanics."""
     options = orbit.options
     allowed = WRONG_SIDE * (options.rtol * orbit.rotor.delta0 + options.atol)
-    kept = slice(None) if orbit.turning is None else ~np.isin(orbit.event_kinds, OF_FRICTION)
+    kept = slice(None) if orbit.speed_record is None else ~np.isin(orbit.event_kinds, OF_FRICTION)
     event_times, event_states = orbit.event_times[kept], orbit.event_states[kept]
     fault, row = fault_of(
         orbit.rotor,
-        orbit.starts_in_contact,
-        (orbit.times, orbit.states),
-        (event_times, orbit.event_kinds[kept], event_states),
+        Samples(orbit.times, orbit.states),
+        Events(event_times, orbit.event_kinds[kept], event_states),
         orbit.contacts,
-        allowed,
-        orbit.ways if orbit.turning is None else None,
+        began=orbit.starts_in_contact,
+        allowed=allowed,
+        ways=orbit.ways if orbit.speed_record is None else None,
     )
     if fault:
         time, state = event_times, event_states
         if fault == OF_CONTACTS:
-            time, state = orbit.contacts[:, PEAK_TIME], np.tile(orbit.end, (len(orbit.contacts), 1))
+            time, state = orbit.contacts["peak_time"], np.tile(orbit.end, (len(orbit.contacts), 1))
         elif fault >= FIRST_OF_SAMPLES:
             time, state = orbit.times, orbit.states
         x, y, vx, vy = state[row].tolist()
         raise InvariantError(FAULTS[fault], time=float(time[row]), state=(x, y, vx, vy))
-    if orbit.turning is not None:
-        _check_turning(orbit, orbit.turning, allowed)
+    if orbit.speed_record is not None:
+        _check_speed_record(orbit, orbit.speed_record, allowed)
 
 
-def _check_turning(orbit: Orbit, turning: Turning, allowed: float) -> None:
+def _check_speed_record(orbit: Orbit, record: SpeedRecord, allowed: float) -> None:
     """Raise `InvariantError` where energy does not balance, or surfaces slide astray."""
-    if turning.energies is not None:
-        _check_energies(orbit, turning, turning.energies)
+    if record.energies is not None:
+        _check_energies(orbit, record, record.energies)
     if orbit.ways is None:
         return
     speed = np.hypot(orbit.states[:, 2], orbit.states[:, 3])
-    rim = (orbit.rotor.disc_radius or 0.0) * turning.samples[:, 1]
+    rim = (orbit.rotor.disc_radius or 0.0) * record.samples["speed"]
     more = allowed * (1.0 + (speed + rim) / orbit.rotor.delta0)
     radius = np.maximum(np.hypot(orbit.states[:, 0], orbit.states[:, 1]), np.finfo(float).tiny)
     across = orbit.states[:, 0] * orbit.states[:, 3] - orbit.states[:, 1] * orbit.states[:, 2]
@@ -191,12 +192,14 @@ def _check_turning(orbit: Orbit, turning: Turning, allowed: float) -> None:
             raise InvariantError(FAULTS[fault], time=float(orbit.times[row]), state=(x, y, vx, vy))
 
 
-def _check_energies(orbit: Orbit, turning: Turning, energies: tuple[float, float, float]) -> None:
+def _check_energies(
+    orbit: Orbit, record: SpeedRecord, energies: tuple[float, float, float]
+) -> None:
     """Raise `InvariantError` where energy does not balance."""
     x, y, vx, vy = orbit.end.tolist()
     begun, ended, gained = energies
     size = 1.0 + max(abs(begun), abs(ended), abs(gained))
-    revolved = 1.0 + float(turning.end[0])
+    revolved = 1.0 + float(record.end["angle"])
     most = UNBALANCED_BY * (orbit.options.rtol + orbit.options.atol) * size * revolved
     if not abs(ended - begun - gained) <= most:
         raise InvariantError(

@@ -33,7 +33,7 @@ from sksundae.ida import IDA
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
-from rotor_ida.core.interface import CONTACT_COLUMNS
+from rotor_ida.core.runs import EXTREMUM
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import force_over_radius
 from rotor_ida.model.equations import rotated
@@ -52,8 +52,8 @@ from rotor_ida.simulation.mechanics import (
     SLIDING,
     VX,
     VY,
-    Machine,
     Rates,
+    SpinningRotor,
     X,
     Y,
     energy_of,
@@ -75,15 +75,16 @@ from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import (
     ENTRY,
     EXIT,
+    ORBIT_CONTACT,
     PRESS,
     RELEASE,
     REVERSE,
     ROLL,
     SLIP,
     Orbit,
-    Turning,
+    SpeedRecord,
 )
-from rotor_ida.simulation.spin import GAINED, SPEED, Course, steady
+from rotor_ida.simulation.spin import GAINED, SPEED, SpeedProfile, steady
 
 Function = Callable[[float, Values], float]
 
@@ -208,7 +209,7 @@ class _Run:
     """
 
     rotor: Rotor
-    course: Course
+    profile: SpeedProfile
     options: Options
     tolerances: tuple[float, float]
     duration: float
@@ -222,9 +223,9 @@ class _Run:
     evaluations: int = 0
     ended: float = 0.0
 
-    def machine_at(self, time: float) -> Machine:
+    def spinning_rotor_at(self, time: float) -> SpinningRotor:
         """Return the rotor, and how it spins from a time on."""
-        return Machine(self.rotor, self.course.spins[self.course.piece_from(time)])
+        return SpinningRotor(self.rotor, self.profile.spins[self.profile.piece_from(time)])
 
 
 @dataclass(slots=True)
@@ -265,18 +266,18 @@ def run_reference(
     tolerances: tuple[float, float],
     slack: float,
     stop: Stop | None,
-    course: Course | None = None,
+    profile: SpeedProfile | None = None,
 ) -> Orbit:
     """Do as `rotor_ida.simulation.run.run` does, tolerances of a step given.
 
-    With a `course` the speed changes as that says.
+    With a `profile` the speed changes as that says.
     """
-    course = course or steady(rotor.omega, duration)
-    run = _Run(rotor, course, options, tolerances, duration, sample_times.tolist(), stop)
-    machine = run.machine_at(0.0)
-    mode = began = mode_of_start(machine, start)
+    profile = profile or steady(rotor.omega, duration)
+    run = _Run(rotor, profile, options, tolerances, duration, sample_times.tolist(), stop)
+    spinning = run.spinning_rotor_at(0.0)
+    mode = began = mode_of_start(spinning, start)
     run.ways.append(began)
-    contact = _Contact(math.nan, 0.0, first_state(machine, start))
+    contact = _Contact(math.nan, 0.0, first_state(spinning, start))
     time, state, event = 0.0, contact.state, ENTRY
     while event and time < duration:
         if event == ENTRY:
@@ -301,13 +302,13 @@ def _follow_mode(
 ) -> tuple[float, Values, int]:
     """Follow one mode until it ends or the run does; return time and state, and what happened.
 
-    The angular acceleration may jump where a piece of the course ends: so does the integration.
+    The angular acceleration may jump where a piece of the profile ends: so does the integration.
     """
     event = 0
     while not event and time < run.duration:
-        piece = run.course.piece_from(time)
-        last = piece == len(run.course.ends) - 1
-        end = run.duration if last else run.course.ends[piece]
+        piece = run.profile.piece_from(time)
+        last = piece == len(run.profile.ends) - 1
+        end = run.duration if last else run.profile.ends[piece]
         reach = (end, slack if last else 0.0)
         time, state, event = _follow_piece(run, time, state, contact, reach, mode)
     return time, state, event
@@ -322,8 +323,8 @@ def _follow_piece(
     mode: int,
 ) -> tuple[float, Values, int]:
     """Follow one mode to the end of a piece; an event may lie a slack behind that."""
-    machine, (until, slack) = run.machine_at(time), reach
-    rates = rates_of(machine, mode)
+    spinning, (until, slack) = run.spinning_rotor_at(time), reach
+    rates = rates_of(spinning, mode)
     motion = Integration(
         run.options.method, rates, run.tolerances, time, state, goal=time + run.duration
     )
@@ -334,7 +335,7 @@ def _follow_piece(
         motion.advance()
         turn = _turn_in(motion)
         crossing = _crossing_in(motion, turn, run.rotor.delta0, in_contact=mode != FLIGHT)
-        change, kind = _change_in(motion, machine, mode)
+        change, kind = _change_in(motion, spinning, mode)
         first = min(crossing, change)
         if first <= until + slack:
             ends = EXIT if mode != FLIGHT else ENTRY
@@ -349,11 +350,11 @@ def _follow_piece(
                 contact.pass_by(candidate, motion.at(candidate))
         if mode not in {FLIGHT, LOOSE} and run.rotor.contact_damping > 0.0:
             contact.feel(run.rotor, motion, end)
-        _record_step(run, machine, motion, turn, end, mode)
+        _record_step(run, spinning, motion, turn, end, mode)
     run.evaluations += motion.evaluations
     state = motion.at(end).copy()
     if mode == ROLLING or event == ROLL:
-        state = rolled(machine, end, state)
+        state = rolled(spinning, end, state)
     if event in {ENTRY, EXIT}:
         state[:VX] *= run.rotor.delta0 / radius_of(state)
     return end, state, event
@@ -364,12 +365,12 @@ def _record_event(run: _Run, time: float, event: int, state: Values) -> int:
 
     What comes at the time of the event before, but for rounding, puts that right.
     """
-    machine = run.machine_at(time)
+    spinning = run.spinning_rotor_at(time)
     mode = {EXIT: FLIGHT, RELEASE: LOOSE}.get(event, ROLLING)
     if event in {ENTRY, PRESS, ROLL}:
-        mode = pressed_mode(machine, time, state, 0.0 if event == ROLL else None)
+        mode = pressed_mode(spinning, time, state, 0.0 if event == ROLL else None)
     elif event == SLIP:
-        mode = FORWARDS if hold_of_rolling(machine, time, state) > 0.0 else BACKWARDS
+        mode = FORWARDS if hold_of_rolling(spinning, time, state) > 0.0 else BACKWARDS
     if event == ROLL and mode != ROLLING:
         event = REVERSE if mode == -run.ways[-1] else 0  # or only touched
     last = run.events[-1][1] if run.events else 0
@@ -391,27 +392,27 @@ def _record_event(run: _Run, time: float, event: int, state: Values) -> int:
     return mode
 
 
-def _change_in(motion: Integration, machine: Machine, mode: int) -> tuple[float, int]:
+def _change_in(motion: Integration, spinning: SpinningRotor, mode: int) -> tuple[float, int]:
     """Return when in the last step the contact goes on in another way, or infinity; and its event.
 
     It comes loose, or presses again; surfaces stop sliding; or the disc begins to slip.
     """
     first = (math.inf, 0)
-    for within, event, hidden in _guards(motion, machine, mode):
+    for within, event, hidden in _guards(motion, spinning, mode):
         time = _first_below(motion, within, hidden)
-        if event == ROLL and time == _next(motion.low) and _drives_on(motion, machine, mode):
+        if event == ROLL and time == _next(motion.low) and _drives_on(motion, spinning, mode):
             continue
         if time < first[0]:
             first = (time, event)
     return first
 
 
-def _drives_on(motion: Integration, machine: Machine, mode: int) -> bool:
+def _drives_on(motion: Integration, spinning: SpinningRotor, mode: int) -> bool:
     """Return whether surfaces that stand still as a step begins are driven on as they slid.
 
     After a slip their speed grows like the square of time: the error of a step may exceed it.
     """
-    return pressed_mode(machine, motion.low, motion.before, 0.0) == mode
+    return pressed_mode(spinning, motion.low, motion.before, 0.0) == mode
 
 
 def _next(time: float) -> float:
@@ -419,9 +420,11 @@ def _next(time: float) -> float:
     return math.nextafter(time, math.inf)
 
 
-def _guards(motion: Integration, machine: Machine, mode: int) -> list[tuple[Function, int, float]]:
+def _guards(
+    motion: Integration, spinning: SpinningRotor, mode: int
+) -> list[tuple[Function, int, float]]:
     """Return what stays positive in a mode, what happens where not, and what rounding hides."""
-    rotor = machine.rotor
+    rotor = spinning.rotor
     guards: list[tuple[Function, int, float]] = []
     if mode == FLIGHT:
         return guards
@@ -430,28 +433,28 @@ def _guards(motion: Integration, machine: Machine, mode: int) -> list[tuple[Func
         event = PRESS if mode == LOOSE else RELEASE
         guards.append((lambda _, state: side * hold_of(rotor, state), event, 0.0))
     if mode in SLIDING:
-        hidden = hidden_slip(machine, motion.low, motion.before)
-        guards.append((lambda time, state: mode * slip_of(machine, time, state), ROLL, hidden))
+        hidden = hidden_slip(spinning, motion.low, motion.before)
+        guards.append((lambda time, state: mode * slip_of(spinning, time, state), ROLL, hidden))
     if mode == ROLLING:
-        hidden = hidden_hold(machine, motion.low, motion.before)
+        hidden = hidden_hold(spinning, motion.low, motion.before)
         ends = ((motion.low, motion.before), (motion.high, motion.after))
         holds = [
-            hold_of_rolling(machine, time, rolled(machine, time, state)) for time, state in ends
+            hold_of_rolling(spinning, time, rolled(spinning, time, state)) for time, state in ends
         ]
         if max(map(abs, holds)) > hidden:
-            guards += [(_grip(machine, sense), SLIP, hidden) for sense in SLIDING]
+            guards += [(_grip(spinning, sense), SLIP, hidden) for sense in SLIDING]
     return guards
 
 
-def _grip(machine: Machine, sense: int) -> Function:
+def _grip(spinning: SpinningRotor, sense: int) -> Function:
     """Return what is left of the grip against sliding in a sense, as a function."""
-    rotor = machine.rotor
+    rotor = spinning.rotor
 
     def left(time: float, state: Values) -> float:
-        seen = rolled(machine, time, state)
+        seen = rolled(spinning, time, state)
         push = force_over_radius(radius_of(seen), rotor.delta0, rotor.contact_exponent)
         force = push * radius_of(seen) * hold_of(rotor, seen)
-        return rotor.friction * force - sense * hold_of_rolling(machine, time, seen)
+        return rotor.friction * force - sense * hold_of_rolling(spinning, time, seen)
 
     return left
 
@@ -501,13 +504,13 @@ def _crossing_in(motion: Integration, turn: float, delta0: float, *, in_contact:
 
 
 def _record_step(
-    run: _Run, machine: Machine, motion: Integration, turn: float, end: float, mode: int
+    run: _Run, spinning: SpinningRotor, motion: Integration, turn: float, end: float, mode: int
 ) -> None:
     """Record the samples of the last step up to its end, and where the radius turns."""
 
     def read(time: float) -> Values:
         state = motion.at(time)
-        return rolled(machine, time, state) if mode == ROLLING else state
+        return rolled(spinning, time, state) if mode == ROLLING else state
 
     while len(run.samples) < len(run.sample_times) and run.sample_times[len(run.samples)] <= end:
         run.samples.append(read(run.sample_times[len(run.samples)]))
@@ -536,13 +539,16 @@ def _orbit_of(run: _Run, start: State, end: Values, *, began: bool) -> Orbit:
     event_times = np.array([time for time, _, _ in run.events])
     events = np.array([state for _, _, state in run.events]).reshape(-1, width)
     turns = np.array([state for _, _, state in run.turns]).reshape(-1, width)
-    table = [(time, radius_of(state), kind) for time, kind, state in run.turns]
-    heads = np.array(table).reshape(-1, 3)
-    angles = run.rotor.omega * heads[:, 0]
-    turning = None
+    extrema = np.empty(len(run.turns), EXTREMUM)
+    extrema["time"] = [time for time, _, _ in run.turns]
+    extrema["radius"] = [radius_of(state) for _, _, state in run.turns]
+    extrema["kind"] = [kind for _, kind, _ in run.turns]
+    angles = run.rotor.omega * extrema["time"]
+    record = None
     if width > GAINED:
-        angles = run.course.tell(heads[:, 0], turns)[:, 0]
-        turning = _turning_of(run, start, end, (times, samples), (event_times, events))
+        angles = run.profile.spins_at(extrema["time"], turns)["angle"]
+        record = _speed_record_of(run, start, end, (times, samples), (event_times, events))
+    extrema["state"] = rotated(turns[:, :IMPULSE], -angles)
     return Orbit(
         rotor=run.rotor,
         options=run.options,
@@ -553,31 +559,31 @@ def _orbit_of(run: _Run, start: State, end: Values, *, began: bool) -> Orbit:
         event_times=event_times,
         event_kinds=np.array([kind for _, kind, _ in run.events], dtype=np.int8),
         event_states=np.ascontiguousarray(events[:, :IMPULSE]),
-        contacts=np.array(run.contacts).reshape(-1, CONTACT_COLUMNS),
+        contacts=np.array(run.contacts, ORBIT_CONTACT),
         end=end[:IMPULSE],
         evaluations=run.evaluations,
         ways=np.array(run.ways, np.int8) if run.rotor.friction > 0.0 else None,
-        extrema=np.column_stack([heads, rotated(turns[:, :IMPULSE], -angles)]),
-        turning=turning,
+        extrema=extrema,
+        speed_record=record,
     )
 
 
-def _turning_of(
+def _speed_record_of(
     run: _Run,
     start: State,
     end: Values,
     samples: tuple[Values, Values],
     events: tuple[Values, Values],
-) -> Turning:
+) -> SpeedRecord:
     """Return how the speed changed, and how well the energy balances."""
-    first = run.machine_at(0.0)
-    last = Machine(run.rotor, run.course.spins[-1])
+    first = run.spinning_rotor_at(0.0)
+    last = SpinningRotor(run.rotor, run.profile.spins[-1])
     begun = energy_of(first, 0.0, first_state(first, start))
     ended = energy_of(last, run.ended, end)
-    return Turning(
-        course=run.course,
-        samples=run.course.tell(*samples),
-        events=run.course.tell(*events),
-        end=run.course.tell(np.array([run.ended]), end[np.newaxis])[0],
+    return SpeedRecord(
+        profile=run.profile,
+        samples=run.profile.spins_at(*samples),
+        events=run.profile.spins_at(*events),
+        end=run.profile.spins_at(np.array([run.ended]), end[np.newaxis])[0],
         energies=(begun, ended, float(end[GAINED])),
     )

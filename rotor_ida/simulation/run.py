@@ -9,24 +9,15 @@ import numpy as np
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import State
-from rotor_ida.core.interface import (
-    DONE,
-    ENTRY_TIME,
-    EXIT_TIME,
-    IMPULSE,
-    IN_CONTACT,
-    PEAK_ROOT,
-    UNBALANCED,
-    message_of,
-)
-from rotor_ida.core.runs import Asked, Seen, follow
+from rotor_ida.core.interface import DONE, IN_CONTACT, UNBALANCED, message_of
+from rotor_ida.core.runs import Rows, RunRequest, RunResult, follow_run
 from rotor_ida.errors import InstallationError, InvariantError, SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import Orbit, Turning, check_orbit
-from rotor_ida.simulation.spin import Course
+from rotor_ida.simulation.orbit import ORBIT_CONTACT, Orbit, SpeedRecord, check_orbit
+from rotor_ida.simulation.spin import SpeedProfile
 
 
 def run(
@@ -40,7 +31,7 @@ def run(
     scale: float = 1.0,
     extrema: bool = False,
     stop: Stop | None = None,
-    course: Course | None = None,
+    profile: SpeedProfile | None = None,
 ) -> Orbit:
     """Simulate a rotor from `start` at time 0 over `duration`.
 
@@ -65,7 +56,7 @@ def run(
         Whether the extrema of the radius are recorded; the reference records none.
     stop : ndarray, shape (1,), optional
         Asks a run in compiled code to stop as soon as it holds anything but 0.
-    course : Course, optional
+    profile : SpeedProfile, optional
         How the speed changes, if it does.
 
     Raises
@@ -79,13 +70,13 @@ def run(
     if options.backend == "python":
         orbit = reference()(
             rotor, start, duration, sample_times, options,
-            tolerances=tolerances, slack=slack, stop=stop, course=course,
+            tolerances=tolerances, slack=slack, stop=stop, profile=profile,
         )  # fmt: skip
         check_orbit(orbit)
         return orbit
-    asked = Asked(
+    request = RunRequest(
         rotor=rotor,
-        start=start if course is None else _on_axes(start, course.angle),
+        start=start if profile is None else _on_axes(start, profile.angle),
         duration=duration,
         rtol=tolerances[0],
         atol=tolerances[1],
@@ -93,14 +84,14 @@ def run(
         exact_flight=options.flight == "exact",
         slack=slack,
         sample_times=sample_times,
-        fixed_axes=course is None,
-        pieces=None if course is None else course.pieces(),
-        angle=0.0 if course is None else course.angle,
+        fixed_axes=profile is None,
+        pieces=None if profile is None else profile.pieces(),
+        angle=0.0 if profile is None else profile.angle,
         events=True,
         extrema=extrema,
         stop=stop,
     )
-    orbit = _compiled(asked, sample_times, options, course)
+    orbit = _compiled(request, sample_times, options, profile)
     check_orbit(orbit)
     return orbit
 
@@ -124,59 +115,65 @@ def _on_axes(state: State, angle: float) -> State:
     return x, y, vx, vy
 
 
-def _compiled(asked: Asked, sample_times: Values, options: Options, course: Course | None) -> Orbit:
+def _compiled(
+    request: RunRequest, sample_times: Values, options: Options, profile: SpeedProfile | None
+) -> Orbit:
     """Return an orbit of the compiled core."""
-    seen = follow(asked)
-    if seen.status != DONE:
-        kind = InvariantError if seen.status == UNBALANCED else SimulationError
-        state = seen.state if course is None else _on_axes(seen.state, -seen.turn[0])
-        raise kind(message_of(seen.status), time=seen.time, state=state)
-    turning = None if course is None else _turning_of(seen, asked, course)
-    if turning is not None:
-        seen = replace(
-            seen,
-            samples=rotated(seen.samples, turning.samples[:, 0]),
-            event_states=rotated(seen.event_states, turning.events[:, 0]),
-            state=_on_axes(seen.state, -float(turning.end[0])),
+    result = follow_run(request)
+    if result.status != DONE:
+        kind = InvariantError if result.status == UNBALANCED else SimulationError
+        state = (
+            result.state
+            if profile is None
+            else _on_axes(result.state, -float(result.end_spin["angle"]))
+        )
+        raise kind(message_of(result.status), time=result.time, state=state)
+    record = None if profile is None else _speed_record_of(result, request, profile)
+    if record is not None:
+        result = replace(
+            result,
+            samples=rotated(result.samples, record.samples["angle"]),
+            event_states=rotated(result.event_states, record.events["angle"]),
+            state=_on_axes(result.state, -float(record.end["angle"])),
         )
     return Orbit(
-        rotor=asked.rotor,
+        rotor=request.rotor,
         options=options,
-        duration=asked.duration,
+        duration=request.duration,
         times=sample_times,
-        states=seen.samples,
-        starts_in_contact=seen.began == IN_CONTACT,
-        event_times=seen.event_times,
-        event_kinds=seen.event_kinds,
-        event_states=seen.event_states,
-        contacts=_contacts_of(seen.contacts, asked.rotor),
-        end=np.array(seen.state),
-        evaluations=seen.evaluations,
-        ways=seen.ways,
-        extrema=seen.extrema if asked.extrema else None,
-        turning=turning,
+        states=result.samples,
+        starts_in_contact=result.began == IN_CONTACT,
+        event_times=result.event_times,
+        event_kinds=result.event_kinds,
+        event_states=result.event_states,
+        contacts=_contacts_of(result.contacts, request.rotor),
+        end=np.array(result.state),
+        evaluations=result.evaluations,
+        ways=result.ways,
+        extrema=result.extrema if request.extrema else None,
+        speed_record=record,
     )
 
 
-def _turning_of(seen: Seen, asked: Asked, course: Course) -> Turning:
+def _speed_record_of(result: RunResult, request: RunRequest, profile: SpeedProfile) -> SpeedRecord:
     """Return how the speed changed: as prescribed, or as the core has integrated it."""
-    samples, events, end = seen.sample_turns, seen.event_turns, np.array(seen.turn)
-    if not course.is_driven:
-        sampled = np.asarray(asked.sample_times)[: len(samples)]
-        ended = np.array([seen.time])
+    samples, events, end = result.sample_spins, result.event_spins, result.end_spin
+    if not profile.is_driven:
+        sampled = np.asarray(request.sample_times)[: len(samples)]
+        ended = np.array([result.time])
         samples, events, end = (
-            course.tell(times, np.empty((times.size, 0)))
-            for times in (sampled, seen.event_times, ended)
+            profile.spins_at(times, np.empty((times.size, 0)))
+            for times in (sampled, result.event_times, ended)
         )
         end = end[0]
-    return Turning(course=course, samples=samples, events=events, end=end, energies=None)
+    return SpeedRecord(profile=profile, samples=samples, events=events, end=end, energies=None)
 
 
-def _contacts_of(rows: Values, rotor: Rotor) -> Values:
+def _contacts_of(rows: Rows, rotor: Rotor) -> Rows:
     """Return contacts by their largest indentation; the impulse of whole ones alone is known."""
-    contacts = rows.copy()
-    contacts[:, PEAK_ROOT] = rows[:, PEAK_ROOT] ** 2
+    contacts = rows.astype(ORBIT_CONTACT)
+    contacts["peak_indentation"] = rows["peak_root"] ** 2
     if rotor.delta0 > 0.0:
-        whole = np.isfinite(rows[:, ENTRY_TIME] + rows[:, EXIT_TIME])
-        contacts[~whole, IMPULSE] = np.nan
+        whole = np.isfinite(rows["entry"] + rows["exit"])
+        contacts["impulse"][~whole] = np.nan
     return contacts

@@ -36,7 +36,7 @@ from rotor_ida.simulation.options import (
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.simulate import END_SLACK, MOST_SLACK, sample_times
-from rotor_ida.simulation.spin import Course, driven, through
+from rotor_ida.simulation.spin import SpeedProfile, driven, through
 
 # The disc is often 10^5 eccentricities wide, and its inertia goes with the square of that.
 SMALLEST_DRIVE, LARGEST_DRIVE = 1e-12, 1e15
@@ -46,11 +46,11 @@ WAYS = "by to and rate, by speeds, or by torque and inertia"
 
 
 @dataclass(frozen=True, slots=True)
-class _Asked:
-    """How the speed is to change: the rotor as it begins, the course, and both as attributes."""
+class _SpeedChange:
+    """How the speed is to change: the rotor as it begins, the profile, and both as attributes."""
 
     rotor: Rotor
-    course: Course
+    profile: SpeedProfile
     changes: dict[str, object]
 
 
@@ -157,30 +157,30 @@ def run_up(
     first = check_state("start", start)
     options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
     given = {"to": to, "rate": rate, "speeds": speeds, "torque": torque, "inertia": inertia}
-    asked = _asked(
+    change = _speed_change_of(
         rotor, {name: each for name, each in given.items() if each is not None}, duration, options
     )
-    check_can_be_followed(asked.rotor, first)
-    end = asked.course.ends[-1]
+    check_can_be_followed(change.rotor, first)
+    end = change.profile.ends[-1]
     times = sample_times(samples, end)
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
 
     def run_twice(stop: Stop | None = None) -> tuple[Orbit, EventErrors]:
         orbit = run(
-            asked.rotor, first, end, times, options, slack=slack, stop=stop, course=asked.course
+            change.rotor, first, end, times, options, slack=slack, stop=stop, profile=change.profile
         )
         return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop)
 
     orbit, errors = interruptible(run_twice)
-    return run_dataset(orbit, first, errors, asked.changes)
+    return run_dataset(orbit, first, errors, change.changes)
 
 
 # ---- How the speed is to change ----
 
 
-def _asked(
+def _speed_change_of(
     rotor: Rotor, given: dict[str, object], duration: float | None, options: Options
-) -> _Asked:
+) -> _SpeedChange:
     """Return how the speed is to change, or raise `InputError`."""
     names = ", ".join(given) or "none of them"
     ways = [name for name, sign in (("to", "rate"), ("speeds", "speeds"), ("torque", "inertia"))
@@ -192,22 +192,22 @@ def _asked(
             if name in given and other not in given:
                 raise InputError(f"{other} must be given with {name}, got None")
     if "torque" in given:
-        asked = _by_torque(rotor, given["torque"], given["inertia"], duration)
+        change = _by_torque(rotor, given["torque"], given["inertia"], duration)
     elif "speeds" in given:
-        asked = _piece_by_piece(rotor, given["speeds"], duration)
+        change = _piece_by_piece(rotor, given["speeds"], duration)
     else:
-        asked = _by_ramp(rotor, given["to"], given["rate"], duration)
-    _check_can_wait(asked.rotor.omega, asked.course, options.backend)
-    return asked
+        change = _by_ramp(rotor, given["to"], given["rate"], duration)
+    _check_can_wait(change.rotor.omega, change.profile, options.backend)
+    return change
 
 
-def _check_can_wait(omega: float, course: Course, backend: str) -> None:
+def _check_can_wait(omega: float, profile: SpeedProfile, backend: str) -> None:
     """Raise `InputError` for a run-up that would take an hour or so."""
-    ends = np.array(course.ends)
+    ends = np.array(profile.ends)
     fastest = max(omega, 1.0)
-    if not course.is_driven:
-        fastest = max(fastest, course.tell(ends, np.empty((ends.size, 0)))[:, 1].max())
-    end, longest = course.ends[-1], MOST_RADIANS[backend] / fastest
+    if not profile.is_driven:
+        fastest = max(fastest, profile.spins_at(ends, np.empty((ends.size, 0)))["speed"].max())
+    end, longest = profile.ends[-1], MOST_RADIANS[backend] / fastest
     if end > longest:
         raise InputError(
             f"the duration of a run-up must be at most {longest:g} with backend {backend!r}, which "
@@ -215,14 +215,14 @@ def _check_can_wait(omega: float, course: Course, backend: str) -> None:
         )
 
 
-def ramp_of(rotor: Rotor, to: float, rate: float, backend: Backend = "compiled") -> Course:
-    """Return the course of a ramp from the rotor's speed, or raise `InputError`."""
-    course = _by_ramp(rotor, to, rate, None).course
-    _check_can_wait(rotor.omega, course, backend)
-    return course
+def ramp_of(rotor: Rotor, to: float, rate: float, backend: Backend = "compiled") -> SpeedProfile:
+    """Return the profile of a ramp from the rotor's speed, or raise `InputError`."""
+    profile = _by_ramp(rotor, to, rate, None).profile
+    _check_can_wait(rotor.omega, profile, backend)
+    return profile
 
 
-def _by_ramp(rotor: Rotor, to: object, rate: object, duration: float | None) -> _Asked:
+def _by_ramp(rotor: Rotor, to: object, rate: object, duration: float | None) -> _SpeedChange:
     """Return a ramp from the rotor's speed to another."""
     target, slope, omega = _checked_speed("to", to), check_real("rate", rate), rotor.omega
     if target == omega:
@@ -235,12 +235,12 @@ def _by_ramp(rotor: Rotor, to: object, rate: object, duration: float | None) -> 
     check_between("the size of rate", abs(slope), SMALLEST_DRIVE, LARGEST)
     ramp = check_duration("the time of the ramp", (target - omega) / slope, max(omega, target))
     end = _checked_end(duration, ramp, max(omega, target))
-    course = through([(0.0, omega), (ramp, target)], end)
-    return _Asked(rotor, course, {"to": target, "rate": slope})
+    profile = through([(0.0, omega), (ramp, target)], end)
+    return _SpeedChange(rotor, profile, {"to": target, "rate": slope})
 
 
-def _piece_by_piece(rotor: Rotor, speeds: object, duration: float | None) -> _Asked:
-    """Return a course from speed to speed."""
+def _piece_by_piece(rotor: Rotor, speeds: object, duration: float | None) -> _SpeedChange:
+    """Return a profile from speed to speed."""
     table = check_array("speeds", speeds)
     if table.ndim != 2 or table.shape[1] != 2 or len(table) < 2:
         raise InputError(f"speeds must be two or more pairs of time and speed, got {shown(speeds)}")
@@ -254,12 +254,14 @@ def _piece_by_piece(rotor: Rotor, speeds: object, duration: float | None) -> _As
         _checked_speed("a speed of speeds", value)
     last = check_duration("the last time of speeds", times[-1], max(values))
     end = _checked_end(duration, last, max(values))
-    course = through(list(zip(times, values, strict=True)), end)
-    return _Asked(replace(rotor, omega=values[0]), course, {"speeds": table.ravel()})
+    profile = through(list(zip(times, values, strict=True)), end)
+    return _SpeedChange(replace(rotor, omega=values[0]), profile, {"speeds": table.ravel()})
 
 
-def _by_torque(rotor: Rotor, torque: object, inertia: object, duration: float | None) -> _Asked:
-    """Return a course that a torque drives."""
+def _by_torque(
+    rotor: Rotor, torque: object, inertia: object, duration: float | None
+) -> _SpeedChange:
+    """Return a profile that a torque drives."""
     pair = check_array("torque", torque, largest=LARGEST_DRIVE)
     if pair.shape != (2,):
         raise InputError(f"torque must be two numbers (tau0, slope), got {shown(torque)}")
@@ -272,7 +274,9 @@ def _by_torque(rotor: Rotor, torque: object, inertia: object, duration: float | 
     if duration is None:
         raise InputError("duration must be given with torque, got None")
     end = check_duration("duration", duration, rotor.omega)
-    return _Asked(rotor, driven((tau0, slope), moment, end), {"torque": pair, "inertia": moment})
+    return _SpeedChange(
+        rotor, driven((tau0, slope), moment, end), {"torque": pair, "inertia": moment}
+    )
 
 
 def _checked_speed(name: str, value: object) -> float:

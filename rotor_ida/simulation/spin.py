@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from rotor_ida.arrays import Values
+from rotor_ida.core.runs import PIECE, SPIN, Rows
 
 # Where a spinning rotor's state has what the drive has given less all that was lost, and where that
 # of a driven one has angle and speed.
@@ -118,7 +119,7 @@ Spin = Steady | Ramp | Driven
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class SpeedProfile:
     """How the speed changes during a run: one way to spin after the other.
 
     Parameters
@@ -143,10 +144,10 @@ class Course:
         """Whether a torque drives it."""
         return isinstance(self.spins[0], Driven)
 
-    def pieces(self) -> Values:
-        """Return a row for each way to spin: its end, then as the compiled core takes it."""
-        rows = [spin.piece() for spin in self.spins]
-        return np.column_stack([np.array(self.ends), np.array(rows)])
+    def pieces(self) -> Rows:
+        """Return a row for each way to spin, as the compiled core takes it."""
+        ends = zip(self.ends, self.spins, strict=True)
+        return np.array([(end, *spin.piece()) for end, spin in ends], PIECE)
 
     def piece_from(self, time: float) -> int:
         """Return which way to spin there is from a time on."""
@@ -156,36 +157,34 @@ class Course:
         """Return which way to spin there is at times; an end belongs to what it ends."""
         return np.searchsorted(self.ends[:-1], times, side="left")
 
-    def tell(self, times: Values, states: Values) -> Values:
-        """Return angle and speed at times, states given, shape (n, 2)."""
-        told = np.empty((times.size, 2))
+    def spins_at(self, times: Values, states: Values) -> Rows:
+        """Return angle and speed at times, states given, as rows of `SPIN`."""
+        rows = np.empty(times.size, SPIN)
         numbers = self.number_at(times)
         for number, spin in enumerate(self.spins):
             here = numbers == number
-            told[here] = np.column_stack(
-                np.broadcast_arrays(*spin.at(times[here], states[here]), times[here])[:2]
-            )
-        return told
+            rows["angle"][here], rows["speed"][here] = spin.at(times[here], states[here])
+        return rows
 
     def accelerations(
         self, times: Values, speeds: Values, reactions: Values, yielding: Any = 0.0
     ) -> Values:
         """Return the angular accelerations at times; see `Driven.acceleration`."""
         numbers = self.number_at(times)
-        found = np.zeros(times.size)
+        faster = np.zeros(times.size)
         for number, spin in enumerate(self.spins):
             each = np.broadcast_to(spin.acceleration(speeds, reactions, yielding), times.shape)
-            found[numbers == number] = each[numbers == number]
-        return found
+            faster[numbers == number] = each[numbers == number]
+        return faster
 
 
-def steady(speed: float, duration: float) -> Course:
-    """Return a course at one speed."""
-    return Course((duration,), (Steady(speed),))
+def steady(speed: float, duration: float) -> SpeedProfile:
+    """Return the profile of one speed."""
+    return SpeedProfile((duration,), (Steady(speed),))
 
 
-def through(points: list[tuple[float, float]], duration: float) -> Course:
-    """Return a course through points of time and speed, of which the last speed is held."""
+def through(points: list[tuple[float, float]], duration: float) -> SpeedProfile:
+    """Return a profile through points of time and speed, of which the last speed is held."""
     spins: list[Spin] = []
     angle = 0.0
     for (begin, speed), (end, there) in pairwise(points):
@@ -196,9 +195,9 @@ def through(points: list[tuple[float, float]], duration: float) -> Course:
     if duration > ends[-1]:
         spins.append(Ramp(ends[-1], angle, points[-1][1], 0.0))
         ends.append(duration)
-    return Course(tuple(ends), tuple(spins))
+    return SpeedProfile(tuple(ends), tuple(spins))
 
 
-def driven(torque: tuple[float, float], inertia: float, duration: float) -> Course:
-    """Return a course that a torque drives."""
-    return Course((duration,), (Driven(*torque, inertia),))
+def driven(torque: tuple[float, float], inertia: float, duration: float) -> SpeedProfile:
+    """Return a profile that a torque drives."""
+    return SpeedProfile((duration,), (Driven(*torque, inertia),))

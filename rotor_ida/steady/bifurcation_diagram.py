@@ -29,8 +29,8 @@ from rotor_ida.checks import (
     check_seed,
     is_scalar,
 )
-from rotor_ida.core.interface import DONE, KIND, RADIUS, TIME, message_of
-from rotor_ida.core.runs import Asked, follow
+from rotor_ida.core.interface import DONE, message_of
+from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.model.rotors import rotors_of
@@ -364,8 +364,8 @@ def ramp_extrema(
     marks = np.unique(np.concatenate([edges, speeds]))[:: int(way)]
     times = np.abs(marks - speeds[0]) / rate
     course = through([(0.0, float(speeds[0])), (float(times[-1]), float(speeds[-1]))], times[-1])
-    seen = follow(
-        Asked(
+    seen = follow_run(
+        RunRequest(
             rotor=rotor, start=start, duration=float(times[-1]), rtol=rtol, atol=ATOL * rtol,
             sample_times=times, extrema=True, pieces=course.pieces(), stop=stop,
         )
@@ -376,8 +376,8 @@ def ramp_extrema(
             time=seen.time, state=seen.state,
         )  # fmt: skip
     radii_at_marks = np.hypot(seen.samples[:, 0], seen.samples[:, 1])
-    speeds_at_extrema = speeds[0] + way * rate * seen.extrema[:, TIME]
-    radii, kinds = seen.extrema[:, RADIUS], seen.extrema[:, KIND].astype(np.int8)
+    speeds_at_extrema = speeds[0] + way * rate * seen.extrema["time"]
+    radii, kinds = seen.extrema["radius"], seen.extrema["kind"].astype(np.int8)
     bands = []
     for speed, ends in zip(speeds, np.stack([edges[:-1], edges[1:]], axis=1), strict=True):
         low, high = np.sort(ends)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
+from rotor_ida.core.runs import Rows
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.parameters import Rotor
@@ -139,7 +140,7 @@ class _Trajectory:
     options: Options
     state: State
     stop: Stop
-    extrema: Values | None = None  # of the radius in the last window
+    extrema: Rows | None = None  # of the radius in the last window
     time: float = 0.0
     event_times: list[Values] = field(default_factory=lambda: [np.empty(0)])
     event_kinds: list[npt.NDArray[np.int8]] = field(

@@ -23,8 +23,8 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import State
-from rotor_ida.core.interface import DONE, KIND, STATE, TIME, message_of
-from rotor_ida.core.runs import Asked, follow
+from rotor_ida.core.interface import DONE, message_of
+from rotor_ida.core.runs import Rows, RunRequest, follow_run
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Stop
@@ -65,7 +65,7 @@ class TurningPoints:
         return np.hypot(self.states[:, 0], self.states[:, 1])
 
 
-def turning_points(states: Values, extrema: Values) -> TurningPoints:
+def turning_points(states: Values, extrema: Rows) -> TurningPoints:
     """Return the extrema of the radius, as of an `Orbit`, as turning points.
 
     Where the samples, shape (n, 4), of the window say that the radius is steady they are noise, and
@@ -73,7 +73,7 @@ def turning_points(states: Values, extrema: Values) -> TurningPoints:
     """
     radii = np.hypot(states[:, 0], states[:, 1])
     turns = extrema if np.ptp(radii) > STEADY * radii.max() else extrema[:0]
-    return TurningPoints(turns[:, TIME], turns[:, STATE:], turns[:, KIND] > 0.0)
+    return TurningPoints(turns["time"], turns["state"], turns["kind"] > 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,8 +170,8 @@ def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) ->
     systems with viscous damping", Physical Review A 38, 1988.
     """
     bundle = np.eye(4)
-    seen = follow(
-        Asked(
+    seen = follow_run(
+        RunRequest(
             rotor=rotor, start=state, duration=period, rtol=MULTIPLIER_RTOL,
             atol=ATOL * MULTIPLIER_RTOL, bundle=bundle, stop=stop,
         )

@@ -31,6 +31,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.contact_free import complex_amplitude, touch_fading
 from rotor_ida.closed_forms.rest import rest
+from rotor_ida.core.runs import Rows
 from rotor_ida.model.contact import contact_force, secant_stiffness
 from rotor_ida.model.parameters import Rotor
 
@@ -91,7 +92,7 @@ class Window:
     rotor: Rotor
     times: Values
     states: Values
-    contacts: Values
+    contacts: Rows
     touches: int
     ends_in_contact: bool
     steady: float
@@ -246,11 +247,12 @@ def _growth_from_touch_to_touch(window: Window) -> Values | None:
 
     With a linear contact that is ``1/sqrt(h)``.
     """
-    entry, leaving, peak, depth = window.contacts[:, :4].T
+    contacts = window.contacts
+    entry, leaving, depth = (contacts[name] for name in ("entry", "exit", "peak_indentation"))
     whole = np.isfinite(entry) & np.isfinite(leaving) & (depth > 0.0)
     if whole.sum() < FEWEST_TOUCHES:
         return None
-    revolutions = np.diff(peak[whole]) * window.rotor.omega / (2.0 * math.pi)
+    revolutions = np.diff(contacts["peak_time"][whole]) * window.rotor.omega / (2.0 * math.pi)
     if (np.abs(revolutions - 1.0) > ONCE_A_REVOLUTION).any():
         return None
     growth: Values = np.diff(depth[whole] ** (0.5 - window.rotor.contact_exponent))

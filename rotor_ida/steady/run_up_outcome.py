@@ -15,16 +15,15 @@ import numpy as np
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import State
-from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME, HEAT, LOST, PEAK_TIME
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.parameters import Rotor
 from rotor_ida.parallel import Stop
-from rotor_ida.simulation.contact_table import PEAK_INDENTATION, peak_forces
+from rotor_ida.simulation.contact_table import peak_forces
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ENTRY, EXIT, ROLL, ROLLS, Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.run_up import ramp_of
-from rotor_ida.simulation.spin import Course, Ramp
+from rotor_ida.simulation.spin import Ramp, SpeedProfile
 from rotor_ida.steady.follow import FAILED, durations, follow_to_steady_state
 from rotor_ida.steady.grid import EXPECTED, reason_of
 from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED, Features
@@ -61,7 +60,7 @@ class RunUp:
     options: Options
 
     @property
-    def course(self) -> Course:
+    def course(self) -> SpeedProfile:
         """How the speed changes, from the phase of the unbalance on."""
         course = ramp_of(self.rotor, self.to, self.rate)
         (ramp,) = course.spins
@@ -152,7 +151,7 @@ def follow_run_up(run_up: RunUp, stop: Stop) -> Outcome:
         course = run_up.course
         orbit = run(
             run_up.rotor, run_up.start, course.ends[-1], _NO_TIMES, run_up.options,
-            extrema=True, stop=stop, course=course,
+            extrema=True, stop=stop, profile=course,
         )  # fmt: skip
         summary = summary_of(orbit, run_up)
         return _settled(run_up, orbit, summary, stop)
@@ -180,9 +179,9 @@ def summary_of(orbit: Orbit, run_up: RunUp) -> RampSummary:
 
     contacts, forces = orbit.contacts, peak_forces(orbit)
     hardest = int(forces.argmax()) if forces.size else -1
-    entry = np.nan_to_num(contacts[:, ENTRY_TIME], nan=0.0)
-    leaving = np.nan_to_num(contacts[:, EXIT_TIME], nan=orbit.duration)
-    peak_time = float(contacts[hardest, PEAK_TIME]) if forces.size else math.nan
+    entry = np.nan_to_num(contacts["entry"], nan=0.0)
+    leaving = np.nan_to_num(contacts["exit"], nan=orbit.duration)
+    peak_time = float(contacts["peak_time"][hardest]) if forces.size else math.nan
     farthest, radius = _farthest(orbit, run_up.start)
     rolls_at_once = orbit.ways is not None and orbit.ways[0] == ROLLS
     x, y, vx, vy = orbit.end.tolist()
@@ -196,8 +195,8 @@ def summary_of(orbit: Orbit, run_up: RunUp) -> RampSummary:
         first_roll_speed=omega if rolls_at_once else speed_of(ROLL, 0),
         contact_count=len(contacts),
         contact_time=float((leaving - entry).sum()),
-        total_heat=float(contacts[:, HEAT].sum()) if rotor.friction > 0.0 else 0.0,
-        total_contact_loss=float(contacts[:, LOST].sum()) if rotor.contact_damping > 0.0 else 0.0,
+        total_heat=float(contacts["heat"].sum()) if rotor.friction > 0.0 else 0.0,
+        total_contact_loss=float(contacts["lost"].sum()) if rotor.contact_damping > 0.0 else 0.0,
         end_angle=run_up.end_angle,
         end_x=x,
         end_y=y,
@@ -211,11 +210,11 @@ def _farthest(orbit: Orbit, start: State) -> tuple[float, float]:
     x, y = orbit.end[:2].tolist()
     places = [(0.0, math.hypot(*start[:2])), (orbit.duration, math.hypot(x, y))]
     if len(orbit.contacts):
-        deepest = orbit.contacts[orbit.contacts[:, PEAK_INDENTATION].argmax()]
-        places.append((deepest[PEAK_TIME], orbit.rotor.delta0 + deepest[PEAK_INDENTATION]))
+        deepest = orbit.contacts[orbit.contacts["peak_indentation"].argmax()]
+        places.append((deepest["peak_time"], orbit.rotor.delta0 + deepest["peak_indentation"]))
     elif orbit.extrema is not None and len(orbit.extrema):
-        time, radius = orbit.extrema[orbit.extrema[:, 1].argmax(), :2]
-        places.append((time, radius))
+        farthest = orbit.extrema[orbit.extrema["radius"].argmax()]
+        places.append((farthest["time"], farthest["radius"]))
     time, radius = max(places, key=lambda place: place[1])
     return float(time), float(radius)
 
@@ -249,9 +248,9 @@ def _on_rotating_axes(run_up: RunUp, end: Values, stop: Stop) -> State:
         rotor = replace(run_up.rotor, omega=run_up.to)
         x, y, vx, vy = end.tolist()
         if time > 0.0:
-            course = Course((time,), (Ramp(0.0, angle, run_up.to, 0.0),))
+            course = SpeedProfile((time,), (Ramp(0.0, angle, run_up.to, 0.0),))
             end = run(
-                rotor, (x, y, vx, vy), time, _NO_TIMES, run_up.options, stop=stop, course=course
+                rotor, (x, y, vx, vy), time, _NO_TIMES, run_up.options, stop=stop, profile=course
             ).end
         angle = 0.0
     x, y, vx, vy = rotated(end, np.float64(-angle)).tolist()

@@ -13,7 +13,6 @@ from rotor_ida.basins.cycle_sections import cycle_section
 from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
 from rotor_ida.basins.known import known_from_closed_forms
-from rotor_ida.core.interface import RADIUS
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.simulation.neighbours import shoot
 from rotor_ida.simulation.options import Options
@@ -71,9 +70,9 @@ def test_close_to_a_period_doubling_orbits_creep_and_are_held_as_soon_as_others(
     widths = 1.0 / np.linalg.svd(section.form, compute_uv=False)
     assert widths.min() > 0.03
     beside = section.centre + 0.5 * np.linalg.pinv(section.form)[:, 0]
-    soon = shoot(rotor, beside, 50.0, batch.stop).extrema[:, RADIUS].max()
+    soon = shoot(rotor, beside, 50.0, batch.stop).extrema["radius"].max()
     there = shoot(rotor, beside, 3000.0, batch.stop).end
-    late = shoot(rotor, there, 50.0, batch.stop).extrema[:, RADIUS].max()
+    late = shoot(rotor, there, 50.0, batch.stop).extrema["radius"].max()
     radius_max = section.cycle.radius_max
     assert 0.0 < late - radius_max < 0.3 * (soon - radius_max)
 

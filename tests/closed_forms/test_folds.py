@@ -26,6 +26,7 @@ from rotor_ida.closed_forms import (
 from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.fold_locus_with_friction import friction_locus
 from rotor_ida.errors import InputError
+from tests.closed_forms.scanning import scanned
 
 mpmath.mp.dps = 50
 # Folds are simple crossings except where two of them merge: a few rounding errors remain.
@@ -199,37 +200,6 @@ def test_folds_of_a_linear_contact_whose_clearance_is_one_are_roots_of_a_cubic(z
 def test_a_linear_contact_without_clearance_has_no_fold():
     assert found_at(0.01, 0.0, 0.3, 1.0) == []
     assert np.isnan(cusp_zeta(0.0, contact_exponent=1.0))
-
-
-def scanned(rotor, condition, nodes=60_000):
-    """Amplitudes at which a condition changes sign along either flank, by roots of the quartic.
-
-    The speeds at each amplitude are eigenvalues of a companion matrix: no part of the package.
-    """
-    zeta, d, mu = (rotor[name] for name in ("zeta", "delta0", "friction"))
-    kappa, n = rotor.get("shaft_stiffness", 0.0), rotor.get("contact_exponent", 1.5)
-    depth = np.concatenate([np.geomspace(1e-9, 1e-2, nodes // 4), np.linspace(1e-2, 40.0, nodes)])
-    A, f = d + depth, depth**n
-    g = f + kappa * A
-    scale = np.sqrt(g / A)
-    quartic = np.stack([
-        (g * g + (mu * f) ** 2) / scale**4,
-        4.0 * mu * zeta * A * f / scale**3,
-        A * (4.0 * zeta**2 * A - 2.0 * g) / scale**2,
-        0.0 * A,
-    ])  # fmt: skip
-    companion = np.zeros((A.size, 4, 4))
-    companion[:, [1, 2, 3], [0, 1, 2]] = 1.0
-    companion[:, :, 3] = -(quartic / (A * A - 1.0)).T
-    roots = np.linalg.eigvals(companion) * scale[:, None]
-    real = (np.abs(roots.imag) < 1e-9 * np.abs(roots)) & (roots.real > 0.0)
-    speeds = np.sort(np.where(real, roots.real, np.nan), axis=1)[:, :2]
-    changes = []
-    for w in speeds.T:
-        value = condition(A, w, rotor)
-        near = np.isfinite(value[1:] * value[:-1]) & (np.abs(np.diff(w)) < 0.1 * w[1:])
-        changes += A[1:][near & (value[1:] * value[:-1] < 0.0)].tolist()
-    return np.sort(changes)
 
 
 def fold_condition(A, omega, rotor):

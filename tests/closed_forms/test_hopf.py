@@ -2,24 +2,39 @@
 
 import math
 from fractions import Fraction
+from itertools import pairwise
+from pathlib import Path
 
 import mpmath
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from rotor_ida import Rotor, folds, hopf_points, limit_cycle, synchronous_response
-from rotor_ida.closed_forms import eigenvalues
+from rotor_ida.closed_forms import cusp_zeta, eigenvalues, jumps, peaks
 from rotor_ida.closed_forms.exact_polynomials import Polynomial, positive_roots
 from rotor_ida.errors import InputError
 from rotor_ida.model.equations import rotating_field, rotating_jacobian
+from tests.closed_forms.scanning import scanned
 
-MACHINES = [
+ROTORS = [
     {"zeta": 0.07, "delta0": 0.5, "contact_damping": 0.5},
     {"zeta": 0.05, "delta0": 0.75, "contact_damping": 0.5, "shaft_stiffness": 1.0},
     {"zeta": 0.05, "delta0": 0.75, "contact_damping": 0.1, "shaft_stiffness": 0.1,
      "contact_exponent": 1.0},
     {"zeta": 0.02, "delta0": 1.0, "contact_damping": 2.0, "contact_exponent": 1.0},
     {"zeta": 0.003, "delta0": 3.0, "contact_damping": 0.2, "shaft_stiffness": 0.25},
+]  # fmt: skip
+
+
+# With friction.
+OSCILLATING = [
+    {"zeta": 0.07, "delta0": 0.5, "friction": 0.1},
+    {"zeta": 0.02, "delta0": 1.0, "friction": 0.05, "shaft_stiffness": 0.2},
+    {"zeta": 0.05, "delta0": 1.2, "friction": 0.2, "contact_exponent": 1.0,
+     "shaft_stiffness": 0.25},
+    {"zeta": 0.07, "delta0": 0.5, "friction": 0.02, "contact_damping": 0.3},
+    {"zeta": 0.0, "delta0": 0.7, "friction": 0.1, "contact_damping": 0.5},
 ]  # fmt: skip
 
 
@@ -40,7 +55,7 @@ def whirl_at(omega, near, machine):
     return np.array([z.real, z.imag, v.real, v.imag])
 
 
-@pytest.mark.parametrize("machine", MACHINES)
+@pytest.mark.parametrize("machine", ROTORS)
 def test_a_pair_of_eigenvalues_of_the_linearised_machine_is_imaginary(machine):
     """The Jacobian is that of the stated model, at a state at which its field vanishes."""
     for omega, amplitude, frequency in points_of(machine):
@@ -51,7 +66,7 @@ def test_a_pair_of_eigenvalues_of_the_linearised_machine_is_imaginary(machine):
         assert np.abs(found - 1j * frequency).min() < 1e-9 * max(omega, 1.0)
 
 
-@pytest.mark.parametrize("machine", MACHINES)
+@pytest.mark.parametrize("machine", ROTORS)
 def test_none_is_lost_and_none_invented(machine):
     """Over amplitudes as dense as you like, both flanks, the Hurwitz determinant changes sign."""
     zeta, delta0, c = (machine[name] for name in ("zeta", "delta0", "contact_damping"))
@@ -77,7 +92,7 @@ def test_none_is_lost_and_none_invented(machine):
     np.testing.assert_allclose(np.sort(changes), np.sort(inside[:, 1]), rtol=0.0, atol=2e-4)
 
 
-@pytest.mark.parametrize("machine", MACHINES[:3])
+@pytest.mark.parametrize("machine", ROTORS[:3])
 def test_a_whirl_loses_its_stability_there(machine):
     for omega, amplitude, _ in points_of(machine):
         growths = []
@@ -91,7 +106,7 @@ def test_a_whirl_loses_its_stability_there(machine):
 @pytest.mark.parametrize("number", [0, 2])
 def test_a_cycle_is_born_with_the_frequency_of_the_hopf_point(number):
     """Twice nearer the point its period is twice nearer, and its swing less by the root of two."""
-    machine = MACHINES[number]
+    machine = ROTORS[number]
     omega, amplitude, frequency = points_of(machine)[0]
     found = []
     for ahead in (4e-4, 2e-4):
@@ -126,13 +141,13 @@ def test_without_damping_of_one_kind_or_the_other_there_is_none():
 
 
 def test_axes_are_those_of_folds():
-    given = {"zeta": [0.05, 0.07], "delta0": [0.5, 1.0, 2.0], "shaft_stiffness": [0.0, 0.2],
-             "contact_damping": 0.5}  # fmt: skip
+    given = {"zeta": [0.05, 0.07], "delta0": [0.5, 1.0], "shaft_stiffness": [0.0, 0.2],
+             "contact_damping": 0.5, "friction": [0.0, 0.1]}  # fmt: skip
     found, beside = hopf_points(**given), folds(**given)
     assert found.hopf_omega.dims[:-1] == beside.fold_omega.dims[:-1]
     assert set(found.coords) - {"hopf"} == set(beside.coords) - {"fold"}
     one = hopf_points(zeta=0.07, delta0=0.5, shaft_stiffness=0.2, contact_damping=0.5)
-    same = found.sel(zeta=0.07, delta0=0.5, shaft_stiffness=0.2).hopf_omega.values
+    same = found.sel(zeta=0.07, delta0=0.5, shaft_stiffness=0.2, friction=0.0).hopf_omega.values
     np.testing.assert_array_equal(same[: one.sizes["hopf"]], one.hopf_omega.values.ravel())
 
 
@@ -181,8 +196,120 @@ def test_roots_are_isolated_in_exact_arithmetic():
         ({"delta0": 0.0}, "contact_damping must be 0 without clearance"),
         ({"contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
         ({"contact_damping": 1e9}, "contact_damping must be 0 or between 1e-20 and 1e"),
+        ({"friction": -0.1}, "friction must be zero or positive, got -0.1"),
+        ({"friction": 1e9}, "friction must be 0 or between 1e-20 and 1e"),
+        ({"contact_damping": 0.0, "friction": 0.1, "delta0": 0.0}, "friction must be 0 without"),
     ],
 )
 def test_odd_values_are_refused(given, says):
     with pytest.raises(InputError, match=says):
         hopf_points(**({"zeta": 0.07, "delta0": 0.5, "contact_damping": 0.5} | given))
+
+
+def hurwitz(A, omega, machine):
+    """a3 a2 a1 - a1**2 - a3**2 a0, from the sums of products of the eigenvalues."""
+    inside = np.where(np.isfinite(omega), omega, 0.0)
+    x = eigenvalues(A, omega=inside, **machine)
+    pairs = [x[:, i] + x[:, j] for i in range(4) for j in range(i)]
+    # the product of all sums of two eigenvalues is, up to a positive factor, minus that
+    return np.where(np.isfinite(omega), np.prod(pairs, axis=0).real, np.nan)
+
+
+@pytest.mark.parametrize("machine", OSCILLATING)
+def test_a_pair_of_eigenvalues_is_imaginary_with_friction(machine):
+    there = points_of(machine)
+    assert len(there) > 0
+    for omega, amplitude, frequency in there:
+        found = eigenvalues(amplitude, omega=omega, **machine)
+        assert np.abs(found - 1j * frequency).min() < 1e-12 * max(1.0, frequency)
+        here = synchronous_response(omega=omega, **machine).amplitude
+        assert np.abs(here / amplitude - 1.0).min() < 1e-13
+
+
+@pytest.mark.parametrize("machine", OSCILLATING)
+def test_none_with_friction_is_lost_and_none_invented(machine):
+    found = points_of(machine)[:, 1]
+
+    def oscillates(A, omega, machine):
+        """That determinant, but for neutral saddles: two real eigenvalues that add up to 0."""
+        value = hurwitz(A, omega, machine)
+        x = eigenvalues(A, omega=np.where(np.isfinite(omega), omega, 0.0), **machine)
+        spread = np.abs(x[:, :, None] + x[:, None, :])
+        spread[:, range(4), range(4)] = np.inf
+        pair = spread.reshape(-1, 16).argmin(axis=1) // 4
+        real = np.abs(x[range(len(x)), pair].imag) < 1e-9 * np.abs(x).max(axis=1)
+        return np.where(real, np.nan, value)
+
+    expected = scanned(machine, oscillates)
+    inside = np.sort(found[found < 40.0])
+    np.testing.assert_allclose(inside, expected, rtol=0.0, atol=1.5e-3)
+
+
+def test_the_stated_condition_of_a_hopf_point():
+    """Without contact damping: 4 zeta a2 a1 = a1**2 + 16 zeta**2 D, solved along the curve."""
+    zeta, d, mu = 0.07, 0.5, 0.1
+
+    def condition(omega):
+        here = synchronous_response(omega=omega, zeta=zeta, delta0=d, friction=mu)
+        A = here.amplitude.values.ravel()[0]
+        f = (A - d) ** 1.5
+        a, b = 1.5 * math.sqrt(A - d) - omega**2, f / A - omega**2
+        c_u, c_v = 2 * zeta * omega + 1.5 * mu * math.sqrt(A - d), 2 * zeta * omega + mu * f / A
+        a2 = 4 * zeta**2 + a + b + 4 * omega**2
+        a1 = 2 * zeta * (a + b) + 2 * omega * (c_u + c_v)
+        return a1**2 + 16 * zeta**2 * (a * b + c_u * c_v) - 4 * zeta * a2 * a1
+
+    begin = brentq(condition, 1.0, 1.2, xtol=1e-15, rtol=1e-15)
+    first = hopf_points(zeta=zeta, delta0=d, friction=mu).hopf_omega.values.ravel()[0]
+    assert first == pytest.approx(begin, rel=1e-12)
+
+
+def test_the_table_of_the_documentation():
+    """docs/whirls.md: how friction moves the boundaries of the paper's Figs 6 and 10."""
+    page = (Path(__file__).parents[2] / "docs" / "whirls.md").read_text()
+    lines = [line.split("|")[1:-1] for line in page.splitlines() if line.startswith("| 0")]
+    assert len(lines) == 5
+    for friction, fold, landing, peak, hopf, limit in lines:
+        given = {"zeta": 0.07, "delta0": 0.5, "friction": float(friction)}
+        found = jumps(**given)
+        large = found.fold_omega.values.ravel() > 1.0
+        speeds, landings = (
+            found[name].values.ravel()[large] for name in ("fold_omega", "landing_amplitude")
+        )
+        assert fold.strip() == (", ".join(f"{each:.5f}" for each in speeds) or "none")
+        words = ["none" if np.isnan(each) else f"{each:.3f}" for each in landings]
+        assert landing.strip() == ", ".join(words)
+        top = peaks(**given)
+        assert peak.strip() == f"{top.peak_amplitude.item():.3f} at {top.peak_omega.item():.4f}"
+        first = np.nanmin(np.append(hopf_points(**given).hopf_omega, np.inf))
+        assert hopf.strip() == (f"{first:.5f}" if np.isfinite(first) else "none")
+        assert limit.strip() == f"{cusp_zeta(0.5, friction=float(friction)):.5f}"
+
+
+def test_rub_loses_its_stability_to_a_backward_whirl_of_the_natural_frequency():
+    """On fixed axes the mode that grows at a Hopf point turns backwards.
+
+    Its speed is that of the rotor on shaft and ring, which gives way with the mean s of its
+    stiffnesses along and across the radius, and there mu s is 2 zeta times that speed. Both hold
+    the better, the less friction exceeds what would drive the rotor in a ring without clearance.
+    """
+    zeta, kappa, delta0 = 0.005, 0.04, 1.5
+    bound = 2.0 * zeta * math.sqrt(kappa + 1.0)
+    off = []
+    for excess in (0.2, 0.1, 0.05):
+        mu = (1.0 + excess) * bound
+        found = hopf_points(
+            zeta=zeta, delta0=delta0, shaft_stiffness=kappa, contact_exponent=1.0, friction=mu
+        )
+        omega, amplitude, frequency = (
+            found[f"hopf_{name}"].values.ravel() for name in ("omega", "amplitude", "frequency")
+        )
+        assert np.isfinite(omega).sum() == 2
+        whirl = omega - frequency
+        mean = 1.0 - 0.5 * delta0 / amplitude
+        assert (whirl < 0.0).all()
+        np.testing.assert_allclose(2.0 * zeta * -whirl / (mu * mean), 1.0, atol=0.5 * excess**2)
+        off.append(float(np.abs(-whirl / np.sqrt(kappa + mean) - 1.0).max()))
+    assert off[0] < 0.012
+    for coarse, fine in pairwise(off):
+        assert 0.2 < fine / coarse < 0.3

@@ -33,7 +33,7 @@ from rotor_ida.core.interface import (
     RotorStruct,
     RunStruct,
 )
-from rotor_ida.core.runs import Asked
+from rotor_ida.core.runs import RunRequest
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 
@@ -157,7 +157,7 @@ asked = st.fixed_dictionaries(
 def test_a_run_of_odd_things_ends_or_is_refused(given_things):
     stop = np.zeros(1, np.uint8)
     with stopping_after(0.1, stop):
-        seen = returns_or_refuses(lambda: runs.follow(Asked(**given_things, stop=stop)))
+        seen = returns_or_refuses(lambda: runs.follow_run(RunRequest(**given_things, stop=stop)))
     if seen is not None:
         assert seen.status == DONE or interface.message_of(seen.status)
         assert len(seen.event_times) == len(seen.event_states) == len(seen.event_kinds)
@@ -168,7 +168,7 @@ def test_a_run_of_odd_things_ends_or_is_refused(given_things):
 def test_stretching_of_odd_things_ends_or_is_refused(given_things, spans):
     stop = np.zeros(1, np.uint8)
     with stopping_after(0.1, stop):
-        returns_or_refuses(lambda: runs.stretch(Asked(**given_things, stop=stop), spans))
+        returns_or_refuses(lambda: runs.stretch(RunRequest(**given_things, stop=stop), spans))
 
 
 @settings(max_examples=200)
@@ -195,6 +195,12 @@ def test_a_search_for_a_touch_ends_or_is_refused(rotor, state, limit):
 starts = st.integers(0, 70)
 
 
+def named(table, dtype):
+    """Return a table as rows with names, where its numbers can be read so."""
+    fits = table.dtype == np.float64 and table.shape[-1:] == (dtype.itemsize // 8,)
+    return table.view(dtype)[..., 0] if fits and table.flags.c_contiguous else table
+
+
 @settings(max_examples=100)
 @given(st.data(), papers, odd_numbers, odd_numbers)
 def test_lanes_of_odd_things_end_or_are_refused(data, rotor, duration, tolerance):
@@ -214,8 +220,12 @@ def test_lanes_of_odd_things_end_or_are_refused(data, rotor, duration, tolerance
             draw("states", 4, count), draw("labels", count, dtype=np.int16),
             draw("times", count, dtype=np.float32),
         )  # fmt: skip
-        known = draw("regions", 2, 14), draw("free", 4), draw("sections", 1, 21)
-        section, values = draw("section", 21), draw("values", count)
+        known = (
+            named(draw("regions", 2, 14), kernel.REGION),
+            named(draw("free", 4), kernel.CONTACT_FREE),
+            named(draw("sections", 1, 21), kernel.SECTION),
+        )
+        section, values = named(draw("section", 21), kernel.SECTION), draw("values", count)
     with stopping_after(0.1, stop):
         returns_or_refuses(lambda: kernel.follow(*tables, rotor, *known, duration, tolerance, stop))
     times = (min(duration, 1.0), duration)
@@ -249,31 +259,41 @@ def test_lanes_of_odd_things_end_or_are_refused(data, rotor, duration, tolerance
 def test_what_is_wrong_is_said(wrong, message):
     right = {"rotor": BOUNCING, "start": REST, "duration": 1.0, "rtol": 1e-9, "atol": 1e-11}
     with pytest.raises(REFUSALS, match=message):
-        runs.follow(Asked(**{**right, **wrong}))
+        runs.follow_run(RunRequest(**{**right, **wrong}))
+
+
+def test_labels_that_no_16_bits_hold_are_refused():
+    regions, sections = np.zeros(30_000, kernel.REGION), np.zeros(2767, kernel.SECTION)
+    tables = np.zeros((4, 1)), np.zeros(1, np.int16), np.zeros(1, np.float32)
+    known = regions, np.zeros((), kernel.CONTACT_FREE), sections
+    with pytest.raises(ValueError, match="must be at most 32767, got 32768"):
+        kernel.follow(*tables, BOUNCING, *known, 1.0, 1e-6, np.zeros(1, np.uint8))
 
 
 @pytest.mark.parametrize("method", ["taylor", "adams"])
 @pytest.mark.parametrize("start", [(0.0, 0.0, 0.0, np.nan), (np.inf, 0.0, 0.0, 0.0)])
 def test_a_start_that_is_not_finite_ends_the_run_at_once(start, method):
     """A caller meets it as a run that cannot be followed: loaded numbers may be NaN."""
-    asked = Asked(
+    asked = RunRequest(
         rotor=BOUNCING, start=start, duration=1.0, rtol=1e-9, atol=1e-11, method=method, events=True
     )
-    seen = runs.follow(asked)
+    seen = runs.follow_run(asked)
     assert (seen.status, seen.time, seen.event_times.size) == (NOT_FINITE, 0.0, 0)
 
 
 def test_a_bundle_that_must_not_be_written_is_refused():
     bundle = np.eye(4)
     bundle.flags.writeable = False
-    asked = Asked(rotor=BOUNCING, start=REST, duration=1.0, rtol=1e-9, atol=1e-11, bundle=bundle)
-    for call in (lambda: runs.follow(asked), lambda: runs.stretch(asked, 2)):
+    asked = RunRequest(
+        rotor=BOUNCING, start=REST, duration=1.0, rtol=1e-9, atol=1e-11, bundle=bundle
+    )
+    for call in (lambda: runs.follow_run(asked), lambda: runs.stretch(asked, 2)):
         with pytest.raises(ValueError, match="must be able to write into this array"):
             call()
 
 
 def test_stretching_needs_a_bundle():
-    asked = Asked(rotor=BOUNCING, start=REST, duration=1.0, rtol=1e-9, atol=1e-11)
+    asked = RunRequest(rotor=BOUNCING, start=REST, duration=1.0, rtol=1e-9, atol=1e-11)
     with pytest.raises(ValueError, match="a stretching must have a bundle"):
         runs.stretch(asked, 2)
 
@@ -292,7 +312,7 @@ LONG = {
 def test_a_long_run_stops_within_a_second(name):
     stop = np.zeros(1, np.uint8)
     with stopping_after(0.3, stop):
-        seen = runs.follow(Asked(rotor=BOUNCING, start=REST, stop=stop, **LONG[name]))
+        seen = runs.follow_run(RunRequest(rotor=BOUNCING, start=REST, stop=stop, **LONG[name]))
     assert seen.status == STOPPED
 
 
@@ -300,23 +320,23 @@ def test_a_flight_of_many_turns_stops_within_a_second():
     asked = {"rotor": Rotor(omega=1.7, zeta=0.0, delta0=3.0), "start": (-0.8, 0.0, 0.0, -1.7)}
     stop = np.zeros(1, np.uint8)
     with stopping_after(0.3, stop):
-        seen = runs.follow(
-            Asked(**asked, duration=1e12, rtol=1e-9, atol=1e-11, extrema=True, stop=stop)
+        seen = runs.follow_run(
+            RunRequest(**asked, duration=1e12, rtol=1e-9, atol=1e-11, extrema=True, stop=stop)
         )
     assert seen.status == STOPPED
 
 
 def test_no_extremum_of_a_last_flight_is_lost_where_its_table_is_full():
     """Two a revolution, of a whirl that is off the centre: more than there is room for at first."""
-    seen = runs.follow(
-        Asked(
+    seen = runs.follow_run(
+        RunRequest(
             rotor=Rotor(omega=1.3, zeta=0.0, delta0=5.0), start=(-0.6, 0.3, 0.0, -1.3),
             duration=3000.0, rtol=1e-9, atol=1e-11, extrema=True,
         )
     )  # fmt: skip
     assert seen.status == DONE
     assert abs(len(seen.extrema) - 2.0 * 3000.0 * 1.3 / (2.0 * np.pi)) <= 2.0
-    assert seen.extrema[-1, 0] > 2995.0
+    assert seen.extrema["time"][-1] > 2995.0
 
 
 def test_lanes_stop_within_a_second():
@@ -336,8 +356,8 @@ def test_lanes_stop_within_a_second():
 def test_the_interpreter_is_free_while_the_core_works():
     """Else no other thread could set the flag, and no key could interrupt."""
     stop, ticks = np.zeros(1, np.uint8), []
-    asked = Asked(rotor=BOUNCING, start=REST, duration=1e9, rtol=1e-12, atol=1e-14, stop=stop)
-    work = threading.Thread(target=runs.follow, args=(asked,))
+    asked = RunRequest(rotor=BOUNCING, start=REST, duration=1e9, rtol=1e-12, atol=1e-14, stop=stop)
+    work = threading.Thread(target=runs.follow_run, args=(asked,))
     work.start()
     for _ in range(20):
         time.sleep(0.01)
@@ -458,7 +478,9 @@ def test_a_function_of_sundials_that_fails_ends_the_run_in_words(monkeypatch, na
 
 
 def test_without_a_solver_there_is_none(monkeypatch):
-    asked = Asked(rotor=BOUNCING, start=REST, duration=1.0, rtol=1e-9, atol=1e-11, method="adams")
+    asked = RunRequest(
+        rotor=BOUNCING, start=REST, duration=1.0, rtol=1e-9, atol=1e-11, method="adams"
+    )
     monkeypatch.setattr(runs.sundials, "functions", sundials.SundialsStruct)
     lost = runs._struct_of(asked)
     lost.sundials = None
@@ -474,9 +496,9 @@ from rotor_ida.core import runs
 rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 for start in ((1e307,) * 4, (5e-324,) * 4, (2.0, 0.0, 0.0, 0.0), (1e-200, 0.0, 1e200, 0.0)):
     stop = np.zeros(1, np.uint8)
-    asked = runs.Asked(rotor=rotor, start=start, duration=0.1, rtol=1e-9, atol=1e-11, stop=stop,
-                       events=True, extrema=True, bundle=np.eye(4))
-    runs.follow(asked)
+    asked = runs.RunRequest(rotor=rotor, start=start, duration=0.1, rtol=1e-9, atol=1e-11,
+                            stop=stop, events=True, extrema=True, bundle=np.eye(4))
+    runs.follow_run(asked)
 print("alive")
 """
     ended = subprocess.run(

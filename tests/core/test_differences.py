@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.core.runs import COLUMNS, Asked, follow
+from rotor_ida.core.runs import COLUMNS, RunRequest, follow_run
 from rotor_ida.simulation.neighbours import shoot
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -57,7 +57,7 @@ def test_columns_of_parameters_are_differences_of_orbits(base, name):
 )  # fmt: skip
 def test_rows_that_cannot_be_carried_are_refused(rotor, method, message):
     """Parameters by CVODE, and as few of them as the paper's rotor has."""
-    asked = Asked(rotor=rotor, start=(0.0,) * 4, duration=1.0, method=method,
+    asked = RunRequest(rotor=rotor, start=(0.0,) * 4, duration=1.0, method=method,
                   bundle=np.zeros((7, 4)), rtol=1e-12, atol=1e-14)  # fmt: skip
     with pytest.raises(ValueError, match=message):
-        follow(asked)
+        follow_run(asked)

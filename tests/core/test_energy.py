@@ -15,7 +15,7 @@ import pytest
 from rotor_ida import Rotor
 from rotor_ida.core import interface, runs
 from rotor_ida.core.interface import DONE, UNBALANCED
-from rotor_ida.core.runs import Asked, follow
+from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import InvariantError
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import check_orbit
@@ -33,9 +33,11 @@ def test_a_radial_impact_with_contact_damping_rebounds_as_known(x, restitution, 
     speed, n = 0.7, exponent
     rotor = Rotor(omega=0.0, zeta=0.0, delta0=2.0, contact_damping=x / speed,
                   contact_exponent=exponent)  # fmt: skip
-    asked = Asked(rotor=rotor, start=(0.0, 0.0, speed, 0.0), duration=8.0, events=True, **HOW)
-    seen = follow(asked)
-    _, _, _, root, impulse, _, lost, force, _ = seen.contacts[0]
+    asked = RunRequest(rotor=rotor, start=(0.0, 0.0, speed, 0.0), duration=8.0, events=True, **HOW)
+    seen = follow_run(asked)
+    root, impulse, lost, force = (
+        seen.contacts[name][0] for name in ("peak_root", "impulse", "lost", "largest_force")
+    )
     assert seen.event_kinds[:2].tolist() == [1, -1]
     rebound = -seen.event_states[1, 2] / speed
     assert rebound == pytest.approx(restitution, abs=1e-9)
@@ -68,8 +70,8 @@ def test_what_contacts_have_lost_is_missing_from_the_energy(exponent):
         )
         rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.5, contact_exponent=exponent, **more)
         start = tuple(draw.normal(size=4))
-        asked = Asked(rotor=rotor, start=start, duration=20.0, events=True, **HOW)
-        seen = follow(asked)
+        asked = RunRequest(rotor=rotor, start=start, duration=20.0, events=True, **HOW)
+        seen = follow_run(asked)
         kinds, states = seen.event_kinds, seen.event_states
         entries, exits = (states[kinds == kind] for kind in (1, -1))
         released += np.count_nonzero(kinds == -4)
@@ -78,7 +80,7 @@ def test_what_contacts_have_lost_is_missing_from_the_energy(exponent):
             seen.contacts[first:], entries, exits[first:], strict=False
         ):
             missing = energy(rotor, entry) - energy(rotor, left)
-            assert contact[6] == pytest.approx(missing, rel=1e-9, abs=1e-11)
+            assert contact["lost"] == pytest.approx(missing, rel=1e-9, abs=1e-11)
     assert released > 20
 
 
@@ -147,8 +149,8 @@ def test_a_contact_whose_energy_does_not_balance_ends_the_run(core_to_break, mon
         broken[place] = part if each == name else 0.0
     rubs = name in BROKEN_RUBBING or name == "none with friction"
     rotor = RUBBING if rubs else GENERAL
-    asked = Asked(rotor=rotor, start=(0.3, 0.1, 0.2, 0.1), duration=20.0, events=True, **HOW)
-    assert follow(asked).status == (DONE if "none" in name else UNBALANCED)
+    asked = RunRequest(rotor=rotor, start=(0.3, 0.1, 0.2, 0.1), duration=20.0, events=True, **HOW)
+    assert follow_run(asked).status == (DONE if "none" in name else UNBALANCED)
     if "none" not in name:
         with pytest.raises(InvariantError, match="the energy of a contact does not balance"):
             run(asked.rotor, asked.start, 20.0, np.linspace(0.0, 20.0, 3), Options(method="taylor"))
@@ -166,9 +168,9 @@ def test_energy_balances_over_each_contact_of_any_rotor(method, rtol):
                       shaft_stiffness=kappa, contact_damping=damping,
                       contact_exponent=float(draw.choice([1.0, 1.5])))  # fmt: skip
         start = tuple((draw.uniform(-1.5, 1.5, 4) * rotor.delta0).tolist())
-        asked = Asked(rotor=rotor, start=start, duration=15.0, method=method, rtol=rtol,
+        asked = RunRequest(rotor=rotor, start=start, duration=15.0, method=method, rtol=rtol,
                       atol=1e-2 * rtol)  # fmt: skip
-        assert follow(asked).status == DONE, rotor
+        assert follow_run(asked).status == DONE, rotor
 
 
 def test_a_sample_that_the_ring_would_pull_contradicts_the_mechanics():

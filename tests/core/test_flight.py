@@ -136,8 +136,8 @@ def test_differences_fly_as_what_lies_between_two_flights():
     for omega, zeta, kappa in generic():
         rotor, start = sprung(omega, zeta, kappa, 0.8, delta0=1e6), np.array((0.3, -0.2, 0.5, 0.1))
         bundle = np.eye(4)
-        asked = runs.Asked(rotor=rotor, start=tuple(start), duration=3.0, bundle=bundle, **HOW)
-        assert runs.follow(asked).status == DONE
+        asked = runs.RunRequest(rotor=rotor, start=tuple(start), duration=3.0, bundle=bundle, **HOW)
+        assert runs.follow_run(asked).status == DONE
         apart = [runs.fly(rotor, start + unit, 3.0)[0] for unit in np.eye(4)]
         expected = np.array(apart) - runs.fly(rotor, start, 3.0)
         np.testing.assert_allclose(bundle, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
@@ -240,15 +240,15 @@ def test_every_extremum_of_a_flight_is_found_and_none_invented(delta0):
         rotor = sprung(*parameters, delta0=delta0)
 
         end = min(10.0, 0.99 * runs.first_touch(rotor, row(z0, w0), 10.0))
-        asked = runs.Asked(
+        asked = runs.RunRequest(
             rotor=rotor, start=row(z0, w0), duration=end, extrema=True, events=True, **HOW
         )
-        found = runs.follow(asked).extrema
-        for time, radius, kind, x, y, *_ in found:
+        found = runs.follow_run(asked).extrema
+        for time, radius, kind, (x, y, *_) in found:
             before, after = radial_rates(rotor, row(z0, w0), time + 1e-6 * np.array([-1.0, 1.0]))
             assert kind * before > 0.0 > kind * after
             assert radius == pytest.approx(math.hypot(x, y), rel=1e-15)
-        assert (np.diff(found[:, 2]) != 0.0).all()
+        assert (np.diff(found["kind"]) != 0.0).all()
         seen = radial_rates(rotor, row(z0, w0), times[times <= end])
         assert (seen[:-1] * seen[1:] < 0.0).sum() <= len(found)
         found_in_all += len(found)
@@ -262,23 +262,27 @@ def test_two_extrema_of_a_flight_close_together_are_found():
     found = 0
     for speed in np.linspace(0.05, 1.5, 60):
         start = (-1.0 + 0.3, 0.4, 0.2 * speed, -rotor.omega + speed)
-        seen = runs.follow(runs.Asked(rotor=rotor, start=start, duration=15.0, extrema=True, **HOW))
+        seen = runs.follow_run(
+            runs.RunRequest(rotor=rotor, start=start, duration=15.0, extrema=True, **HOW)
+        )
         times = np.linspace(0.0, 15.0, 60_001)
         x, y, vx, vy = runs.fly(rotor, start, times).T
         rate = x * vx + y * vy
         turns = np.flatnonzero(rate[1:] * rate[:-1] < 0.0)
         assert len(seen.extrema) == turns.size
-        assert (np.abs(seen.extrema[:, 0] - times[turns]) <= times[1]).all()
+        assert (np.abs(seen.extrema["time"] - times[turns]) <= times[1]).all()
         found += turns.size
     assert found > 900
 
 
 def test_maxima_and_minima_of_the_radius_alternate_across_contacts():
     rotor = Rotor(omega=3.325646323894685, zeta=0.0, delta0=1.0173030142969024)
-    seen = runs.follow(
-        runs.Asked(rotor=rotor, start=(0, 0, 0, 0), duration=30.0, extrema=True, events=True, **HOW)
+    seen = runs.follow_run(
+        runs.RunRequest(
+            rotor=rotor, start=(0, 0, 0, 0), duration=30.0, extrema=True, events=True, **HOW
+        )
     )
-    kinds = seen.extrema[:, 2]
+    kinds = seen.extrema["kind"]
     assert (kinds[1:] != kinds[:-1]).all()
 
 

@@ -10,7 +10,7 @@ from scipy.linalg import expm
 
 from rotor_ida import Rotor, simulate, sweep
 from rotor_ida.core.interface import DONE
-from rotor_ida.core.runs import Asked, follow
+from rotor_ida.core.runs import RunRequest, follow_run
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 HOW = {"rtol": 1e-12, "atol": 1e-14}
@@ -45,7 +45,9 @@ def test_a_linear_contact_without_clearance_is_felt_through_the_centre(start, rt
     for omega, kappa, load in ((0.0, 0.0, 0.0), (0.0, 0.8, 0.3), (1.7, 0.0, 0.5), (0.0, 0.0, 2.0)):
         rotor = Rotor(omega=omega, zeta=0.0, delta0=0.0, contact_exponent=1.0,
                       shaft_stiffness=kappa, load=load)  # fmt: skip
-        seen = follow(Asked(rotor=rotor, start=start, duration=20.0, rtol=rtol, atol=1e-3 * rtol))
+        seen = follow_run(
+            RunRequest(rotor=rotor, start=start, duration=20.0, rtol=rtol, atol=1e-3 * rtol)
+        )
         assert seen.status == DONE
         expected = linear_state(rotor, start, 20.0)
         np.testing.assert_allclose(seen.state, expected, rtol=0, atol=40.0 * rtol + 1e-13)
@@ -61,8 +63,8 @@ def test_the_load_points_down_however_long_a_phase_lasts(delta0):
     start, time, errors = (0.0, -20.0 - delta0, 0.0, 0.0), 1000.0, []
     for rtol in (1e-7, 1e-8, 1e-9):
         states = [
-            follow(Asked(rotor=rotor, start=start, duration=time, rtol=each, atol=1e-2 * each,
-                         events=True))
+            follow_run(RunRequest(rotor=rotor, start=start, duration=time, rtol=each,
+                                  atol=1e-2 * each, events=True))
             for each in (rtol, 1e-14)
         ]  # fmt: skip
         assert not states[0].event_times.size
@@ -78,10 +80,10 @@ def test_by_cvode_too_the_load_points_down_however_long_a_phase_lasts(method, de
     rotor = Rotor(omega=2.0, zeta=0.1, delta0=delta0, contact_exponent=1.0, load=20.0)
     errors = []
     for time in (250.0, 1000.0):
-        asked = Asked(rotor=rotor, start=(0.0, -20.0 - delta0, 0.0, 0.0), duration=time,
+        asked = RunRequest(rotor=rotor, start=(0.0, -20.0 - delta0, 0.0, 0.0), duration=time,
                       rtol=1e-9, atol=1e-11, method=method)  # fmt: skip
-        exact = follow(replace(asked, method="taylor", rtol=1e-13)).state
-        errors.append(np.abs(np.subtract(follow(asked).state, exact)).max())
+        exact = follow_run(replace(asked, method="taylor", rtol=1e-13)).state
+        errors.append(np.abs(np.subtract(follow_run(asked).state, exact)).max())
     assert max(errors) < 2e-6  # 9e-6 and 2e-5 where its rate alone turned it
 
 
@@ -90,10 +92,10 @@ def test_a_load_alone_leads_from_rest_at_the_axis(exponent):
     """It swings between there and the depth h at which load times h is the energy of the contact:
     h**(n + 1)/(n + 1) = gamma h."""
     rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.0, load=0.6, contact_exponent=exponent)
-    seen = follow(Asked(rotor=rotor, start=(0.0,) * 4, duration=30.0, extrema=True, **HOW))
+    seen = follow_run(RunRequest(rotor=rotor, start=(0.0,) * 4, duration=30.0, extrema=True, **HOW))
     assert seen.status == DONE
     depth = (0.6 * (exponent + 1.0)) ** (1.0 / exponent)
-    highest = seen.extrema[seen.extrema[:, 2] > 0, 1]
+    highest = seen.extrema["radius"][seen.extrema["kind"] > 0]
     assert highest.size > 2
     np.testing.assert_allclose(highest, depth, rtol=1e-10)
 
@@ -108,8 +110,8 @@ def test_a_start_between_pressed_and_loose_is_decided_by_what_follows(method):
     start = np.array((-1.0, 0.0, 1.0, -1.0))
     beside = start - (0.0, 0.0, 1e-9, 0.0)
     seen, near = (
-        follow(
-            Asked(rotor=rotor, start=tuple(begun), duration=6.0, events=True, method=method,
+        follow_run(
+            RunRequest(rotor=rotor, start=tuple(begun), duration=6.0, events=True, method=method,
                   rtol=1e-10, atol=1e-12)
         )
         for begun in (start, beside)
@@ -126,8 +128,8 @@ def test_a_run_that_ends_at_an_event_reports_its_end(method):
     rest = (0.0, 0.0, 0.0, 0.0)
     times = simulate(BOUNCING, start=rest, duration=60.0, method=method).event_time.values
     for time in np.concatenate([np.nextafter(times, 0.0), times, np.nextafter(times, 99.0)]):
-        seen = follow(
-            Asked(
+        seen = follow_run(
+            RunRequest(
                 rotor=BOUNCING, start=rest, duration=float(time), method=method, events=True,
                 sample_times=np.array([0.0, time]), **HOW,
             )
@@ -139,12 +141,12 @@ def test_a_run_that_ends_at_an_event_reports_its_end(method):
 def test_samples_are_as_many_as_the_run_came_to():
     stop = np.ones(1, np.uint8)
     times = np.linspace(0.0, 10.0, 11)
-    asked = Asked(rotor=BOUNCING, start=(0, 0, 0, 0), duration=10.0, sample_times=times, **HOW)
-    assert len(follow(asked).samples) == 11
-    stopped = Asked(
+    asked = RunRequest(rotor=BOUNCING, start=(0, 0, 0, 0), duration=10.0, sample_times=times, **HOW)
+    assert len(follow_run(asked).samples) == 11
+    stopped = RunRequest(
         rotor=BOUNCING, start=(0, 0, 0, 0), duration=10.0, sample_times=times, stop=stop, **HOW
     )
-    assert len(follow(stopped).samples) == 1
+    assert len(follow_run(stopped).samples) == 1
 
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6])

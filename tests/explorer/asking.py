@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.explorer.questions import Question, read_question
+from rotor_ida.explorer.messages import Measurement, Question, read_question
 from rotor_ida.explorer.workers import Desk
 
 # What the page shows first.
@@ -50,7 +50,9 @@ def asked(about: str = "motion", **changes: object) -> dict[str, Any]:
 
 
 def question(about: str = "motion", **changes: object) -> Question:
-    return read_question(json.dumps(asked(about, **changes)))
+    found = read_question(json.dumps(asked(about, **changes)))
+    assert isinstance(found, Question)
+    return found
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,7 @@ def unpacked(message: bytes) -> Message:
     return Message(header, arrays)
 
 
-def answer_to(asking: Question) -> list[Message]:
+def answer_to(asking: Question | Measurement) -> list[Message]:
     """Return the parts of an answer, computed in this process."""
     desk, parts = Desk(), []
     desk.take((1, asking))

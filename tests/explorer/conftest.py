@@ -17,8 +17,8 @@ from urllib.parse import parse_qs, urlsplit
 import pytest
 from websockets.sync.client import ClientConnection, connect
 
-from rotor_ida.explorer.lanes import Lanes
-from rotor_ida.explorer.questions import Question
+from rotor_ida.explorer.messages import Question
+from rotor_ida.explorer.queues import Queues
 from tests.explorer.asking import Message, unpacked
 
 # How long to wait for what must come: minutes, on a machine that does much else.
@@ -28,7 +28,7 @@ MAIN = "import sys; from rotor_ida.cli import main; sys.exit(main())"
 SHORT_VISIT = 3.0
 IMPATIENT = (
     "import sys; from rotor_ida.explorer.explore import explore; "
-    "explore({}, port=0, browser=False, told=lambda said: print(said, file=sys.stderr), "
+    "explore({}, port=0, browser=False, report=lambda said: print(said, file=sys.stderr), "
     f"longest_visit={SHORT_VISIT})"
 )
 PROGRAM = [sys.executable, "-W", "error", "-c", MAIN, "explore", "--port", "0"]
@@ -42,7 +42,7 @@ def wait_until(true: Callable[[], bool], what: str) -> None:
 
 
 class Answering:
-    """Lanes in a loop of their own, asked from the tests, and what has come of each question."""
+    """Queues in a loop of their own, asked from the tests, and what has come of each question."""
 
     def __init__(self) -> None:
         self.loop = asyncio.new_event_loop()
@@ -50,7 +50,9 @@ class Answering:
         self.got: dict[int, list[Message]] = {}
         self._thread = threading.Thread(target=self.loop.run_forever)
         self._thread.start()
-        self.lanes = self.call(lambda: Lanes(lambda done, all_: self.progress.append((done, all_))))
+        self.queues = self.call(
+            lambda: Queues(lambda done, all_: self.progress.append((done, all_)))
+        )
 
     def call(self, function: Callable[[], object]) -> object:
         async def called() -> object:
@@ -59,7 +61,7 @@ class Answering:
         return asyncio.run_coroutine_threadsafe(called(), self.loop).result(PATIENCE)
 
     def open(self) -> None:
-        self.call(self.lanes.open)
+        self.call(self.queues.open)
         wait_until(self.is_ready, "processes that are ready")
 
     def is_ready(self) -> bool:
@@ -67,7 +69,7 @@ class Answering:
 
     def close(self) -> None:
         try:
-            asyncio.run_coroutine_threadsafe(self.lanes.close(), self.loop).result(PATIENCE)
+            asyncio.run_coroutine_threadsafe(self.queues.close(), self.loop).result(PATIENCE)
         finally:
             self.loop.call_soon_threadsafe(self.loop.stop)
             self._thread.join()
@@ -78,7 +80,7 @@ class Answering:
 
         def ask_all() -> None:
             for each in questions:
-                self.lanes.ask(page, each, lambda answer: took.append(unpacked(answer)))
+                self.queues.ask(page, each, lambda answer: took.append(unpacked(answer)))
 
         self.call(ask_all)
 
@@ -106,9 +108,9 @@ def once_ready() -> Iterator[Answering]:
 
 @pytest.fixture
 def answering(once_ready: Answering) -> Answering:
-    """Return lanes that nobody has asked anything."""
+    """Return queues that nobody has asked anything."""
     for page in list(once_ready.got):
-        once_ready.call(lambda page=page: once_ready.lanes.forget(page))
+        once_ready.call(lambda page=page: once_ready.queues.forget(page))
     once_ready.got.clear()
     return once_ready
 

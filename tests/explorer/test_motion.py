@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 import rotor_ida
+from rotor_ida.explorer.messages import Question
 from rotor_ida.explorer.motion import samples_of
-from rotor_ida.explorer.questions import Question
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND
 from tests.explorer.asking import (
     BEYOND,

@@ -10,7 +10,7 @@ import rotor_ida
 from rotor_ida.closed_forms.response_curve import response_curve
 from rotor_ida.cycles.branches import branches_through
 from rotor_ida.explorer import responses
-from rotor_ida.explorer.questions import Question
+from rotor_ida.explorer.messages import Question
 from rotor_ida.schema import EXACT, RESPONSE, SPECIAL
 from tests.explorer.asking import (
     BEYOND,

@@ -10,12 +10,15 @@ import struct
 import sys
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 
+from rotor_ida.errors import InputError
 from rotor_ida.explorer import server
+from rotor_ida.explorer.messages import LARGEST_FILE, Measurement
 from tests.explorer.asking import ROTOR, Message, asked, unpacked
 from tests.explorer.conftest import PATIENCE, SHORT_VISIT, Program, wait_until
 
@@ -320,6 +323,87 @@ def test_a_mistake_gets_one_line_and_the_page_lives_on(served: Program):
             assert mistake.part == "mistake"
             assert len(mistake.facts["message"].splitlines()) == 1
         assert answered(talk).part == "motion"
+
+
+def announced(size: int, **changes: object) -> str:
+    """Return the question about a file, behind which its pieces come."""
+    return json.dumps({
+        "about": "measured", "number": 1, "name": "probes.csv", "size": size,
+        "probe_angles": [0, 90], "gains": [1, 1],
+    } | changes)  # fmt: skip
+
+
+def table(samples: int) -> bytes:
+    return b"".join(f"{0.01 * n:.2f},{n % 7},{n % 5}\n".encode() for n in range(samples))
+
+
+def test_a_file_in_pieces_is_analysed_and_questions_are_answered_meanwhile(served: Program):
+    contents = table(20_000)
+    with served.talk() as talk:
+        talk.send(announced(len(contents)))
+        half = server.LARGEST_MESSAGE
+        talk.send(contents[:half])
+        assert answered(talk).part == "motion"
+        for place in range(half, len(contents), half):
+            talk.send(contents[place : place + half])
+        found = heard(talk)
+    assert (found.part, found.header["about"], found.header["number"]) == (
+        "measured",
+        "measured",
+        1,
+    )
+    assert found.facts["samples"] == 20_000
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [({"size": LARGEST_FILE + 1}, f"size must be at most {LARGEST_FILE}"),
+     ({"size": -1}, "size must be at least 0"),
+     ({"name": 7}, "name must be the name of a file"),
+     ({"gains": [1]}, "gains must be two numbers"),
+     ({"path": "/etc/passwd"}, "got also ['path']")],
+    ids=str,
+)  # fmt: skip
+def test_an_announcement_that_is_none_gets_one_line(
+    served: Program, changes: dict[str, object], told: str
+):
+    with served.talk() as talk:
+        talk.send(json.dumps(json.loads(announced(3)) | changes))
+        talk.send(b"1,2")  # nobody waits for it
+        for each in (told, "a question must"):
+            mistake = heard(talk)
+            assert mistake.part == "mistake"
+            (line,) = mistake.facts["message"].splitlines()
+            assert each in line
+        assert answered(talk).part == "motion"
+
+
+def test_what_is_kept_of_a_file_is_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """When it is analysed, another one comes, it is longer than announced, or the page goes."""
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    asked_: list[tuple[Measurement, Callable[[bytes], None]]] = []
+    answers: list[bytes] = []
+    inbox = server.Inbox(lambda *asking: asked_.append(asking), answers.append)
+    inbox.take(announced(6, name="../probes.WAV"), None)
+    inbox.take("", b"abc")
+    assert not asked_
+    inbox.take("", b"def")
+    (measurement, deliver), (folder,) = asked_.pop(), tmp_path.iterdir()
+    assert measurement.path == folder / "measured.wav"
+    assert measurement.path.read_bytes() == b"abcdef"
+    deliver(b"answer")
+    assert answers == [b"answer"]
+    assert not list(tmp_path.iterdir())
+    for _ in range(2):
+        inbox.take(announced(6), None)
+        assert len(list(tmp_path.iterdir())) == 1
+    with pytest.raises(InputError, match="must have the 6 bytes announced, got more"):
+        inbox.take("", b"abcdefg")
+    assert not list(tmp_path.iterdir())
+    inbox.take(announced(6), None)
+    inbox.close()
+    assert not list(tmp_path.iterdir())
+    assert not asked_
 
 
 def test_a_binary_message_is_a_mistake_like_others(served: Program):

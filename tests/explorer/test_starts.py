@@ -8,7 +8,7 @@ import xarray as xr
 
 import rotor_ida
 from rotor_ida.explorer import starts
-from rotor_ida.explorer.questions import Question
+from rotor_ida.explorer.messages import Question
 from rotor_ida.schema import RESPONSE
 from tests.explorer.asking import MACHINE, ROTOR, WHIP, Message, answer_to, question
 

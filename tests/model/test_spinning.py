@@ -10,7 +10,14 @@ from rotor_ida import Rotor
 from rotor_ida.model.contact import contact_potential
 from rotor_ida.model.derivation import derive
 from rotor_ida.model.spinning import RUN_UP
-from rotor_ida.simulation.mechanics import BACKWARDS, FLIGHT, FORWARDS, ROLLING, Machine, rates_of
+from rotor_ida.simulation.mechanics import (
+    BACKWARDS,
+    FLIGHT,
+    FORWARDS,
+    ROLLING,
+    SpinningRotor,
+    rates_of,
+)
 from rotor_ida.simulation.spin import Driven, Ramp
 from tests.model.symbolic import value_of
 
@@ -86,7 +93,7 @@ def drawn(name, seed):
 @pytest.mark.parametrize("name", MODES)
 def test_accelerations_are_those_on_fixed_axes(name, spin, rotor):
     rotor = replace(rotor, friction=0.0, disc_radius=None) if name == "contact" else rotor
-    machine = Machine(rotor, SPINS[spin])
+    machine = SpinningRotor(rotor, SPINS[spin])
     given = replace(rotor, disc_radius=rotor.disc_radius or 0.0)
     for seed in range(20):
         z, v = drawn(name, seed)

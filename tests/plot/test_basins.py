@@ -124,9 +124,20 @@ def test_a_map_shows_the_likeliest_response(grid):
             number = int(here.kind[int(np.nanargmax(here.fraction.values))])
             assert kinds[int(shown[row, column])] in RESPONSE
             assert RESPONSE[kinds[int(shown[row, column])]] == number
-    forces = plot_attractor_map(grid, by="force")
-    (mesh,) = [each for each in forces.collections if each.get_array() is not None]
-    assert (mesh.get_array() >= 0.0).all()
+
+
+@pytest.mark.parametrize("exponent", [1.5, 1.0])
+def test_a_map_of_forces_follows_the_exponent_of_the_contact(grid, exponent):
+    (mesh,) = (
+        each
+        for each in plot_attractor_map(
+            grid.assign_coords(contact_exponent=exponent), by="force"
+        ).collections
+        if isinstance(each, QuadMesh)
+    )
+    likeliest = grid.isel(attractor=grid.fraction.fillna(-1.0).argmax("attractor"))
+    depth = (likeliest.radius_max - likeliest.delta0).fillna(0.0).clip(min=0.0).squeeze().T
+    np.testing.assert_allclose(mesh.get_array().reshape(depth.shape), depth**exponent, rtol=1e-12)
 
 
 def test_a_line_is_no_map_and_a_map_no_line(grid):

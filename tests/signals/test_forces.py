@@ -13,12 +13,12 @@ from rotor_ida import (
 )
 from rotor_ida.plot import plot_forces, plot_machine
 from rotor_ida.results.run import rotor_of
-from tests.simulation.test_friction import MACHINES
+from tests.rotors import MOTIONS
 
 REST = (0.0, 0.0, 0.0, 0.0)
 PLAIN = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 # All ways to move: rolling beside sliding both ways, loose, under a load, on a shaft.
-RUBBING = ("dry whip", "small disc, that chatters", "slow, under a load", "all of it")
+RUBBING = ("dry whip", "small disc, that chatters", "slow, under a load", "everything")
 
 
 @pytest.fixture(scope="module")
@@ -162,7 +162,8 @@ def test_peaks_of_damped_contacts_are_drawn_on_the_force(loose):
 
 
 def test_forces_of_friction_are_drawn_apart():
-    rotor, start, duration, _ = MACHINES["dry whip"]
+    motion = MOTIONS["dry whip"]
+    rotor, start, duration = motion.rotor, motion.start, motion.duration
     ax = plot_forces(contact_forces(simulate(rotor, start=start, duration=duration)))
     assert [line.get_label() for line in ax.lines][:2] == ["normal force", "force along the ring"]
     assert ax.get_ylim()[0] < 0.0  # it begins a little too fast, and slides backwards
@@ -170,7 +171,8 @@ def test_forces_of_friction_are_drawn_apart():
 
 @pytest.fixture(scope="module", params=RUBBING)
 def rub(request):
-    rotor, start, duration, _ = MACHINES[request.param]
+    motion = MOTIONS[request.param]
+    rotor, start, duration = motion.rotor, motion.start, motion.duration
     return simulate(rotor, start=start, duration=duration, samples=40_001, method="taylor")
 
 

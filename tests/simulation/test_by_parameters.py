@@ -7,7 +7,7 @@ import pytest
 
 from rotor_ida import Rotor
 from rotor_ida.core.interface import DONE
-from rotor_ida.core.runs import COLUMNS, Asked, follow
+from rotor_ida.core.runs import COLUMNS, RunRequest, follow_run
 from rotor_ida.simulation.neighbours import shoot
 
 START = (1.2, 0.3, -0.2, 0.9)
@@ -17,10 +17,10 @@ FLIGHT = Rotor(omega=1.2, zeta=0.07, delta0=9.0)
 
 
 def followed(rotor, duration, bundle=None):
-    asked = Asked(
+    asked = RunRequest(
         rotor=rotor, start=START, duration=duration, rtol=1e-15, atol=1e-17, bundle=bundle
     )
-    seen = follow(asked)
+    seen = follow_run(asked)
     assert seen.status == DONE
     return np.array(seen.state)
 

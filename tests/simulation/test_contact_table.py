@@ -1,13 +1,21 @@
-"""The table of contacts against mechanics: impulse, energy, angles and directions."""
+"""The table of contacts against mechanics: impulse, energy, angles, heat and slip."""
+
+import math
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
+from scipy.optimize import brentq
 
 from rotor_ida import InputError, Rotor, contact_summary, simulate, synchronous_response
 from rotor_ida.model.contact import contact_force
+from tests.rotors import MOTIONS, ROTORS, RUBBING, WAYS
+from tests.witness import rub_hold, rub_slip, rubbed
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REST = (0.0, 0.0, 0.0, 0.0)
+TIGHT = {"method": "taylor", "rtol": 1e-12}
+ALL = ROTORS["everything"]
 
 
 def test_an_elastic_bounce_straight_on_loses_nothing_and_turns_the_momentum():
@@ -84,3 +92,220 @@ def test_the_summary_of_a_synchronous_whirl_is_the_closed_form_s():
 def test_a_summary_needs_a_run():
     with pytest.raises(InputError, match="needs a run of simulate"):
         contact_summary(synchronous_response(omega=1.0, zeta=0.1, delta0=1.0))
+
+
+# ---- Contact damping: what it takes ----
+
+
+def restitution(x):
+    """e of ``x (1 + e) = ln((1 + x)/(1 - e x))``, DESIGN section 3."""
+
+    def equation(e):
+        return x * (1.0 + e) - np.log1p(x) + np.log1p(-e * x)
+
+    return brentq(equation, 1e-9, min(1.0, 1.0 / x) * (1.0 - 1e-15), xtol=1e-16, rtol=1e-15)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+@pytest.mark.parametrize("x", [0.1, 1.0, 3.0, 10.0])
+def test_a_radial_impact_has_the_restitution_and_the_depth_of_the_law(x, exponent):
+    speed = 0.7
+    damping = x / speed
+    rotor = Rotor(
+        omega=0.0, zeta=0.0, delta0=1.0, contact_exponent=exponent, contact_damping=damping
+    )
+    found = simulate(rotor, start=(1.0, 0.0, speed, 0.0), duration=40.0, **TIGHT)
+    leaves = found.event_kind.values.tolist().index(-1)
+    e = -found.event_vx.values[leaves] / speed
+    assert e == pytest.approx(restitution(x), abs=1e-11)
+    deepest = ((exponent + 1.0) * (x - np.log1p(x)) / damping**2) ** (1.0 / (exponent + 1.0))
+    assert found.peak_indentation.values[0] == pytest.approx(deepest, rel=1e-12)
+    lost = 0.5 * speed**2 * (1.0 - e**2)
+    assert found.contact_loss.values[0] == pytest.approx(lost, rel=1e-11)
+
+
+def test_the_largest_force_is_that_of_the_motion():
+    motion = MOTIONS["contact damping"]
+    rotor, start = motion.rotor, motion.start
+    found = simulate(rotor, start=start, duration=5.0, samples=500_001, method="taylor")
+    x, y, vx, vy = (found[name].values for name in ("x", "y", "vx", "vy"))
+    radius = np.hypot(x, y)
+    depth, approach = np.maximum(radius - rotor.delta0, 0.0), (x * vx + y * vy) / radius
+    force = np.maximum(depth**1.5 * (1.0 + rotor.contact_damping * approach), 0.0)
+    first = found.t.values <= found.exit_time.fillna(5.0).values[0]
+    assert found.peak_force.values[0] == pytest.approx(force[first].max(), rel=1e-8)
+    assert found.peak_force.values[0] > 1.01 * found.peak_indentation.values[0] ** 1.5
+
+
+def test_energy_balances_against_unbalance_damping_and_loss():
+    """Between the ends of a run: E = |z'|**2/2 + kappa |z|**2/2 + V + gamma y."""
+    motion = MOTIONS["everything but friction"]
+    rotor, start, duration = motion.rotor, motion.start, motion.duration
+    found = simulate(rotor, start=start, duration=duration, samples=60_001, method="taylor")
+    t, x, y, vx, vy = (found[name].values for name in ("t", "x", "y", "vx", "vy"))
+    depth = np.maximum(np.hypot(x, y) - rotor.delta0, 0.0)
+    n = rotor.contact_exponent
+    energy = 0.5 * (vx**2 + vy**2) + 0.5 * rotor.shaft_stiffness * (x**2 + y**2)
+    energy += depth ** (n + 1.0) / (n + 1.0) + rotor.load * y
+    power = rotor.omega**2 * (np.cos(rotor.omega * t) * vx + np.sin(rotor.omega * t) * vy)
+    power -= 2.0 * rotor.zeta * (vx**2 + vy**2)
+    slope = np.gradient(power, t, edge_order=2)
+    work = float(CubicHermiteSpline(t, power, slope).integrate(0.0, duration))
+    lost = float(found.contact_loss.sum())
+    assert lost > 1.0
+    assert energy[-1] - energy[0] == pytest.approx(work - lost, abs=1e-6)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+@pytest.mark.parametrize(("method", "rtol"), [("taylor", 1e-12), ("adams", 1e-9), ("bdf", 1e-6)])
+def test_deep_in_the_ring_it_creeps_back_and_energy_balances(exponent, method, rtol):
+    """As fast as the contact damping lets it, 1/c, after a delay of 1/(c h**n): next to no energy.
+
+    What it has at the end, 1/(2 c**2), is a hundred-thousandth of what the ring held.
+    """
+    depth, c = 50.0, 5.0
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1.0, contact_exponent=exponent, contact_damping=c)
+    found = simulate(rotor, start=(1.0 + depth, 0, 0, 0), duration=1.0, samples=2, method=method,
+                     rtol=rtol, atol=1e-2 * rtol)  # fmt: skip
+    expected = 1.0 + depth - 1.0 / c + 1.0 / (c * c * depth**exponent)
+    assert found.x.values[-1] == pytest.approx(expected, abs=1e-8 + rtol)
+    assert found.vx.values[-1] == pytest.approx(-1.0 / c, rel=1e-6)
+
+
+# ---- Friction: heat, slip distance, the share of rolling ----
+
+
+def test_samples_say_how_it_moves_how_fast_it_slides_and_how_hard_it_is_pressed():
+    found = simulate(
+        ALL, start=MOTIONS["everything"].start, duration=20.0, samples=2001, method="taylor"
+    )
+    t, mode = found.t.values, found.mode.values
+    assert found.mode.attrs["flag_meanings"].split() == [
+        "flight", "slipping_forward", "slipping_backward", "rolling", "loose",
+    ]  # fmt: skip
+    states = np.array([found[name].values for name in ("x", "y", "vx", "vy")]).T
+    slip = np.array([rub_slip(state, ALL) for state in states])
+    np.testing.assert_allclose(found.slip_speed.values[1:], slip[1:], rtol=0, atol=1e-12)
+    radius = np.hypot(*states.T[:2])
+    in_contact = radius > ALL.delta0
+    assert ((mode != 0) == in_contact)[np.abs(radius - ALL.delta0) > 1e-9].all()
+    rise = (states[:, 0] * states[:, 2] + states[:, 1] * states[:, 3]) / np.maximum(radius, 1e-9)
+    force = np.maximum((radius - ALL.delta0) * (1.0 + ALL.contact_damping * rise), 0.0)
+    expected = np.where(in_contact, force, 0.0)
+    np.testing.assert_allclose(found.normal_force.values, expected, rtol=0, atol=1e-9)
+    sliding = np.abs(mode) == 1
+    assert (mode * slip)[sliding].min() > -1e-9
+    assert {1, -1, 3} <= set(mode.tolist())
+    kinds, when = found.event_kind.values, found.event_time.values
+    for kind, time in zip(kinds, when, strict=True):
+        if kind == 3:
+            before, after = (mode[np.searchsorted(t, time) + place] for place in (-1, 0))
+            assert before == -after or np.abs(when - time).min() < 0.01
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_heat_is_the_work_of_sliding(way):
+    """The integral of mu N |v_s|, summed over closely spaced samples."""
+    motion = MOTIONS["small disc, that chatters"]
+    rotor, start, duration = motion.rotor, motion.start, motion.duration
+    found = simulate(rotor, start=start, duration=duration, samples=30_001, **WAYS[way])
+    power = rotor.friction * found.normal_force.values * np.abs(found.slip_speed.values)
+    total = np.trapezoid(power, found.t.values)
+    assert float(found.heat.sum()) == pytest.approx(total, rel=1e-6)
+    assert (found.heat.values > 0.0).all()
+
+
+def test_energy_balances_against_drive_damping_and_heat():
+    """E = |z'|**2/2 + V changes by unbalance, damping and -T v_t: what is not heat the drive of
+    the disc takes, ``T V`` of it, as T acts on a rim that moves at V."""
+    motion = MOTIONS["small disc, that chatters"]
+    rotor, start, duration = motion.rotor, motion.start, motion.duration
+    found = simulate(rotor, start=start, duration=duration, samples=60_001, method="taylor")
+    t, x, y, vx, vy = (found[name].values for name in ("t", "x", "y", "vx", "vy"))
+    states = np.array([x, y, vx, vy]).T
+    energy = 0.5 * (vx**2 + vy**2) + 0.4 * np.maximum(np.hypot(x, y) - rotor.delta0, 0.0) ** 2.5
+    mode = found.mode.values
+    hold = np.array([rub_hold(*each, rotor) for each in zip(t, states, strict=True)])
+    across = np.where(mode == 2, hold, mode * rotor.friction * found.normal_force.values)
+    power = rotor.omega**2 * (np.cos(rotor.omega * t) * vx + np.sin(rotor.omega * t) * vy)
+    power += across * rotor.disc_radius * rotor.omega - 2.0 * rotor.zeta * (vx**2 + vy**2)
+    work = np.trapezoid(power, t)
+    heat = float(found.heat.sum())
+    assert heat > 0.1
+    # friction jumps as it reverses and as it begins to roll: by so much a sum over samples is out
+    jumps = np.abs(np.diff(across)).max() * rotor.disc_radius * rotor.omega * t[1]
+    assert energy[-1] - energy[0] == pytest.approx(work - heat, abs=found.event.size * jumps)
+    assert found.event.size * jumps < 0.02
+
+
+def test_a_synchronous_rub_slides_round_the_ring_by_rim_and_whirl():
+    """v_s = (A + rho) omega and N are constant: so are heat and distance in a unit of time."""
+    rotor = Rotor(omega=1.2, zeta=0.3, delta0=0.5, friction=0.1, disc_radius=10.0)
+    exact = synchronous_response(omega=1.2, zeta=0.3, delta0=0.5, friction=0.1).squeeze()
+    size, lag = float(exact.amplitude), float(exact.phase_lag)
+    z = size * np.exp(-1j * lag)
+    start = (z.real, z.imag, (1j * 1.2 * z).real, (1j * 1.2 * z).imag)
+    told = contact_summary(simulate(rotor, start=start, duration=30.0, samples=301))
+    distance = 30.0 * 1.2 * (size + 10.0)
+    assert told.total_slip_distance.item() == pytest.approx(distance, rel=1e-8)
+    heat = 0.1 * (size - 0.5) ** 1.5 * distance
+    assert told.total_heat.item() == pytest.approx(heat, rel=1e-8)
+    revolutions = 30.0 * 1.2 / (2.0 * math.pi)
+    assert told.heat_per_revolution.item() == pytest.approx(heat / revolutions, rel=1e-8)
+    assert told.rolling_fraction.item() == 0.0
+
+
+@pytest.mark.parametrize("name", ["dry whip", "rough stator", "small disc, that chatters"])
+def test_the_share_of_rolling_is_that_between_events_of_another_integrator(name):
+    motion = MOTIONS[name]
+    rotor, start, duration = motion.rotor, motion.start, motion.duration
+    events, _ = rubbed(rotor, start, duration)
+    times = np.array([time for time, _ in events] + [duration])
+    kinds = np.array([kind for _, kind in events])
+    rolled = np.diff(times)[kinds == 2].sum()
+    touched, since = 0.0, 0.0 if math.hypot(*start[:2]) > rotor.delta0 else None
+    for time, kind in events:
+        if kind == 1:
+            since = time
+        elif kind == -1:
+            touched, since = touched + time - since, None
+    touched += 0.0 if since is None else duration - since
+    told = contact_summary(simulate(rotor, start=start, duration=duration, method="taylor"))
+    assert told.rolling_fraction.item() == pytest.approx(rolled / touched, rel=1e-7)
+
+
+@pytest.mark.parametrize("name", RUBBING)
+def test_the_slip_distance_is_the_integral_of_the_slip_speed(name):
+    """Trapezoids over 30 times as many samples, which jump at no event, come near it."""
+    motion = MOTIONS[name]
+    rotor, start, duration = motion.rotor, motion.start, motion.duration
+    run = {"start": start, "duration": duration, "method": "taylor"}
+    told = contact_summary(simulate(rotor, samples=2001, **run)).total_slip_distance.item()
+    fine = simulate(rotor, samples=60_001, **run)
+    speed = np.where(np.isin(fine.mode, (1, -1)), np.abs(fine.slip_speed), 0.0)
+    # at entries and exits, and while a mode changes, a trapezoid is out by half a spacing
+    most = fine.sizes["event"] * speed.max() * float(fine.t[1])
+    assert told == pytest.approx(np.trapezoid(speed, fine.t), abs=most)
+    assert most < 0.02 * told
+
+
+def test_samples_that_are_too_far_apart_tell_no_distance():
+    motion = MOTIONS["dry whip"]
+    rotor, start, duration = motion.rotor, motion.start, motion.duration
+    few = contact_summary(simulate(rotor, start=start, duration=duration, samples=3))
+    assert np.isnan(few.total_slip_distance.item())
+    assert few.total_heat.item() > 0.0
+    assert 0.0 < few.rolling_fraction.item() < 1.0
+
+
+def test_a_run_without_touches_has_no_heat():
+    rotor = Rotor(omega=0.3, zeta=0.1, delta0=5.0, friction=0.2, disc_radius=1.0)
+    told = contact_summary(simulate(rotor, start=(0, 0, 0, 0), duration=10.0))
+    assert told.total_heat.item() == told.total_slip_distance.item() == 0.0
+    assert np.isnan(told.rolling_fraction.item())
+
+
+def test_without_friction_nothing_is_told_of_it():
+    told = contact_summary(simulate(Rotor(omega=2.0, zeta=0.07, delta0=2.0),
+                                    start=(0, 0, 0, 0), duration=20.0))  # fmt: skip
+    assert not {"total_heat", "total_slip_distance", "rolling_fraction"} & set(told)

@@ -17,7 +17,7 @@ LARGEST = 3.0002221257862
 def test_a_cycle_keeps_its_radius_however_long_it_is_followed(method, most):
     options = Options(method=method, rtol=1e-6, atol=1e-8)
     orbit = run(ROTOR, START, 6050.0, np.empty(0), options, extrema=True)
-    times, radii = orbit.extrema[:, 0], orbit.extrema[:, 1]
+    times, radii = orbit.extrema["time"], orbit.extrema["radius"]
     errors = [
         np.abs(radii[(times > begin) & (times < begin + 50.0)].max() - LARGEST)
         for begin in (1000.0, 6000.0)

@@ -34,10 +34,10 @@ def fly_by_parameters(z0, w0, tau, omega, zeta):
     """Through a run that never meets the ring."""
     bundle = np.zeros((7, 4))
     rotor = Rotor(omega=omega, zeta=zeta, delta0=1e3)
-    asked = runs.Asked(
+    asked = runs.RunRequest(
         rotor=rotor, start=row(z0, w0), duration=tau, rtol=1e-12, atol=1e-14, bundle=bundle
     )
-    assert runs.follow(asked).status == 0
+    assert runs.follow_run(asked).status == 0
     assert not bundle[[0, 1, 2, 3, 6]].any()
     return (*numbers(bundle[4]), *numbers(bundle[5]))
 
@@ -243,7 +243,7 @@ def test_core_and_reference_agree_on_starts_at_the_ring(ulps, outwards, angle):
             w0 = complex(sign * outwards, around) * turn
             for omega in (0.0, 1.7):
                 rotor = Rotor(omega=omega, zeta=0.07, delta0=0.7)
-                machine, start = mechanics.Machine(rotor, Steady(omega)), row(z0, w0)
+                machine, start = mechanics.SpinningRotor(rotor, Steady(omega)), row(z0, w0)
                 answer = mechanics.starts_in_contact(machine, start)
                 assert answer == runs.starts_in_contact(rotor, start), (sign, around, omega)
 
@@ -267,10 +267,10 @@ def radial_rates(start, times, omega, zeta):
 
 def extrema_of(start, omega, zeta, duration):
     rotor = Rotor(omega=omega, zeta=zeta, delta0=1e3)
-    asked = runs.Asked(
+    asked = runs.RunRequest(
         rotor=rotor, start=start, duration=duration, rtol=1e-12, atol=1e-14, extrema=True
     )
-    return runs.follow(asked).extrema
+    return runs.follow_run(asked).extrema
 
 
 def test_every_extremum_of_a_flight_is_found_and_none_invented():
@@ -288,7 +288,7 @@ def test_every_extremum_of_a_flight_is_found_and_none_invented():
             apart = 1e-6 * np.array([-1.0, 1.0])
             before, after = radial_rates(start, time + apart, omega, zeta)
             assert kind * before > 0.0 > kind * after
-        assert (np.diff(found[:, 2]) != 0.0).all()
+        assert (np.diff(found["kind"]) != 0.0).all()
         assert (rates[:-1] * rates[1:] < 0.0).sum() <= len(found)
         found_in_all += len(found)
     assert found_in_all > 1000
@@ -304,8 +304,8 @@ def test_two_extrema_that_nearly_meet_are_both_found(apart):
     omega, revolution = 2.0, np.pi
     start = (0.0, 1.0, 0.0, -0.25 * omega**3 * apart**2)
     found = extrema_of(start, omega, 0.0, 1.5 * revolution)
-    close = np.diff(found[:, 0]) < 3.0 * apart
-    assert close.any(), found[:, 0]
+    close = np.diff(found["time"]) < 3.0 * apart
+    assert close.any(), found["time"]
     for time, _radius, kind, *_ in found:
         before, after = radial_rates(start, time + 1e-2 * apart * np.array([-1.0, 1.0]), omega, 0.0)
         assert kind * before > 0.0 > kind * after

@@ -12,8 +12,9 @@ import pytest
 
 from rotor_ida import Rotor, backward_whirl, limit_cycle, lyapunov_exponent, simulate
 from rotor_ida.core.interface import DONE
-from rotor_ida.core.runs import COLUMNS, DIFFERENCES, Asked, follow
+from rotor_ida.core.runs import COLUMNS, DIFFERENCES, RunRequest, follow_run
 from rotor_ida.simulation.orbit import ENTRY, EXIT, PRESS, RELEASE, REVERSE, ROLL, SLIP
+from tests.rotors import WHIP
 
 MACHINE = Rotor(
     omega=0.4, zeta=0.08, delta0=0.6, shaft_stiffness=0.3, contact_damping=0.6, friction=0.4,
@@ -26,7 +27,6 @@ LINEAR = Rotor(
     omega=0.4, zeta=0.08, delta0=0.5, shaft_stiffness=0.3, contact_exponent=1.0, friction=0.8,
     disc_radius=0.7,
 )  # fmt: skip
-WHIP = Rotor(omega=0.62962981, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
 # Rotor, start, and what happens on the way, in time 8.
 RUNS = [
     (MACHINE, (-1.6, -1.7, 0.9, 1.1), [RELEASE, PRESS, EXIT, ENTRY, ROLL, SLIP, EXIT, ENTRY,
@@ -39,8 +39,8 @@ STEP = 1e-5
 
 
 def followed(rotor, start, duration, bundle=None, method="taylor", rtol=1e-15):
-    seen = follow(
-        Asked(
+    seen = follow_run(
+        RunRequest(
             rotor=rotor, start=tuple(start), duration=duration, rtol=rtol, atol=1e-2 * rtol,
             events=True, bundle=bundle, method=method, whole=True,
         )

@@ -7,7 +7,7 @@ import pytest
 from scipy.special import beta
 
 from rotor_ida import InputError, Rotor, simulate
-from rotor_ida.core.runs import Asked, follow, starts_in_contact
+from rotor_ida.core.runs import RunRequest, follow_run, starts_in_contact
 from rotor_ida.model.equations import angular_momentum, energy
 from rotor_ida.simulation.options import SMALLEST_CLEARANCE
 
@@ -229,12 +229,12 @@ def test_the_core_loses_no_sample_to_rounding_at_the_end(exact_flight):
     rotor = Rotor(omega=0.0, zeta=0.2, delta0=3.0)
 
     def followed(duration):
-        asked = Asked(
+        asked = RunRequest(
             rotor=rotor, start=(4.0, 0.0, 0.0, 0.0), duration=duration, rtol=1e-9, atol=1e-11,
             sample_times=np.array([duration]), events=True, method="adams",
             exact_flight=exact_flight,
         )  # fmt: skip
-        return follow(asked)
+        return follow_run(asked)
 
     exits = followed(60.0).event_times
     durations = np.random.default_rng(0).uniform(2.0 * exits[-1], 60.0, 100_000)

@@ -6,16 +6,6 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor, SimulationError, simulate
-from rotor_ida.core.interface import (
-    ENTRY_TIME,
-    EXIT_TIME,
-    IMPULSE,
-    KIND,
-    PEAK_ROOT,
-    PEAK_TIME,
-    RADIUS,
-    TIME,
-)
 from rotor_ida.simulation.neighbours import MAXIMUM, shoot
 from tests.witness import flown
 
@@ -46,7 +36,7 @@ def test_end_and_monodromy_are_those_of_dop853_restarted_at_the_crossings(name):
     np.testing.assert_allclose(shot.end, expected.end, rtol=0.0, atol=1e-10 * max(size, 1.0))
     np.testing.assert_allclose(shot.monodromy, expected.monodromy, rtol=0.0, atol=1e-9 * size)
     if rotor.delta0 > 0.0:
-        crossings = shot.contacts[:, [ENTRY_TIME, EXIT_TIME]].ravel()
+        crossings = np.column_stack([shot.contacts["entry"], shot.contacts["exit"]]).ravel()
         crossings = crossings[np.isfinite(crossings)]
         np.testing.assert_allclose(
             crossings, expected.crossings, rtol=0.0, atol=1e-10 * max(size, 1.0)
@@ -102,13 +92,13 @@ def test_contacts_are_those_of_cvode(name):
     run = simulate(rotor, start=tuple(start), duration=duration, rtol=1e-12, atol=1e-14)
     assert len(contacts) == run.sizes["contact"] >= 3
     allowed = {"rtol": 0.0, "atol": 1e-8}
-    np.testing.assert_allclose(contacts[:, ENTRY_TIME], run["entry_time"], **allowed)
-    np.testing.assert_allclose(contacts[:, EXIT_TIME], run["exit_time"], **allowed)
-    np.testing.assert_allclose(contacts[:, PEAK_ROOT] ** 2, run["peak_indentation"], **allowed)
-    np.testing.assert_allclose(contacts[:, PEAK_ROOT] ** 3, run["peak_force"], **allowed)
-    np.testing.assert_allclose(contacts[:, PEAK_TIME], run["peak_time"], **allowed)
-    whole = np.isfinite(contacts[:, ENTRY_TIME]) & np.isfinite(contacts[:, EXIT_TIME])
-    np.testing.assert_allclose(contacts[whole, IMPULSE], run["impulse"][whole], **allowed)
+    np.testing.assert_allclose(contacts["entry"], run["entry_time"], **allowed)
+    np.testing.assert_allclose(contacts["exit"], run["exit_time"], **allowed)
+    np.testing.assert_allclose(contacts["peak_root"] ** 2, run["peak_indentation"], **allowed)
+    np.testing.assert_allclose(contacts["peak_root"] ** 3, run["peak_force"], **allowed)
+    np.testing.assert_allclose(contacts["peak_time"], run["peak_time"], **allowed)
+    whole = np.isfinite(contacts["entry"]) & np.isfinite(contacts["exit"])
+    np.testing.assert_allclose(contacts["impulse"][whole], run["impulse"][whole], **allowed)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -122,10 +112,10 @@ def test_extrema_are_all_turns_of_the_radius_that_cvode_shows(name):
     shot = shoot(rotor, start, duration, GO_ON)
     extrema = shot.extrema
     assert len(extrema) == turns.size >= 3
-    assert (extrema[:, TIME] >= times[turns] - 1e-8).all()
-    assert (extrema[:, TIME] <= times[turns + 1] + 1e-8).all()
-    assert (extrema[:, KIND] == np.where(rising[turns] > 0.0, 1.0, -1.0)).all()
-    for time, radius, *turned in extrema[:, [TIME, RADIUS, 3, 4, 5, 6]].tolist():
+    assert (extrema["time"] >= times[turns] - 1e-8).all()
+    assert (extrema["time"] <= times[turns + 1] + 1e-8).all()
+    assert (extrema["kind"] == np.where(rising[turns] > 0.0, 1.0, -1.0)).all()
+    for time, radius, _, turned in extrema.tolist():
         x, y, vx, vy = end = shoot(rotor, start, time, GO_ON).end
         np.testing.assert_allclose(turned, end, rtol=0.0, atol=1e-10 * (1.0 + np.abs(end).max()))
         assert np.hypot(x, y) == pytest.approx(radius, abs=1e-11)
@@ -137,7 +127,7 @@ def test_two_stretches_make_one(where):
     """The flow is a group: ends, products of matrices, and parts of contacts fit together."""
     rotor, start, duration = CASES["bouncing"]
     whole = shoot(rotor, start, duration, GO_ON)
-    entry, leaving, peak = whole.contacts[1, [ENTRY_TIME, EXIT_TIME, PEAK_TIME]]
+    entry, leaving, peak = (whole.contacts[name][1] for name in ("entry", "exit", "peak_time"))
     places = {"flight": leaving + 0.3, "contact": 0.4 * entry + 0.6 * leaving, "entry": entry}
     cut = float({**places, "exit": leaving, "peak": peak}[where])
     one = shoot(rotor, start, cut, GO_ON)
@@ -148,28 +138,28 @@ def test_two_stretches_make_one(where):
     np.testing.assert_allclose(two.monodromy @ one.monodromy, whole.monodromy, **allowed)
     columns = two.monodromy @ one.by_parameter + two.by_parameter
     np.testing.assert_allclose(columns, whole.by_parameter, **allowed)
-    exits = [*one.contacts[:, EXIT_TIME], *(cut + two.contacts[:, EXIT_TIME])]
+    exits = [*one.contacts["exit"], *(cut + two.contacts["exit"])]
     exits = [each for each in exits if np.isfinite(each) and abs(each - cut) > 1e-6]
-    expected = [each for each in whole.contacts[:, EXIT_TIME] if abs(each - cut) > 1e-6]
+    expected = [each for each in whole.contacts["exit"] if abs(each - cut) > 1e-6]
     np.testing.assert_allclose(exits, expected, rtol=0.0, atol=1e-10)
-    impulses = np.sum(one.contacts[:, IMPULSE]) + np.sum(two.contacts[:, IMPULSE])
-    assert impulses == pytest.approx(whole.contacts[:, IMPULSE].sum(), abs=1e-11)
+    impulses = np.sum(one.contacts["impulse"]) + np.sum(two.contacts["impulse"])
+    assert impulses == pytest.approx(whole.contacts["impulse"].sum(), abs=1e-11)
 
 
 def test_contacts_that_are_cut_have_no_entry_or_no_exit():
     rotor, start, duration = CASES["from within a contact to within a contact"]
     contacts = shoot(rotor, start, duration, GO_ON).contacts
-    assert np.isnan(contacts[0, ENTRY_TIME])
-    assert np.isnan(contacts[-1, EXIT_TIME])
-    assert np.isfinite(contacts[0, EXIT_TIME])
-    assert np.isfinite(contacts[-1, ENTRY_TIME])
+    assert np.isnan(contacts["entry"][0])
+    assert np.isnan(contacts["exit"][-1])
+    assert np.isfinite(contacts["exit"][0])
+    assert np.isfinite(contacts["entry"][-1])
 
 
 @pytest.mark.parametrize(("outwards", "at_once"), [(1.0, True), (-1.0, False)])
 def test_a_start_on_the_ring_is_in_contact_where_it_moves_outwards(outwards, at_once):
     start = np.array([2.0, 0.0, 0.3 * outwards, 0.1])
     shot = shoot(BOUNCING, start, 4.0, GO_ON)
-    assert np.isnan(shot.contacts[0, ENTRY_TIME]) == at_once
+    assert np.isnan(shot.contacts["entry"][0]) == at_once
     beside = start + 1e-9 * outwards * np.eye(4)[0]
     other = shoot(BOUNCING, beside, 4.0, GO_ON)
     # off the ring by nothing that counts
@@ -196,11 +186,11 @@ def test_tables_hold_as_many_contacts_as_there_are():
     period = 4.563916675380
     settled = shoot(BOUNCING, np.zeros(4), 300.0, GO_ON).end
     shot = shoot(BOUNCING, settled, 100.0 * period, GO_ON)
-    contacts = shot.contacts[np.isfinite(shot.contacts[:, EXIT_TIME])]
+    contacts = shot.contacts[np.isfinite(shot.contacts["exit"])]
     assert len(contacts) == 100
-    np.testing.assert_allclose(np.diff(contacts[:, EXIT_TIME]), period, rtol=0.0, atol=1e-7)
+    np.testing.assert_allclose(np.diff(contacts["exit"]), period, rtol=0.0, atol=1e-7)
     assert len(shot.extrema) % 100 == 0
-    highest = shot.extrema[shot.extrema[:, KIND] == MAXIMUM, RADIUS].max()
+    highest = shot.extrema["radius"][shot.extrema["kind"] == MAXIMUM].max()
     assert highest == pytest.approx(4.104416607, abs=1e-8)
 
 

@@ -22,7 +22,11 @@ def sound() -> Orbit:
 def changed(orbit: Orbit, name: str, row, value) -> Orbit:
     """Return the orbit with another value in one of its tables."""
     table = getattr(orbit, name).copy()
-    table[row] = value(table[row])
+    if name == "contacts":
+        column, row = row
+        table[column][row] = value(table[column][row])
+    else:
+        table[row] = value(table[row])
     return replace(orbit, **{name: table})
 
 
@@ -34,7 +38,12 @@ FAULTS = {
     "two entries in a row": ("event_kinds", 3, lambda kind: -kind, "do not alternate"),
     "an event off the ring": ("event_states", 2, lambda state: 1.001 * state, "not lie at |z|"),
     "a sample too far out": ("states", 0, lambda state: state + 2.1, "wrong side of the ring"),
-    "a peak after its exit": ("contacts", (1, 2), lambda _: DURATION, "outside its own span"),
+    "a peak after its exit": (
+        "contacts",
+        ("peak_time", 1),
+        lambda _: DURATION,
+        "outside its own span",
+    ),
 }
 
 
@@ -52,7 +61,7 @@ def test_a_fault_is_found(sound, fault):
 
 
 def test_a_sample_in_contact_that_lies_inside_the_clearance_is_a_fault(sound):
-    entry, leaving = sound.contacts[1, :2]
+    entry, leaving = (sound.contacts[name][1] for name in ("entry", "exit"))
     row = int(np.searchsorted(sound.times, entry))
     assert entry < sound.times[row] < leaving
     with pytest.raises(

@@ -287,13 +287,14 @@ def test_a_run_whose_energy_does_not_balance_is_refused(monkeypatch):
     run_up(WHIP, start=WHIPS, to=0.7, rate=0.01, samples=20, backend="python")
     orbit = caught[0]
     check_orbit(orbit)
-    begun, ended, gained = orbit.turning.energies
-    off = replace(orbit.turning, energies=(begun, ended + 1e-4, gained))
+    begun, ended, gained = orbit.speed_record.energies
+    off = replace(orbit.speed_record, energies=(begun, ended + 1e-4, gained))
     with pytest.raises(InvariantError, match="the energy does not balance"):
-        check_orbit(replace(orbit, turning=off))
-    faster = orbit.turning.samples * [1.0, 1.1]
+        check_orbit(replace(orbit, speed_record=off))
+    faster = orbit.speed_record.samples.copy()
+    faster["speed"] *= 1.1
     with pytest.raises(InvariantError, match="disc slips, or cannot be held, where it should roll"):
-        check_orbit(replace(orbit, turning=replace(orbit.turning, samples=faster)))
+        check_orbit(replace(orbit, speed_record=replace(orbit.speed_record, samples=faster)))
 
 
 def test_a_start_on_the_ring_knows_of_the_angular_acceleration():
@@ -470,7 +471,7 @@ def test_what_rounding_does_to_friction_is_told_by_how_fast_the_slip_changes(cou
     options = Options(rtol=1e-12, atol=1e-14, method="taylor")
 
     def orbit_at(*times):
-        return run_module.run(CHATTERS, START, 20.0, np.array(times), options, course=course)
+        return run_module.run(CHATTERS, START, 20.0, np.array(times), options, profile=course)
 
     orbit, apart = orbit_at(), 1e-5
     _, rates = _guards_of_friction(orbit)

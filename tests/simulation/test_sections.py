@@ -5,6 +5,7 @@ import pytest
 
 from rotor_ida import InputError, Rotor, poincare_section, simulate, synchronous_response
 from rotor_ida.model.equations import rotated
+from tests.rotors import WHIP
 
 REST = (0.0, 0.0, 0.0, 0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -155,7 +156,6 @@ def test_bad_input_is_refused(rotor, wrong, message):
         poincare_section(rotor, **{"start": REST, "revolutions": 2, **wrong})
 
 
-WHIP = Rotor(omega=0.62962981, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
 KNOCKED = (5.0, 0.0, 0.0, -6.3)
 
 

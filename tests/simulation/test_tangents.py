@@ -6,7 +6,7 @@ from scipy.linalg import expm
 
 from rotor_ida import Rotor
 from rotor_ida.core.interface import DONE, STOPPED
-from rotor_ida.core.runs import Asked, follow, stretch
+from rotor_ida.core.runs import RunRequest, follow_run, stretch
 from rotor_ida.model.equations import rotated, rotating_jacobian
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
@@ -19,7 +19,7 @@ TIGHT = Options(rtol=1e-13, atol=1e-15)
 def followed(rotor, start, duration, rtol, method="taylor"):
     """State and product of orthonormal vectors and stretching after one span."""
     bundle = np.eye(4)
-    asked = Asked(
+    asked = RunRequest(
         rotor=rotor, start=start, duration=duration, rtol=rtol, atol=1e-2 * rtol, method=method,
         bundle=bundle,
     )  # fmt: skip
@@ -108,11 +108,11 @@ def test_many_spans_are_one_flow(method):
     rows = np.linalg.qr(np.random.default_rng(0).normal(size=(4, 4)))[0]
     asked = {"rotor": BOUNCING, "start": START, "rtol": 1e-12, "atol": 1e-14, "method": method}
     bundle = rows.copy()
-    stretches, seen = stretch(Asked(**asked, duration=0.5, bundle=bundle), 40)
+    stretches, seen = stretch(RunRequest(**asked, duration=0.5, bundle=bundle), 40)
     assert stretches.shape == (40, 5)
     np.testing.assert_allclose(bundle @ bundle.T, np.eye(4), rtol=0.0, atol=1e-14)
     whole = rows.copy()
-    once = follow(Asked(**asked, duration=20.0, bundle=whole))
+    once = follow_run(RunRequest(**asked, duration=20.0, bundle=whole))
     np.testing.assert_allclose(seen.state, once.state, rtol=0.0, atol=1e-8)
     triangle = np.linalg.qr(whole.T)[1]
     expected = np.log(np.abs(np.diag(triangle)))
@@ -124,7 +124,7 @@ def test_a_bundle_is_moved_linearly():
     rows = np.random.default_rng(1).normal(size=(4, 4))
     moved, matrix = rows.copy(), np.eye(4)
     for bundle in (moved, matrix):
-        follow(Asked(rotor=BOUNCING, start=START, duration=12.0, rtol=1e-12, atol=1e-14,
+        follow_run(RunRequest(rotor=BOUNCING, start=START, duration=12.0, rtol=1e-12, atol=1e-14,
                      bundle=bundle))  # fmt: skip
     size = np.abs(matrix).max()
     np.testing.assert_allclose(moved, rows @ matrix, rtol=0.0, atol=1e-12 * size)
@@ -132,7 +132,7 @@ def test_a_bundle_is_moved_linearly():
 
 def test_a_stretching_that_is_stopped_says_how_far_it_came():
     stop = np.ones(1, np.uint8)
-    asked = Asked(rotor=BOUNCING, start=START, duration=0.5, rtol=1e-9, atol=1e-11,
+    asked = RunRequest(rotor=BOUNCING, start=START, duration=0.5, rtol=1e-9, atol=1e-11,
                   bundle=np.eye(4), stop=stop)  # fmt: skip
     stretches, seen = stretch(asked, 10)
     assert seen.status == STOPPED

@@ -16,7 +16,7 @@ from rotor_ida import (
 )
 from rotor_ida.closed_forms import planar_period
 from rotor_ida.core.interface import STUCK
-from rotor_ida.core.runs import follow
+from rotor_ida.core.runs import follow_run
 from rotor_ida.schema import RESPONSE, STATUS
 from rotor_ida.simulation import extrema
 from rotor_ida.simulation.extrema import CONSTANT, MAXIMUM, MINIMUM, radius_extrema
@@ -207,9 +207,9 @@ def test_a_point_whose_motion_cannot_be_followed_on_has_failed(monkeypatch):
 
 def test_failure_says_where(monkeypatch):
     def stuck(asked):
-        return replace(follow(replace(asked, duration=0.04, sample_times=None)), status=STUCK)
+        return replace(follow_run(replace(asked, duration=0.04, sample_times=None)), status=STUCK)
 
-    monkeypatch.setattr(extrema, "follow", stuck)
+    monkeypatch.setattr(extrema, "follow_run", stuck)
     message = r"followed to its extrema: time no longer advances \(at t = 0\.04"
     with pytest.raises(SimulationError, match=message):
         radius_extrema(BOUNCING, REST, 10.0, 1e-10, GO_ON)

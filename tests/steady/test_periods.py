@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
+from rotor_ida.core.runs import EXTREMUM
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 from rotor_ida.steady.follow import follow_to_steady_state
@@ -60,9 +61,9 @@ def test_maxima_and_minima_of_a_simulated_motion_take_turns(omega, delta0, optio
 def test_contacts_peak_at_turning_points():
     """Peaks come from the contact phase itself, by another search."""
     rotor, start = Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.3, 0.2, 0.1, -0.4)
-    peaks = run(rotor, start, DURATION, np.empty(0), Options()).contacts[:, 2:4]
+    contacts = run(rotor, start, DURATION, np.empty(0), Options()).contacts
     found = found_in(rotor, start, Options())
-    for time, depth in peaks[:-1]:
+    for time, depth in contacts[["peak_time", "peak_indentation"]][:-1].tolist():
         place = np.abs(found.times - time).argmin()
         assert found.times[place] == pytest.approx(time, abs=1e-9)
         assert found.radii[place] == pytest.approx(2.0 + depth, rel=1e-11)
@@ -79,7 +80,7 @@ def test_through_the_centre_the_radius_is_smallest_where_it_vanishes(options):
 
 def test_a_constant_radius_has_no_turning_points():
     whirl = np.tile([1.2, 0.3, 0.0, 0.0], (50, 1))
-    noise = np.tile([1.0, 1.2, 1.0, 1.2, 0.3, 0.0, 0.0], (3, 1))
+    noise = np.array(3 * [(1.0, 1.2, 1.0, (1.2, 0.3, 0.0, 0.0))], EXTREMUM)
     found = turning_points(whirl, noise)
     assert found.times.size == 0
 

@@ -30,7 +30,6 @@ from rotor_ida.checks import (
     check_seed,
     shown,
 )
-from rotor_ida.core.interface import ENTRY_TIME, EXIT_TIME, LOST
 from rotor_ida.cycles.dataset import whirl_beside
 from rotor_ida.cycles.shooting import close_orbit, sampled_orbit
 from rotor_ida.errors import InputError
@@ -288,7 +287,7 @@ def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
         impulse = float(force.mean()) * cycle.period
     # velocities read on the rotating axes are those of the fixed ones, turned
     power = 2.0 * rotor.zeta * float((states[:, 2] ** 2 + states[:, 3] ** 2).mean())
-    loss = float(np.nansum(cycle.shot.contacts[:, LOST])) * revolution / cycle.period
+    loss = float(np.nansum(cycle.shot.contacts["lost"])) * revolution / cycle.period
     numbers = {"contact_loss_per_revolution": loss} if rotor.contact_damping > 0.0 else {}
     heat = 0.0
     if rotor.friction > 0.0:
@@ -306,8 +305,8 @@ def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
 
 def _time_in_contact(shot: Shot) -> float:
     """Return for how long a closed orbit is in contact; one contact may go on over its end."""
-    entry = np.nan_to_num(shot.contacts[:, ENTRY_TIME], nan=0.0)
-    leaving = np.nan_to_num(shot.contacts[:, EXIT_TIME], nan=shot.duration)
+    entry = np.nan_to_num(shot.contacts["entry"], nan=0.0)
+    leaving = np.nan_to_num(shot.contacts["exit"], nan=shot.duration)
     return float((leaving - entry).sum())
 
 

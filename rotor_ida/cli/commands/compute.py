@@ -52,10 +52,10 @@ def simulate(
 def run_up(
     *,
     rotor: options.AnyRotorOptions = options.AnyRotorOptions(),
-    change: options.ChangeOptions = options.ChangeOptions(),  # noqa: B008 - frozen
+    change: options.ChangeOptions = options.ChangeOptions(),
     start: options.Start = options.REST,
     samples: options.Samples = 1001,
-    solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),  # noqa: B008 - frozen
+    solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),
     output: Output = Output(),
 ) -> Report:
     r"""Simulate one rotor whose speed changes: on a ramp, piece by piece, or driven by a torque.
@@ -170,7 +170,7 @@ def run_ups(
     phase: options.Phases = [0.0],  # noqa: B006 - never changed
     start: options.Starts = [options.REST],  # noqa: B006 - never changed
     jobs: options.JobOptions = options.JobOptions(),
-    solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),  # noqa: B008 - frozen
+    solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),
     study: options.Study = None,
     output: Output = Output(),
 ) -> Report:
@@ -290,13 +290,7 @@ def fractions(
 def atlas(
     *,
     rotors: options.RotorsOptions,
-    x: options.Range = 0.0,
-    y: options.Range = 0.0,
-    vx: options.Range = 0.0,
-    vy: options.Range = 0.0,
-    starts: options.StartCount = 1000,
-    seed: options.Seed = 0,
-    rtol: options.Rtol = 1e-6,
+    drawn: options.DrawnOptions = options.DrawnOptions(),
     shocks: options.ShockCount = 0,
     jobs: options.JobOptions = options.JobOptions(),
     study: options.Study = None,
@@ -315,13 +309,7 @@ def atlas(
     with working("atlas", study) as progress:
         dataset = rotor_ida.continue_attractors(
             **rotors.given(),
-            x=x,
-            y=y,
-            vx=vx,
-            vy=vy,
-            starts=starts,
-            seed=seed,
-            rtol=rtol,
+            **asdict(drawn),
             shocks=shocks,
             **asdict(jobs),
             study=study,
@@ -333,13 +321,7 @@ def atlas(
 def touchdown(
     *,
     rotor: options.AnyRotorOptions = options.AnyRotorOptions(),
-    x: options.Range = 0.0,
-    y: options.Range = 0.0,
-    vx: options.Range = 0.0,
-    vy: options.Range = 0.0,
-    starts: options.StartCount = 1000,
-    seed: options.Seed = 0,
-    rtol: options.Rtol = 1e-6,
+    drawn: options.DrawnOptions = options.DrawnOptions(),
     shocks: options.ShockCount = 4096,
     output: Output = Output(),
 ) -> Report:
@@ -358,9 +340,7 @@ def touchdown(
     """
     chosen = rotor.chosen()
     output.check()
-    report = rotor_ida.touchdown_report(
-        chosen, x=x, y=y, vx=vx, vy=vy, starts=starts, seed=seed, rtol=rtol, shocks=shocks
-    )
+    report = rotor_ida.touchdown_report(chosen, **asdict(drawn), shocks=shocks)
     return answer(report, output)
 
 

@@ -68,7 +68,7 @@ def explore(
         )
     from rotor_ida.explorer.explore import explore as serve  # noqa: PLC0415 - not for --help
 
-    serve(_state(chosen, first, revolutions), port=port, browser=not no_browser, told=_say)
+    serve(_state(chosen, first, revolutions), port=port, browser=not no_browser, report=_say)
     return 0
 
 
@@ -111,7 +111,7 @@ def _export(
     place: Path, machine: Rotor | DimensionalRotor, start: State, revolutions: int,
     speeds: list[float] | None, force: bool,
 ) -> int:  # fmt: skip
-    from rotor_ida.explorer.recording import check_speeds, record  # noqa: PLC0415
+    from rotor_ida.explorer.files import check_speeds, record  # noqa: PLC0415
     from rotor_ida.results.files import check_target, written_whole  # noqa: PLC0415
 
     if place.suffix != PAGE:

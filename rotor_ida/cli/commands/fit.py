@@ -29,7 +29,7 @@ def fit(
     time_error: options.TimeError = None,
     noise: options.NoiseLevel = None,
     times: options.Times = None,
-    reading: options.ReadingOptions = options.ReadingOptions(),  # noqa: B008 - frozen
+    reading: options.ReadingOptions = options.ReadingOptions(),
     output: Output = Output(),
 ) -> Report:
     r"""Find parameters of a machine from its signals, with errors, and what they tell of each.

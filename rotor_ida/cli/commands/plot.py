@@ -45,7 +45,7 @@ def plot(
     segment: options.Segment = None,
     clearance: options.ShownClearance = None,
     times: options.Times = None,
-    reading: options.ReadingOptions = options.ReadingOptions(),  # noqa: B008 - frozen
+    reading: options.ReadingOptions = options.ReadingOptions(),
     as_json: options.AsJson = False,
     force: options.Force = False,
 ) -> Report:

@@ -4,6 +4,8 @@ const KINDS = { f8: Float64Array, f4: Float32Array, i1: Int8Array };
 const PROTOCOL = "rotor-ida";
 // Milliseconds after which a newer question is sent although an older one is not answered.
 const PATIENCE = 150;
+// Bytes of a file that are sent at a time, and that may wait to go.
+const PIECE = 2 ** 16, MOST_UNSENT = 2 ** 20;
 const REASONS = {
   4429: "Too many pages are open: close another one, and reload this one.",
   4408: "This page was too slow to read its answers; it begins anew.",
@@ -64,6 +66,19 @@ export class Live {
     if (this.socket.readyState !== WebSocket.OPEN) return;
     if (motion) this.out.set(place, { number: question.number, since: performance.now() });
     for (const about of abouts) this.socket.send(JSON.stringify({ ...question, about }));
+  }
+
+  /** Send a file in pieces behind the question about it, until it `isWanted` no longer. */
+  async send(question, file, isWanted) {
+    const { socket } = this;
+    if (socket.readyState !== WebSocket.OPEN) throw new Error("the program does not answer");
+    socket.send(JSON.stringify({ ...question, name: file.name, size: file.size }));
+    for (let from = 0; from < file.size; from += PIECE) {
+      const piece = await file.slice(from, from + PIECE).arrayBuffer();
+      while (socket.bufferedAmount > MOST_UNSENT) await new Promise((resolve) => setTimeout(resolve, 5));
+      if (!isWanted() || socket.readyState !== WebSocket.OPEN) return;
+      socket.send(piece);
+    }
   }
 
   #take(answer) {

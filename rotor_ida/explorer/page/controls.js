@@ -1,6 +1,7 @@
 // Sliders and number fields for the parameters that the state has.
 
-import { DIMENSIONLESS, MACHINE, changeExponent, inSI, namesBeyond, referenceFrequency, scalesBeyond, state } from "./state.js";
+import { changeExponent, inSI, namesBeyond, referenceFrequency, scalesBeyond, state } from "./state.js";
+import { PARAMETERS } from "./tables.js";
 import { SPEED_UNITS } from "./units.js";
 
 const STEPS = 1000;
@@ -21,38 +22,34 @@ const scaled = (most, scale, shown = () => 1) => ({
 });
 const speedShown = () => SPEED_UNITS[state.speedIn];
 
-const PARAMETERS = {
-  omega: { name: "Speed ω", unit: "", slider: linear(0.05, 4, 0.005) },
-  zeta: { name: "Damping ζ", unit: "", slider: linear(0, 0.5, 0.001) },
-  delta0: { name: "Clearance δ₀", unit: "", slider: linear(0, 6, 0.01) },
-  speed: { name: "Speed", unit: "rad/s", units: SPEED_UNITS, slider: scaled(4, referenceFrequency, speedShown) },
-  damping: { name: "Damping", unit: "N s/m", slider: scaled(1, () => state.mass * referenceFrequency()) },
-  clearance: { name: "Radial clearance", unit: "m", slider: scaled(6, () => state.eccentricity) },
-  mass: { name: "Mass", unit: "kg", slider: logarithmic(0.01, 1e4) },
-  contact_stiffness: { name: "Contact stiffness", unit: "N/m¹·⁵", slider: logarithmic(1e5, 1e13) },
-  eccentricity: { name: "Eccentricity", unit: "m", slider: logarithmic(1e-8, 1e-2) },
-  contact_exponent: { name: "Contact exponent n", unit: "" },
-};
-/** What a machine has beyond the paper's rotor: without dimensions, and in SI units. */
-const BEYOND = {
+/** Sliders by parameter: without dimensions, and in SI units. */
+const SLIDERS = {
   none: {
-    shaft_stiffness: { name: "Shaft stiffness κ", unit: "", slider: linear(0, 4, 0.01) },
-    contact_damping: { name: "Contact damping c", unit: "", slider: linear(0, 3, 0.01) },
-    load: { name: "Load γ", unit: "", slider: linear(0, 10, 0.02) },
-    friction: { name: "Friction μ", unit: "", slider: linear(0, 0.5, 0.005) },
-    disc_radius: { name: "Disc radius ρ", unit: "", slider: logarithmic(0.1, 1e5) },
+    omega: linear(0.05, 4, 0.005),
+    zeta: linear(0, 0.5, 0.001),
+    delta0: linear(0, 6, 0.01),
+    shaft_stiffness: linear(0, 4, 0.01),
+    contact_damping: linear(0, 3, 0.01),
+    load: linear(0, 10, 0.02),
+    friction: linear(0, 0.5, 0.005),
+    disc_radius: logarithmic(0.1, 1e5),
   },
   si: {
-    shaft_stiffness: { name: "Shaft stiffness", unit: "N/m", slider: scaled(4, () => scalesBeyond().shaft_stiffness) },
-    contact_damping: { name: "Contact damping", unit: "s/m", slider: scaled(3, () => scalesBeyond().contact_damping) },
-    load: { name: "Load", unit: "N", slider: scaled(10, () => scalesBeyond().load) },
-    friction: { name: "Friction", unit: "", slider: linear(0, 0.5, 0.005) },
-    disc_radius: { name: "Disc radius", unit: "m", slider: logarithmic(0.1, 1e5, () => scalesBeyond().disc_radius) },
+    speed: scaled(4, referenceFrequency, speedShown),
+    damping: scaled(1, () => state.mass * referenceFrequency()),
+    clearance: scaled(6, () => state.eccentricity),
+    mass: logarithmic(0.01, 1e4),
+    contact_stiffness: logarithmic(1e5, 1e13),
+    eccentricity: logarithmic(1e-8, 1e-2),
+    shaft_stiffness: scaled(4, () => scalesBeyond().shaft_stiffness),
+    contact_damping: scaled(3, () => scalesBeyond().contact_damping),
+    load: scaled(10, () => scalesBeyond().load),
+    friction: linear(0, 0.5, 0.005),
+    disc_radius: logarithmic(0.1, 1e5, () => scalesBeyond().disc_radius),
   },
 };
+const FOLDED = ["shaft_stiffness", "contact_damping", "load", "friction", "disc_radius"];
 const GRAVITY = 9.80665;
-const ORDER = ["omega", "zeta", "delta0", "speed", "damping", "clearance", "mass", "contact_stiffness", "eccentricity"];
-
 /** Return a number as its field has it: short, with a power of ten where that helps. */
 export function written(value) {
   const size = Math.abs(value);
@@ -86,6 +83,7 @@ function unitChoice(units, changed) {
 /** A slider with a number field; both change `state[key]` and call `changed`. */
 function control(key, parameter, changed, unitChanged) {
   const box = Object.assign(document.createElement("div"), { className: "control" });
+  box.title = parameter.meaning;
   const { name, unit, units, slider } = parameter;
   const shown = () => (units ? units[state.speedIn] : 1);
   const head = Object.assign(document.createElement("span"), { className: "name" });
@@ -132,12 +130,20 @@ function control(key, parameter, changed, unitChanged) {
 
 /** Return the name of a parameter with its unit, as a list has it. */
 export function nameOf(key) {
-  const { name, unit } = BEYOND[inSI() ? "si" : "none"][key] ?? parameterOf(key);
+  const { name, unit } = parameterOf(key);
   return name[0].toLowerCase() + name.slice(1) + (unit && ` [${unit}]`);
 }
 
-/** Return what is known of a parameter; the unit of the contact stiffness hangs on the contact law. */
-const parameterOf = (key) => (key === "contact_stiffness" && state.contact_exponent === 1 ? { ...PARAMETERS[key], unit: "N/m" } : PARAMETERS[key]);
+/** Return what is shown of a parameter; the unit of the contact stiffness depends on the contact law. */
+function parameterOf(key) {
+  const { words, symbol, meaning, si_meaning: meaningInSI, unit } = PARAMETERS[key];
+  const name = words[0].toUpperCase() + words.slice(1) + (symbol && !inSI() ? ` ${symbol}` : "");
+  const isLinear = key === "contact_stiffness" && state.contact_exponent === 1;
+  return {
+    name, meaning: inSI() ? meaningInSI : meaning, unit: isLinear ? "N/m" : inSI() ? unit : "",
+    units: key === "speed" ? SPEED_UNITS : null, slider: SLIDERS[inSI() ? "si" : "none"][key],
+  };
+}
 
 export class Controls {
   constructor(changed, unitChanged) {
@@ -167,15 +173,15 @@ export class Controls {
 
   /** Build the sliders of the units that the state is in. */
   build() {
-    const names = ORDER.filter((name) => (inSI() ? MACHINE : DIMENSIONLESS).includes(name));
+    const names = Object.keys(SLIDERS[inSI() ? "si" : "none"]).filter((name) => !FOLDED.includes(name));
     const own = names.map((name) => control(name, parameterOf(name), this.changed, this.unitChanged));
     own[0].box.classList.add("first");
     document.getElementById("sliders").replaceChildren(...own.map(({ box }) => box));
-    const beyond = Object.entries(BEYOND[inSI() ? "si" : "none"]).map(([name, parameter]) => control(name, parameter, this.changed));
+    const beyond = FOLDED.map((name) => control(name, parameterOf(name), this.changed));
     beyond.forEach(({ box }, place) => document.getElementById(`beyond-${place}`).replaceChildren(box));
     document.getElementById("weight").hidden = !inSI();
     this.controls = [...own, ...beyond];
-    const clearance = PARAMETERS[inSI() ? "clearance" : "delta0"];
+    const clearance = parameterOf(inSI() ? "clearance" : "delta0");
     this.second = control("second", { ...clearance, name: `${clearance.name}, second` }, this.changed);
     document.getElementById("second").replaceChildren(this.second.box);
     this.show();

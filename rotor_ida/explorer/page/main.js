@@ -8,17 +8,14 @@ import { forgetColours } from "./plot.js";
 import { Response, speedsAround } from "./response.js";
 import { Side } from "./side.js";
 import { Signals } from "./signals.js";
-import { SECOND_START, START, address, inSI, machine, readAddress, referenceFrequency, state, tellsOfRotor, toDimensionless, toSI } from "./state.js";
+import { SECOND_START, address, inSI, machine, readAddress, referenceFrequency, state, tellsOfRotor, toDimensionless, toSI } from "./state.js";
+import { EVENTS, PARAMETERS, START } from "./tables.js";
 import { addTools, keep } from "./tools.js";
 import { SPEED_UNITS, roundUp, told, withUnit } from "./units.js";
 
 const $ = (id) => document.getElementById(id);
 const PANELS = ["motion", "responses", "starts"];
 const FILES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python", html: "text/html" };
-// Signs of what a rotor has beyond the paper's.
-const SIGNS = { shaft_stiffness: "κ", contact_exponent: "n", contact_damping: "c", load: "γ", friction: "μ", disc_radius: "ρ" };
-// Kinds of events in a contact with damping or friction, beside entry (1) and exit (-1).
-const PRESS = 4, RELEASE = -4, ROLL = 2, SLIP = -2, REVERSE = 3;
 const KEY = "rotor-ida-key";
 // No start lies further from the axis.
 const FURTHEST = 1e6;
@@ -64,7 +61,7 @@ const controls = new Controls((name, event) => ask({ event, name }), () => {
   keepAddress();
 });
 const signals = new Signals($("signal-panels"), { view: viewOfSignals, told: () => sides.map((_, place) => parametersOf(place)).join("; ") });
-const measured = (page.measured = new Measured({ scales: scalesShown, changed: showMeasured, listens: !recorded }));
+const measured = (page.measured = new Measured({ send: (...given) => connection.send(...given), scales: scalesShown, changed: showMeasured, listens: !recorded }));
 let connection = null;
 // The last run-up: its tracks, also after the page has turned to something else, and of which rotors they are.
 let lastTracks = [], lastRotors = "";
@@ -103,8 +100,8 @@ function question(side) {
 function parametersOf(place) {
   const { rotor, scales } = page.shown[place].motion.facts;
   const si = scales.length ? `, clearance ${withUnit(scales, "length", rotor.delta0)}, speed ${withUnit(scales, "rate", rotor.omega)}` : "";
-  const beyond = Object.entries(SIGNS).filter(([name]) => name in rotor).map(([name, sign]) => `, ${sign} = ${told(rotor[name], 6)}`);
-  return `ω = ${told(rotor.omega, 6)}, ζ = ${told(rotor.zeta, 6)}, δ₀ = ${told(rotor.delta0, 6)}${beyond.join("")}${si}`;
+  const given = Object.keys(PARAMETERS).filter((name) => name in rotor).map((name) => `${PARAMETERS[name].symbol} = ${told(rotor[name], 6)}`);
+  return given.join(", ") + si;
 }
 
 /** Return the speed without dimensions. */
@@ -139,6 +136,10 @@ function answered(answer) {
     keepFile(answer);
     return;
   }
+  if (answer.part === "measured") {
+    measured.take(answer);
+    return;
+  }
   if (answer.part === "run_up") {
     passage.take(answer);
     return;
@@ -166,7 +167,8 @@ function answered(answer) {
 
 /** Take what could not be answered: a question whole, or one of its parts. */
 function refused({ part, about, side, number: asked = number, facts: { message } }) {
-  if (about === "starts") sides[side]?.noBasin(message);
+  if (about === "measured") measured.fail(message.replace(/\.$/, ""), asked);
+  else if (about === "starts") sides[side]?.noBasin(message);
   else if (about === "run_up" || (part === "mistake" && passage.waiting.size)) {
     passage.fail();
     $("passed").textContent += ` It could not be followed further: ${message}.`;
@@ -381,10 +383,10 @@ function eventsOf(motion) {
     const count = kinds.reduce((sum, kind) => sum + (kind === wanted), 0);
     return `${count || "no"} ${count === 1 ? one : many}`;
   };
-  let text = kinds.length ? `${counted(1, "entry", "entries")} and ${counted(-1, "exit", "exits")}` : "no entries and exits";
-  if (kinds.some((kind) => kind === PRESS || kind === RELEASE)) text += `, ${counted(RELEASE, "release", "releases")} and ${counted(PRESS, "press", "presses")}`;
+  let text = kinds.length ? `${counted(EVENTS.entry, "entry", "entries")} and ${counted(EVENTS.exit, "exit", "exits")}` : "no entries and exits";
+  if (kinds.some((kind) => kind === EVENTS.press || kind === EVENTS.release)) text += `, ${counted(EVENTS.release, "release", "releases")} and ${counted(EVENTS.press, "press", "presses")}`;
   if (motion.facts.rotor.friction) {
-    text += `; ${counted(ROLL, "roll", "rolls")}, ${counted(SLIP, "slip", "slips")} and ${counted(REVERSE, "reverse", "reverses")}`;
+    text += `; ${counted(EVENTS.roll, "roll", "rolls")}, ${counted(EVENTS.slip, "slip", "slips")} and ${counted(EVENTS.reverse, "reverse", "reverses")}`;
   }
   return text[0].toUpperCase() + text.slice(1);
 }
@@ -799,7 +801,10 @@ function showState() {
 /** Say how the connection is; without one, nothing is answered any more. */
 function said(text) {
   say(text);
-  if (text) passage.fail();
+  if (text) {
+    passage.fail();
+    measured.fail("the program does not answer");
+  }
   if (text && number) lose(number + 1);
 }
 

@@ -1,11 +1,12 @@
-// A measured file, dropped on the page or chosen: it is read and analysed in the browser, and stays there.
+// A measured file, dropped on the page or chosen: the program reads and analyses it, and it goes nowhere else.
 
 import { colour } from "./plot.js";
-import { PROBES } from "./record.js";
-import { NOTHING, hasPanel } from "./signals.js";
+import { NOTHING, hasPanel, rowsOf } from "./signals.js";
+import { LARGEST_FILE } from "./tables.js";
 import { told, withUnit } from "./units.js";
 
-const LARGEST = 2e9;
+// How probes usually stand in a table: along x and y, told as displacements.
+const PROBES = { angles: [0, 90], gains: [1, 1] };
 // Metres in a unit of length; a reading in volts needs to be told its own.
 const METRES = { m: 1, mm: 1e-3, um: 1e-6, nm: 1e-9, in: 0.0254, mil: 2.54e-5 };
 const SHOWN = { um: "µm" };
@@ -16,9 +17,12 @@ const FIELDS = { angles: ["measured-angle-x", "measured-angle-y"], gains: ["meas
 const $ = (id) => document.getElementById(id);
 
 export class Measured {
-  /** `changed` is told that there is something else to show, `scales` returns those of the machine, if it is one; `listens` to files that are dropped. */
-  constructor({ changed, scales, listens }) {
-    Object.assign(this, { changed, scales, found: null, number: 0, worker: null });
+  /**
+   * `send` gives a file to the program, `changed` is told that there is something else to show, `scales` returns those
+   * of the machine, if it is one; `listens` to files that are dropped.
+   */
+  constructor({ send, changed, scales, listens }) {
+    Object.assign(this, { send, changed, scales, found: null, number: 0, reading: null });
     $("measured-choose").addEventListener("click", () => $("measured-file").click());
     $("measured-file").addEventListener("change", () => {
       const [file] = $("measured-file").files;
@@ -56,30 +60,36 @@ export class Measured {
 
   /** Read a file of probes at some angles and with some gains. */
   #read(file, probes) {
-    if (file.size > LARGEST) {
-      this.#say(`${file.name} has ${told(file.size / 1e9, 3)} GB, and at most ${LARGEST / 1e9} can be read.`, true);
+    if (file.size > LARGEST_FILE) {
+      this.#say(`${file.name} has ${told(file.size / 1e6, 4)} MB, and at most ${Math.floor(LARGEST_FILE / 1e6)} MB can be read.`, true);
       return;
     }
-    this.worker?.terminate();
-    const worker = (this.worker = new Worker(new URL("./analyst.js", import.meta.url), { type: "module" }));
-    worker.onmessage = ({ data }) => {
-      worker.terminate();
-      this.worker = null;
-      this.#take(data, file, probes);
-    };
-    worker.onerror = () => this.#take({ name: file.name, refused: "it is too large for this browser" });
-    this.number += 1;
-    worker.postMessage({ file, number: this.number, probes });
+    const number = (this.number += 1);
+    this.reading = { file, probes, number };
     this.#say(`Reading ${file.name} …`);
+    this.send({ about: "measured", number, probe_angles: probes.angles, gains: probes.gains }, file, () => this.reading?.number === number)
+      .catch(({ message }) => this.fail(message, number));
   }
 
-  #take(answer, file, probes) {
-    if (answer.refused) {
-      this.#say(`${answer.name} is not shown: ${answer.refused}.${this.found ? ` ${this.found.name} stays.` : ""}`, true);
-      return;
-    }
+  /** Say why the file that was sent last is not shown. */
+  fail(message, number = this.reading?.number) {
+    if (number === undefined || number !== this.reading?.number) return;
+    const { name } = this.reading.file;
+    this.reading = null;
+    this.#say(`${name} is not shown: ${message}.${this.found ? ` ${this.found.name} stays.` : ""}`, true);
+  }
+
+  /** Take what the program has found in a file. */
+  take({ number, facts, arrays }) {
+    if (number !== this.reading?.number) return;
+    const { file, probes } = this.reading;
+    this.reading = null;
+    const { order_speed: speed, order_amplitude: amplitude, order_lag: lag, full_frequency: frequency } = arrays;
+    const answer = {
+      ...facts, order: speed ? { speed, amplitude, lag } : null, rows: arrays.cascade_speed ? rowsOf(arrays) : [],
+      full: frequency ? { frequency, amplitude: arrays.full_amplitude, speed: facts.speed } : null,
+    };
     this.found = answer;
-    this.number += 1;
     const isNew = file !== this.file || probes === PROBES;
     this.file = file;
     if (isNew) this.#suggest(answer);
@@ -99,8 +109,7 @@ export class Measured {
 
   /** Forget the file. */
   remove() {
-    this.worker?.terminate();
-    this.worker = this.found = this.file = null;
+    this.reading = this.found = this.file = null;
     this.#say("");
     this.#show();
     $("measured-choose").focus();
@@ -128,7 +137,7 @@ export class Measured {
     const asked = isMachine ? "say how many µm a volt is" : "say how much a 1 of the page is, or choose SI units for the page";
     const isOpen = this.#units(scales()) ? "" : ` To draw it, ${asked}.`;
     const guessed = [time === "1" && isMachine ? "times are taken to be in s" : "", length === "1" && isMachine ? "lengths in the unit chosen below" : ""].filter(Boolean).join(" and ");
-    this.#say(`${name}: ${samples.toLocaleString("en")} samples${by ? `, turned by ${by}` : ""}${speeds}${guessed ? `; ${guessed}` : ""}. It stays in this browser.${isOpen}${notes.map((each) => ` Note: ${each}.`).join("")}`);
+    this.#say(`${name}: ${samples.toLocaleString("en")} samples${by ? `, turned by ${by}` : ""}${speeds}${guessed ? `; ${guessed}` : ""}. It stays on the machine of the program.${isOpen}${notes.map((each) => ` Note: ${each}.`).join("")}`);
   }
 
   #speeds(scales) {

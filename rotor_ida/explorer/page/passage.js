@@ -1,5 +1,7 @@
 // A run-up or run-down at a rate: pieces of a ramp, each begun where the last one ended.
 
+import { rowsOf } from "./signals.js";
+
 const TURN = 2 * Math.PI;
 // A piece takes about so many milliseconds to answer, and has no more turns than are sampled well.
 const WANTED = 60, MOST_TURNS = 200;
@@ -46,7 +48,8 @@ class Track {
   }
 
   /** Add what probes would show. */
-  #follow({ order_speed: speeds, order_amplitude: amplitudes, order_lag: lags, cascade_speed: rows, cascade_frequency: frequency, cascade_amplitude: heights }) {
+  #follow(arrays) {
+    const { order_speed: speeds, order_amplitude: amplitudes, order_lag: lags } = arrays;
     const { speed, amplitude, lag } = this.order;
     for (let i = 0; i < speeds.length; i++) {
       speed.push(speeds[i]);
@@ -54,10 +57,8 @@ class Track {
       lag.push(lags[i]);
     }
     if (speed.length > MOST_REVOLUTIONS) for (const column of Object.values(this.order)) column.splice(0, speed.length - MOST_REVOLUTIONS);
-    const lines = frequency.length;
-    for (let i = 0; i < rows.length; i++) {
-      if (Math.abs(rows[i] - (this.rows.at(-1)?.speed ?? Infinity)) < CLOSEST_ROWS) continue;
-      this.rows.push({ speed: rows[i], frequency, amplitude: heights.slice(i * lines, (i + 1) * lines) });
+    for (const row of rowsOf(arrays)) {
+      if (Math.abs(row.speed - (this.rows.at(-1)?.speed ?? Infinity)) >= CLOSEST_ROWS) this.rows.push(row);
     }
   }
 

@@ -1,6 +1,7 @@
 // The response curve: exact whirls with their folds and Hopf points, branches of limit cycles, and where the rotors are.
 
 import { Plot, colour } from "./plot.js";
+import { SPECIAL, STABILITY, wordsOf } from "./tables.js";
 import { labelled, roundUp, shownIn } from "./units.js";
 
 const SPEEDS = [0.05, 4], FASTEST = 1e6;
@@ -13,10 +14,10 @@ export function speedsAround(omega) {
   return [low, omega > SPEEDS[1] ? Math.min(roundUp(1.05 * omega), FASTEST) : SPEEDS[1]];
 }
 
-const STABLE = 0, UNSTABLE = 1, STABILITIES = ["stable", "unstable", "neutral"];
-const SPECIAL = { 1: "fold of limit cycles", 2: "period doubling", 5: "torus point", 6: "slip comes to 0", 7: "Hopf point" };
-const SHAPES = { 1: "diamond", 2: "square", 5: "disc", 6: "cross", 7: "disc" };
-const TORUS = 5, SLIDING = 6;
+const STABLE = STABILITY.stable, UNSTABLE = STABILITY.unstable;
+const { fold: FOLD, period_doubling: DOUBLING, torus: TORUS, sliding: SLIDING, hopf: HOPF } = SPECIAL;
+const SPECIAL_WORDS = { [FOLD]: "fold of limit cycles", [DOUBLING]: "period doubling", [TORUS]: "torus point", [SLIDING]: "slip comes to 0", [HOPF]: "Hopf point" };
+const SHAPES = { [FOLD]: "diamond", [DOUBLING]: "square", [TORUS]: "disc", [SLIDING]: "cross", [HOPF]: "disc" };
 // Whirls that friction keeps up: the name, the radii and the stability of each.
 const WHIRLS = [["slipping backward whirl", "saddle_radius", "unstable"], ["dry whip without unbalance", "whip_radius", "stable"]];
 const WHIP_ROOM = 1.5;
@@ -43,7 +44,7 @@ export class Response {
       for (const [name, key, stability] of WHIRLS) {
         curve.arrays[key]?.forEach((each, i) => add(number + 1, name, curve.arrays.whip_omega[i], each, each, stability));
       }
-      const told = (code) => STABILITIES[code] ?? "";
+      const told = (code) => wordsOf(STABILITY)[code] ?? "";
       const { omega, amplitude, stability, in_contact: contact, fold_omega: folds, fold_amplitude: heights } = curve.arrays;
       omega.forEach((each, i) => add(number + 1, contact[i] ? "whirl in contact" : "contact-free whirl", each, amplitude[i], amplitude[i], told(stability[i])));
       folds.forEach((each, i) => add(number + 1, "fold", each, heights[i]));
@@ -219,7 +220,7 @@ export class Response {
 
   #drawSpecial(pen, arrays, ys, ink) {
     arrays.special_kind.forEach((kind, i) => {
-      if (!SPECIAL[kind]) return;
+      if (!SPECIAL_WORDS[kind]) return;
       const point = Math.min(Math.max(arrays.special_point[i], 0), ys.length - 1);
       pen.mark(arrays.special_omega[i] * this.speed.factor, ys[point], 7, { shape: SHAPES[kind], fill: colour("card"), stroke: ink });
     });
@@ -300,7 +301,7 @@ function readBranch(arrays, speed, of, points, lines) {
   const { omega, stability, special_kind: kinds, special_point: places, special_omega: speeds } = arrays;
   kinds.forEach((kind, i) => {
     const place = Math.min(Math.max(Math.round(places[i]), 0), omega.length - 1);
-    if (SPECIAL[kind]) points.push([SPECIAL[kind] + of, speeds[i], arrays.radius_max[place]]);
+    if (SPECIAL_WORDS[kind]) points.push([SPECIAL_WORDS[kind] + of, speeds[i], arrays.radius_max[place]]);
   });
   for (let i = 1; i < omega.length; i++) {
     for (const [name, which] of [["radius_max", "largest"], ["radius_min", "smallest"]]) {

@@ -1,6 +1,7 @@
 // The panels of one rotor: starts and basin, orbits, radius and force over time, section, spectrum.
 
 import { Plot, colour } from "./plot.js";
+import { EVENTS, MODES, wordsOf } from "./tables.js";
 import { addTools } from "./tools.js";
 import { labelled, roundUp, shownIn, told } from "./units.js";
 
@@ -26,13 +27,16 @@ const HATCHED = {
   chaotic: tile((column, row) => column % 9 < 3 && row % 9 < 3),
 };
 // Events of friction, at which the normal force is not 0.
-const HELD = [2, -2, 3];
+const HELD = [EVENTS.roll, EVENTS.slip, EVENTS.reverse];
 const PLAIN = new Uint8Array(TILE * TILE);
 // Events of a contact by their kind; two come with damping in it, three with friction.
-const EVENTS = { 1: "entry", "-1": "exit", 4: "press", "-4": "release", 2: "roll", "-2": "slip", 3: "reverse" };
-const SHAPES = { 1: "disc", "-1": "disc", 4: "square", "-4": "square", 2: "up", "-2": "down", 3: "cross" };
+const EVENT_WORDS = wordsOf(EVENTS);
+const SHAPES = {
+  [EVENTS.entry]: "disc", [EVENTS.exit]: "disc", [EVENTS.press]: "square", [EVENTS.release]: "square",
+  [EVENTS.roll]: "up", [EVENTS.slip]: "down", [EVENTS.reverse]: "cross",
+};
 // Ways of moving with friction; a loose contact slips, though nothing holds it.
-const FLIES = 0, SLIPS = 1, SLIPS_BACK = -1, ROLLS = 2, LOOSE = 3;
+const { flight: FLIES, slipping_forward: SLIPS, slipping_backward: SLIPS_BACK, rolling: ROLLS, loose: LOOSE } = MODES;
 const BANDS = { [SLIPS]: ["contact", 0.09], [LOOSE]: ["contact", 0.09], [SLIPS_BACK]: ["backwards", 0.16], [ROLLS]: ["rolling", 0.24] };
 const DARKER = 0.78;
 // Revolutions a second, when the motion is played.
@@ -428,7 +432,7 @@ export class Side {
     }
     if (panel === "starts") return this.#tableOfStarts();
     const rows = [...times.map((each, i) => [each, "sample", radii[i], forces[i]])];
-    arrays.event_time.forEach((each, i) => rows.push([each * this.timeUnit.factor, EVENTS[arrays.event_kind[i]], this.#radiusOf(i), HELD.includes(arrays.event_kind[i]) ? NaN : 0]));
+    arrays.event_time.forEach((each, i) => rows.push([each * this.timeUnit.factor, EVENT_WORDS[arrays.event_kind[i]], this.#radiusOf(i), HELD.includes(arrays.event_kind[i]) ? NaN : 0]));
     for (const [at, peak] of this.#peaks(0, times.length - 1)) rows.push([at, "peak", NaN, peak]);
     rows.sort(([one], [other]) => one - other);
     return Object.fromEntries([time, "what", radius, force].map((name, i) => [name, rows.map((row) => row[i])]));
@@ -476,7 +480,7 @@ export class Side {
     const turn = facts.samples_per_revolution;
     for (let i = Math.ceil(this.view.from / turn) * turn; i <= this.view.now; i += turn) look("once a revolution", [xs[i], ys[i]], t[i]);
     times.forEach((time, i) => {
-      if (time >= low && time <= high) look(EVENTS[kinds[i]], [arrays[`event_${axes}x`][i], arrays[`event_${axes}y`][i]], time);
+      if (time >= low && time <= high) look(EVENT_WORDS[kinds[i]], [arrays[`event_${axes}x`][i], arrays[`event_${axes}y`][i]], time);
     });
     if (!found.at) for (let i = this.view.from; i <= this.view.now; i++) look("at", [xs[i], ys[i]], t[i]);
     const [a, b] = found.at ?? [x, y];
@@ -505,7 +509,7 @@ export class Side {
       const away = distance(time * factor, height(i));
       if (away < best) [best, event] = [away, i];
     });
-    if (event >= 0) return told_(`${EVENTS[arrays.event_kind[event]]}: `, [arrays.event_time[event] * factor, height(event)]);
+    if (event >= 0) return told_(`${EVENT_WORDS[arrays.event_kind[event]]}: `, [arrays.event_time[event] * factor, height(event)]);
     const [times, values] = this[name].data;
     const i = plot.valToIdx(x);
     return times.length ? told_("", [times[i], values[i]]) : null;

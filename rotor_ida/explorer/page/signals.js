@@ -531,6 +531,10 @@ const KINDS = { bode: Bode, polar: Polar, full: Full, cascade: Cascade };
 /** Order 1 of what was never tracked. */
 export const NOTHING = { speed: [], amplitude: [], lag: [] };
 
+/** Return the spectra of a cascade one by one. */
+export const rowsOf = ({ cascade_speed: speeds, cascade_frequency: frequency, cascade_amplitude: heights }) =>
+  Array.from(speeds, (speed, i) => ({ speed, frequency, amplitude: heights.slice(i * frequency.length, (i + 1) * frequency.length) }));
+
 /** Return whether a source, of which it is a method, has something to show in a panel. */
 export function hasPanel(panel) {
   if (panel === "full") return Boolean(this.lines);

@@ -1,12 +1,11 @@
 // What the page shows, as its address has it after the #.
 
-export const DIMENSIONLESS = ["omega", "zeta", "delta0"];
-export const MACHINE = ["mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed"];
-// What a machine has beside either, and the value of each without which it is the paper's rotor.
-export const BEYOND = { shaft_stiffness: 0, contact_exponent: 1.5, contact_damping: 0, load: 0, friction: 0 };
+import { DIMENSIONLESS, MACHINE, OPTIONAL, START } from "./tables.js";
+
+// What a machine has beside the paper's rotor; the radius of the disc matters with friction alone.
+const { disc_radius: _, ...BEYOND } = OPTIONAL;
 // Friction needs the radius of the disc: so many eccentricities until another is chosen.
 const DISC_RADIUS = 10;
-export const START = ["x", "y", "vx", "vy"];
 // Panels of signals that may be chosen.
 export const SIGNALS = ["bode", "polar", "full", "cascade"];
 const WORDS = { from: ["start", "here"], theme: ["", "light", "dark"], speedIn: ["rad/s", "rpm", "Hz"] };

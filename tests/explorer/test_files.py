@@ -14,7 +14,7 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli import main
-from rotor_ida.explorer import recording
+from rotor_ida.explorer import files
 from tests.explorer.asking import BEYOND, BEYOND_IN_SI, MACHINE, ROTOR, answer_to, question
 
 START = [2.6, 0.75, 0.66, -1.65]
@@ -71,7 +71,7 @@ def test_the_command_makes_the_run_and_its_figure_again(
 def test_the_page_is_recorded_step_by_step_and_has_the_speed_that_is_shown(
     machine: dict[str, float], rate: float | None, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(recording, "SPEEDS", np.array([1.9, 2.1]))
+    monkeypatch.setattr(files, "SPEEDS", np.array([1.9, 2.1]))
     *steps, file = answer_to(question("html", machine=machine, revolutions=5))
     assert [each.facts for each in steps] == [{"done": n, "total": 9} for n in range(1, 10)]
     page = file.arrays["contents"].tobytes().decode()

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import count
 
-from rotor_ida.explorer.answers import Answer, packed
-from rotor_ida.explorer.questions import FILES, Question
-from rotor_ida.explorer.workers import ASKED_FIRST, LENGTH, MACHINE_ASKED, Order, example
+from rotor_ida.explorer.messages import FILES, Answer, Measurement, Question, packed
+from rotor_ida.explorer.workers import FIRST_MACHINE, FIRST_ROTOR, LENGTH, SHOWN_BY, Order, example
 
 Deliver = Callable[[bytes], None]
 # Whose question it is: a page, and the panels of one of its rotors.
@@ -27,18 +26,18 @@ DEAF = 5.0
 AGAIN = 0.5
 # Bytes of an answer that are read at a time.
 AT_A_TIME = 2**20
-# Of each lane what it answers, its pause, its patience, and its rest, in seconds, and how much it
+# Of each queue what it answers, its pause, its patience, and its rest, in seconds, and how much it
 # gives way to other processes.
 PLANS: tuple[tuple[tuple[str, ...], float, float, float, int], ...] = (
     (("motion", "run_up", "lines"), 0.0, 0.25, 0.0, 0),
-    (("responses", *FILES), 0.0, 0.25, 0.15, 0),
+    (("responses", Measurement.about, *FILES), 0.0, 0.25, 0.15, 0),
     (("starts",), 0.08, 0.0, 0.0, 10),
 )
 DIED = "The process that computes this has ended by itself; it is started anew."
 
 
-class Lanes:
-    """All lanes: one for each kind of question, so that none waits for another.
+class Queues:
+    """All queues: one for each kind of question, so that none waits for another.
 
     Parameters
     ----------
@@ -50,14 +49,14 @@ class Lanes:
     def __init__(self, progress: Callable[[int, int], None]) -> None:
         self._progress = progress
         self._shares: dict[int, tuple[int, int]] = {}
-        self._lanes = [
-            Lane(*plan, partial(self._told, number)) for number, plan in enumerate(PLANS)
+        self._queues = [
+            Queue(*plan, partial(self._report, number)) for number, plan in enumerate(PLANS)
         ]
         self._running: list[asyncio.Task[None]] = []
 
     def open(self) -> None:
         """Start the processes."""
-        self._running = [asyncio.create_task(lane.run()) for lane in self._lanes]
+        self._running = [asyncio.create_task(queue.run()) for queue in self._queues]
 
     async def close(self) -> None:
         """End the processes."""
@@ -65,31 +64,31 @@ class Lanes:
             task.cancel()
         await asyncio.gather(*self._running, return_exceptions=True)
 
-    def ask(self, page: int, question: Question, deliver: Deliver) -> None:
-        """Put a question to the lane that answers it."""
-        lane = next(lane for lane in self._lanes if question.about in lane.abouts)
-        lane.ask(page, question, deliver)
+    def ask(self, page: int, question: Question | Measurement, deliver: Deliver) -> None:
+        """Put a question to the queue that answers it."""
+        queue = next(queue for queue in self._queues if question.about in queue.abouts)
+        queue.ask(page, question, deliver)
 
     def forget(self, page: int) -> None:
         """Give up all that a page has asked."""
-        for lane in self._lanes:
-            lane.forget(page)
+        for queue in self._queues:
+            queue.forget(page)
 
-    def _told(self, number: int, done: int, total: int) -> None:
+    def _report(self, number: int, done: int, total: int) -> None:
         self._shares[number] = (done, total)
         if done == NEVER:
             self._progress(NEVER, NEVER)
-        elif len(self._shares) == len(self._lanes):
-            told = list(self._shares.values())
-            self._progress(sum(done for done, _ in told), sum(total for _, total in told))
+        elif len(self._shares) == len(self._queues):
+            shares = list(self._shares.values())
+            self._progress(sum(done for done, _ in shares), sum(total for _, total in shares))
 
 
 @dataclass(slots=True, eq=False)
-class _Asked:
+class _Pending:
     """A question, whose it is, and since when; once it is taken up, the number of its answer."""
 
     place: Place
-    question: Question
+    question: Question | Measurement
     deliver: Deliver
     since: float
     number: int | None = None
@@ -97,7 +96,7 @@ class _Asked:
     shown: bool = False  # whether a part of its answer is there
 
 
-class Lane:
+class Queue:
     """One process, and what waits for it.
 
     Of several answers that are begun it computes one part each in turn; those of two rotors side
@@ -117,7 +116,7 @@ class Lane:
         moves there is better to do.
     niceness : int
         How much the process gives way to others, as `os.nice` takes it.
-    told : callable
+    report : callable
         Called with the steps of getting ready that are done, and their number.
     """
 
@@ -128,28 +127,28 @@ class Lane:
         patience: float,
         rest: float,
         niceness: int,
-        told: Callable[[int, int], None],
+        report: Callable[[int, int], None],
     ) -> None:
         self.abouts = abouts
         self.pause = pause
         self.patience = patience
         self.rest = rest
         self.niceness = niceness
-        self._told = told
+        self._report = report
         self._ready = False
         self._numbers = count(1)
-        self._waiting: dict[Place, _Asked] = {}
-        self._begun: dict[Place, _Asked] = {}
-        self._at: _Asked | None = None
+        self._waiting: dict[Place, _Pending] = {}
+        self._begun: dict[Place, _Pending] = {}
+        self._at: _Pending | None = None
         self._changed = asyncio.Event()
         self._worker: _Worker | None = None
 
-    def ask(self, page: int, question: Question, deliver: Deliver) -> None:
+    def ask(self, page: int, question: Question | Measurement, deliver: Deliver) -> None:
         """Put a question, in place of an older one from the same place."""
         loop = asyncio.get_running_loop()
         place = (page, question.about, question.side)
         older, begun = self._waiting.get(place), self._begun.get(place)
-        self._waiting[place] = _Asked(place, question, deliver, loop.time())
+        self._waiting[place] = _Pending(place, question, deliver, loop.time())
         self._changed.set()
         if begun is not None and begun.shown:
             self._give_up(begun)
@@ -160,8 +159,8 @@ class Lane:
         """Give up all that a page has asked."""
         for place in [place for place in self._waiting if place[0] == page]:
             del self._waiting[place]
-        for asked in [asked for place, asked in self._begun.items() if place[0] == page]:
-            self._give_up(asked)
+        for pending in [pending for place, pending in self._begun.items() if place[0] == page]:
+            self._give_up(pending)
 
     async def run(self) -> None:
         """Keep a process, and give it one order after another."""
@@ -169,7 +168,7 @@ class Lane:
             with suppress(EOFError, OSError):
                 await self._work()
             if not self._ready:
-                self._told(NEVER, NEVER)
+                self._report(NEVER, NEVER)
                 return
             self._begin_again()
             await asyncio.sleep(AGAIN)
@@ -186,85 +185,91 @@ class Lane:
 
     async def _make_ready(self, worker: _Worker) -> None:
         """Have the process answer once, so that it has imported what it needs."""
-        for about in set(self.abouts).difference(FILES):
-            for beyond in ({}, MACHINE_ASKED):
+        for about in set(self.abouts).intersection(SHOWN_BY):
+            for beyond in ({}, FIRST_MACHINE):
                 number = next(self._numbers)
-                await worker.follow((number, example(about, ASKED_FIRST, beyond)))
+                await worker.follow((number, example(about, FIRST_ROTOR, beyond)))
                 worker.tell((number, "drop"))
         if not self._ready:
-            self._told(1, 1)
+            self._report(1, 1)
         self._ready = True
 
     async def _answer_all(self, worker: _Worker) -> None:
         while True:
-            asked = self._at = await self._next(worker)
-            if asked.number is None:
-                asked.number, asked.begun = next(self._numbers), asyncio.get_running_loop().time()
-                part = await worker.follow((asked.number, asked.question))
+            pending = self._at = await self._next(worker)
+            if pending.number is None:
+                pending.number, pending.begun = (
+                    next(self._numbers),
+                    asyncio.get_running_loop().time(),
+                )
+                part = await worker.follow((pending.number, pending.question))
             else:
-                part = await worker.follow((asked.number, "next"))
+                part = await worker.follow((pending.number, "next"))
             self._at = None
-            if self._begun.get(asked.place) is not asked:
+            if self._begun.get(pending.place) is not pending:
                 continue  # it was given up
             if not part:
-                del self._begun[asked.place]
+                del self._begun[pending.place]
                 continue
-            asked.deliver(part)
-            asked.shown = True
-            if asked.place in self._waiting:
-                self._give_up(asked)
+            pending.deliver(part)
+            pending.shown = True
+            if pending.place in self._waiting:
+                self._give_up(pending)
 
-    async def _next(self, worker: _Worker) -> _Asked:
+    async def _next(self, worker: _Worker) -> _Pending:
         """Wait for something to do: begin what waits, or go on in turn with what is begun."""
         while True:
             self._changed.clear()
             if worker.has_ended:
                 raise EOFError
             now = asyncio.get_running_loop().time()
-            free = [asked for place, asked in self._waiting.items() if place not in self._begun]
-            due = [asked for asked in free if now >= asked.since + self.pause]
-            open_ = {asked: asked.begun + self.rest * asked.shown for asked in self._begun.values()}
-            ready = due or [asked for asked, when in open_.items() if now >= when]
+            free = [pending for place, pending in self._waiting.items() if place not in self._begun]
+            due = [pending for pending in free if now >= pending.since + self.pause]
+            open_ = {
+                pending: pending.begun + self.rest * pending.shown
+                for pending in self._begun.values()
+            }
+            ready = due or [pending for pending, when in open_.items() if now >= when]
             if ready:
-                asked = ready[0]
+                pending = ready[0]
                 if due:
-                    del self._waiting[asked.place]
-                self._begun.pop(asked.place, None)
-                self._begun[asked.place] = asked  # it is the last in turn now
-                return asked
-            times = [*open_.values(), *(asked.since + self.pause for asked in free)]
+                    del self._waiting[pending.place]
+                self._begun.pop(pending.place, None)
+                self._begun[pending.place] = pending  # it is the last in turn now
+                return pending
+            times = [*open_.values(), *(pending.since + self.pause for pending in free)]
             with suppress(TimeoutError):
                 wait = min(times) - now if times else None
                 await asyncio.wait_for(self._changed.wait(), wait)
 
-    def _give_up(self, asked: _Asked) -> None:
+    def _give_up(self, pending: _Pending) -> None:
         """Give an answer up, if it is not there yet."""
-        if self._begun.get(asked.place) is not asked:
+        if self._begun.get(pending.place) is not pending:
             return
-        if asked.question.about in FILES:
-            asked.deliver = _nowhere  # drawing is not broken off: it reads modules as it goes
+        if pending.question.about in FILES:
+            pending.deliver = _nowhere  # drawing is not broken off: it reads modules as it goes
             return
-        del self._begun[asked.place]
+        del self._begun[pending.place]
         self._changed.set()
-        if self._worker is not None and asked.number is not None:
-            self._worker.tell((asked.number, "drop"))
-            asyncio.get_running_loop().call_later(DEAF, self._end_if_deaf, asked, self._worker)
+        if self._worker is not None and pending.number is not None:
+            self._worker.tell((pending.number, "drop"))
+            asyncio.get_running_loop().call_later(DEAF, self._end_if_deaf, pending, self._worker)
 
-    def _end_if_deaf(self, asked: _Asked, worker: _Worker) -> None:
-        if self._at is asked:
+    def _end_if_deaf(self, pending: _Pending, worker: _Worker) -> None:
+        if self._at is pending:
             worker.kill()
 
     def _begin_again(self) -> None:
         """Tell whose answer was at hand when the process ended; the others' are begun anew."""
         begun, self._begun = self._begun, {}
         at, self._at = self._at, None
-        for place, asked in begun.items():
-            if asked is at:
-                question, told = asked.question, Answer("trouble", {"message": DIED})
-                asked.deliver(packed(told, question.ticket))
+        for place, pending in begun.items():
+            if pending is at:
+                question, trouble = pending.question, Answer("trouble", {"message": DIED})
+                pending.deliver(packed(trouble, question.ticket))
             elif place not in self._waiting:
-                asked.number, asked.shown = None, False
-                self._waiting[place] = asked
+                pending.number, pending.shown = None, False
+                self._waiting[place] = pending
 
 
 def _nowhere(_answer: bytes) -> None:

@@ -1,41 +1,43 @@
-"""Order tracks and cascade of a run-up in pieces are those of the library, of the run-up whole."""
+"""A run-up in pieces is the run-up of the library: motion, folds, order tracks and cascade."""
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, run_up, simulate, synchronous_response
-from rotor_ida.explorer.tracking import FURTHEST, PER_REVOLUTION
+from rotor_ida import Rotor, folds, run_up, simulate, synchronous_response
+from rotor_ida.explorer.run_ups import FURTHEST, PER_REVOLUTION, RTOL
 from rotor_ida.signals.orders import orders
 from rotor_ida.signals.spectra import full_spectrum, spectrogram
-from tests.explorer.asking import MACHINE, Message, answer_to, question
+from tests.explorer.asking import CHATTER, MACHINE, Message, answer_to, question
 
+UP = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
 BOUNCING, BOUNCED = {"omega": 2.4, "zeta": 0.07, "delta0": 2.0}, (2.6, 0.75, 0.66, -1.65)
+SHAKEN = (0.3, 0.1, 0.2, 0.1)
 TOP = 4.0
 
 
+def piece(rotor: dict[str, float], start: object, to: float, rate: float) -> Message:
+    asking = question(
+        "run_up", machine=rotor, start=list(start), to=to, rate=rate, speeds=[0.05, TOP]
+    )
+    (answer,) = answer_to(asking)
+    assert answer.part == "run_up", answer.facts
+    return answer
+
+
 def pieces(
-    rotor: dict[str, float],
-    start: object,
-    stops: tuple[float, ...],
-    rate: float,
-    name: str,
-    scale: float = 1.0,
+    rotor: dict[str, float], start: object, stops: tuple[float, ...], rate: float
 ) -> list[Message]:
     """Ask as the page does: each piece begins in the state in which the last one ended."""
+    name, scale = ("speed", 500.0) if "mass" in rotor else ("omega", 1.0)
     found = []
     for here, to in pairwise(stops):
-        asking = question(
-            "run_up", machine={**rotor, name: here}, start=list(start), to=to / scale, rate=rate,
-            speeds=[0.05, TOP],
-        )  # fmt: skip
-        (answer,) = answer_to(asking)
-        assert answer.part == "run_up", answer.facts
-        start = answer.facts["end"]
-        found.append(answer)
+        found.append(piece({**rotor, name: scale * here}, start, to, rate))
+        start = found[-1].facts["end"]
     return found
 
 
@@ -43,12 +45,88 @@ def joined(answers: list[Message], name: str) -> np.ndarray:
     return np.concatenate([each.arrays[name] for each in answers])
 
 
+@pytest.mark.parametrize(
+    ("rotor", "start", "stops", "rate"),
+    [(BOUNCING, BOUNCED, (2.4, 2.48, 2.61, 3.0), 0.02),
+     (BOUNCING, BOUNCED, (2.4, 2.112, 1.9), -0.02),
+     (CHATTER, SHAKEN, (1.2, 1.25, 1.4), 0.01)],
+    ids=["up", "down, a stop in contact", "slipping and rolling"],
+)  # fmt: skip
+def test_pieces_make_one_run_up(
+    rotor: dict[str, float],
+    start: tuple[float, ...],
+    stops: tuple[float, ...],
+    rate: float,
+) -> None:
+    """Each begins where the last one ended, turned to where the unbalance is at its beginning."""
+    found = pieces(rotor, start, stops, rate)
+    speeds, radii, turns = (
+        np.array([each.arrays[name][-1] for each in found]) for name in ("speed", "radius", "angle")
+    )
+    assert [each.facts["speed"] for each in found] == speeds.tolist()
+    duration = (stops[-1] - stops[0]) / rate
+    times = [0.0, *((stop - stops[0]) / rate for stop in stops[1:-1]), duration]
+    whole = run_up(Rotor(**rotor), start=start, to=stops[-1], rate=rate, samples=times, rtol=1e-10)
+    assert whole.sizes["event"] >= 8
+    assert speeds == pytest.approx(stops[1:], abs=1e-12)
+    assert np.cumsum(turns) == pytest.approx(whole.angle.values[1:], abs=1e-9)
+    assert radii == pytest.approx(np.hypot(whole.x, whole.y).values[1:], abs=1e3 * RTOL)
+    z = complex(whole.x[-1], whole.y[-1]) * np.exp(-1j * float(whole.angle[-1]))
+    v = complex(whole.vx[-1], whole.vy[-1]) * np.exp(-1j * float(whole.angle[-1]))
+    end = found[-1].facts["end"]
+    assert end == pytest.approx([z.real, z.imag, v.real, v.imag], abs=1e3 * RTOL)
+
+
+def test_the_largest_force_is_that_of_the_contacts_and_of_one_that_has_not_ended() -> None:
+    answer = piece(UP, SHAKEN, 1.5, 0.02)
+    whole = run_up(Rotor(**UP), start=SHAKEN, to=1.5, rate=0.02, rtol=1e-9)
+    assert answer.facts["largest_force"] == pytest.approx(float(whole.peak_force.max()), rel=1e-6)
+    held = piece({**UP, "delta0": 0.0}, (1.0, 0.0, 0.0, 1.2), 1.201, 0.02)
+    radius = held.arrays["radius"].max()
+    assert held.facts["largest_force"] >= radius**1.5 * (1.0 - 1e-12)
+
+
+@pytest.mark.parametrize("delta0", [0.0, 0.5, 2.0])
+def test_a_whirl_ends_at_its_fold_on_the_way_on_which_there_are_fewer_behind_it(
+    delta0: float,
+) -> None:
+    """Speed and radius of each fold are exact; so is, near it, the whirl that is left."""
+    found = piece({**UP, "delta0": delta0}, (0, 0, 0, 0), 1.201, 0.02).facts["folds"]
+    exact = folds(zeta=0.07, delta0=delta0)
+    pairs = {
+        (float(omega), float(radius))
+        for omega, radius in zip(
+            exact.fold_omega.values.ravel(), exact.fold_amplitude.values.ravel(), strict=True
+        )
+    }
+    assert [fold["way"] for fold in found] == [-1.0, 1.0]
+    for fold in found:
+        assert (fold["omega"], fold["radius"]) in pairs
+        behind = fold["omega"] * (1.0 + 1e-6 * fold["way"])
+        left = synchronous_response(omega=behind, zeta=0.07, delta0=delta0).amplitude.values
+        left = left[np.isfinite(left)]
+        assert left.size == 1
+        assert left[0] == pytest.approx(fold["other"], rel=2e-3)
+
+
+def test_without_an_exact_curve_there_are_no_folds() -> None:
+    loaded = {**UP, "load": 0.3, "shaft_stiffness": 0.25}
+    assert piece(loaded, (0, 0, 0, 0), 1.201, 0.02).facts["folds"] == []
+
+
+def test_a_piece_is_sampled_often_enough_at_every_speed() -> None:
+    for omega in (0.05, 1.0, 3.0):
+        answer = piece({**UP, "omega": omega}, (0, 0, 0, 0), omega + 0.1, 0.01)
+        turns = max(answer.arrays["angle"][-1], 10.0) / (2.0 * math.pi)
+        assert answer.arrays["speed"].size >= 48 * turns
+
+
 @pytest.mark.parametrize("rate", [0.02, -0.02], ids=["up", "down"])
 def test_windows_and_spectra_do_not_tell_where_a_piece_ends(rate: float) -> None:
     """In and out of contact, over stops at any place of a revolution."""
     stops = (2.4, 2.4004, 2.51, 2.5222, 3.0) if rate > 0.0 else (2.4, 2.3871, 2.1, 1.9)
     rotor = BOUNCING
-    found = pieces(rotor, BOUNCED, stops, rate, "omega")
+    found = pieces(rotor, BOUNCED, stops, rate)
     step = 2.0 * np.pi / (PER_REVOLUTION * TOP)
     times = step * np.arange(int((stops[-1] - stops[0]) / rate / step) + 1)
     whole = run_up(
@@ -87,7 +165,7 @@ def test_a_slow_run_up_follows_the_exact_whirl_in_amplitude_and_phase() -> None:
     start = (z.real, z.imag, (0.7j * z).real, (0.7j * z).imag)
     off = []
     for rate in (0.001, 0.00025):
-        found = pieces(rotor, start, (0.7, 0.9, 1.1, 1.3), rate, "omega")
+        found = pieces(rotor, start, (0.7, 0.9, 1.1, 1.3), rate)
         speeds = joined(found, "order_speed")
         exact = synchronous_response(**{**rotor, "omega": speeds}).isel(zeta=0, delta0=0, branch=0)
         tracked = joined(found, "order_amplitude") * np.exp(-1j * joined(found, "order_lag"))
@@ -96,19 +174,21 @@ def test_a_slow_run_up_follows_the_exact_whirl_in_amplitude_and_phase() -> None:
     assert off[0] / off[1] == pytest.approx(4.0, rel=0.1)
 
 
-def test_a_machine_in_si_units_has_the_record_of_its_rotor() -> None:
+def test_a_machine_in_si_units_runs_up_as_its_rotor_does() -> None:
+    """The speed of the machine is in rad/s, the end and the rate have no dimension, as starts."""
     stops = (2.0, 2.013, 2.05, 2.1)
     rotor = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
-    ours = pieces(MACHINE, BOUNCED, tuple(500.0 * stop for stop in stops), 0.004, "speed", 500.0)
-    other = pieces(rotor, BOUNCED, stops, 0.004, "omega")
+    ours, other = (pieces(each, BOUNCED, stops, 0.004) for each in (MACHINE, rotor))
     assert joined(ours, "order_speed").size == 8
+    assert joined(ours, "radius") == pytest.approx(joined(other, "radius"), abs=1e-6)
+    assert ours[0].facts["scales"]["rate"] == pytest.approx(500.0)
     for name in ("order_speed", "order_amplitude", "order_lag"):
         assert joined(ours, name) == pytest.approx(joined(other, name), abs=1e-5)
 
 
 def test_another_state_begins_another_record() -> None:
-    first = pieces(BOUNCING, BOUNCED, (2.4, 2.44), 0.01, "omega")
-    again = pieces({**BOUNCING, "omega": 2.44}, BOUNCED, (2.44, 2.48), 0.01, "omega")
+    first = pieces(BOUNCING, BOUNCED, (2.4, 2.44), 0.01)
+    again = pieces({**BOUNCING, "omega": 2.44}, BOUNCED, (2.44, 2.48), 0.01)
     assert joined(again, "order_speed")[0] > 2.44
     assert joined(first, "order_speed").size == joined(again, "order_speed").size == 1
 

@@ -1,4 +1,4 @@
-"""What probes and a keyphasor would show of a run-up that comes in pieces: order 1, and a cascade.
+"""Pieces of a run-up or run-down: motion, folds on the way, order 1 and a cascade.
 
 A piece goes on from the record that ends where it begins. Of that only the end is kept, from where
 the next window of a revolution and the next spectrum begin, so that windows and spectra are those
@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -17,28 +19,131 @@ import scipy.signal  # noqa: F401 - here, as nobody waits for it while the speed
 import xarray as xr
 
 from rotor_ida.checks import State
-from rotor_ida.explorer.questions import Question
-from rotor_ida.explorer.responses import at_rest
+from rotor_ida.closed_forms.folds import folds
+from rotor_ida.closed_forms.synchronous import synchronous_response
+from rotor_ida.errors import InputError
+from rotor_ida.explorer.measured import segment_for
+from rotor_ida.explorer.messages import Answer, Question
+from rotor_ida.explorer.motion import facts_of, states_of, values_of
+from rotor_ida.explorer.responses import MOST_KEPT, at_rest, of_whirls
+from rotor_ida.model.equations import rotated
 from rotor_ida.model.parameters import Rotor
+from rotor_ida.schema import STABILITY
+from rotor_ida.signals.forces import power_in_contact
 from rotor_ida.signals.orders import fit
 from rotor_ida.signals.record import Record
 from rotor_ida.signals.spectra import spectrogram
 from rotor_ida.signals.windows import EDGE, windows_of
+from rotor_ida.simulation.options import Method
+from rotor_ida.simulation.run_up import run_up
 
+# As of the run that is drawn.
+RTOL = 1e-10
+METHOD: Method = "taylor"
+# So many samples a revolution, or in a time of 2 pi where that is shorter.
+SAMPLES, MOST_SAMPLES = 48, 4096
+# The whirls of a fold are counted so far, as a part of its speed, on either side of it.
+BESIDE = 1e-4
+# At a fold from which it is no further to the next whirl, as a part of the radius, nobody sees a
+# jump: such are those close to the first touch.
+LEAST_JUMP = 0.2
 Values = npt.NDArray[np.float64]
 Arrays = dict[str, npt.NDArray[np.generic]]
 
 # Equally spaced samples: so many in a revolution at the highest speed that is shown.
 PER_REVOLUTION = 32
-# Samples of a spectrum. It is as fine as can be while the speed changes: longer ones would show
-# wider lines again.
-FEWEST, MOST = 128, 4096
 OVERLAP = 0.5
 # Lines up to so many times the highest speed.
 FURTHEST = 2.5
 # Ends that are kept, and the samples of one.
-MOST_ENDS, MOST_SAMPLES = 32, 2**20
+MOST_ENDS, MOST_SAMPLES_KEPT = 32, 2**20
 TURN = 2.0 * math.pi
+
+
+def show_run_up(question: Question) -> Iterator[Answer]:
+    """Yield the radius on one piece of a ramp, and the state from which the next one goes on.
+
+    That state is turned back by the angle of the unbalance, as each piece begins with the unbalance
+    along x.
+    """
+    rotor, to, rate = question.rotor, question.to, question.rate
+    assert to is not None
+    assert rate is not None
+    duration = (to - rotor.omega) / rate
+    turns = max(0.5 * (rotor.omega + to), 1.0) * duration / (2.0 * math.pi)
+    drawn = np.linspace(0.0, duration, min(max(math.ceil(SAMPLES * turns), 2), MOST_SAMPLES) + 1)
+    record = tail_of(question)
+    sampled = record.times_until(duration)
+    times = np.union1d(drawn, sampled)
+    run = values_of(
+        run_up(
+            rotor, start=question.start, to=to, rate=rate, samples=times,
+            rtol=RTOL, atol=RTOL, method=METHOD,
+        )
+    )  # fmt: skip
+    angle = run["angle"]
+    end = rotated(states_of(run, "")[-1:], -angle[-1:])[0]
+    seen = np.searchsorted(times, sampled)
+    z = run["x"][seen] + 1j * run["y"][seen]
+    record, signals = tracked(
+        record, duration, float(run["speed"][-1]), float(angle[-1]), angle[seen], z
+    )
+    keep_tail(question, tuple(end.tolist()), record)
+    normal = power_in_contact(run, rotor).normal_force
+    force = max(float(normal.max()), float(run["peak_force"].max(initial=0.0)))
+    facts: dict[str, object] = {
+        **facts_of(question),
+        "end": end.tolist(),
+        "speed": float(run["speed"][-1]),
+        "largest_force": force,
+        "folds": list(_folds_of(at_rest(rotor))),
+    }
+    here = np.searchsorted(times, drawn)
+    arrays = {
+        "speed": run["speed"][here], "angle": angle[here],
+        "radius": np.hypot(run["x"], run["y"])[here], **signals,
+    }  # fmt: skip
+    yield Answer("run_up", facts, arrays)
+
+
+@lru_cache(maxsize=MOST_KEPT)
+def _folds_of(rotor: Rotor) -> tuple[dict[str, float], ...]:
+    """Return where a whirl ends on the way up (1) or down (-1): speed, radius, and what is left.
+
+    That is, of the whirls that are left there, the one with the nearest radius.
+    """
+    if rotor.load > 0.0:
+        return ()
+    try:
+        table = folds(**of_whirls(rotor))
+    except InputError:
+        return ()
+    found = []
+    omegas, amplitudes = (table[f"fold_{name}"].values.ravel() for name in ("omega", "amplitude"))
+    for omega, amplitude in zip(omegas.tolist(), amplitudes.tolist(), strict=True):
+        if math.isnan(omega):
+            continue
+        (many_below, below), (many_above, above) = (
+            _whirls_at(rotor, omega * (1.0 + sign * BESIDE)) for sign in (-1.0, 1.0)
+        )
+        left = above if many_below > many_above else below
+        if many_below == many_above or not left:
+            continue
+        other = min(left, key=lambda each: abs(each - amplitude))
+        if abs(amplitude - other) > LEAST_JUMP * amplitude:
+            found.append({
+                "omega": omega, "radius": amplitude, "other": other,
+                "way": 1.0 if many_below > many_above else -1.0,
+            })  # fmt: skip
+    return tuple(found)
+
+
+def _whirls_at(rotor: Rotor, omega: float) -> tuple[int, list[float]]:
+    """Return how many whirls there are at a speed, and the radii of those that are not unstable."""
+    found = synchronous_response(omega=omega, **of_whirls(rotor))
+    radii, stability = found["amplitude"].values.ravel(), found["stability"].values.ravel()
+    held = np.isfinite(radii) & (stability != STABILITY["unstable"])
+    return int(np.isfinite(radii).sum()), radii[held].tolist()
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,10 +200,9 @@ def tail_of(question: Question) -> Tail:
         return found
     top = question.speeds[1]
     step = TURN / (PER_REVOLUTION * top)
-    fine = math.sqrt(TURN / abs(rate)) / step
     return Tail(
         step=step,
-        segment=2 ** round(math.log2(min(max(fine, FEWEST), MOST))),
+        segment=segment_for(abs(rate), step),
         furthest=FURTHEST * top,
         time=0.0, angle=0.0, speed=rotor.omega, first=0, due=0, begin=0.0,
         angles=np.empty(0), z=np.empty(0, np.complex128),
@@ -145,7 +249,7 @@ def tracked(
 
 def keep_tail(question: Question, end: State, tail: Tail) -> None:
     """Keep a record for the piece that goes on from the state at its end."""
-    if tail.z.size > MOST_SAMPLES:
+    if tail.z.size > MOST_SAMPLES_KEPT:
         return
     _ends[at_rest(question.rotor), end] = tail
     while len(_ends) > MOST_ENDS:

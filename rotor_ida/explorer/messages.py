@@ -1,12 +1,16 @@
-"""What a page may ask: one rotor, one start, and the panels to fill."""
+"""What a page may ask, checked, and an answer packed into one binary message."""
 
 from __future__ import annotations
 
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Literal, cast, get_args
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar, Literal, cast, get_args
+
+import numpy as np
+import numpy.typing as npt
 
 from rotor_ida.checks import (
     State,
@@ -31,6 +35,11 @@ About = Literal[
 # them again, and the page with all it shows over the speed.
 FILES: tuple[About, ...] = ("nc", "png", "svg", "py", "sh", "html")
 
+# Endings by which a measured file is read as what it is, and not as text.
+ENDINGS = (".wav", ".mat")
+LARGEST_FILE = 2**28
+LONGEST_NAME = 255
+
 # Characters of a question; what a page asks has some three hundred.
 LONGEST_QUESTION = 4096
 # Whole revolutions of a run that is drawn.
@@ -40,6 +49,9 @@ SIDES = 2
 LARGEST_NUMBER_OF_QUESTION = 2**53
 # What is said of a piece of a run-up alone.
 OF_RUN_UP = ("to", "rate")
+# Arrays begin at multiples of so many bytes, as a browser wants it.
+ALIGNED = 8
+KINDS = {np.dtype(kind): kind for kind in ("f8", "f4", "i1")}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,7 +103,46 @@ class Question:
         return {"about": self.about, "number": self.number, "side": self.side}
 
 
-def read_question(text: str) -> Question:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measurement:
+    """A measured file to analyse.
+
+    Parameters
+    ----------
+    number : int
+        Number of the question, which its answer bears.
+    name : str
+        Name of the file, as the page has it.
+    size : int
+        Number of bytes of the file.
+    probe_angles, gains : tuple of float
+        As of `rotor_ida.read_signals`, which checks them.
+    path : Path, optional
+        Where the file is kept until it is read.
+    """
+
+    number: int
+    name: str
+    size: int
+    probe_angles: tuple[float, float]
+    gains: tuple[float, float]
+    path: Path | None = None
+    about: ClassVar[Literal["measured"]] = "measured"
+    side: ClassVar[int] = 0
+
+    @property
+    def ending(self) -> str:
+        """The ending that the file is read by."""
+        ending = Path(self.name).suffix.lower()
+        return ending if ending in ENDINGS else ".csv"
+
+    @property
+    def ticket(self) -> dict[str, object]:
+        """What its answer bears, so that the page knows which question it is to."""
+        return {"about": self.about, "number": self.number, "side": self.side}
+
+
+def read_question(text: str) -> Question | Measurement:
     """Return a question, or raise `InputError` with what is wrong with it.
 
     Examples
@@ -115,17 +166,46 @@ def read_question(text: str) -> Question:
         given = json.loads(text)
     except (ValueError, RecursionError):
         raise InputError(f"a question must be JSON, got {shown(text)}") from None
+    if isinstance(given, dict) and given.get("about") == Measurement.about:
+        return _measurement(given)
     names = sorted(set(Question.__dataclass_fields__).difference(OF_RUN_UP))
     if not isinstance(given, dict):
         raise InputError(f"a question must have {', '.join(names)}, got {shown(given)}")
     if given.get("about") == "run_up":
         names += OF_RUN_UP
+    _check_names(given, names)
+    return _checked(given)
+
+
+def _check_names(given: Mapping[str, object], names: list[str]) -> None:
+    """Raise `InputError` unless a question has these names and no others."""
     missing = [name for name in names if name not in given]
     other = [name for name in given if name not in names]
     if missing or other:
-        told = f"not {shown(missing)}" if missing else f"also {shown(other)}"
-        raise InputError(f"a question must have {', '.join(names)}, got {told}")
-    return _checked(given)
+        which = f"not {shown(missing)}" if missing else f"also {shown(other)}"
+        raise InputError(f"a question must have {', '.join(names)}, got {which}")
+
+
+def _measurement(given: Mapping[str, Any]) -> Measurement:
+    _check_names(given, ["about", "gains", "name", "number", "probe_angles", "size"])
+    name = given["name"]
+    if not isinstance(name, str) or len(name) > LONGEST_NAME:
+        raise InputError(f"name must be the name of a file, got {shown(name)}")
+    return Measurement(
+        number=check_count("number", given["number"], 0, LARGEST_NUMBER_OF_QUESTION),
+        name=name,
+        size=check_count("size", given["size"], 0, LARGEST_FILE),
+        probe_angles=_pair("probe_angles", given["probe_angles"]),
+        gains=_pair("gains", given["gains"]),
+    )
+
+
+def _pair(name: str, given: object) -> tuple[float, float]:
+    """Return two numbers; one that is not typed yet is NaN, which `read_signals` refuses."""
+    if not isinstance(given, list) or len(given) != 2:
+        raise InputError(f"{name} must be two numbers, got {shown(given)}")
+    one, other = (math.nan if each is None else check_real(name, each) for each in given)
+    return one, other
 
 
 def machine_of(given: object) -> Rotor | DimensionalRotor:
@@ -181,3 +261,71 @@ def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, float]:
             f"a piece of a run-up must have at most {MOST_REVOLUTIONS} revolutions, got {turns:.6g}"
         )
     return {"to": to, "rate": rate}
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """One part of what a page shows.
+
+    Parameters
+    ----------
+    part : str
+        Which part.
+    facts : dict
+        Numbers, texts, and lists and mappings of them.
+    arrays : dict of ndarray
+        Arrays by name; the facts give their dimensions.
+    """
+
+    part: str
+    facts: dict[str, object] = field(default_factory=dict)
+    arrays: dict[str, npt.NDArray[np.generic]] = field(default_factory=dict)
+
+
+def packed(answer: Answer, ticket: Mapping[str, object] | None = None) -> bytes:
+    """Return an answer as bytes, with the ticket of the question that it answers.
+
+    Notes
+    -----
+    The number of bytes of the header, little-endian in four bytes; the header as JSON, with the
+    place of each array behind the header as kind (f8, f4 or i1), offset in bytes and number of
+    values; the arrays, little-endian. What is not finite is null in the header, NaN in an array.
+
+    Examples
+    --------
+    >>> packed(Answer("curve", {"zeta": 0.07}))[4:]
+    b'{"part": "curve", "facts": {"zeta": 0.07}, "arrays": {}}'
+    """
+    places: dict[str, tuple[str, int, int]] = {}
+    blocks: list[bytes] = []
+    offset = 0
+    for name, values in answer.arrays.items():
+        kind = KINDS[values.dtype]
+        block = values.astype(values.dtype.newbyteorder("<")).tobytes()
+        block += bytes(-len(block) % ALIGNED)
+        places[name] = (kind, offset, values.size)
+        blocks.append(block)
+        offset += len(block)
+    header_facts = {
+        "part": answer.part,
+        **(ticket or {}),
+        "facts": _finite(answer.facts),
+        "arrays": places,
+    }
+    header = json.dumps(header_facts, allow_nan=False).encode()
+    if blocks:
+        header += b" " * (-(4 + len(header)) % ALIGNED)
+    return len(header).to_bytes(4, "little") + header + b"".join(blocks)
+
+
+def _finite(value: object) -> object:
+    """Return a fact as JSON has it: numbers of NumPy as Python's, None for what is not finite."""
+    if isinstance(value, dict):
+        return {str(name): _finite(each) for name, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(each) for each in value]
+    if isinstance(value, (np.ndarray, np.generic)):
+        return _finite(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from rotor_ida.explorer import lanes
+from rotor_ida.explorer import queues
 from rotor_ida.explorer.workers import Desk
 from tests.explorer.asking import ROTOR, SLOW, question, unpacked
 from tests.explorer.conftest import PATIENCE, Answering, wait_until
@@ -27,9 +27,9 @@ def speeds(count: int, about: str = "motion"):
     ]
 
 
-def pid_of(answering: Answering, lane: int) -> int:
-    wait_until(lambda: answering.lanes._lanes[lane]._worker is not None, "a process")
-    return answering.lanes._lanes[lane]._worker._process.pid
+def pid_of(answering: Answering, queue: int) -> int:
+    wait_until(lambda: answering.queues._queues[queue]._worker is not None, "a process")
+    return answering.queues._queues[queue]._worker._process.pid
 
 
 def computes(pid: int) -> bool:
@@ -98,7 +98,7 @@ def test_a_page_that_is_gone_stops_its_work(answering: Answering):
     answering.wait_for(1, 1, "basin")
     pid = pid_of(answering, 2)
     assert computes(pid)
-    answering.call(lambda: answering.lanes.forget(1))
+    answering.call(lambda: answering.queues.forget(1))
     wait_until(lambda: not computes(pid), "a process at rest")
     told = len(answering.got[1])
     answering.ask(2, question("starts", number=1))
@@ -109,7 +109,7 @@ def test_a_page_that_is_gone_stops_its_work(answering: Answering):
 
 def test_a_page_that_is_gone_takes_its_waiting_questions_along(answering: Answering):
     answering.ask(1, *speeds(2), question("starts", number=3))
-    answering.call(lambda: answering.lanes.forget(1))
+    answering.call(lambda: answering.queues.forget(1))
     answering.ask(2, question(number=1), question("starts", number=2))
     answering.wait_for(2, 1, "motion")
     answering.wait_for(2, 2, "basin")
@@ -118,24 +118,24 @@ def test_a_page_that_is_gone_takes_its_waiting_questions_along(answering: Answer
 
 def test_a_process_survives_being_told_again_and_again(answering: Answering):
     """Orders to give up arrive before, during and after the answers that they are about."""
-    pids = [pid_of(answering, lane) for lane in range(3)]
+    pids = [pid_of(answering, queue) for queue in range(3)]
     for number in range(1, 101):
         for about in ("motion", "responses", "starts"):
             answering.ask(
                 1, question(about, number=number, machine=ROTOR | {"delta0": number / 50})
             )
         time.sleep(0.0007 * (number % 50))
-        answering.call(lambda: answering.lanes.forget(1))
+        answering.call(lambda: answering.queues.forget(1))
     for about, part in (("motion", "motion"), ("responses", "settled"), ("starts", "basin")):
         answering.ask(2, question(about, number=1))
         answering.wait_for(2, 1, part)
-    assert [pid_of(answering, lane) for lane in range(3)] == pids
+    assert [pid_of(answering, queue) for queue in range(3)] == pids
     assert not [each for each in answering.got[1] if each.part == "trouble"]
 
 
 def test_ctrl_c_in_the_terminal_is_no_business_of_the_processes(answering: Answering):
-    for lane in range(3):
-        assert os.getpgid(pid_of(answering, lane)) != os.getpgid(0)
+    for queue in range(3):
+        assert os.getpgid(pid_of(answering, queue)) != os.getpgid(0)
     pid = pid_of(answering, 0)
     os.kill(pid, signal.SIGINT)
     answering.ask(1, question(number=1))
@@ -168,7 +168,7 @@ def test_a_process_that_is_killed_is_replaced_and_the_page_told(answering: Answe
     answering.wait_for(1, 3, "basin")
     assert pid_of(answering, 2) != pid
     troubles = [each for page in (1, 2) for each in answering.got[page] if each.part == "trouble"]
-    assert [each.facts["message"] for each in troubles] == [lanes.DIED]
+    assert [each.facts["message"] for each in troubles] == [queues.DIED]
 
 
 def test_a_process_at_rest_that_is_killed_is_replaced(answering: Answering):
@@ -184,7 +184,7 @@ def test_a_process_at_rest_that_is_killed_is_replaced(answering: Answering):
 
 
 def test_a_process_that_is_deaf_is_ended(answering: Answering, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(lanes, "DEAF", 0.2)
+    monkeypatch.setattr(queues, "DEAF", 0.2)
     pid = pid_of(answering, 2)
     answering.ask(1, question("starts", number=1, machine=SLOW))
     answering.wait_for(1, 1, "basin")
@@ -201,7 +201,7 @@ def test_closing_leaves_no_process_and_no_thread():
     answering.open()
     answering.ask(1, question("starts", machine=SLOW), question())
     answering.wait_for(1, 1, "basin")
-    pids = [pid_of(answering, lane) for lane in range(3)]
+    pids = [pid_of(answering, queue) for queue in range(3)]
     answering.close()
     for pid in pids:
         with pytest.raises(ProcessLookupError):
@@ -218,14 +218,14 @@ def test_processes_that_cannot_start_are_told_of(monkeypatch: pytest.MonkeyPatch
     told: list[tuple[int, int]] = []
 
     async def open_and_wait() -> None:
-        found = lanes.Lanes(lambda done, total: told.append((done, total)))
+        found = queues.Queues(lambda done, total: told.append((done, total)))
         found.open()
         while len(told) < 3:
             await asyncio.sleep(0.01)
         await found.close()
 
     asyncio.run(open_and_wait())
-    assert set(told) == {(lanes.NEVER, lanes.NEVER)}
+    assert set(told) == {(queues.NEVER, queues.NEVER)}
 
 
 def test_an_answer_given_up_before_it_is_begun_is_empty():

@@ -1,0 +1,136 @@
+"""What the panels draw of a measured file: order 1, and a cascade or one full spectrum."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import shown
+from rotor_ida.errors import InputError
+from rotor_ida.explorer.messages import Answer, Measurement
+from rotor_ida.signals.orders import orders
+from rotor_ida.signals.reading import read_signals
+from rotor_ida.signals.record import Record, record_of
+from rotor_ida.signals.spectra import full_spectrum, one_speed, spectrogram
+
+Arrays = dict[str, npt.NDArray[np.generic]]
+
+# Samples of a spectrum. It is as fine as can be while the speed changes: longer ones would show
+# wider lines again.
+FEWEST, MOST = 128, 4096
+# The lowest and the highest speed are means over one of so many parts of a record.
+PARTS = 256
+# Lines are drawn up to so many times the speed.
+ORDERS = 5.0
+# What a page is sent of a long file: more cannot be told apart on a screen.
+MOST_ROWS, MOST_LINES, MOST_REVOLUTIONS = 240, 2**17, 2**18
+NO_ANGLE = "there is no column for keyphasor or angle, so neither speed nor phase is known"
+
+
+def show_measured(measurement: Measurement) -> Iterator[Answer]:
+    """Yield what a file holds; what cannot be analysed of it is a note."""
+    path = measurement.path
+    assert path is not None
+    try:
+        signals = read_signals(path, probe_angles=measurement.probe_angles, gains=measurement.gains)
+        record = record_of(signals)
+    except InputError as error:
+        raise InputError(str(error).replace(shown(path), shown(measurement.name))) from error
+    speed = one_speed(record)
+    arrays: Arrays = {}
+    notes = [] if record.angles is not None else [NO_ANGLE]
+    if record.angles is not None:
+        arrays |= _unless_impossible(_order, signals, record, notes)
+    varies = record.angles is not None and speed is None
+    arrays |= _unless_impossible(_cascade if varies else _full, signals, record, notes)
+    facts = {
+        "name": measurement.name,
+        "samples": signals.sizes["t"],
+        "time": record.time,
+        "length": record.length,
+        "by": next((name for name in ("keyphasor", "angle") if name in signals), ""),
+        "speed": speed,
+        "notes": notes,
+    }
+    yield Answer("measured", facts, arrays)
+
+
+def segment_for(rate: float, step: float) -> int:
+    """Return how many samples a spectrum has while the speed changes at a rate.
+
+    In a time T the speed changes by ``rate T``, and the lines of a spectrum are ``2 pi/T`` apart;
+    both are alike at ``T = sqrt(2 pi/rate)``.
+    """
+    fine = math.sqrt(2.0 * math.pi / rate) / step if rate > 0.0 else math.inf
+    return int(2 ** round(math.log2(min(max(fine, FEWEST), MOST))))
+
+
+def _unless_impossible(
+    analyse: Callable[[xr.Dataset, Record], Arrays],
+    signals: xr.Dataset,
+    record: Record,
+    notes: list[str],
+) -> Arrays:
+    """Return what an analysis gives; note why it gives nothing."""
+    try:
+        return analyse(signals, record)
+    except InputError as error:
+        notes.append(str(error))
+        return {}
+
+
+def _order(signals: xr.Dataset, _record: Record) -> Arrays:
+    """Return order 1 in each revolution."""
+    tracked = orders(signals).isel(order=0)
+    every = math.ceil(tracked.sizes["window"] / MOST_REVOLUTIONS)
+    names = {
+        "speed": "speed", "amplitude": "forward_whirl_amplitude", "lag": "forward_phase_lag"
+    }  # fmt: skip
+    return {f"order_{short}": tracked[name].values[::every] for short, name in names.items()}
+
+
+def _full(signals: xr.Dataset, record: Record) -> Arrays:
+    """Return the full spectrum of all samples."""
+    lines, speed = full_spectrum(signals), one_speed(record)
+    frequency, height = lines["frequency"].values, lines["whirl_amplitude"].values
+    if speed is not None:
+        drawn = np.abs(frequency) <= ORDERS * speed
+        frequency, height = frequency[drawn], height[drawn]
+    frequency, height = _tallest(frequency, height)
+    return {"full_frequency": frequency, "full_amplitude": height}
+
+
+def _tallest(frequency: Values, height: Values) -> tuple[Values, Values]:
+    """Return, of lines too many to be drawn, the tallest one of each few."""
+    few = math.ceil(frequency.size / MOST_LINES)
+    if few == 1:
+        return frequency, height
+    starts = np.arange(0, frequency.size - few + 1, few)
+    places = starts + height[: starts.size * few].reshape(-1, few).argmax(axis=1)
+    return frequency[places], height[places]
+
+
+def _cascade(signals: xr.Dataset, record: Record) -> Arrays:
+    """Return full spectra over the speed, no more than can be told apart."""
+    step, angles, times = record.equal_step(), record.known_angles(), record.times
+    parts = slice(None, None, max(angles.size // PARTS, 1))
+    speeds = np.diff(angles[parts]) / np.diff(times[parts])
+    low, high = float(speeds.min()), float(speeds.max())
+    segment = segment_for((high - low) / float(times[-1] - times[0]), step)
+    spectra = spectrogram(signals, segment=min(segment, times.size))
+    rows, last = [], math.inf
+    for row, speed in enumerate(spectra["speed"].values.tolist()):
+        if abs(speed - last) >= (high - low) / MOST_ROWS:
+            rows.append(row)
+            last = speed
+    drawn = np.abs(spectra["frequency"].values) <= ORDERS * high
+    return {
+        "cascade_speed": spectra["speed"].values[rows],
+        "cascade_frequency": spectra["frequency"].values[drawn],
+        "cascade_amplitude": spectra["whirl_amplitude"].values[rows][:, drawn].ravel(),
+    }
