@@ -19,8 +19,8 @@ from .errors import InvariantError as InvariantError
 from .errors import RotorError as RotorError
 from .errors import SimulationError as SimulationError
 from .fitting.fit import fit as fit
-from .model.parameters import DimensionalRotor as DimensionalRotor
-from .model.parameters import Rotor as Rotor
+from .model.rotor import DimensionalRotor as DimensionalRotor
+from .model.rotor import Rotor as Rotor
 from .results.archive import load as load
 from .results.archive import open_archive as open_archive
 from .results.archive import save as save

@@ -13,7 +13,7 @@ from xarray.indexes import Index, PandasIndex
 from rotor_ida.arrays import Column as Column  # noqa: PLC0414 - a part of the schema
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import FRICTIONLESS, OF_ROTOR
+from rotor_ida.model.parameters import FRICTIONLESS, OF_ROTOR
 
 CONVENTIONS = "CF-1.11"
 # The attribute that says what kind of result a dataset is, a row of `rotor_ida.results.kinds`.

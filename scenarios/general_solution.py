@@ -19,7 +19,7 @@ from scipy.linalg import expm
 
 from rotor_ida import Rotor, simulate, synchronous_response
 from rotor_ida.model.equations import rotated, rotating_jacobian
-from rotor_ida.model.table import PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.paper.printed import general_solution
 from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import (

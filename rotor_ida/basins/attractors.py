@@ -17,7 +17,7 @@ from rotor_ida.basins.kernel import CHAOTIC, LOWEST, Labels
 from rotor_ida.basins.known import ContactFree, followed_alone, may_roll
 from rotor_ida.checks import State
 from rotor_ida.cycles.shooting import Cycle, sampled_orbit
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop
 from rotor_ida.results.studies.arrays import stretches
 from rotor_ida.simulation.options import Options

@@ -28,7 +28,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor, check_no_load
+from rotor_ida.model.rotor import Rotor, check_no_load
 from rotor_ida.parallel import Progress, choose, interruptible
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies.results import open_results

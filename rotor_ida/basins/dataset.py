@@ -16,7 +16,7 @@ from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import Starts, tighter_than
 from rotor_ida.basins.kernel import NOT_COMPUTED, Labels
 from rotor_ida.basins.known import followed_alone, may_roll
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.results.studies.arrays import scratch, stretches

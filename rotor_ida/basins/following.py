@@ -30,7 +30,7 @@ from rotor_ida.basins.known import (
     same_cycle,
 )
 from rotor_ida.cycles.shooting import Cycle, close_orbit
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
 from rotor_ida.results.studies.arrays import Arrays, scratch
 from rotor_ida.results.studies.results import Form, Results

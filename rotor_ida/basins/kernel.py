@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.core.interface import RotorStruct, library_of, pointer
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop
 
 Labels = npt.NDArray[np.int16]

@@ -31,7 +31,7 @@ from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run

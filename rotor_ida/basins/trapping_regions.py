@@ -58,7 +58,7 @@ from rotor_ida.basins.kernel import REGION, Rows
 from rotor_ida.closed_forms import synchronous_response
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
 from rotor_ida.model.equations import rotating_jacobian
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import STABILITY
 
 # V must fall at this fraction of the fastest possible rate or faster: far more than the rounding of

@@ -28,8 +28,8 @@ from rotor_ida.cli.variables import (
     with_unit,
 )
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
-from rotor_ida.model.parameters import SPEED_UNITS
-from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.rotor import SPEED_UNITS
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, flags_of

@@ -23,7 +23,7 @@ from rotor_ida.cli.variables import (
     value_of,
     with_unit,
 )
-from rotor_ida.model.parameters import SPEED_UNITS
+from rotor_ida.model.rotor import SPEED_UNITS
 from rotor_ida.results.si_units import in_rpm
 
 # Peaks that noise, too, may have are below so many times the floor.

@@ -19,8 +19,8 @@ from rotor_ida.checks import COMPONENTS
 from rotor_ida.closed_forms import ramp_flight, response_curve, rest
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import LINE_KIND, Column, labelled, labelled_dataset, words_of
 from rotor_ida.signals.record import Record, record_of
 

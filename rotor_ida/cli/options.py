@@ -21,8 +21,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.cli import parsing
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
-from rotor_ida.model.table import (
+from rotor_ida.model.parameters import (
     DEFAULTS,
     MACHINE_PARAMETERS,
     OF_MACHINE,
@@ -31,6 +30,7 @@ from rotor_ida.model.table import (
     PARAMETERS,
     TABLE,
 )
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import Backend, Flight, Method
 
 

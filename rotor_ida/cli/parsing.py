@@ -16,7 +16,7 @@ from cyclopts import Token
 
 from rotor_ida.checks import MOST_POINTS_OF_STUDY, State, check_real, check_state, shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import SPEED_UNITS, SpeedUnit
+from rotor_ida.model.rotor import SPEED_UNITS, SpeedUnit
 
 LARGEST_RANGE = 1_000_000
 MOST_POINTS = 5_000_000

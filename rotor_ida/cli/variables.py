@@ -10,7 +10,7 @@ import xarray as xr
 from rich.console import RenderableType
 
 from rotor_ida.cli.report import table
-from rotor_ida.model.table import ALL_PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.schema import NO_YES, RESULT_KIND, flags_of, words_of
 
 Record = dict[str, object]

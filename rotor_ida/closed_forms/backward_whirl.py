@@ -32,7 +32,7 @@ from rotor_ida.closed_forms.contact_laws import force_at_depth
 from rotor_ida.closed_forms.rest import slowest_rate
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
-from rotor_ida.model.parameters import Rotor, check_no_load
+from rotor_ida.model.rotor import Rotor, check_no_load
 from rotor_ida.schema import STABILITY, WHIRL_KIND, labelled, labelled_dataset
 
 # With less friction the whirl speed leaves the range of doubles.

@@ -32,7 +32,7 @@ from rotor_ida.closed_forms.peaks import SMALLEST_DAMPING
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, checked_rotors
 from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED, whirls_in_contact
 from rotor_ida.model.contact import HERTZ_EXPONENT
-from rotor_ida.model.table import check_clearance_needed
+from rotor_ida.model.parameters import check_clearance_needed
 
 
 def clearance_curve(

@@ -29,7 +29,7 @@ from rotor_ida.closed_forms.exponentials import (
     turn_less_one,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 
 ComplexValues = npt.NDArray[np.complex128]
 

@@ -18,8 +18,8 @@ from rotor_ida.model.contact import (
     indentation,
     secant_stiffness,
 )
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import DEFAULTS, check_clearance_needed, check_exponent
+from rotor_ida.model.parameters import DEFAULTS, check_clearance_needed, check_exponent
+from rotor_ida.model.rotor import Rotor
 
 # Smallest, but zero, and largest value of a parameter [1].
 Range = tuple[float, float]

@@ -28,7 +28,7 @@ from rotor_ida.checks import (
     check_state,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 
 ComplexValues = npt.NDArray[np.complex128]
 

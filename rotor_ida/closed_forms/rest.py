@@ -10,7 +10,7 @@ import xarray as xr
 from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
 from rotor_ida.closed_forms.contact_laws import force_at_depth
 from rotor_ida.model.contact import HERTZ_EXPONENT
-from rotor_ida.model.parameters import Rotor, check_no_friction
+from rotor_ida.model.rotor import Rotor, check_no_friction
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
 

@@ -13,8 +13,8 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points
 from rotor_ida.closed_forms.contact_laws import Range, RestoringLaw
+from rotor_ida.model.parameters import DEFAULTS
 from rotor_ida.model.rotors import Rotors, rotors_of
-from rotor_ida.model.table import DEFAULTS
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,7 +37,7 @@ from rotor_ida.closed_forms.contact_laws import force, stiffnesses
 from rotor_ida.closed_forms.response_curve import response_curve
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import check_exponent
+from rotor_ida.model.parameters import check_exponent
 from rotor_ida.schema import STABILITY, labelled
 
 SMALLEST_INERTIA, LARGEST_INERTIA = 1e-12, 1e15

@@ -15,9 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.core import library as found
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.spinning import OF_DRIVE
-from rotor_ida.model.table import ALL_PARAMETERS
 
 # How a call ended; the flags of SUNDIALS are negative.
 DONE = 0

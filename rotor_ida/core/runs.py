@@ -27,8 +27,8 @@ from rotor_ida.core.interface import (
     pointer,
 )
 from rotor_ida.model.modes import WHOLE
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.rotor import Rotor
 
 Stop = npt.NDArray[np.uint8]
 Rows = npt.NDArray[np.void]

@@ -30,7 +30,7 @@ from rotor_ida.cycles.problems import (
     may_have_tori,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, Stop
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.studies.results import Results

@@ -30,7 +30,7 @@ from rotor_ida.cycles.problems import FOLD, HALF, PLACE, TORUS, Continuation, ne
 from rotor_ida.cycles.shooting import LEFT_THE_RING, Cycle
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.neighbours import Shot
 
 HOPF = "hopf"

@@ -12,7 +12,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import ALL_PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.schema import words_of
 
 # At each of these a cycle that was stable is so no more, or the other way round.

@@ -16,8 +16,8 @@ from rotor_ida.cycles.continue_cycle import branch_from, check_limits
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.schema import EXACT, check_dimensionless
 

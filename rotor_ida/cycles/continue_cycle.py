@@ -32,7 +32,7 @@ from rotor_ida.cycles.limit_cycle import checked_guess, with_period
 from rotor_ida.cycles.problems import NEVER_ZERO, Continuation, branch_through
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.arrays import Arrays

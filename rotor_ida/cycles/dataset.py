@@ -29,7 +29,7 @@ from rotor_ida.cycles.shooting import (
     sampled_orbit,
 )
 from rotor_ida.model.contact import contact_force
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import (

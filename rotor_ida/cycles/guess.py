@@ -10,8 +10,8 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_between, check_state, shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import SPECIAL, check_dimensionless
 
 DOUBLING = "period_doubling"

@@ -22,7 +22,7 @@ from rotor_ida.cycles.shooting import (
     sampled_orbit,
 )
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop, interruptible
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.steady.follow import FAILED, follow_to_steady_state

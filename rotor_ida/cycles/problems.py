@@ -35,8 +35,8 @@ from rotor_ida.cycles.shooting import (
 )
 from rotor_ida.cycles.special_points import Count
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.neighbours import Shot, shoot
 from rotor_ida.simulation.orbit import REVERSE, ROLL

@@ -26,7 +26,7 @@ from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import contact_force
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.neighbours import ATOL, MAXIMUM, RTOL, Shot, shoot
 

@@ -20,7 +20,7 @@ from rotor_ida.explorer.messages import Answer, Question, packed
 from rotor_ida.explorer.motion import METHOD, duration_of, run_of, samples_of, show_motion
 from rotor_ida.explorer.page import page_files
 from rotor_ida.explorer.responses import show_responses
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.plot import plot_machine, plot_run, save_figure
 from rotor_ida.results.archive import save

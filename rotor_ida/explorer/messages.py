@@ -23,8 +23,8 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
-from rotor_ida.model.table import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
+from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
 
 About = Literal[

@@ -14,7 +14,7 @@ from rotor_ida.checks import COMPONENTS
 from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.words import words_of_run
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, MODE
 from rotor_ida.signals.forces import power_in_contact
 from rotor_ida.signals.run_spectrum import lines_of

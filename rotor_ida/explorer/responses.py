@@ -34,8 +34,8 @@ from rotor_ida.explorer.words import (
     words_of_transient,
     words_of_whip,
 )
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import EXACT, RESPONSE, STABILITY
 from rotor_ida.simulation.sections import poincare_section
 from rotor_ida.simulation.simulate import simulate

@@ -27,7 +27,7 @@ from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.motion import facts_of, states_of, values_of
 from rotor_ida.explorer.responses import MOST_KEPT, at_rest, of_whirls
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import STABILITY
 from rotor_ida.signals.forces import power_in_contact
 from rotor_ida.signals.orders import fit

@@ -21,8 +21,8 @@ from rotor_ida.errors import InputError
 from rotor_ida.fitting.identifiability import ANGLE
 from rotor_ida.fitting.problem import FitProblem, Unknown
 from rotor_ida.fitting.records import Measured, measured, noise_of
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
-from rotor_ida.model.table import OF_MACHINE, OPTIONAL
+from rotor_ida.model.parameters import OF_MACHINE, OPTIONAL
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.orbit import ENTRY, EXIT
 
 # What can be sought: of a machine the unit, and of a dimensionless rotor the name of that, with how

@@ -19,7 +19,7 @@ from rotor_ida.fitting.arguments import problem_of
 from rotor_ida.fitting.problem import FitProblem
 from rotor_ida.fitting.records import noise_of
 from rotor_ida.fitting.result import dataset_of
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 
 MOST_EVALUATIONS = 100
 TOLERANCE = 1e-10

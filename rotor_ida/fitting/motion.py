@@ -21,7 +21,7 @@ from rotor_ida.fitting.variation import (
     panels_of,
     slopes_of,
 )
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import SMALLEST_BEYOND, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import (
     ENTRY,

@@ -15,7 +15,7 @@ from rotor_ida.errors import InputError, RotorError
 from rotor_ida.fitting.identifiability import ANGLE
 from rotor_ida.fitting.motion import LARGEST_GROWTH, Motion, motion_of
 from rotor_ida.fitting.records import Measured
-from rotor_ida.model.parameters import DimensionalRotor
+from rotor_ida.model.rotor import DimensionalRotor
 
 Mask: TypeAlias = npt.NDArray[np.bool_]
 

@@ -14,7 +14,7 @@ from rotor_ida.fitting.arguments import UNITS
 from rotor_ida.fitting.identifiability import ANGLE, Identifiability, identify, left_in_words
 from rotor_ida.fitting.motion import Motion
 from rotor_ida.fitting.problem import APART, FitProblem, matched
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import Column
 

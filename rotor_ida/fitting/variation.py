@@ -37,9 +37,9 @@ from rotor_ida.model.modes import (
     slope_of_root,
     spring_of_root,
 )
-from rotor_ida.model.parameters import DimensionalRotor
+from rotor_ida.model.parameters import OF_MACHINE, OF_ROTOR
+from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.model.symbols import Dual, variables
-from rotor_ida.model.table import OF_MACHINE, OF_ROTOR
 
 Complex = npt.NDArray[np.complex128]
 

@@ -30,7 +30,7 @@ from rotor_ida.model.contact import (
     stiffness,
 )
 from rotor_ida.model.modes import Moment, accelerations, turned_rates
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.symbols import Dual, variables
 
 

@@ -31,7 +31,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from rotor_ida.model.contact import HERTZ_EXPONENT, secant_of_square
-from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 
 # How fast a direction is drawn back to the unit circle, in parts of the spin: a pull as fast as the
 # motion cost Adams a sixth more steps, and this one cost none.

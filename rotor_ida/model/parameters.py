@@ -1,422 +1,243 @@
-"""The rotor's parameters, dimensionless and in SI units, and the scales between the two."""
+"""The one table of parameters: what each is, its symbols, its units, its default and its range.
+
+Checks, coordinates, options of the command line, labels and the tables of the documentation are
+made from it.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, TypedDict
 
-import numpy as np
-import numpy.typing as npt
-
-from rotor_ida.checks import (
-    check_array,
-    check_choice,
-    check_nonnegative,
-    check_positive,
-    check_real,
-    shown,
-)
+from rotor_ida.checks import check_nonnegative, check_positive
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import (
-    DEFAULTS,
-    MACHINE_PARAMETERS,
-    OF_MACHINE,
-    OF_ROTOR,
-    PARAMETERS,
-    Parameter,
-    check_parameter,
-    check_together,
-)
 
-# How many radians a second each unit of speed is.
-SpeedUnit = Literal["rad/s", "rpm", "Hz"]
-SPEED_UNITS: dict[SpeedUnit, float] = {"rad/s": 1.0, "rpm": math.pi / 30.0, "Hz": 2.0 * math.pi}
-# Quotients and products of smaller or larger scales leave the range of doubles.
-SMALLEST_SCALE = 1e-100
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
-class Rotor:
-    """A rotor with contact and clearance, in dimensionless form.
-
-    Parameters
-    ----------
-    omega : float
-        Spin speed over the reference frequency [1]; 0 is free vibration.
-    zeta : float
-        Damping ratio [1].
-    delta0 : float
-        Radial clearance over eccentricity [1]; 0 means always in contact.
-    shaft_stiffness : float
-        Stiffness kappa of the shaft, which springs back to the bearing axis [1].
-    contact_exponent : {1.5, 1.0}
-        Exponent n of the contact force: 3/2 by Hertz, or 1, a linear spring.
-    contact_damping : float
-        Coefficient c by which an approach adds to the contact force [1].
-    load : float
-        Static load gamma, downwards [1].
-    friction : float
-        Coefficient mu of Coulomb friction in the contact [1].
-    disc_radius : float, optional
-        Radius rho of the disc over eccentricity [1], which friction needs; without friction it is
-        kept and changes nothing.
-
-    Raises
-    ------
-    InputError
-        If a value is not a finite real number that is zero or positive; if the exponent is
-        another; if there is contact damping or friction without clearance, or friction without a
-        disc radius.
-
-    Notes
-    -----
-    ``z'' + 2 zeta z' + kappa z + (N + i T) z/|z| = omega**2 exp(i omega t) - i gamma``, with
-    ``N = max(0, d**n (1 + c d'))`` where ``d = |z| - delta0`` is positive, or else 0: never
-    tensile [2]_. While the surfaces slide, ``T = mu N sign(v_s)`` with
-    ``v_s = v_t + rho omega``, v_t the tangential velocity of the disc's centre; where v_s is 0 the
-    disc rolls on the ring for as long as ``|T| <= mu N``. With the defaults it is the paper's
-    rotor,
-    ``z'' + 2 zeta z' + max(|z| - delta0, 0)**1.5 z/|z| = omega**2 exp(i omega t)``.
-
-    References
-    ----------
-    .. [1] Eq. (10) of the paper, Mechanika 25(6), 2019.
-    .. [2] K. H. Hunt and F. R. E. Crossley, "Coefficient of restitution interpreted as damping in
-       vibroimpact", Journal of Applied Mechanics 42, 1975.
-
-    Examples
-    --------
-    >>> Rotor(omega=1.7, zeta=0.07, delta0=0.5)
-    Rotor(omega=1.7, zeta=0.07, delta0=0.5)
-    >>> Rotor(omega=1.7, zeta=0.07, delta0=0.5, shaft_stiffness=0.25)
-    Rotor(omega=1.7, zeta=0.07, delta0=0.5, shaft_stiffness=0.25)
-    >>> Rotor(omega=1.7, zeta=-0.07, delta0=0.5)
-    Traceback (most recent call last):
-    ...
-    rotor_ida.errors.InputError: zeta must be zero or positive, got -0.07
-    """
-
-    omega: float
-    zeta: float
-    delta0: float
-    shaft_stiffness: float = 0.0
-    contact_exponent: float = 1.5
-    contact_damping: float = 0.0
-    load: float = 0.0
-    friction: float = 0.0
-    disc_radius: float | None = None
-
-    def __post_init__(self) -> None:
-        _set_checked(self, OF_ROTOR)
-        check_together(_optional(self), self.delta0)
-
-    def __repr__(self) -> str:
-        return f"Rotor({', '.join(f'{name}={value!r}' for name, value in self.given.items())})"
-
-    @property
-    def beyond(self) -> dict[str, float]:
-        """What makes it move unlike the paper's rotor: the parameters that are not the default."""
-        beyond = _not_default(self)
-        return beyond if self.friction > 0.0 else without(beyond, "disc_radius")
-
-    @property
-    def given(self) -> dict[str, float]:
-        """What it takes to make the same rotor: those of the paper's, and what is not default."""
-        return {name: getattr(self, name) for name in PARAMETERS} | _not_default(self)
-
-
-def _set_checked(rotor: Rotor | DimensionalRotor, table: Mapping[str, Parameter]) -> None:
-    """Put the checked value of each parameter in place of what was given."""
-    for name, parameter in table.items():
-        object.__setattr__(rotor, name, check_parameter(parameter, getattr(rotor, name)))
-
-
-def _optional(rotor: Rotor | DimensionalRotor) -> dict[str, float | None]:
-    """Return the optional parameters by name."""
-    return {name: getattr(rotor, name) for name in DEFAULTS}
-
-
-def _not_default(rotor: Rotor | DimensionalRotor) -> dict[str, float]:
-    """Return the optional parameters that are not the default."""
-    return {
-        name: value
-        for name, value in _optional(rotor).items()
-        if value is not None and value != DEFAULTS[name]
-    }
-
-
-def without(values: dict[str, float], name: str) -> dict[str, float]:
-    """Return values by name, but for one."""
-    return {each: value for each, value in values.items() if each != name}
-
-
-def check_no_friction(rotor: Rotor, what: str) -> None:
-    """Raise `InputError` for a rotor with friction, where that is not known yet."""
-    if rotor.friction > 0.0:
-        raise InputError(
-            f"friction must be 0 for {what}, which does not know it yet, got {rotor.friction!r}"
-        )
-
-
-def check_no_load(rotor: Rotor, what: str) -> None:
-    """Raise `InputError` for a rotor with a load, where the turning axes must not see one."""
-    if rotor.load > 0.0:
-        raise InputError(
-            f"load must be 0 for {what}, as under a load nothing stands still on the turning axes, "
-            f"got {rotor.load!r}"
-        )
-
-
-def check_papers(rotor: Rotor, what: str) -> None:
-    """Raise `InputError` for a rotor with more than the paper's where that is not known yet."""
-    if rotor.beyond:
-        given = ", ".join(f"{name} {value!r}" for name, value in rotor.beyond.items())
-        raise InputError(f"the rotor of {what} must be the paper's, without {given}")
-
-
-class ChangeOfSpeed(TypedDict, total=False):
-    """How a speed changes, without dimensions: arguments of `rotor_ida.run_up`."""
-
-    to: float
-    rate: float
-    speeds: npt.NDArray[np.float64]
-    torque: npt.NDArray[np.float64]
-    inertia: float
-    duration: float
+# The exponents of the contact force: Hertz's, and that of a linear spring.
+EXPONENTS = (1.5, 1.0)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class DimensionalRotor:
-    """The same rotor as an engineer measures it, in SI units.
+class Parameter:
+    """One parameter of a rotor, without dimensions, in SI units, or both.
 
     Parameters
     ----------
-    mass : float
-        Mass of the disc, m [kg].
-    contact_stiffness : float
-        Stiffness of the contact, k [N/m^n]: N/m^1.5 by Hertz, N/m for a linear spring.
-    damping : float
-        Viscous damping coefficient, n [N s/m].
-    eccentricity : float
-        Distance of the mass centre from the disc centre, D [m].
-    clearance : float
-        Radial clearance, d [m].
-    speed : float
-        Spin speed, W [rad/s].
-    shaft_stiffness : float
-        Stiffness of the shaft at the disc, k_s [N/m].
-    contact_exponent : {1.5, 1.0}
-        Exponent n of the contact force: 3/2 by Hertz, or 1, a linear spring.
-    contact_damping : float
-        Coefficient lambda of Hunt and Crossley, by which a speed of approach adds to the contact
-        force [s/m].
-    load : float
-        Static load, downwards, L [N]; the weight is mass times 9.80665 m/s^2.
-    friction : float
-        Coefficient of Coulomb friction in the contact [1].
-    disc_radius : float, optional
-        Radius of the disc, R [m], which friction needs.
-
-    Raises
-    ------
-    InputError
-        If mass, contact_stiffness or eccentricity is not a positive finite number,
-        or one of the others is not a finite number that is zero or positive; or if
-        the scales leave the range of doubles.
-
-    Notes
-    -----
-    Lengths scale with D, times with 1/omega_0, where ``omega_0**2 = k D**(n - 1)/m``; the paper
-    prints ``k/m``, which has the wrong dimension for a Hertz contact. Then
-    ``kappa = k_s/(m omega_0**2)``, ``c = lambda D omega_0``, ``gamma = L/(m D omega_0**2)`` and
-    ``rho = R/D``.
-
-    References
-    ----------
-    Eqs (7)-(9) of the paper, Mechanika 25(6), 2019.
-
-    Examples
-    --------
-    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
-    ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
-    >>> machine.rotor()
-    Rotor(omega=1.2, zeta=0.07, delta0=2.0)
+    name : str
+        Its name as an argument, a coordinate and an option.
+    meaning : str
+        What the dimensionless number is; empty if the parameter exists in SI units alone.
+    symbol : str
+        The symbol of the dimensionless number, as TeX.
+    label : str
+        What an axis of a figure calls it.
+    plural : str
+        What several of them are called.
+    note : str
+        What an option says besides its meaning.
+    si_meaning : str
+        What the quantity in SI units is; empty if the parameter is dimensionless alone.
+    si_symbol : str
+        The symbol of the quantity in SI units, as TeX.
+    unit : str
+        The SI unit, as netCDF writes it.
+    needed : bool
+        Whether it must be given; the others have a default.
+    default : float or None
+        The value with which a rotor is the paper's.
+    positive : bool
+        Whether the quantity in SI units must be above zero.
+    smallest, largest : float
+        Least value but zero, and largest value, of a rotor that is simulated [1].
     """
 
-    mass: float
-    contact_stiffness: float
-    damping: float
-    eccentricity: float
-    clearance: float
-    speed: float
-    shaft_stiffness: float = 0.0
-    contact_exponent: float = 1.5
-    contact_damping: float = 0.0
-    load: float = 0.0
-    friction: float = 0.0
-    disc_radius: float | None = None
-
-    def __post_init__(self) -> None:
-        _set_checked(self, OF_MACHINE)
-        check_together(_optional(self), math.inf)
-        scales = (self.reference_frequency, self.velocity_scale, self.force_scale)
-        if not all(SMALLEST_SCALE < scale < 1.0 / SMALLEST_SCALE for scale in scales):
-            raise InputError(
-                "mass, contact_stiffness and eccentricity must give scales of frequency, velocity "
-                f"and force between {SMALLEST_SCALE:g} and {1.0 / SMALLEST_SCALE:g}, got "
-                f"{', '.join(f'{scale:.3g}' for scale in scales)}"
-            )
+    name: str
+    meaning: str = ""
+    symbol: str = ""
+    label: str = ""
+    plural: str = ""
+    note: str = ""
+    si_meaning: str = ""
+    si_symbol: str = ""
+    unit: str = "1"
+    needed: bool = False
+    default: float | None = 0.0
+    positive: bool = False
+    smallest: float = 1e-12
+    largest: float = 1e6
 
     @property
-    def reference_frequency(self) -> float:
-        """``omega_0 = sqrt(k D**(n - 1) / m)`` [rad/s]."""
-        stiffness = self.contact_stiffness
-        if self.contact_exponent > 1.0:
-            stiffness *= math.sqrt(self.eccentricity)
-        return math.sqrt(stiffness / self.mass)
+    def help(self) -> str:
+        """What the command line says of one number."""
+        return f"{_capital(self.meaning)}{self.note}."
 
     @property
-    def length_scale(self) -> float:
-        """Metres in one dimensionless unit of length: the eccentricity [m]."""
-        return self.eccentricity
+    def axis_help(self) -> str:
+        """What the command line says of several numbers."""
+        return f"{_capital(self.plural)}: numbers, or START:STOP:COUNT."
 
     @property
-    def time_scale(self) -> float:
-        """Seconds in one dimensionless unit of time: ``1/omega_0`` [s]."""
-        return 1.0 / self.reference_frequency
-
-    @property
-    def velocity_scale(self) -> float:
-        """Metres per second in one dimensionless unit of velocity: ``D omega_0`` [m/s]."""
-        return self.eccentricity * self.reference_frequency
-
-    @property
-    def force_scale(self) -> float:
-        """Newtons in one dimensionless unit of force: ``k D**n`` [N]."""
-        linear = self.contact_stiffness * self.eccentricity
-        return linear * math.sqrt(self.eccentricity) if self.contact_exponent > 1.0 else linear
-
-    @property
-    def torque_scale(self) -> float:
-        """Newton metres in one dimensionless unit of torque: ``m D**2 omega_0**2`` [N m]."""
-        return self.force_scale * self.length_scale
-
-    @property
-    def inertia_scale(self) -> float:
-        """Moment of inertia in one dimensionless unit of it: ``m D**2`` [kg m^2]."""
-        return self.mass * self.eccentricity**2
-
-    @property
-    def given(self) -> dict[str, float]:
-        """What it takes to make the same machine: those of the paper's, and what is beyond it."""
-        return {name: getattr(self, name) for name in MACHINE_PARAMETERS} | _not_default(self)
-
-    def rotor(self) -> Rotor:
-        """Return the dimensionless rotor that moves like this machine."""
-        frequency = self.reference_frequency
-        return Rotor(
-            omega=self.speed / frequency,
-            zeta=self.damping / (2.0 * self.mass * frequency),
-            delta0=self.clearance / self.eccentricity,
-            shaft_stiffness=self.shaft_stiffness / (self.mass * frequency**2),
-            contact_exponent=self.contact_exponent,
-            contact_damping=self.contact_damping * self.velocity_scale,
-            load=self.load / self.force_scale,
-            friction=self.friction,
-            disc_radius=None if self.disc_radius is None else self.disc_radius / self.eccentricity,
-        )
-
-    def change_of_speed(
-        self,
-        *,
-        to: float | None = None,
-        rate: float | None = None,
-        speeds: Sequence[tuple[float, float]] | npt.ArrayLike | None = None,
-        torque: tuple[float, float] | npt.ArrayLike | None = None,
-        inertia: float | None = None,
-        duration: float | None = None,
-        unit: SpeedUnit = "rad/s",
-    ) -> ChangeOfSpeed:
-        """Return how the speed of this machine changes, as `rotor_ida.run_up` takes it.
-
-        Parameters
-        ----------
-        to : float, optional
-            Speed at the end of a ramp [unit].
-        rate : float, optional
-            Change of the speed in a second [unit/s], negative in a run-down.
-        speeds : sequence of (float, float), optional
-            Pairs of time [s] and speed [unit].
-        torque : tuple of float, optional
-            ``(stall, slope)``: torque of the drive at rest [N m], and by how much it falls with
-            each rad/s [N m s], whatever `unit` is. A drive that ends at a no-load speed W0 in rad/s
-            has the slope ``stall/W0``.
-        inertia : float, optional
-            Moment of inertia of all that the drive turns, about the centre of mass [kg m^2].
-        duration : float, optional
-            Time to simulate [s].
-        unit : {"rad/s", "rpm", "Hz"}
-            Unit of the speeds.
-
-        Returns
-        -------
-        dict
-            The arguments that were given, without dimensions.
-
-        Raises
-        ------
-        InputError
-            If a value is no finite number; if an inertia is not positive or a speed negative; if
-            the rate does not lead from the speed of the machine to that of `to`.
+    def shown_unit(self) -> str:
+        """The SI unit as a reader writes it.
 
         Examples
         --------
-        A run-up to 3,000 rpm at 100 rpm/s, from the machine's own speed:
-
-        >>> from rotor_ida import run_up
-        >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=3.2e7, damping=89.1,
-        ...                            eccentricity=1e-5, clearance=2e-5, speed=60.0)
-        >>> run = run_up(machine.rotor(), start=(0, 0, 0, 0), rtol=1e-8,
-        ...              **machine.change_of_speed(to=3000, rate=10_000, unit="rpm"))
-        >>> round(float(run.speed[-1]) * machine.reference_frequency * 30 / math.pi, 6)
-        3000.0
+        >>> OF_MACHINE["damping"].shown_unit, OF_MACHINE["shaft_stiffness"].shown_unit
+        ('N s/m', 'N/m')
         """
-        check_choice("unit", unit, tuple(SPEED_UNITS))
-        a_second = SPEED_UNITS[unit]
-        speed, time = a_second / self.reference_frequency, self.time_scale
-        found: ChangeOfSpeed = {}
-        if to is not None:
-            found["to"] = check_nonnegative("to", to) * speed
-        if rate is not None:
-            found["rate"] = check_real("rate", rate) * speed * time
-            if to is not None:
-                _check_way(self.speed / a_second, to, rate, unit)
-        if speeds is not None:
-            table = check_array("speeds", speeds)
-            if table.ndim != 2 or table.shape[1] != 2:
-                raise InputError(f"speeds must be pairs of time and speed, got {shown(speeds)}")
-            for each in table[:, 1].tolist():
-                check_nonnegative("a speed of speeds", each)
-            found["speeds"] = table * [1.0 / time, speed]
-        if torque is not None:
-            pair = check_array("torque", torque)
-            if pair.shape != (2,):
-                raise InputError(f"torque must be two numbers (stall, slope), got {shown(torque)}")
-            found["torque"] = pair / self.torque_scale * [1.0, self.reference_frequency]
-        if inertia is not None:
-            found["inertia"] = check_positive("inertia", inertia) / self.inertia_scale
-        if duration is not None:
-            found["duration"] = check_nonnegative("duration", duration) / time
-        return found
+        return self.unit.replace(" m-1.5", "/m^1.5").replace(" m-1", "/m").replace(" s-1", "/s")
+
+    @property
+    def si_help(self) -> str:
+        """What the command line says of the quantity in SI units."""
+        unit = "" if self.unit == "1" else f", in {self.shown_unit}"
+        return f"{_capital(self.si_meaning)}{unit}{self.note}."
+
+    @property
+    def either_help(self) -> str:
+        """What the command line says of a number that may be given in either way."""
+        if not self.si_meaning:
+            return self.help
+        if not self.meaning or self.unit == "1":
+            return self.si_help
+        return f"{_capital(self.si_meaning)}{self.note}: with a mass in {self.shown_unit}."
 
 
-def _check_way(speed: float, to: float, rate: float, unit: str) -> None:
-    """Raise `InputError` for a rate that does not lead from one speed to another, in their unit."""
-    if rate == 0.0 or to == speed or (rate > 0.0) != (to > speed):
-        way = "positive" if to > speed else "negative"
-        wanted = f"rate must be {way} to change the speed from {speed:g} to {to:g} {unit}"
-        if to == speed:
-            wanted = f"to must differ from the speed of the machine, {speed:g} {unit}"
-        raise InputError(f"{wanted}, got {to if to == speed else rate!r}")
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]
+
+
+TABLE = (
+    Parameter(
+        name="omega", symbol=r"\omega", needed=True, default=None, smallest=0.0,
+        meaning="spin speed over the reference frequency",
+        label="spin speed", plural="spin speeds",
+    ),
+    Parameter(
+        name="zeta", symbol=r"\zeta", needed=True, default=None, smallest=0.0,
+        meaning="damping ratio", label="damping ratio", plural="damping ratios",
+    ),
+    Parameter(
+        name="delta0", symbol=r"\delta_0", needed=True, default=None,
+        meaning="radial clearance over eccentricity", label="clearance", plural="clearances",
+    ),
+    Parameter(
+        name="mass", si_symbol="m", unit="kg", needed=True, default=None, positive=True,
+        si_meaning="mass of the disc",
+    ),
+    Parameter(
+        name="contact_stiffness", si_symbol="k", unit="N m-1.5", needed=True, default=None,
+        positive=True, si_meaning="stiffness of the contact",
+        note="; of a linear one in N/m",
+    ),
+    Parameter(
+        name="damping", si_symbol=r"2 m \zeta \omega_0", unit="N s m-1", needed=True, default=None,
+        si_meaning="viscous damping",
+    ),
+    Parameter(
+        name="eccentricity", si_symbol="D", unit="m", needed=True, default=None, positive=True,
+        si_meaning="distance of the mass centre from the disc centre",
+    ),
+    Parameter(
+        name="clearance", si_symbol=r"\Delta", unit="m", needed=True, default=None,
+        si_meaning="radial clearance",
+    ),
+    Parameter(
+        name="speed", si_symbol=r"\Omega", unit="rad s-1", needed=True, default=None,
+        si_meaning="spin speed",
+    ),
+    Parameter(
+        name="shaft_stiffness", symbol=r"\kappa",
+        meaning="stiffness of the shaft over mass times reference frequency squared",
+        label="stiffness of the shaft", plural="stiffnesses of the shaft",
+        si_meaning="stiffness of the shaft", si_symbol="k_s", unit="N m-1",
+    ),
+    Parameter(
+        name="contact_exponent", symbol="n", default=EXPONENTS[0],
+        meaning="exponent of the contact force", note=": 1.5 by Hertz, or 1",
+        label="exponent of the contact", plural="exponents of the contact force, 1.5 by Hertz or 1",
+        si_meaning="exponent of the contact force", si_symbol="n",
+    ),
+    Parameter(
+        name="contact_damping", symbol="c",
+        meaning="relative rise of the contact force at a speed of approach of 1",
+        label="contact damping", plural="contact dampings",
+        si_meaning="relative rise of the contact force over the speed of approach",
+        si_symbol=r"\lambda", unit="s m-1",
+    ),
+    Parameter(
+        name="load", symbol=r"\gamma",
+        meaning="static load, downwards, over the contact force at an indentation of 1",
+        label="load", plural="static loads, downwards",
+        si_meaning="static load, downwards", si_symbol="L", unit="N",
+    ),
+    Parameter(
+        name="friction", symbol=r"\mu",
+        meaning="coefficient of friction in the contact",
+        label="friction", plural="coefficients of friction",
+        si_meaning="coefficient of friction in the contact", si_symbol=r"\mu",
+    ),
+    Parameter(
+        name="disc_radius", symbol=r"\rho", default=None,
+        meaning="radius of the disc over eccentricity", note=", which friction needs",
+        label="radius of the disc", plural="radii of the disc, which friction needs",
+        si_meaning="radius of the disc", si_symbol="R", unit="m",
+    ),
+)  # fmt: skip
+
+# The parameters of `rotor_ida.Rotor` and of `rotor_ida.DimensionalRotor`, in order.
+OF_ROTOR = {each.name: each for each in TABLE if each.meaning}
+OF_MACHINE = {each.name: each for each in TABLE if each.si_meaning}
+ALL_PARAMETERS = tuple(OF_ROTOR)
+# What the paper's rotor has, without dimensions and in SI units.
+PARAMETERS = tuple(name for name, each in OF_ROTOR.items() if each.needed)
+MACHINE_PARAMETERS = tuple(name for name, each in OF_MACHINE.items() if each.needed)
+# What is optional, each with the value with which the rotor is the paper's.
+DEFAULTS: dict[str, float | None] = {
+    each.name: each.default for each in OF_ROTOR.values() if not each.needed
+}
+OPTIONAL = tuple(DEFAULTS)
+# Those of them that say something without friction too.
+FRICTIONLESS = {
+    name: value
+    for name, value in DEFAULTS.items()
+    if value is not None and name not in {"friction", "disc_radius"}
+}
+
+
+def check_parameter(parameter: Parameter, value: object) -> float | None:
+    """Return the value of a parameter as a float, or raise `InputError`."""
+    if value is None and parameter.default is None and not parameter.needed:
+        return None
+    checked = check_positive if parameter.positive else check_nonnegative
+    number = checked(parameter.name, value)
+    if parameter.name == "contact_exponent":
+        check_exponent(number)
+    return number
+
+
+def check_exponent(exponent: float) -> None:
+    """Raise `InputError` for an exponent of the contact force that is not known."""
+    if exponent not in EXPONENTS:
+        allowed = " or ".join(f"{each:g}" for each in EXPONENTS)
+        raise InputError(f"contact_exponent must be {allowed}, got {exponent!r}")
+
+
+def check_together(values: dict[str, float | None], clearance: float) -> None:
+    """Raise `InputError` for values that exclude each other, at the dimensionless clearance."""
+    friction = values["friction"]
+    if friction and values["disc_radius"] is None:
+        raise InputError(
+            f"disc_radius must be given with friction, got None with friction {friction!r}"
+        )
+    if clearance == 0.0:
+        check_clearance_needed(values)
+
+
+def check_clearance_needed(largest: dict[str, float | None]) -> None:
+    """Raise `InputError` for contact damping or friction where there is no clearance."""
+    for name in ("friction", "contact_damping"):
+        value = largest[name]
+        if value:
+            raise InputError(
+                f"{name} must be 0 without clearance, where the radius may vanish in contact, "
+                f"got {value!r} with delta0 0.0"
+            )

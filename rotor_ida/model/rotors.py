@@ -10,14 +10,14 @@ import numpy as np
 
 from rotor_ida.arrays import Column, Values
 from rotor_ida.checks import check_axis, is_scalar
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import (
+from rotor_ida.model.parameters import (
     ALL_PARAMETERS,
     DEFAULTS,
     PARAMETERS,
     check_clearance_needed,
     check_exponent,
 )
+from rotor_ida.model.rotor import Rotor
 
 
 @dataclass(frozen=True, slots=True)

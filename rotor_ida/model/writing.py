@@ -33,9 +33,9 @@ from rotor_ida.model.derivation import (
     operands,
 )
 from rotor_ida.model.modes import PAPER, WHOLE, Mode, Model
+from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.spinning import OF_DRIVE, RUN_UP
 from rotor_ida.model.symbols import Symbol, split
-from rotor_ida.model.table import ALL_PARAMETERS
 
 MODELS = (PAPER, WHOLE, RUN_UP)
 # When each is compiled.
@@ -552,7 +552,7 @@ def sources() -> dict[str, str]:
 def _rotor() -> str:
     """Return the structure of a rotor, which is the same in all models."""
     lines = [
-        f"/* Derived from rotor_ida/model/table.py by `{COMMAND}`. */",
+        f"/* Derived from rotor_ida/model/parameters.py by `{COMMAND}`. */",
         "/* clang-format off */",
         "#ifndef ROTOR_IDA_DERIVED_ROTOR_H",
         "#define ROTOR_IDA_DERIVED_ROTOR_H",

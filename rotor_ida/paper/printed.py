@@ -19,7 +19,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import State, check_choice, check_nonnegative, check_positive, check_state
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force, contact_potential
-from rotor_ida.model.parameters import DimensionalRotor
+from rotor_ida.model.rotor import DimensionalRotor
 
 ComplexValues = npt.NDArray[np.complex128]
 

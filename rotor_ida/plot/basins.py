@@ -17,7 +17,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force
-from rotor_ida.model.table import PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import INK, KIND_SHADES, drawing, legend_below
 from rotor_ida.plot.datasets import check_dataset, parameters_in
 from rotor_ida.plot.labels import KIND_WORDS, LABELS, label_axis, number_text, title_of, unit_of

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from rotor_ida.arrays import Values
 from rotor_ida.cycles.branch_course import Course, course_of, parameters_of, runs_of
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     BOUNCING_CYCLE,

@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.axis import Axis
 
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS, OPTIONAL
+from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, OPTIONAL
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import QUANTITIES
 

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     GREY,

@@ -15,7 +15,7 @@ from rotor_ida import plot
 from rotor_ida.checks import check_panels
 from rotor_ida.closed_forms import folds, hopf_points, response_curve
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS
+from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.plot.datasets import parameters_in, rotors_in
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.results.kinds import KINDS, kind_of, loaded

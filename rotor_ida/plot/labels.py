@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 import xarray as xr
 from matplotlib.axis import Axis
 
-from rotor_ida.model.table import OF_ROTOR, OPTIONAL, PARAMETERS
+from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.plot.datasets import hold_units, one_value, units_in
 from rotor_ida.results.si_units import in_rpm, scale_of
 

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import OPTIONAL, PARAMETERS
+from rotor_ida.model.parameters import OPTIONAL, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     CONTACT_FREE,

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rotor_ida.model.table import PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     GREY,
     KIND_SHADES,

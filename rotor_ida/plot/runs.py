@@ -18,7 +18,7 @@ from matplotlib.patheffects import Stroke
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_choice
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     DARK_BROWN,

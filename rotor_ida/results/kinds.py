@@ -16,7 +16,7 @@ from typing import Any
 
 import xarray as xr
 
-from rotor_ida.model.table import PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.schema import RESULT_KIND
 
 OTHER = "other"

@@ -8,8 +8,8 @@ import xarray as xr
 
 from rotor_ida.checks import check_instance
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import Column, check_dimensionless
 
 

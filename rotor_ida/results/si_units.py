@@ -10,7 +10,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_instance, shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import SPEED_UNITS, DimensionalRotor
+from rotor_ida.model.rotor import SPEED_UNITS, DimensionalRotor
 from rotor_ida.schema import QUANTITIES
 
 UNITS = {

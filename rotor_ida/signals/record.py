@@ -13,7 +13,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_increasing, check_instance
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import ALL_PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.schema import QUANTITIES, Column, labelled, labelled_dataset, origin_of
 from rotor_ida.signals.keyphasor import angles_by_pulses
 

@@ -13,7 +13,7 @@ from rotor_ida.checks import State, check_instance
 from rotor_ida.core.runs import SPIN, Rows
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force, damping_factor
-from rotor_ida.model.table import ALL_PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.schema import (
     WHIRL_DIRECTION,
     Column,

@@ -28,7 +28,7 @@ from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.modes import Moment, accelerations
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
 from rotor_ida.simulation.orbit import PRESS, REVERSE, ROLL, ROLLS, SLIP, Orbit

@@ -14,7 +14,7 @@ from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.neighbours import ATOL
 

@@ -25,7 +25,7 @@ from rotor_ida.core.interface import DONE, NOT_FINITE, message_of
 from rotor_ida.core.runs import RunRequest, stretch
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop, interruptible
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates

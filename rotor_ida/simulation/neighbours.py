@@ -19,8 +19,8 @@ from rotor_ida.core.interface import DONE, STUCK, message_of
 from rotor_ida.core.runs import COLUMNS, DIFFERENCES, Rows, RunRequest, follow_run
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.equations import push_over_radius, rotating_field
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.orbit import ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
 

@@ -8,8 +8,8 @@ from typing import Literal
 from rotor_ida.checks import COMPONENTS, State, check_between, check_choice
 from rotor_ida.core import sundials
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.rotor import Rotor
 
 Method = Literal["adams", "bdf", "ida", "taylor"]
 Flight = Literal["exact", "cvode"]

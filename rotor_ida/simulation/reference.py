@@ -37,7 +37,7 @@ from rotor_ida.core.runs import EXTREMUM
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import force_over_radius
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop
 from rotor_ida.simulation.mechanics import (
     BACKWARDS,

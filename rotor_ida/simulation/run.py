@@ -13,7 +13,7 @@ from rotor_ida.core.interface import DONE, IN_CONTACT, UNBALANCED, message_of
 from rotor_ida.core.runs import Rows, RunRequest, RunResult, follow_run
 from rotor_ida.errors import InstallationError, InvariantError, SimulationError
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ORBIT_CONTACT, Orbit, SpeedRecord, check_orbit

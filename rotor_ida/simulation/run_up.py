@@ -22,7 +22,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop, interruptible
 from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors

@@ -21,7 +21,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop, interruptible
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates

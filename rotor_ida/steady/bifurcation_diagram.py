@@ -32,9 +32,9 @@ from rotor_ida.checks import (
 from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import rotors_of
-from rotor_ida.model.table import ALL_PARAMETERS
 from rotor_ida.parallel import FailedJob, Progress, Stop, Workers, choose, run_all
 from rotor_ida.schema import RESPONSE, STATUS, labelled
 from rotor_ida.simulation.extrema import CONSTANT, Extrema, check_knots, radius_extrema

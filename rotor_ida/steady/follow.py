@@ -13,7 +13,7 @@ from rotor_ida.checks import State
 from rotor_ida.core.runs import Rows
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop
 from rotor_ida.simulation.lyapunov import exponents_of
 from rotor_ida.simulation.options import Options

@@ -20,7 +20,7 @@ import xarray as xr
 from rotor_ida.arrays import Column
 from rotor_ida.checks import COMPONENTS, MOST_NUMBERS, MOST_POINTS_OF_STUDY, State, check_points
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import Rotors
 from rotor_ida.parallel import FailedJob, Progress, Workers, run_all
 from rotor_ida.parallel.jobs import Job, Result, Work

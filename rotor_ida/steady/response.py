@@ -33,7 +33,7 @@ from rotor_ida.closed_forms.contact_free import complex_amplitude, touch_fading
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.core.runs import Rows
 from rotor_ida.model.contact import contact_force, secant_stiffness
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 
 CONTACT_FREE = "contact_free"
 SYNCHRONOUS = "synchronous"

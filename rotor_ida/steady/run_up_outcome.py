@@ -16,7 +16,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import State
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop
 from rotor_ida.simulation.contact_table import peak_forces
 from rotor_ida.simulation.options import Options

@@ -15,7 +15,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import State, check_choice, check_increasing, check_progress, check_states
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import Rotors, rotors_of
 from rotor_ida.parallel import Progress, Stop, Workers, choose
 from rotor_ida.results.provenance import computing, provenance

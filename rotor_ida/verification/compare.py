@@ -16,8 +16,8 @@ from rotor_ida.closed_forms import rest, synchronous_response
 from rotor_ida.cycles.multipliers import is_stable
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import interruptible
 from rotor_ida.parallel.jobs import Stop
 from rotor_ida.schema import (

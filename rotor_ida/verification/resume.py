@@ -16,8 +16,8 @@ from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.continue_cycle import branch_from
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.errors import ArchiveError
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import ALL_PARAMETERS, OPTIONAL, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, OPTIONAL, PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.results.kinds import STUDIES, loaded
 from rotor_ida.results.provenance import computing

@@ -24,8 +24,8 @@ from rotor_ida.cycles.continue_cycle import branch_from
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.limit_cycle import limit_cycle
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.schema import RESPONSE, SPECIAL, words_of

@@ -26,7 +26,7 @@ from rotor_ida.cli.commands.compute import (
     touchdown,
 )
 from rotor_ida.cli.commands.cycles import continue_, curve, cycle
-from rotor_ida.model.table import DEFAULTS, OPTIONAL
+from rotor_ida.model.parameters import DEFAULTS, OPTIONAL
 
 Program = Callable[..., Any]
 

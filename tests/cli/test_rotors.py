@@ -13,8 +13,8 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli.options import AnyRotorOptions, RotorsOptions
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
-from rotor_ida.model.table import FRICTIONLESS
+from rotor_ida.model.parameters import FRICTIONLESS
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 
 Program = Callable[..., Any]
 

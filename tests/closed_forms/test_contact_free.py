@@ -19,7 +19,7 @@ from rotor_ida.closed_forms import (
     touch_speeds,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 
 
 def reference_flight(time, rotor, start, start_time=0.0) -> list:

@@ -14,7 +14,7 @@ from hypothesis.extra.numpy import arrays
 
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import Answer, Question, packed, read_question
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from tests.explorer.asking import (
     BEYOND,
     BEYOND_IN_SI,

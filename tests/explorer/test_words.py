@@ -13,7 +13,7 @@ from rotor_ida.explorer.words import (
     words_of_transient,
     words_of_whip,
 )
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from tests.explorer.asking import MACHINE, ROTOR
 
 PLAIN, IN_SI = Rotor(**ROTOR), DimensionalRotor(**MACHINE)

@@ -8,8 +8,8 @@ import pytest
 from rotor_ida.model import derivation, modes, writing
 from rotor_ida.model.derivation import derive
 from rotor_ida.model.modes import PAPER
+from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.symbols import Graph
-from rotor_ida.model.table import ALL_PARAMETERS
 from rotor_ida.model.writing import FOLDER, MODELS, sources
 from tests.model.symbolic import value_of
 from tests.model.test_modes import (

@@ -1,265 +1,66 @@
-"""Rotor and DimensionalRotor: what they accept, and that the scales are the right ones."""
+"""The table of parameters is what the rotors, their docstrings and the pages say."""
 
-import dataclasses
-import math
+from __future__ import annotations
 
-import numpy as np
+import inspect
+import re
+from dataclasses import MISSING, fields
+from pathlib import Path
+
 import pytest
-from scipy.integrate import solve_ivp
 
-from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, simulate
-from rotor_ida.model.table import FRICTIONLESS, MACHINE_PARAMETERS
+from rotor_ida import DimensionalRotor, InputError, Rotor
+from rotor_ida.model.parameters import OF_MACHINE, OF_ROTOR, Parameter
+from rotor_ida.schema import QUANTITIES
 
-MACHINE = DimensionalRotor(
-    mass=3.0,
-    contact_stiffness=2.5e9,
-    damping=40.0,
-    eccentricity=4e-6,
-    clearance=3e-6,
-    speed=1500.0,
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+TABLES = {Rotor: OF_ROTOR, DimensionalRotor: OF_MACHINE}
+ROWS = [(kind, parameter) for kind, table in TABLES.items() for parameter in table.values()]
+EACH = pytest.mark.parametrize(
+    ("kind", "parameter"), ROWS, ids=[f"{kind.__name__}-{each.name}" for kind, each in ROWS]
 )
 
 
-@pytest.mark.parametrize("name", ["omega", "zeta", "delta0"])
-@pytest.mark.parametrize(
-    "value", [math.nan, math.inf, -math.inf, True, np.True_, "1", None, 1j, [1.0], 10**400]
-)
-def test_a_rotor_refuses_what_is_not_a_finite_real_number(name, value):
-    parameters = {"omega": 1.0, "zeta": 0.1, "delta0": 0.5, name: value}
-    with pytest.raises(InputError, match=rf"^{name} must be a finite real number, got .+$"):
-        Rotor(**parameters)
+@pytest.mark.parametrize("kind", TABLES)
+def test_a_rotor_takes_the_parameters_of_the_table(kind: type):
+    given = {each.name: each.default for each in fields(kind)}
+    table = {name: MISSING if each.needed else each.default for name, each in TABLES[kind].items()}
+    assert given == table
+    assert list(given) == list(table)
 
 
-@pytest.mark.parametrize("name", ["omega", "zeta", "delta0"])
-def test_a_rotor_refuses_negatives(name):
-    with pytest.raises(InputError, match=rf"^{name} must be zero or positive, got -0.5$"):
-        Rotor(**{"omega": 1.0, "zeta": 0.1, "delta0": 0.5, name: -0.5})
+@EACH
+def test_docstrings_name_the_unit(kind: type, parameter: Parameter):
+    text = " ".join(inspect.getdoc(kind).split())
+    entry = re.search(rf"{parameter.name} : (.+?)(?= \w+ : |Raises)", text)
+    assert entry is not None
+    unit = parameter.shown_unit if kind is DimensionalRotor else "1"
+    if parameter.name == "contact_stiffness":
+        unit = "N/m^n"
+    if parameter.name != "contact_exponent":
+        assert f"[{unit}]" in entry[1]
 
 
-def test_a_rotor_is_frozen_and_keyword_only():
-    rotor = Rotor(omega=np.float64(1), zeta=np.int64(0), delta0=-0.0)
-    assert rotor == Rotor(omega=1.0, zeta=0.0, delta0=0.0)
-    assert math.copysign(1.0, rotor.delta0) == 1.0
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        rotor.omega = 2.0
-    with pytest.raises(TypeError):
-        Rotor(1.0, 0.1, 0.5)
+@EACH
+def test_a_negative_number_is_refused(kind: type, parameter: Parameter):
+    right = {each.name: 1.0 for each in TABLES[kind].values()}
+    allowed = "positive" if parameter.positive else "zero or positive"
+    with pytest.raises(InputError, match=rf"^{parameter.name} must be {allowed}, got -1.0$"):
+        kind(**right | {parameter.name: -1.0})
 
 
-def test_values_of_a_result_make_a_rotor():
-    run = simulate(Rotor(omega=1.2, zeta=0.5, delta0=0.5), start=(0, 0, 0, 0), duration=1.0)
-    rotor = Rotor(omega=run.omega, zeta=run.zeta, delta0=np.array(0.5))
-    assert rotor == Rotor(omega=1.2, zeta=0.5, delta0=0.5)
-    assert {type(getattr(rotor, name)) for name in ("omega", "zeta", "delta0")} == {float}
-
-
-def test_a_machine_whose_scales_leave_the_range_of_doubles_is_refused():
-    values = {**dataclasses.asdict(MACHINE), "mass": 1e300, "contact_stiffness": 1e-300}
-    with pytest.raises(InputError, match="must give scales of frequency, velocity and force"):
-        DimensionalRotor(**values)
-
-
-@pytest.mark.parametrize("name", ["mass", "contact_stiffness", "eccentricity"])
-def test_a_machine_needs_mass_stiffness_and_eccentricity(name):
-    values = {**dataclasses.asdict(MACHINE), name: 0.0}
-    with pytest.raises(InputError, match=rf"^{name} must be positive, got 0.0$"):
-        DimensionalRotor(**values)
-
-
-def whole_machine(exponent):
-    """Return a machine with a shaft, a load and a damped contact, whose speeds are of size 1."""
-    return DimensionalRotor(
-        mass=3.0,
-        contact_stiffness=5e6 * 4e-6 ** (1.0 - exponent),
-        damping=40.0,
-        eccentricity=4e-6,
-        clearance=3e-6,
-        speed=1500.0,
-        shaft_stiffness=2e6,
-        contact_exponent=exponent,
-        contact_damping=150.0,
-        load=3.0 * 9.80665,
+@EACH
+def test_the_page_on_notation_has_its_symbol(kind: type, parameter: Parameter):
+    page = (DOCS / "notation.md").read_text(encoding="utf-8")
+    begin, end = (
+        ("## In SI", "Elsewhere") if kind is DimensionalRotor else ("## Without", "With all")
     )
+    table = page[page.index(begin) : page.index(end)]
+    symbol = parameter.si_symbol if kind is DimensionalRotor else parameter.symbol
+    assert f"| `{parameter.name}` | ${symbol}$ |" in table
 
 
-@pytest.mark.parametrize("exponent", [1.5, 1.0])
-def test_a_machine_gives_the_right_dimensionless_numbers_and_these_lead_back(exponent):
-    machine = whole_machine(exponent)
-    rotor, mass, eccentricity = machine.rotor(), machine.mass, machine.eccentricity
-    frequency = math.sqrt(machine.contact_stiffness * eccentricity ** (exponent - 1.0) / mass)
-    assert machine.reference_frequency == pytest.approx(frequency, rel=1e-14)
-    expected = {
-        "omega": 1500.0 / frequency,
-        "zeta": 40.0 / (2.0 * mass * frequency),
-        "delta0": 0.75,
-        "shaft_stiffness": 2e6 / (mass * frequency**2),
-        "contact_exponent": exponent,
-        "contact_damping": 150.0 * eccentricity * frequency,
-        "load": 3.0 * 9.80665 / (mass * eccentricity * frequency**2),
-    }
-    assert {name: getattr(rotor, name) for name in expected} == pytest.approx(expected, rel=1e-14)
-    assert rotor.shaft_stiffness == pytest.approx(0.4, rel=1e-12)  # k_s over 5e6 N/m
-    back = {
-        "shaft_stiffness": rotor.shaft_stiffness * machine.force_scale / machine.length_scale,
-        "contact_damping": rotor.contact_damping / machine.velocity_scale,
-        "load": rotor.load * machine.force_scale,
-        "speed": rotor.omega / machine.time_scale,
-        "clearance": rotor.delta0 * machine.length_scale,
-    }
-    assert back == pytest.approx({name: getattr(machine, name) for name in back}, rel=1e-14)
-
-
-@pytest.mark.parametrize("exponent", [1.5, 1.0])
-def test_the_whole_equation_is_the_same_in_both_units(exponent):
-    """At one state in contact, newtons over m D omega_0**2 are the dimensionless forces."""
-    machine = whole_machine(exponent)
-    rotor, frequency = machine.rotor(), machine.reference_frequency
-    place, velocity, time = 1.1 + 0.4j, -0.3 + 0.8j, 0.7
-
-    def pull(stiffness, exponent, damping, clearance, place, velocity):
-        radius = abs(place)
-        depth, rate = radius - clearance, (velocity * place.conjugate()).real / radius
-        return stiffness * depth**exponent * (1.0 + damping * rate) * place / radius
-
-    there, moving = place * machine.eccentricity, velocity * machine.velocity_scale
-    newtons = (
-        machine.mass * machine.eccentricity * machine.speed**2
-        * np.exp(1j * machine.speed * time / frequency)
-        - 1j * machine.load - machine.damping * moving - machine.shaft_stiffness * there
-        - pull(machine.contact_stiffness, exponent, machine.contact_damping, machine.clearance,
-               there, moving)
-    )  # fmt: skip
-    without = (
-        rotor.omega**2 * np.exp(1j * rotor.omega * time) - 1j * rotor.load
-        - 2.0 * rotor.zeta * velocity - rotor.shaft_stiffness * place
-        - pull(1.0, exponent, rotor.contact_damping, rotor.delta0, place, velocity)
-    )  # fmt: skip
-    scale = machine.mass * machine.eccentricity * frequency**2
-    assert machine.force_scale == pytest.approx(scale, rel=1e-14)
-    assert newtons / scale == pytest.approx(without, rel=1e-12)
-
-
-def test_what_is_given_makes_the_same_rotor_and_machine():
-    plain = Rotor(omega=1.2, zeta=0.07, delta0=0.5)
-    assert plain.given == {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
-    for machine in (MACHINE, whole_machine(1.0)):
-        assert DimensionalRotor(**machine.given) == machine
-        assert Rotor(**machine.rotor().given) == machine.rotor()
-    assert list(MACHINE.given) == list(MACHINE_PARAMETERS)
-
-
-@pytest.mark.parametrize("name", FRICTIONLESS)
-@pytest.mark.parametrize("value", [math.nan, True, "1", None, -0.5])
-def test_what_is_beyond_the_papers_must_be_a_number_too(name, value):
-    with pytest.raises(InputError, match=rf"^{name} must be (a finite real number|zero or pos)"):
-        Rotor(omega=1.0, zeta=0.1, delta0=0.5, **{name: value})
-    with pytest.raises(InputError, match=rf"^{name} must be (a finite real number|zero or pos)"):
-        DimensionalRotor(**MACHINE.given | {name: value})
-
-
-def test_scaling_with_k_sqrt_D_over_m_reproduces_the_dimensional_equation():
-    """The paper prints omega_0**2 = k/m; only k sqrt(D)/m maps one equation to the other."""
-
-    def newton(time, state):
-        x, y, vx, vy = state
-        radius = math.hypot(x, y)
-        depth = max(radius - MACHINE.clearance, 0.0)
-        force = MACHINE.contact_stiffness * depth**1.5 / (radius or 1.0)
-        push = MACHINE.mass * MACHINE.eccentricity * MACHINE.speed**2
-        angle = MACHINE.speed * time
-        return [
-            vx,
-            vy,
-            (push * math.cos(angle) - MACHINE.damping * vx - force * x) / MACHINE.mass,
-            (push * math.sin(angle) - MACHINE.damping * vy - force * y) / MACHINE.mass,
-        ]
-
-    run = dimensional(
-        simulate(MACHINE.rotor(), start=(0, 0, 0, 0), duration=20.0, samples=41, rtol=1e-12),
-        MACHINE,
-    )
-    times = run.t.values
-    scale = MACHINE.length_scale
-    reference = solve_ivp(
-        newton,
-        (0.0, times[-1]),
-        [0.0] * 4,
-        method="DOP853",
-        t_eval=times,
-        rtol=1e-12,
-        atol=1e-13 * scale,
-        max_step=0.01 * MACHINE.time_scale,
-    )
-    assert np.abs(run.x.values - reference.y[0]).max() < 1e-9 * scale
-    assert np.abs(run.vy.values - reference.y[3]).max() < 1e-9 * MACHINE.velocity_scale
-    deepest = MACHINE.contact_stiffness * run.peak_indentation.values**1.5
-    assert run.peak_force.values == pytest.approx(deepest, rel=1e-12)
-    assert run.peak_force.attrs["units"] == "N"
-    with pytest.raises(InputError, match="SI units already"):
-        dimensional(run, MACHINE)
-
-
-PLAIN = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"friction": 0.1}, "disc_radius must be given with friction, got None with friction 0.1"),
-        ({"friction": -0.1, "disc_radius": 1.0}, "friction must be zero or positive, got -0.1"),
-        (
-            {"friction": math.nan, "disc_radius": 1.0},
-            "friction must be a finite real number, got nan",
-        ),
-        ({"friction": None}, "friction must be a finite real number, got None"),
-        ({"friction": 0.1, "disc_radius": -1.0}, "disc_radius must be zero or positive, got -1.0"),
-        ({"disc_radius": True}, "disc_radius must be a finite real number, got True"),
-        ({"disc_radius": math.inf}, "disc_radius must be a finite real number, got inf"),
-    ],
-)  # fmt: skip
-def test_bad_friction_is_refused_in_one_line(given, message):
-    for make, others in ((Rotor, PLAIN), (DimensionalRotor, MACHINE.given)):
-        with pytest.raises(InputError) as refused:
-            make(**others | given)
-        assert str(refused.value) == message
-
-
-def test_friction_needs_a_clearance():
-    with pytest.raises(InputError, match=r"^friction must be 0 without clearance, .*, got 0.1"):
-        Rotor(omega=1.0, zeta=0.1, delta0=0.0, friction=0.1, disc_radius=2.0)
-    assert Rotor(omega=1.0, zeta=0.1, delta0=0.0, disc_radius=2.0).disc_radius == 2.0
-
-
-def test_friction_is_told_where_there_is_any_and_a_disc_wherever_it_is_given():
-    rubbing = Rotor(**PLAIN, friction=0.1, disc_radius=2)
-    assert rubbing.beyond == {"friction": 0.1, "disc_radius": 2.0}
-    assert repr(rubbing).endswith("delta0=0.5, friction=0.1, disc_radius=2.0)")
-    smooth = Rotor(**PLAIN, disc_radius=2.0)
-    assert smooth.given == PLAIN | {"disc_radius": 2.0}
-    assert smooth.beyond == {}
-    for rotor in (rubbing, smooth):
-        assert Rotor(**rotor.given) == rotor
-    assert Rotor(**PLAIN, friction=0.0).given == PLAIN
-
-
-def test_a_disc_without_friction_changes_no_bit_of_a_run():
-    start = {"start": (0.0, 0.0, 0.0, 0.0), "duration": 30.0}
-    disc = {"disc_radius": 2.0}
-    plain, smooth = (simulate(Rotor(**PLAIN, **more), **start) for more in ({}, disc))
-    assert smooth.disc_radius == 2.0
-    assert smooth.drop_vars("disc_radius").equals(plain)
-
-
-def test_friction_and_disc_in_si_units():
-    machine = DimensionalRotor(**MACHINE.given, friction=0.2, disc_radius=0.03)
-    assert DimensionalRotor(**machine.given) == machine
-    rotor = machine.rotor()
-    assert (rotor.friction, rotor.disc_radius) == (0.2, pytest.approx(0.03 / 4e-6, rel=1e-15))
-    run = simulate(rotor, start=(0.9, 0.0, 0.0, 0.0), duration=5.0)
-    found = dimensional(run, machine)
-    assert found.slip_speed.attrs["units"] == "m s-1"
-    rim = 0.03 * 1500.0
-    across = (found.x * found.vy - found.y * found.vx) / np.hypot(found.x, found.y)
-    np.testing.assert_allclose(found.slip_speed, across + rim, rtol=1e-12)
-    assert found.heat.attrs["units"] == "J"
-    assert found.normal_force.attrs["units"] == "N"
+@pytest.mark.parametrize("name", OF_ROTOR)
+def test_a_dataset_says_what_the_table_does(name: str):
+    assert QUANTITIES[name].long_name == OF_ROTOR[name].meaning
+    assert QUANTITIES[name].units == "1"

@@ -13,8 +13,8 @@ import xarray as xr
 import rotor_ida
 from rotor_ida import DimensionalRotor, InputError, Rotor
 from rotor_ida.closed_forms import clearance_curve, cusp, jumps, peaks, response_curve
+from rotor_ida.model.parameters import ALL_PARAMETERS, DEFAULTS
 from rotor_ida.model.rotors import rotors_of
-from rotor_ida.model.table import ALL_PARAMETERS, DEFAULTS
 from rotor_ida.paper.errata.scaling import check_scaling
 
 FUNCTIONS: dict[str, Callable[..., object]] = {

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from rotor_ida import InputError, Rotor, load, rotating, save, simulate, spectrum
-from rotor_ida.model.table import FRICTIONLESS
+from rotor_ida.model.parameters import FRICTIONLESS
 from rotor_ida.results.run import check_run, rotor_of
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, QUANTITIES, flags_of, labelled
 from rotor_ida.signals.forces import contact_forces

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from rotor_ida import InputError, compare, save, simulate, sweep, synchronous_response
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import EXACT, RESPONSE, STABILITY
 from rotor_ida.verification.compare import summarise
 

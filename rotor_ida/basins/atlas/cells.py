@@ -25,8 +25,8 @@ from rotor_ida.basins.following import FollowedStarts, follow_here
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED
 from rotor_ida.basins.known import known_from_closed_forms, same_cycle, with_cycle
 from rotor_ida.cycles.shooting import Cycle
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop
 from rotor_ida.results.studies.arrays import Arrays
 from rotor_ida.results.studies.results import Form

@@ -15,7 +15,7 @@ from rotor_ida.basins.atlas.resilience import Resilience, witness_options
 from rotor_ida.basins.atlas.shocks import KINDS
 from rotor_ida.basins.attractors import NUMBERS
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of, followed_by, labelled_how
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import Rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import (

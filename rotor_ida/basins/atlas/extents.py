@@ -40,8 +40,8 @@ from rotor_ida.cycles.branch import BORN, CONTACT_FREE, HALVED, LIMITS, Side, ad
 from rotor_ida.cycles.guess import DOUBLING, Guess
 from rotor_ida.cycles.problems import FOLD, PLACE, SLIDING, TORUS, branch_through
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.parameters import Rotor, without
-from rotor_ida.model.table import PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.rotor import Rotor, without
 from rotor_ida.parallel import Stop
 from rotor_ida.schema import STABILITY, WITH_EXTENTS
 

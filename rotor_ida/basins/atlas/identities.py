@@ -26,8 +26,8 @@ from rotor_ida.cycles.multipliers import is_stable
 from rotor_ida.cycles.problems import PLACE, branch_through
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import ALL_PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop
 from rotor_ida.steady import response
 

@@ -40,7 +40,7 @@ from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED
 from rotor_ida.basins.known import ContactFree, Known, may_roll
 from rotor_ida.cycles.shooting import Cycle, sampled_orbit
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop
 from rotor_ida.schema import END
 from rotor_ida.simulation.options import Options

@@ -16,7 +16,7 @@ from rotor_ida.basins.fates import ALONE
 from rotor_ida.checks import State
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.contact_table import contact_summary
 from rotor_ida.simulation.orbit import ENTRY
 from rotor_ida.simulation.simulate import simulate

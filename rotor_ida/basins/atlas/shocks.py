@@ -27,7 +27,7 @@ from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, Labels, measure_returns
 from rotor_ida.basins.known import Known, may_roll
 from rotor_ida.basins.trapping_regions import TrappingRegion
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop
 
 # Kinds of shock, with the first of the two coordinates that it changes.

@@ -34,7 +34,7 @@ from rotor_ida.cycles.dataset import whirl_beside
 from rotor_ida.cycles.shooting import close_orbit, sampled_orbit
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import interruptible
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.results.si_units import dimensional

@@ -11,7 +11,7 @@ from rotor_ida.cli.output import Output, answer, answer_whole, working
 from rotor_ida.cli.parsing import MOST_POINTS, check_points
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Rotor
+from rotor_ida.model.rotor import Rotor
 
 # More rows are for programs, with --json or --out.
 MOST_ROWS = 1000

@@ -14,13 +14,13 @@ from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.parameters import Rotor
-from rotor_ida.model.table import (
+from rotor_ida.model.parameters import (
     ALL_PARAMETERS,
     DEFAULTS,
     OPTIONAL,
     PARAMETERS,
 )
+from rotor_ida.model.rotor import Rotor
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,7 +13,7 @@ from rotor_ida.checks import COMPONENTS, State, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import FORCED, read, working
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import check_can_be_followed
 
 # What serves the page, and the package itself does not need.

@@ -14,7 +14,7 @@ from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report, pairs
 from rotor_ida.errors import InputError
-from rotor_ida.model.table import ALL_PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS
 
 # A time left beyond this many seconds says no more than this one.
 LONGEST_LEFT = 1e12

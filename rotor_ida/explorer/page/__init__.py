@@ -9,7 +9,7 @@ from unicodedata import lookup
 
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.explorer.messages import LARGEST_FILE
-from rotor_ida.model.table import DEFAULTS, MACHINE_PARAMETERS, PARAMETERS, TABLE
+from rotor_ida.model.parameters import DEFAULTS, MACHINE_PARAMETERS, PARAMETERS, TABLE
 from rotor_ida.schema import (
     DAMPED_EVENT_KIND,
     MODE,

@@ -19,7 +19,7 @@ from rotor_ida.closed_forms import (
     synchronous_response,
 )
 from rotor_ida.model.equations import energy, jacobian
-from rotor_ida.model.parameters import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.paper.errata.scaling import PRINTED, RIGHT, check_scaling, deviations
 from rotor_ida.paper.printed import (
     amplitudes_18,

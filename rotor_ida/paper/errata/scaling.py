@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_positive
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.parameters import DimensionalRotor, Rotor, check_papers
+from rotor_ida.model.rotor import DimensionalRotor, Rotor, check_papers
 from rotor_ida.paper.printed import reference_frequency
 from rotor_ida.simulation.simulate import simulate
 

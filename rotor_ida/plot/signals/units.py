@@ -12,7 +12,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import SPEED_UNITS
+from rotor_ida.model.rotor import SPEED_UNITS
 from rotor_ida.results.si_units import PREFIXES
 from rotor_ida.signals.spectra import STEADY
 

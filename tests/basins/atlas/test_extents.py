@@ -23,7 +23,7 @@ from rotor_ida.basins.atlas.extents import (
 from rotor_ida.closed_forms import eigenvalues, stability_determinant
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.cycles.guess import guess_of
-from rotor_ida.model.table import PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.schema import SPECIAL, STABILITY
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import follow_to_steady_state
