@@ -58,14 +58,10 @@ OF_CONTACTS = [*MESSAGE_OF_FAULT].index("PEAKS_OUTSIDE")
 
 METHODS = {"taylor": 0, "adams": 1, "bdf": 2}
 UNDECIDED, IN_FLIGHT, IN_CONTACT = -1, 0, 1
-# Columns of the table of contacts, and of that of the extrema of the radius.
-ENTRY_TIME, EXIT_TIME, PEAK_TIME, PEAK_ROOT, IMPULSE, MOMENTUM = range(6)
-LOST, LARGEST_FORCE, HEAT = range(6, 9)
-TIME, RADIUS, KIND, STATE = range(4)
-CONTACT_COLUMNS, EXTREMUM_COLUMNS, STRETCH_COLUMNS = 9, 7, 5
-# What changes a speed; and the columns of the table of its pieces: ends, these, and the speed.
+# Columns of what `stretch` returns.
+STRETCH_COLUMNS = 5
+# What changes a speed.
 DRIVE = OF_DRIVE
-PIECE_COLUMNS = 6
 
 
 class RotorStruct(Structure):
