@@ -25,16 +25,16 @@ static inline int asked_to_stop(const stop_flag *stop)
 
 /* How a call ended; the flags of SUNDIALS are negative. */
 enum status {
-    DONE = 0,
-    NOT_FINITE = 1001,
-    NO_ROOT = 1002,
-    STUCK = 1003,
-    STOPPED = 1004,
-    FULL = 1005,
-    NO_SOLVER = 1006,
-    FULL_INSIDE = 1007,
-    UNBALANCED = 1008,
-    STALLED = 1009
+    DONE = 0,           /* so far without trouble; of a run that has returned: to its end */
+    NOT_FINITE = 1001,  /* a number is none, or infinite */
+    NO_ROOT = 1002,     /* an event was seen, but its root could not be found */
+    STUCK = 1003,       /* the time no longer advances */
+    STOPPED = 1004,     /* by the caller */
+    FULL = 1005,        /* the tables are full between two events: the caller goes on from there */
+    NO_SOLVER = 1006,   /* CVODE could not be opened */
+    FULL_INSIDE = 1007, /* they are full within a contact: the caller begins anew with more room */
+    UNBALANCED = 1008,  /* the energy of a contact does not balance */
+    STALLED = 1009      /* the speed fell through 0, where the torque turns the rotor no more */
 };
 
 /* How a speed changes up to a time. At its beginning a prescribed one is `speed`. */

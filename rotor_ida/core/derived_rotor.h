@@ -1,4 +1,4 @@
-/* Derived from rotor_ida/model/table.py by `python -m rotor_ida.model.writing`. */
+/* Derived from rotor_ida/model/parameters.py by `python -m rotor_ida.model.writing`. */
 /* clang-format off */
 #ifndef ROTOR_IDA_DERIVED_ROTOR_H
 #define ROTOR_IDA_DERIVED_ROTOR_H

@@ -1,5 +1,7 @@
 /* The event loop and its parts: how it begins (start.c), what it integrates (contact_phase.c and
- * free_phase.c), and the loop itself (events.c). */
+ * free_phase.c), what changes the way in which a contact goes on (guards.c finds the place,
+ * friction.c says what follows, also at a release and a press), whether a contact balances
+ * (balance.c), and the loop itself (events.c). */
 #ifndef ROTOR_IDA_EVENTS_H
 #define ROTOR_IDA_EVENTS_H
 

@@ -1,4 +1,5 @@
-/* Friction: how a contact begins to slide or to roll, and what follows from what.
+/* The ways of a contact: how it begins to slide, to roll, to come loose or to press again, and what
+ * follows from what (`change_way`).
  *
  * Where the slip speed is 0 the disc rolls as long as friction can hold it; else it slides in the
  * sense in which the force drives it that rolling would need. */

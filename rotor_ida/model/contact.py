@@ -6,6 +6,10 @@ exponent 3/2 itself is used, and said so: in the polynomials of the whirls and t
 folds, the periods of free vibration, the variables of the contact phase, and the lanes of the
 basins.
 
+The core integrates the law in these smooth variables: `rotor_ida.model.modes.spring_of_root` states
+it there, and ``core/contact_law.h`` for what is not derived from the model. A new law goes into all
+three.
+
 References
 ----------
 .. [1] "Analytical Nonlinear Response for a Rotor with the Hertz Contact and Clearance",

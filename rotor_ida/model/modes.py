@@ -7,11 +7,14 @@ symbols they become what the compiled core needs (`rotor_ida.model.writing`): fi
 Jacobians, Taylor series, the growth of small differences, and what the parameters add.
 
 The forces are stated once, in `accelerations`, by components along any two directions: the same
-lines serve on fixed axes, on the rotating ones and in the polar basis of a contact.
+lines serve on fixed axes, on the rotating ones and in the polar basis of a contact. Flight in
+closed form, the lanes of basins, the witness of energy and the closed forms restate them by hand:
+CONTRIBUTING.md lists the places ("A force").
 
-All is derived twice: for the paper's rotor, of which shaft, contact damping and load are the number
-0 and vanish from what is derived, and for the whole model, whose states hold the direction of the
-load and the work of a contact as well. There the contact has two ways: pressed, and
+All is derived three times: for the paper's rotor, of which shaft, contact damping and load are the
+number 0 and vanish from what is derived; for the whole model, whose states hold the direction of
+the load and the work of a contact as well; and for that with a speed that changes
+(`rotor_ida.model.spinning`). In the whole model the contact has two ways: pressed, and
 loose, while damping would make the force tensile; `rotor.pressed` is 1 or 0. The exponent of the
 force is 3/2 where `rotor.hertz` is 1, or 1 where `rotor.linear` is.
 

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import check_instance
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.schema import Column, check_dimensionless
+from rotor_ida.schema import (
+    DAMPED_EVENT_KIND,
+    EVENT_KIND,
+    OF_FRICTION_EVENT_KIND,
+    Column,
+    Quantity,
+    check_dimensionless,
+    labelled,
+)
 
 
 def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
@@ -42,3 +51,30 @@ def rotor_of(run: xr.Dataset) -> Rotor:
 def parameter_coordinates(rotor: Rotor) -> dict[str, Column]:
     """Return the parameters of a rotor as scalar coordinates, beyond the paper's if not default."""
     return {name: ((), value) for name, value in rotor.given.items()}
+
+
+def event_columns(
+    times: npt.ArrayLike, kinds: npt.ArrayLike, *rotors: Rotor
+) -> dict[str, xr.Variable]:
+    """Return times and kinds of events; contact damping and friction of a rotor have more kinds.
+
+    Examples
+    --------
+    >>> rubbing = Rotor(omega=1.0, zeta=0.1, delta0=0.5, friction=0.1, disc_radius=1.0)
+    >>> event_columns([0.5], [2], rubbing)["event_kind"].attrs["flag_meanings"]
+    'exit entry roll slip reverse'
+    """
+    flags = EVENT_KIND
+    if any(rotor.friction > 0.0 for rotor in rotors):
+        flags = flags | OF_FRICTION_EVENT_KIND
+    if any(rotor.contact_damping > 0.0 for rotor in rotors):
+        flags = flags | {name: DAMPED_EVENT_KIND[name] for name in ("press", "release")}
+    columns = {
+        "event_time": labelled("event_time", "event", times),
+        "event_kind": labelled("event_kind", "event", kinds),
+    }
+    if flags is not EVENT_KIND:
+        columns["event_time"].attrs["long_name"] = "time of the contact event"
+        kind = Quantity(columns["event_kind"].attrs["long_name"], flags=flags)
+        columns["event_kind"].attrs = kind.attributes()
+    return columns

@@ -12,14 +12,9 @@ import xarray as xr
 from rotor_ida.checks import COMPONENTS, State
 from rotor_ida.model.contact import contact_force, damping_factor
 from rotor_ida.results.provenance import provenance
-from rotor_ida.results.run import parameter_coordinates
+from rotor_ida.results.run import event_columns, parameter_coordinates
 from rotor_ida.schema import (
-    DAMPED_EVENT_KIND,
-    EVENT_KIND,
-    OF_FRICTION_EVENT_KIND,
     Column,
-    Quantity,
-    labelled,
     labelled_dataset,
 )
 from rotor_ida.simulation.contact_table import contact_columns
@@ -49,7 +44,7 @@ def run_dataset(
     variables: dict[str, Column | xr.Variable] = {
         **_columns("", "t", orbit.states),
         "starts_in_contact": ((), np.int8(orbit.starts_in_contact)),
-        **_events(orbit),
+        **event_columns(orbit.event_times, orbit.event_kinds, orbit.rotor),
         **_columns("event_", "event", orbit.event_states),
         "event_time_error": ("event", errors.event_time_errors),
         "horizon": ((), errors.horizon),
@@ -69,25 +64,6 @@ def run_dataset(
     if orbit.speed_record is not None:
         title = "Rotor in a clearance: one run at a speed that changes"
     return labelled_dataset(title, variables, coordinates, attributes, kind="run")
-
-
-def _events(orbit: Orbit) -> dict[str, Column | xr.Variable]:
-    """Return times and kinds of the events; contact damping and friction have more kinds."""
-    flags = EVENT_KIND
-    if orbit.rotor.friction > 0.0:
-        flags = flags | OF_FRICTION_EVENT_KIND
-    if orbit.rotor.contact_damping > 0.0:
-        flags = flags | {name: DAMPED_EVENT_KIND[name] for name in ("press", "release")}
-    if flags is EVENT_KIND:
-        return {
-            "event_time": ("event", orbit.event_times),
-            "event_kind": ("event", orbit.event_kinds),
-        }
-    times = labelled("event_time", "event", orbit.event_times)
-    kinds = labelled("event_kind", "event", orbit.event_kinds)
-    times.attrs["long_name"] = "time of the contact event"
-    kinds.attrs = Quantity(kinds.attrs["long_name"], flags=flags).attributes()
-    return {"event_time": times, "event_kind": kinds}
 
 
 def _friction(orbit: Orbit) -> dict[str, Column]:

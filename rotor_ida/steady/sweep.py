@@ -19,6 +19,7 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import Rotors, rotors_of
 from rotor_ida.parallel import Progress, Stop, Workers, choose
 from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.run import event_columns
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESPONSE, STATUS, labelled, labelled_dataset
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
@@ -234,6 +235,8 @@ def sweep_rotors(
     variables = grid.labelled(columns.points)
     variables["event_count"].attrs["sample_dimension"] = "event"
     variables |= {name: labelled(name, "event", column) for name, column in columns.events.items()}
+    times, kinds = columns.events["event_time"], columns.events["event_kind"]
+    variables |= event_columns(times, kinds, *rotors.extremes())
     title = "Rotor in a clearance: responses over a range of speeds"
     return labelled_dataset(
         title, variables, grid.coordinates, provenance(options.attributes()), kind="sweep"

@@ -5,7 +5,7 @@ import pytest
 
 from rotor_ida import InputError, SimulationError, compare, sweep
 from rotor_ida.parallel import FailedJob
-from rotor_ida.schema import EXACT, RESPONSE, flags_of
+from rotor_ida.schema import EXACT, RESPONSE, flags_of, words_of
 from rotor_ida.steady import grid as grid_module
 from rotor_ida.steady import sweep as sweep_module
 from tests.rotors import KNOCKED
@@ -233,3 +233,14 @@ def test_a_run_up_under_a_load_goes_on_where_the_last_speed_ended():
     # from rest it comes to another cycle at the last speed
     rest = sweep(omega=2.5, load=0.6, **MACHINE).squeeze()
     assert rest.period.item() * 2.5 / (2.0 * np.pi) == pytest.approx(3.0, rel=1e-14)
+
+
+def test_kinds_of_events_are_among_their_flags():
+    """Friction and contact damping of any rotor of the grid have kinds of their own."""
+    rubs = sweep(
+        omega=1.2, zeta=0.07, delta0=0.5, friction=[0.0, 0.3], disc_radius=0.6,
+        starts=[(0.3, 0.1, 0.2, 0.1)],
+    )  # fmt: skip
+    assert {"roll", "slip", "reverse"} <= set(words_of(rubs.event_kind))
+    plain = sweep(omega=2.0, zeta=0.07, delta0=2.0)
+    assert set(words_of(plain.event_kind)) == {"exit", "entry"}
