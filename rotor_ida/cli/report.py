@@ -16,6 +16,8 @@ from rich.table import Column, Table
 FAILED, INTERRUPTED = 1, 130
 # Wide enough that no line is broken when the output is a file or a pipe, unless COLUMNS is set.
 NO_TERMINAL_WIDTH = 10_000
+# Blanks between the columns of a table.
+BETWEEN = 2
 # Rows of a table of a whole run or archive; all are printed with --json.
 FIRST_ROWS = 10
 
@@ -123,7 +125,8 @@ def _fitting(part: RenderableType, console: Console) -> RenderableType:
     """Return a table that is too wide row by row, each as names and values; else what it is."""
     if not isinstance(part, Table) or not part.show_header:
         return part
-    if sum(_least_width(column) + 1 for column in part.columns) <= console.width:
+    needed = sum(map(_least_width, part.columns)) + BETWEEN * (len(part.columns) - 1)
+    if needed <= console.width:
         return part
     names = [column.header for column in part.columns]
     drawn = _empty(str(part.title), header=False)

@@ -87,7 +87,7 @@ def parameters_in(dataset: xr.Dataset) -> Record:
 
 
 def with_unit(dataset: xr.Dataset, name: str) -> str:
-    """Return a variable's name with its unit, if it has one."""
+    """Return a variable's name with its unit, if it has one; angles are in radians."""
     if name == "duration" and "time_scale" in dataset.attrs:
         unit = dataset["t"].attrs["units"]
     elif name not in dataset.variables:
@@ -96,7 +96,7 @@ def with_unit(dataset: xr.Dataset, name: str) -> str:
         unit = dataset[name].attrs.get("units", "1")
     if name in SPEEDS and unit == "s-1":
         unit = "rad/s"
-    return name.replace("_", " ") + (f" [{unit}]" if unit not in {"", "1"} else "")
+    return name.replace("_", " ") + (f" [{unit}]" if unit not in {"", "1", "radian"} else "")
 
 
 def span(values: np.ndarray[Any, Any], digits: int) -> str:

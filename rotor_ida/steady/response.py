@@ -75,7 +75,7 @@ class Window:
         Equally spaced times from the start of the window, 0, to its end [1].
     states : ndarray, shape (n, 4)
         ``(x, y, vx, vy)`` at those times, on the rotating axes [1].
-    contacts : ndarray, shape (k, 8)
+    contacts : ndarray of `ORBIT_CONTACT`, shape (k,)
         The contacts, as in `rotor_ida.simulation.orbit.Orbit`.
     touches : int
         Number of entries and exits.

@@ -316,6 +316,16 @@ def test_reproduce_passes_its_options_on(
     assert calls == [(Path("x"), options)]
 
 
+@pytest.mark.parametrize("width", range(30, 100, 5))
+def test_no_digit_is_cut_at_any_width_of_the_terminal(
+    program: Program, monkeypatch: pytest.MonkeyPatch, width: int
+):
+    monkeypatch.setenv("COLUMNS", str(width))
+    words = ("response", "--omega", 1.2, "--zeta", 0.07, "--delta0", 0.5)
+    shown = program(*words).out.split()
+    assert {"0.07", "0.5", "4.3190009", "0.52808882", "-0.07", "stable"} <= set(shown)
+
+
 def test_a_long_table_is_cut_and_says_so(program: Program):
     words = ("response", "--omega", "0.5:1:1001", "--zeta", 0.5, "--delta0", 0)
     assert "first 1000 of 1001 (all with --json)" in program(*words).out

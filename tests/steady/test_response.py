@@ -7,6 +7,7 @@ import pytest
 
 from rotor_ida import Rotor, synchronous_response
 from rotor_ida.closed_forms import touch_fading
+from rotor_ida.simulation.orbit import ORBIT_CONTACT
 from rotor_ida.steady.response import (
     Window,
     phase_lag_of,
@@ -22,13 +23,13 @@ TIMES = np.linspace(0.0, 8.0 * np.pi, 1601)
 ROTOR = Rotor(omega=OMEGA, zeta=0.07, delta0=1.0)
 
 
-def window(position, rotor=ROTOR, contacts=(), *, in_contact=False):
+def window(position, rotor=ROTOR, contacts=None, *, in_contact=False):
     """Return a window on the rotating axes, from a motion on the fixed ones."""
     velocity = np.gradient(position, TIMES, edge_order=2)
     turn = np.exp(-1j * rotor.omega * TIMES)
     x, v = position * turn, velocity * turn
     states = np.stack([x.real, x.imag, v.real, v.imag], axis=-1)
-    table = np.array(contacts, dtype=float).reshape(-1, 6)
+    table = np.empty(0, ORBIT_CONTACT) if contacts is None else contacts
     return Window(rotor, TIMES, states, table, 2 * len(table), in_contact, 1e-9)
 
 
@@ -78,8 +79,10 @@ def touches(growth, revolutions=1.0, first=1e-3, count=6):
     """Return contacts whose 1/h grows by so much, in parts of the law, from one to the next."""
     depth = 1.0 / (1.0 / first + growth * LAW * np.arange(count))
     peak = 1.0 + revolutions * np.pi * np.arange(count)
-    nothing = np.zeros(count)
-    return np.stack([peak - 0.05, peak + 0.05, peak, depth, nothing, nothing], axis=-1)
+    contacts = np.zeros(count, ORBIT_CONTACT)
+    contacts["entry"], contacts["peak_time"], contacts["exit"] = peak - 0.05, peak, peak + 0.05
+    contacts["peak_indentation"] = depth
+    return contacts
 
 
 @pytest.mark.parametrize(
@@ -113,14 +116,14 @@ def test_two_touches_are_too_few_and_one_off_the_law_is_enough_to_deny_it():
     still = 0.9 * np.exp(1j * OMEGA * TIMES)
     assert not touches_fade(window(still, FADING, touches(1.0, count=2)))
     table = touches(1.0)
-    table[3, 3] *= 1.01
+    table["peak_indentation"][3] *= 1.01
     assert not touches_fade(window(still, FADING, table))
 
 
 def test_a_contact_cut_off_by_the_window_does_not_count():
     still = 0.9 * np.exp(1j * OMEGA * TIMES)
     table = touches(1.0)
-    table[0, 0], table[0, 3] = np.nan, 1e-7
+    table["entry"][0], table["peak_indentation"][0] = np.nan, 1e-7
     assert touches_fade(window(still, FADING, table))
 
 
