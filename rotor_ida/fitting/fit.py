@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,12 +25,14 @@ MOST_EVALUATIONS = 100
 TOLERANCE = 1e-10
 # Noise that is told by what is left is told again until it changes by less than this.
 SETTLED, MOST_ROUNDS = 1e-3, 5
-# Whether the clearance is chosen again, and which part of the windows is fitted after which; the
-# next way where one leaves more than so many squares of the noise for each number.
-WAYS = ((False, (1.0,)), (True, (1.0,)), (False, (0.25, 0.5, 0.75, 1.0)))
+# Parts of the windows that are fitted one after the other where the whole leads astray.
+GROWING = (0.25, 0.5, 0.75, 1.0)
+# A search is the last where it leaves no more squares of the noise than this for each number.
 NEAR = 2.0
-# A clearance is sought from these parts of the largest displacement, and from the first guess.
-CLEARANCES = (0.2, 0.35, 0.5, 0.7, 0.85, 0.95)
+# A clearance is sought from these parts of the largest displacement, and from the first guess. The
+# damping decides whether a rotor reaches the ring: so less of it is tried too, at last.
+PARTS = {"clearance": (0.2, 0.35, 0.5, 0.7, 0.85, 0.95), "damping": (0.4, 0.16)}
+MOST_BEGINNINGS = 4
 
 
 def fit(
@@ -163,17 +165,31 @@ def _with_clearance(problem: FitProblem, sought: Values) -> Values:
 
     A motion that never touches the ring does not change with the clearance.
     """
+    guesses = [sought, *_scaled(problem, sought, "clearance")]
+    return guesses[0] if len(guesses) == 1 else _best_first(problem, guesses)[0]
+
+
+def _scaled(problem: FitProblem, sought: Values, name: str) -> list[Values]:
+    """Return a guess with several clearances or dampings, if these are sought.
+
+    Clearances are parts of the largest displacement, dampings of that of the guess.
+    """
     names = [each.field for each in problem.unknown]
-    if "clearance" not in names:
-        return sought
-    size = max(float(np.abs(each.record.z).max()) for each in problem.records)
-    guesses = [sought]
-    for part in CLEARANCES:
-        guess = sought.copy()
-        guess[names.index("clearance")] = part * size
-        guesses.append(guess)
+    if name not in names:
+        return []
+    place = names.index(name)
+    size = float(sought[place])
+    if name == "clearance":
+        size = max(float(np.abs(each.record.z).max()) for each in problem.records)
+    guesses = np.tile(sought, (len(PARTS[name]), 1))
+    guesses[:, place] = np.array(PARTS[name]) * size
+    return list(guesses)
+
+
+def _best_first(problem: FitProblem, guesses: list[Values]) -> list[Values]:
+    """Return guesses, those first that leave least."""
     left = [float((problem.left(each) ** 2).sum()) for each in guesses]
-    return guesses[int(np.argmin(left))]
+    return [guesses[place] for place in np.argsort(left, kind="stable").tolist()]
 
 
 def _searched(problem: FitProblem, first: Values) -> Values:
@@ -181,13 +197,14 @@ def _searched(problem: FitProblem, first: Values) -> Values:
 
     Other unknowns far off mislead about the clearance, so where much is left it is chosen again
     beside those that were found. A motion that goes another way early on, as where it jumps at
-    another speed, tells little of what comes later: at last the first windows are fitted first.
+    another speed, tells little of what comes later: then the first windows are fitted first. At
+    last the search begins at the best of several clearances and dampings.
     """
     guess = _with_clearance(problem, first)
     found: list[tuple[float, Values]] = []
     failure = SimulationError("no least squares", time=0.0, state=(0.0, 0.0, 0.0, 0.0))
-    for again, parts in WAYS:
-        solution = _with_clearance(problem, found[-1][1]) if again and found else guess
+    for begin, parts in _ways(problem, first, guess, found):
+        solution = begin
         try:
             for part in parts:
                 problem.renew(part=part)
@@ -203,6 +220,21 @@ def _searched(problem: FitProblem, first: Values) -> Values:
     if not found:
         raise failure
     return min(found, key=lambda each: each[0])[1]
+
+
+def _ways(
+    problem: FitProblem, first: Values, guess: Values, found: list[tuple[float, Values]]
+) -> Iterator[tuple[Values, tuple[float, ...]]]:
+    """Yield where each search begins, and which parts of the windows it fits one after another."""
+    whole = (1.0,)
+    yield guess, whole
+    if found:
+        yield _with_clearance(problem, found[-1][1]), whole
+    yield guess, GROWING
+    less_damped = [first, *_scaled(problem, first, "damping")]
+    guesses = [each for guess in less_damped for each in _scaled(problem, guess, "clearance")]
+    for each in _best_first(problem, guesses)[:MOST_BEGINNINGS]:
+        yield each, whole
 
 
 def _least(problem: FitProblem, first: Values) -> Values:
