@@ -108,7 +108,10 @@ def cycles():
     import numpy as np  # noqa: PLC0415
 
     import rotor_ida as r  # noqa: PLC0415
-    from rotor_ida.simulation.neighbours import shoot  # noqa: PLC0415
+    try:
+        from rotor_ida.simulation.neighbours import shoot  # noqa: PLC0415
+    except ImportError:  # where it stood in an earlier checkout
+        from rotor_ida.stability.orbit import shoot  # noqa: PLC0415
 
     cycle = r.limit_cycle(bouncing(), start=REST)
     state = np.array([float(cycle[name].values[0]) for name in ("x", "y", "vx", "vy")])
