@@ -411,6 +411,7 @@ def members(enum):
         pytest.skip("an installed package has no sources")
     stated = re.search(rf"enum {enum} \{{([^}}]*)\}}", header.read_text("utf-8"))[1]
     found = {}
+    stated = re.sub(r"/\*.*?\*/", "", stated, flags=re.DOTALL)  # the comments
     for name, number in re.findall(r"(\w+)(?: = (-?\d+))?,?", stated):
         found[name] = int(number) if number else len(found)
     return found
