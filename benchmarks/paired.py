@@ -108,6 +108,7 @@ def cycles():
     import numpy as np  # noqa: PLC0415
 
     import rotor_ida as r  # noqa: PLC0415
+
     try:
         from rotor_ida.simulation.neighbours import shoot  # noqa: PLC0415
     except ImportError:  # where it stood in an earlier checkout
