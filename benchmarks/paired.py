@@ -19,6 +19,7 @@ import subprocess
 import sys
 import time
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 
 HERE = Path(__file__).resolve()
@@ -110,10 +111,9 @@ def cycles():
     import rotor_ida as r  # noqa: PLC0415
 
     try:
-        from rotor_ida.simulation.neighbours import shoot  # noqa: PLC0415
+        shoot = import_module("rotor_ida.simulation.neighbours").shoot
     except ImportError:  # where it stood in an earlier checkout
-        from rotor_ida.stability.orbit import shoot  # noqa: PLC0415
-
+        shoot = import_module("rotor_ida.stability.orbit").shoot
     cycle = r.limit_cycle(bouncing(), start=REST)
     state = np.array([float(cycle[name].values[0]) for name in ("x", "y", "vx", "vy")])
     period, stop = float(cycle.period), np.zeros(1, np.uint8)
