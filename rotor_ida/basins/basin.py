@@ -248,10 +248,10 @@ def label(
     progress: Progress | None,
     drawn: bool = False,
 ) -> Labelled:
-    """Follow so many starts of a rotor, each to its attractor.
+    """Follow `count` starts of a rotor, each to its attractor.
 
-    `starts` gives those from one number up to another, as (4, n), of `drawn` ones the same however
-    many there are; `design` says for a study what they are.
+    `starts` returns those from one number up to another, shape (4, n). Starts that are `drawn` do
+    not depend on how many there are. `design` describes them for a study.
     """
     check_rotor(rotor, "fractions" if drawn else "a basin", one_by_one=drawn)
     most = MOST_STARTS if study is None else MOST_POINTS_OF_STUDY
@@ -330,7 +330,7 @@ def drawn_from(box: Values, seed: int, first: int, last: int) -> Values:
 
 
 def box_of(ranges: Mapping[str, npt.ArrayLike], starts: int) -> Values:
-    """Return the ends of the ranges of so many starts, shape (4, 2)."""
+    """Return the ends of the four ranges, shape (4, 2), from which `starts` are drawn."""
     box = np.array([range_of(name, ranges[name]) for name in COMPONENTS])
     if starts > 1 and (box[:, 0] == box[:, 1]).all():
         raise InputError(f"x, y, vx or vy must be a range, got numbers for {starts} starts")

@@ -42,7 +42,7 @@ LABELLING_METHOD = "dop853"
 # Under a load.
 ONE_BY_ONE = "every start followed by itself by Taylor series, as in a sweep with labelling_rtol"
 ENTROPIES = ("basin_entropy", "boundary_entropy")
-# A box of a grid is so many starts wide.
+# Width of a box of a grid, in starts.
 WIDTH = 5
 # A box of a random sample holds about as many starts as that.
 IN_BOX = WIDTH * WIDTH

@@ -335,20 +335,20 @@ def _from_arrays(arrays: Arrays) -> BatchResult:
 FORM = Form("batch of starts", _as_arrays, _from_arrays)
 
 
-# One of so many batches is looked at,
+# Labels are checked in one batch of this number,
 ONE_BATCH_OF = 8
-# and one of so many of its starts is followed again: less than a twentieth of the time; fewer at a
+# for one of this number of its starts. It takes less than a twentieth of the time; fewer at a
 # time would leave lanes of the kernel idle.
 ONE_START_OF = 12
-# Of a rotor of an atlas one start of so many is,
+# In an atlas they are checked for one of this number of a rotor's starts,
 ONE_OF_ROTOR = 32
-# but no more than so many.
+# up to this number of them.
 MOST_OF_ROTOR = 32
 # They are followed with this part of the error that was allowed in a step,
 TIGHTER = 1e-4
 # but never with less than doubles hold.
 TIGHTEST = 1e-13
-# Not for longer [1]: who is held later is told by neither.
+# Longest time for which a start is followed again [1].
 LONGEST = 4000.0
 # Parts of it lie evenly, and in step with no grid.
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
@@ -397,6 +397,6 @@ def count_agreeing(
 
 
 def _spread(count: int, few: int) -> npt.NDArray[np.int64]:
-    """Return the numbers of a few of so many starts, spread evenly and in step with no grid."""
+    """Return `few` numbers below `count`, spread evenly and in step with no grid."""
     places = np.arange(1, few + 1) * GOLDEN % 1.0
     return np.unique((count * places).astype(np.int64))

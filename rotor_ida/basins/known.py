@@ -164,9 +164,9 @@ HOW = Options(method="taylor", rtol=1e-12)
 # The kernel takes touches to fade only where the drift that is left is at most this part of how
 # much too far out it ends: the same number as in core/lanes.c.
 MOST_DRIFT = 0.3
-# So many states with such a drift are followed,
+# Number of states with such a drift that are followed,
 STATES = 24
-# from so many that are drawn, of which those in contact are left out.
+# and of those drawn for it, of which states in contact are left out.
 MOST_DRAWN = 240
 # The law is to leading order in C h, with a linear contact in C sqrt(h): the first excess tried is
 # where that is this small.
@@ -175,13 +175,13 @@ LARGEST_EXCESS = 0.1
 LARGEST_PART_OF_ROOM = 0.2
 # It is halved so often, before no touches are taken to fade.
 HALVINGS = 8
-# A drift falls like exp(-2 zeta t): in so many 1/zeta to a part of 1e-7.
+# A drift falls like exp(-2 zeta t): after this multiple of 1/zeta to a part of 1e-7.
 DRIFT_ENDS = 8.0
 # With so little damping that this takes longer, no fading touches are sought.
 LONGEST_DRIFT = 4000.0
-# Touches are watched for so many revolutions after that.
+# Revolutions for which touches are watched after that.
 REVOLUTIONS = 24
-# So many of the last ones are held against the law.
+# Number of the last ones that are compared with the law.
 LAST_TOUCHES = 4
 # They come a revolution after one another, to this part of it,
 ONCE_A_REVOLUTION = 0.02

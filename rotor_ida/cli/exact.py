@@ -8,6 +8,7 @@ in flight, up to the first touch.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -193,7 +194,7 @@ def _offset(rotor: Rotor) -> float | None:
     """Return how far below the axis the rotor hangs on its shaft; None if it lies on the ring."""
     if rotor.load > 0.0 and rotor.shaft_stiffness == 0.0:
         return None
-    smooth = _changed(rotor, friction=0.0)  # in the clearance there is none
+    smooth = replace(rotor, friction=0.0)  # in the clearance there is none
     place = rest(smooth)
     return -float(place["y"]) if float(place["indentation"]) == 0.0 else None
 
@@ -204,7 +205,7 @@ def _rest(rotor: Rotor) -> list[xr.Dataset]:
         return []
     if rotor.friction > 0.0 and _offset(rotor) is None:
         return []  # friction holds it anywhere about the lowest point of the ring
-    return [rest(_changed(rotor, friction=0.0))]
+    return [rest(replace(rotor, friction=0.0))]
 
 
 def _flight(dataset: xr.Dataset, record: Record, rotor: Rotor) -> xr.Dataset:
@@ -273,11 +274,7 @@ def _rotor_of(dataset: xr.Dataset) -> Rotor:
 
 def _at(rotor: Rotor, omega: float) -> Rotor:
     """Return the rotor at another speed, or at its own where that is the same but for rounding."""
-    return rotor if abs(omega - rotor.omega) <= STEADY * omega else _changed(rotor, omega=omega)
-
-
-def _changed(rotor: Rotor, **changes: float) -> Rotor:
-    return Rotor(**{name: getattr(rotor, name) for name in ALL_PARAMETERS} | changes)
+    return rotor if abs(omega - rotor.omega) <= STEADY * omega else replace(rotor, omega=omega)
 
 
 def _speeds_of(dataset: xr.Dataset, record: Record) -> Values:

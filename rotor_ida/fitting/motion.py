@@ -21,8 +21,9 @@ from rotor_ida.fitting.variation import (
     panels_of,
     slopes_of,
 )
+from rotor_ida.model.parameters import OF_ROTOR
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.simulation.options import SMALLEST_BEYOND, Options, check_can_be_followed
+from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.simulation.orbit import (
     ENTRY,
     EXIT,
@@ -201,8 +202,9 @@ def _follow(
 
 def _simulated(rotor: Rotor) -> Rotor:
     """Return a rotor in which what is nearly 0 is as small as can be simulated."""
-    tiny = {name for name, value in rotor.beyond.items() if 0.0 < value < SMALLEST_BEYOND}
-    return replace(rotor, **dict.fromkeys(tiny, SMALLEST_BEYOND)) if tiny else rotor
+    least = {name: OF_ROTOR[name].smallest for name in rotor.beyond}
+    tiny = {name: each for name, each in least.items() if 0.0 < rotor.beyond[name] < each}
+    return replace(rotor, **tiny) if tiny else rotor
 
 
 def _displacements(orbit: Orbit, machine: DimensionalRotor) -> tuple[Complex, Complex]:

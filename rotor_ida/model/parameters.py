@@ -61,7 +61,9 @@ class Parameter:
     needed: bool = False
     default: float | None = 0.0
     positive: bool = False
+    # Less is lost in rounding, or of a clearance crossed in a time below the spacing of doubles;
     smallest: float = 1e-12
+    # more leaves nothing for a tolerance to hold on to.
     largest: float = 1e6
 
     @property

@@ -8,7 +8,7 @@ from typing import Literal
 from rotor_ida.checks import COMPONENTS, State, check_between, check_choice
 from rotor_ida.core import sundials
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.parameters import OF_ROTOR, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 
 Method = Literal["adams", "bdf", "ida", "taylor"]
@@ -29,12 +29,8 @@ TIGHTEST_RTOL_OF_TAYLOR, LOOSEST_RTOL_OF_TAYLOR = 1e-15, 1e-4
 # 0.03, with tolerances of the size that each variable comes to, the last gives most for its time.
 STEP_SAFETY = 0.03
 
-# Dimensionless parameters and starts beyond this leave nothing for a tolerance to hold on to.
+# Starts beyond this leave nothing for a tolerance to hold on to.
 LARGEST = 1e6
-# The rotor crosses less clearance in a time below the spacing of doubles, from about 1e-14 on.
-SMALLEST_CLEARANCE = 1e-12
-# Less of a parameter beyond the paper's rotor is lost in rounding.
-SMALLEST_BEYOND = 1e-12
 # The final window holds whole revolutions: those of slower rotors take too long, and of faster ones
 # it holds too many.
 SLOWEST_TO_SETTLE, FASTEST_TO_SETTLE = 1e-3, 1e3
@@ -121,19 +117,18 @@ def check_rtol(method: Method, rtol: float) -> float:
 def check_can_be_followed(rotor: Rotor, start: State, *, settling: bool = False) -> None:
     """Raise `InputError` for a rotor or start that cannot be followed, or not until it settles."""
     for name in PARAMETERS:
-        value = getattr(rotor, name)
-        if value > LARGEST:
-            raise InputError(f"{name} must be at most {LARGEST:g} to be simulated, got {value!r}")
-    if 0.0 < rotor.delta0 < SMALLEST_CLEARANCE:
-        raise InputError(
-            f"delta0 must be 0 or at least {SMALLEST_CLEARANCE:g} to be simulated, got "
-            f"{rotor.delta0!r}"
-        )
-    for name, value in rotor.beyond.items():
-        if value != 0.0 and not SMALLEST_BEYOND <= value <= LARGEST:
+        value, least, most = getattr(rotor, name), OF_ROTOR[name].smallest, OF_ROTOR[name].largest
+        if value > most:
+            raise InputError(f"{name} must be at most {most:g} to be simulated, got {value!r}")
+        if 0.0 < value < least:
             raise InputError(
-                f"{name} must be 0, or from {SMALLEST_BEYOND:g} to {LARGEST:g}, to be simulated, "
-                f"got {value!r}"
+                f"{name} must be 0 or at least {least:g} to be simulated, got {value!r}"
+            )
+    for name, value in rotor.beyond.items():
+        least, most = OF_ROTOR[name].smallest, OF_ROTOR[name].largest
+        if value != 0.0 and not least <= value <= most:
+            raise InputError(
+                f"{name} must be 0, or from {least:g} to {most:g}, to be simulated, got {value!r}"
             )
     if settling and rotor.omega and not SLOWEST_TO_SETTLE <= rotor.omega <= FASTEST_TO_SETTLE:
         raise InputError(

@@ -9,7 +9,7 @@ from scipy.special import beta
 from rotor_ida import InputError, Rotor, simulate
 from rotor_ida.core.runs import RunRequest, follow_run, starts_in_contact
 from rotor_ida.model.equations import angular_momentum, energy
-from rotor_ida.simulation.options import SMALLEST_CLEARANCE
+from rotor_ida.model.parameters import OF_ROTOR
 
 LEAVING = beta(0.4, 0.5) / math.sqrt(5.0)  # time from rest at A to the ring, times (A-delta0)^1/4
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -79,9 +79,9 @@ def test_event_time_error_falls_with_the_tolerance():
 @pytest.mark.parametrize("duration", [1.0, 60.0])
 def test_the_smallest_clearance_is_crossed_event_by_event(duration):
     """The rotor flies across it in 2e-12 over its speed, still far above the spacing of doubles."""
-    rotor = Rotor(omega=0.0, zeta=0.0, delta0=SMALLEST_CLEARANCE)
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=OF_ROTOR["delta0"].smallest)
     run = simulate(rotor, start=(1.0, 0, 0, 0), duration=duration)
-    exact = planar_events(1.0, SMALLEST_CLEARANCE, duration)
+    exact = planar_events(1.0, OF_ROTOR["delta0"].smallest, duration)
     assert run.event_kind.values.tolist() == ([-1, 1] * exact.size)[: exact.size]
     assert np.abs(run.event_time.values - exact).max(initial=0.0) < 100 * 1e-10 * duration
     with pytest.raises(InputError, match="delta0 must be 0 or at least 1e-12 to be simulated"):

@@ -44,7 +44,7 @@ FLAGS = {
 def atlas_dataset(
     rotors: Rotors, cells: Sequence[Cell], starts: int, attributes: Mapping[str, object]
 ) -> xr.Dataset:
-    """Return the attractors over the parameters, of rotors that have so many starts each."""
+    """Return the attractors over the parameters; `starts` is the number of starts of each rotor."""
     members = [each for cell in cells for each in cell.members]
     count = 1 + max((each.identity for each in members), default=-1)
     columns = _columns(cells, count, starts)
