@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -19,7 +20,6 @@ from rotor_ida.checks import State
 from rotor_ida.cycles.shooting import Cycle, sampled_orbit
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop
-from rotor_ida.results.studies.arrays import stretches
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
 from rotor_ida.steady.follow import SettledResponse, follow_to_steady_state
@@ -44,6 +44,8 @@ ONLY_BY_KIND = (*CONTACT_FREE_FAMILY, response.QUASI_PERIODIC, response.CHAOTIC)
 SAMPLES = 512
 # The least lifetime of chaos is the one that may be ruled out with this certainty.
 CERTAINTY = 0.95
+# Number of labels that are worked on at a time: all of them may be more than memory holds.
+STRETCH = 2**20
 
 
 @dataclass(frozen=True, slots=True)
@@ -282,3 +284,15 @@ def _renumber(labels: Labels, kept: list[int]) -> None:
 def _state(values: Values) -> State:
     x, y, vx, vy = values.tolist()
     return (x, y, vx, vy)
+
+
+def stretches(size: int) -> Iterator[slice]:
+    """Yield the stretches in which a flat array of labels is worked on.
+
+    Examples
+    --------
+    >>> list(stretches(5))
+    [slice(0, 5, None)]
+    """
+    for first in range(0, size, STRETCH):
+        yield slice(first, min(first + STRETCH, size))

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.attractors import NUMBERS, Attractor, Labelled, family_of
+from rotor_ida.basins.attractors import NUMBERS, Attractor, Labelled, family_of, stretches
 from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import Starts, tighter_than
 from rotor_ida.basins.kernel import NOT_COMPUTED, Labels
@@ -19,7 +19,7 @@ from rotor_ida.basins.known import followed_alone, may_roll
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates
-from rotor_ida.results.studies.arrays import scratch, stretches
+from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.schema import FATE, RESPONSE, TRAPPING, Column, labelled, labelled_dataset
 from rotor_ida.simulation.options import Options
 

@@ -28,7 +28,7 @@ from rotor_ida.basins.kernel import (
 from rotor_ida.basins.trapping_regions import TrappingRegion, trapping_regions
 from rotor_ida.closed_forms import touch_fading
 from rotor_ida.closed_forms.contact_free import complex_amplitude
-from rotor_ida.closed_forms.rest import rest
+from rotor_ida.closed_forms.rest import radius_at_rest
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.rotor import Rotor
@@ -129,8 +129,10 @@ def known_from_closed_forms(rotor: Rotor, stop: Stop, *, fading: bool = True) ->
 
     Without `fading` it is not sought which touches fade; that takes longest.
     """
-    if rotor.load > 0.0:
-        return _under_load(rotor)
+    if rotor.load > 0.0:  # nothing holds starts then
+        free = contact_free_whirls(rotor, stop, fading=False)
+        whirls = [_rest_on_the_ring(rotor)] if free is None and rotor.omega == 0.0 else []
+        return Known(rotor, whirls, free)
     if rotor.omega == 0.0 and rotor.delta0 == 0.0:
         # All comes to rest, for energy only falls, but as slowly as 1/t**2: close by is enough.
         near = TrappingRegion(0.0, 0.0, np.zeros(4), 1e4 * np.eye(4))
@@ -139,18 +141,11 @@ def known_from_closed_forms(rotor: Rotor, stop: Stop, *, fading: bool = True) ->
     return Known(rotor, whirls, contact_free_whirls(rotor, stop, fading=fading))
 
 
-def _under_load(rotor: Rotor) -> Known:
-    """Return the attractors under a load that closed forms give, without what holds starts there.
-
-    That is the whirl about where the shaft holds the load, if it stays inside the clearance, or of
-    a rotor that does not turn the place where it comes to rest.
-    """
-    free = contact_free_whirl_under_load(rotor)
-    if free is not None or rotor.omega > 0.0:
-        return Known(rotor, [], free)
-    size = abs(rest(rotor)["y"].item())
-    centre = np.array([0.0, -size, 0.0, 0.0])
-    return Known(rotor, [TrappingRegion(size, 0.5 * np.pi, centre, np.full((4, 4), np.inf))], None)
+def _rest_on_the_ring(rotor: Rotor) -> TrappingRegion:
+    """Return where a rotor that does not turn lies under its load: no state is in this region."""
+    radius = radius_at_rest(rotor)
+    centre = np.array([0.0, -radius, 0.0, 0.0])
+    return TrappingRegion(radius, 0.5 * np.pi, centre, np.full((4, 4), np.inf))
 
 
 def with_cycle(known: Known, cycle: Cycle, stop: Stop) -> Known:
@@ -208,32 +203,23 @@ class ContactFree:
 
 
 def contact_free_whirls(rotor: Rotor, stop: Stop, *, fading: bool) -> ContactFree | None:
-    """Return the contact-free whirls of a rotor, if they fit; with `fading`, what touches fade."""
-    kappa = rotor.shaft_stiffness
-    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta, kappa))
-    room = rotor.delta0 - abs(whirl)
-    if not room > 0.0:
-        return None
-    if kappa > 0.0:
-        return ContactFree(whirl, room, 0.0, alone=True)
-    return ContactFree(whirl, room, _fading_excess(rotor, whirl, stop) if fading else 0.0)
+    """Return the contact-free whirls of a rotor, if they fit; with `fading`, what touches fade.
 
-
-def contact_free_whirl_under_load(rotor: Rotor) -> ContactFree | None:
-    """Return the whirl about where a shaft holds the load, if it does not reach the ring.
-
-    A rotor that does not turn comes to rest there.
+    Under a load there is one where a shaft holds it: about that place, or at rest there.
     """
-    kappa = rotor.shaft_stiffness
-    if kappa == 0.0:
+    kappa, load = rotor.shaft_stiffness, rotor.load
+    if load > 0.0 and kappa == 0.0:
         return None
-    whirl, sag = complex(complex_amplitude(rotor.omega, rotor.zeta, kappa)), rotor.load / kappa
+    whirl = complex(complex_amplitude(rotor.omega, rotor.zeta, kappa))
+    sag = load / kappa if load > 0.0 else 0.0
     room = rotor.delta0 - abs(whirl) - sag
     if not room > 0.0:
         return None
-    if rotor.omega == 0.0:
+    if sag > 0.0 and rotor.omega == 0.0:
         return ContactFree(-1j * sag, room, 0.0, alone=True)
-    return ContactFree(whirl, room, 0.0, alone=True, sag=sag)
+    if kappa > 0.0:
+        return ContactFree(whirl, room, 0.0, alone=True, sag=sag)
+    return ContactFree(whirl, room, _fading_excess(rotor, whirl, stop) if fading else 0.0)
 
 
 def _fading_excess(rotor: Rotor, whirl: complex, stop: Stop) -> float:

@@ -64,12 +64,8 @@ def rest(rotor: Rotor) -> xr.Dataset:
     force, slope = force_at_depth(depth, rotor)
     if depth == 0.0 and rotor.delta0 > 0.0:  # a linear contact has not begun
         slope = 0.0
-    if depth > 0.0:
-        radius = rotor.delta0 + depth
-        secant = force / radius
-    else:
-        radius = rotor.load / kappa if rotor.load > 0.0 else 0.0
-        secant = slope
+    radius = radius_at_rest(rotor)
+    secant = force / radius if depth > 0.0 else slope
     growth = max(
         slowest_rate(rotor.zeta + 0.5 * rotor.contact_damping * force, kappa + slope),
         slowest_rate(rotor.zeta, kappa + secant),
@@ -92,6 +88,14 @@ def rest(rotor: Rotor) -> xr.Dataset:
         {},
         kind="rest",
     )
+
+
+def radius_at_rest(rotor: Rotor) -> float:
+    """Return how far from the bearing axis a rotor that does not turn rests under its load [1]."""
+    depth = _depth(rotor)
+    if depth > 0.0:
+        return rotor.delta0 + depth
+    return rotor.load / rotor.shaft_stiffness if rotor.load > 0.0 else 0.0
 
 
 def _depth(rotor: Rotor) -> float:

@@ -8,7 +8,7 @@ import os
 import tempfile
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +23,6 @@ Arrays = dict[str, npt.NDArray[Any]]
 _LEVEL = 1
 # Smaller arrays stay in memory.
 LARGE = 64 * 2**20  # bytes
-# So many numbers are worked on at a time.
-STRETCH = 2**20
 
 
 def packed(arrays: Mapping[str, npt.NDArray[Any]]) -> bytes:
@@ -91,15 +89,3 @@ def scratch(
         raise ArchiveError(
             f"cannot make room for {size / 2**20:.0f} MiB in {str(folder)!r}: {error.strerror}"
         ) from error
-
-
-def stretches(size: int) -> Iterator[slice]:
-    """Yield the stretches in which a flat array of this size is worked on.
-
-    Examples
-    --------
-    >>> list(stretches(5))
-    [slice(0, 5, None)]
-    """
-    for first in range(0, size, STRETCH):
-        yield slice(first, min(first + STRETCH, size))
