@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 Values = npt.NDArray[np.float64]
+ComplexValues = npt.NDArray[np.complex128]
+Flags = npt.NDArray[np.bool_]
+Arrays = dict[str, npt.NDArray[Any]]
+# One byte; the core ends at its next step once it is not 0.
+Stop = npt.NDArray[np.uint8]
 # Dimensions and values of a variable of a dataset.
 Column = tuple[Hashable | Sequence[Hashable], npt.ArrayLike]
 # The spacing of doubles at 1.

@@ -20,6 +20,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 
 State = tuple[float, float, float, float]
+AT_REST: State = (0.0, 0.0, 0.0, 0.0)
 Kind = TypeVar("Kind")
 
 # The components of a state, in their order everywhere.

@@ -608,6 +608,17 @@ def check_papers_result(
         raise InputError(f"{name} must be of the paper's rotor, without {given}")
 
 
+def by_number(flags: Mapping[str, int]) -> dict[int, str]:
+    """Return the words of a table of flags by their numbers.
+
+    Examples
+    --------
+    >>> by_number(FATE)[-1]
+    'undecided'
+    """
+    return {number: word for word, number in flags.items()}
+
+
 def flags_of(variable: xr.DataArray) -> dict[str, int]:
     """Return the words and numbers of a flag variable, as its own attributes tell them.
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from scipy.special import gammaincinv
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.basins.fates import APERIODIC
 from rotor_ida.basins.following import FollowedStarts, Starts
 from rotor_ida.basins.kernel import CHAOTIC, LOWEST, Labels
@@ -19,7 +19,6 @@ from rotor_ida.basins.known import ContactFree, followed_alone, may_roll
 from rotor_ida.checks import State
 from rotor_ida.cycles.shooting import Cycle, sampled_orbit
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
 from rotor_ida.steady.follow import SettledResponse, follow_to_steady_state

@@ -23,12 +23,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.basins.kernel import SECTION, Rows, measure_returns
+from rotor_ida.basins.trapping_regions import MOST_SKEW
 from rotor_ida.cycles.multipliers import multipliers_of
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
-from rotor_ida.parallel import Stop
 from rotor_ida.simulation.neighbours import MAXIMUM, shoot
 
 # Of a step of the kernel: close to a graze the set is small.
@@ -53,8 +53,6 @@ WIDTHS = 31
 MODE_RATIOS = (0.1, 1.0, 10.0)
 # Multipliers that are as large as the largest but for this part are a pair: it is their rounding.
 SAME_MODULUS = 1e-6
-# Beyond this condition number the modes are nearly parallel, and give no form.
-MOST_SKEW = 1e6
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import ROUNDING, Values
+from rotor_ida.arrays import ROUNDING, Stop, Values
 from rotor_ida.basins.kernel import (
     CHAOTIC,
     NOT_COMPUTED,
@@ -38,10 +38,11 @@ from rotor_ida.cycles.limit_cycle import returns
 from rotor_ida.cycles.multipliers import doubling_test, is_stable
 from rotor_ida.cycles.shooting import Cycle, close_orbit, once_round
 from rotor_ida.errors import SimulationError
-from rotor_ida.parallel import Stop
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
 from rotor_ida.steady.follow import (
+    CLEAR_ERRORS,
+    CLEAR_STRETCH,
     LATE,
     LONGEST,
     PATIENCE,
@@ -93,8 +94,6 @@ FIRST_SPANS = 10
 MAYBE_ERRORS, SOME_SPANS, MOST_SPANS = 2.0, 60, 200
 # Both are followed this closely: what steps leave must not be taken for growth.
 CLOSELY = 1e-11
-# The exponent is clear of 0 where it exceeds so many errors, and neighbours part by exp(20) in all.
-CLEAR_ERRORS, CLEAR_STRETCH = 5.0, 20.0
 # Labels of motions that have no period, and are told by their kinds alone.
 APERIODIC = {
     response.ROLLING: ROLLING,

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Arrays, Values
 from rotor_ida.basins.fates import ALONE, Batch, decide
 from rotor_ida.basins.kernel import (
     CHAOTIC,
@@ -32,7 +32,7 @@ from rotor_ida.basins.known import (
 from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
-from rotor_ida.results.studies.arrays import Arrays, scratch
+from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.results.studies.results import Form, Results
 from rotor_ida.steady.follow import SettledResponse
 

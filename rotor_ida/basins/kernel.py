@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.core.interface import RotorStruct, library_of, pointer
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop
 
 Labels = npt.NDArray[np.int16]
 Times = npt.NDArray[np.float32]

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.basins.cycle_sections import CycleSection, cycle_section
 from rotor_ida.basins.kernel import (
     CONTACT_FREE,
@@ -32,7 +32,6 @@ from rotor_ida.closed_forms.rest import radius_at_rest
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 from rotor_ida.steady.follow import durations

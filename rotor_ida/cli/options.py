@@ -67,7 +67,6 @@ def _flag(text: str, *, name: str | None = None) -> Parameter:
     return Parameter(name=name, help=text, negative=(), show_default=False)
 
 
-REST: State = (0.0, 0.0, 0.0, 0.0)
 START = Parameter(
     help="Where the motion begins; without it, at rest on the axis.",
     metavar="X Y VX VY",

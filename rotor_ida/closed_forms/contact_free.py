@@ -10,7 +10,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import (
     LARGEST_NUMBER,
     check_array,
@@ -30,8 +30,6 @@ from rotor_ida.closed_forms.exponentials import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
-
-ComplexValues = npt.NDArray[np.complex128]
 
 _LARGEST_PHASE = 1e15  # the double nearest to a time then still tells one turn from the next
 

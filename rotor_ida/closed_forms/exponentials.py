@@ -12,12 +12,9 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.closed_forms.double_double import DoubleDouble
-
-ComplexValues = npt.NDArray[np.complex128]
 
 # Below this a product of rates and time is taken by the series about 0, of so many terms.
 NEAR, TERMS = 1.0, 24

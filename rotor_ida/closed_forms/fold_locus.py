@@ -35,12 +35,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Flags, Values
 from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.curve_polynomials import Fold
 from rotor_ida.closed_forms.double_double import DoubleDouble
-
-Flags = npt.NDArray[np.bool_]
 
 _NODES_PER_DECADE = 24
 _NODES_BETWEEN = 65

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import wofz
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import (
     LARGEST_NUMBER,
     check_array,
@@ -29,8 +29,6 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
-
-ComplexValues = npt.NDArray[np.complex128]
 
 _LARGEST_PHASE = 1e12
 SMALLEST_RATE = 1e-12

@@ -10,14 +10,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import LARGEST_NUMBER, check_array, check_axis
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import FRICTIONLESS, check_clearance_needed, check_exponent
-
-ComplexValues = npt.NDArray[np.complex128]
 
 
 def stability_determinant(

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Flags, Values
 from rotor_ida.checks import LARGEST_NUMBER
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls, contacting_whirls
@@ -16,8 +16,6 @@ from rotor_ida.closed_forms.linear_whirls import linear_whirls
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, checked_rotors
 from rotor_ida.closed_forms.stability import growth_rate
 from rotor_ida.schema import STABILITY, labelled_dataset
-
-Flags = npt.NDArray[np.bool_]
 
 _POINTS_AT_A_TIME = 16384  # keeps the working arrays inside the processor's cache
 SMALLEST_SPEED = 1e-50

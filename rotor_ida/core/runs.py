@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.core import sundials
 from rotor_ida.core.interface import (
     FULL,
@@ -30,7 +30,6 @@ from rotor_ida.model.modes import WHOLE
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor
 
-Stop = npt.NDArray[np.uint8]
 Rows = npt.NDArray[np.void]
 
 FIRST_ROOM = 64

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Arrays, Values
 from rotor_ida.checks import (
     MOST_NUMBERS,
     check_choice,
@@ -35,9 +35,8 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.results.provenance import computing, provenance
-from rotor_ida.results.studies.arrays import Arrays
 from rotor_ida.results.studies.results import Form, Results, open_results
-from rotor_ida.schema import SPECIAL
+from rotor_ida.schema import SPECIAL, by_number
 from rotor_ida.simulation.neighbours import Shot
 
 Parameter = Literal[
@@ -292,7 +291,7 @@ def _stacked(rows: list[Values], size: int) -> Values:
 
 def _restore(branch: Continuation, side: Side, piece: Arrays) -> None:
     """Do the reverse of `_piece`: put what a study has kept behind what is there."""
-    kinds = {number: word for word, number in SPECIAL.items()}
+    kinds = by_number(SPECIAL)
     for unknowns, tangent in zip(piece["unknowns"], piece["tangents"], strict=True):
         side.points.append(_point(branch, unknowns, tangent, side.points[-1]))
     for place, kind, unknowns, tangent in zip(

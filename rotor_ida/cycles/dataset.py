@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.branch import CLOSED, Side, SpecialBehind
 from rotor_ida.cycles.guess import Guess
@@ -30,7 +30,6 @@ from rotor_ida.cycles.shooting import (
 )
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import (
     LINE_KIND,

@@ -12,7 +12,7 @@ from rotor_ida.checks import COMPONENTS, check_between, check_state, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.schema import SPECIAL, check_dimensionless
+from rotor_ida.schema import SPECIAL, by_number, check_dimensionless
 
 DOUBLING = "period_doubling"
 NO_CYCLE = "start must be a limit cycle, got a result without one"
@@ -81,7 +81,7 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
 
 def _of_special(rotor: Rotor, start: xr.Dataset) -> Guess:
     state = np.array([float(start[f"special_{name}"]) for name in COMPONENTS])
-    kind = {number: word for word, number in SPECIAL.items()}[int(start["special_kind"])]
+    kind = by_number(SPECIAL)[int(start["special_kind"])]
     values = ("special_value", "special_second_value")
     place = start.assign_coords(
         {name: start[value] for name, value in zip(_continued(start), values, strict=False)}

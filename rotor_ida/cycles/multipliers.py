@@ -40,11 +40,9 @@ import math
 from itertools import combinations, permutations
 
 import numpy as np
-import numpy.typing as npt
 
+from rotor_ida.arrays import ComplexValues
 from rotor_ida.simulation.neighbours import Shot
-
-Complex = npt.NDArray[np.complex128]
 
 # A pair this near the unit circle is on it, where it has been located there.
 ON_CIRCLE = 1e-6
@@ -118,7 +116,7 @@ def has_trace(shot: Shot) -> bool:
     return has_pairs(shot) and shot.rotor.load == 0.0
 
 
-def _others_of(shot: Shot) -> Complex:
+def _others_of(shot: Shot) -> ComplexValues:
     """Return the multipliers that are not trivial: of M across the field at the start.
 
     Under a load none is.
@@ -130,7 +128,7 @@ def _others_of(shot: Shot) -> Complex:
     return np.asarray(np.linalg.eigvals(across @ shot.monodromy @ across.T), dtype=np.complex128)
 
 
-def multipliers_of(shot: Shot) -> Complex:
+def multipliers_of(shot: Shot) -> ComplexValues:
     """Return the four multipliers of a closed orbit, by falling modulus."""
     if not has_trace(shot):
         trivial = [] if shot.rotor.load > 0.0 else [1.0]
@@ -152,7 +150,7 @@ def multipliers_of(shot: Shot) -> Complex:
     return multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
 
 
-def multipliers_near(multipliers: Complex, shot: Shot) -> Complex:
+def multipliers_near(multipliers: ComplexValues, shot: Shot) -> ComplexValues:
     """Return the four multipliers of a closed orbit in the order of others, those near each other.
 
     Of several on one circle rounding decides which is the first by modulus.

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.core.runs import COLUMNS
 from rotor_ida.cycles.continuation import Curve, Point, Problem, shooting_equations
 from rotor_ida.cycles.guess import DOUBLING, Guess
@@ -37,7 +37,6 @@ from rotor_ida.cycles.special_points import Count
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.neighbours import Shot, shoot
 from rotor_ida.simulation.orbit import REVERSE, ROLL
 

@@ -21,13 +21,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.neighbours import ATOL, MAXIMUM, RTOL, Shot, shoot
 
 # Steps of Newton's method at most; a guess far off takes some of them to come near.

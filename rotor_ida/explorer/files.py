@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Arrays
 from rotor_ida.checks import State, check_axis, check_increasing, shown
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import Answer, Question, packed
@@ -44,7 +45,6 @@ run = simulate(
 save(run, "{name}.nc", overwrite=True)
 save_figure({plot}({shown}), "{name}", overwrite=True)
 '''
-Arrays = dict[str, npt.NDArray[np.float64]]
 
 # How the speeds are gone through: each from the start, or each from the end of the one before.
 COURSES = ("start", "up", "down")

@@ -6,10 +6,9 @@ import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Arrays, Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import Answer, Measurement
@@ -17,8 +16,6 @@ from rotor_ida.signals.orders import orders
 from rotor_ida.signals.reading import read_signals
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.spectra import full_spectrum, one_speed, spectrogram
-
-Arrays = dict[str, npt.NDArray[np.generic]]
 
 # Samples of a spectrum. It is as fine as can be while the speed changes: longer ones would show
 # wider lines again.

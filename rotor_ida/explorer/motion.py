@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Arrays
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.words import words_of_run
@@ -23,7 +24,6 @@ from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 
 Values = dict[str, npt.NDArray[Any]]
-Arrays = dict[str, npt.NDArray[np.generic]]
 
 SAMPLES_PER_REVOLUTION = 48
 # A longer run is drawn from fewer samples a revolution, but no fewer than the spectrum needs.

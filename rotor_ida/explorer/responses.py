@@ -9,9 +9,9 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Arrays
 from rotor_ida.closed_forms.backward_whirl import backward_whirl
 from rotor_ida.closed_forms.folds import folds
 from rotor_ida.closed_forms.hopf import hopf_points
@@ -36,13 +36,11 @@ from rotor_ida.explorer.words import (
 )
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.schema import EXACT, RESPONSE, STABILITY
+from rotor_ida.schema import EXACT, RESPONSE, STABILITY, by_number
 from rotor_ida.simulation.sections import poincare_section
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady.sweep import sweep
 from rotor_ida.verification.compare import compare
-
-Arrays = dict[str, npt.NDArray[np.generic]]
 
 POINTS_OF_CURVE, POINTS_OF_WHIP = 40, 60
 # A branch of limit cycles is followed over so much of the speeds that are shown, and so far.
@@ -58,8 +56,8 @@ MOST_KEPT = 64
 
 # A sweep of one point has one of each.
 ONE = (*PARAMETERS, "start", "direction")
-KIND_OF = {number: word for word, number in RESPONSE.items()}
-STABILITY_OF = {number: word for word, number in STABILITY.items()}
+KIND_OF = by_number(RESPONSE)
+STABILITY_OF = by_number(STABILITY)
 
 FOLD, HOPF = ("fold_omega", "fold_amplitude"), ("hopf_omega", "hopf_amplitude")
 # A curve on which there is nothing.

@@ -18,6 +18,7 @@ import numpy.typing as npt
 import scipy.signal  # noqa: F401 - here, as nobody waits for it while the speed changes
 import xarray as xr
 
+from rotor_ida.arrays import Arrays, Values
 from rotor_ida.checks import State
 from rotor_ida.closed_forms.folds import folds
 from rotor_ida.closed_forms.synchronous import synchronous_response
@@ -47,8 +48,6 @@ BESIDE = 1e-4
 # At a fold from which it is no further to the next whirl, as a part of the radius, nobody sees a
 # jump: such are those close to the first touch.
 LEAST_JUMP = 0.2
-Values = npt.NDArray[np.float64]
-Arrays = dict[str, npt.NDArray[np.generic]]
 
 # Equally spaced samples: so many in a revolution at the highest speed that is shown.
 PER_REVOLUTION = 32
@@ -57,7 +56,6 @@ OVERLAP = 0.5
 FURTHEST = 2.5
 # Ends that are kept, and the samples of one.
 MOST_ENDS, MOST_SAMPLES_KEPT = 32, 2**20
-TURN = 2.0 * math.pi
 
 
 def show_run_up(question: Question) -> Iterator[Answer]:
@@ -199,7 +197,7 @@ def tail_of(question: Question) -> Tail:
     if found is not None and math.isclose(found.speed, rotor.omega, rel_tol=1e-9, abs_tol=1e-12):
         return found
     top = question.speeds[1]
-    step = TURN / (PER_REVOLUTION * top)
+    step = math.tau / (PER_REVOLUTION * top)
     return Tail(
         step=step,
         segment=segment_for(abs(rate), step),
@@ -260,18 +258,18 @@ def _orders(tail: Tail) -> tuple[Tail, Arrays]:
     """Return order 1 in each revolution that is whole, as `orders` has it."""
     first = _first_of(tail)
     last = tail.angles[-1] if tail.angles.size else 0.0
-    count = math.floor((last - tail.begin) / TURN + EDGE)
+    count = math.floor((last - tail.begin) / math.tau + EDGE)
     if count < 1:
         names = ("order_speed", "order_amplitude", "order_lag")
         return tail, dict.fromkeys(names, np.empty(0))
     # with the sample behind the last window, which tells where that ends
-    end = int(np.searchsorted(tail.angles, tail.begin + (count - EDGE) * TURN)) + 1
+    end = int(np.searchsorted(tail.angles, tail.begin + (count - EDGE) * math.tau)) + 1
     z, angles = tail.z[first:end], tail.angles[first:end]
     times = np.asarray((tail.first + first + np.arange(z.size)) * tail.step, dtype=np.float64)
     record = Record(times, z, angles, "1", "1", {}, {})
     windows = windows_of(record, 1, begin=tail.begin)
     ahead = fit(record, windows, np.ones(1)).amplitudes[:, 0]
-    return replace(tail, begin=tail.begin + TURN * windows.times.size), {
+    return replace(tail, begin=tail.begin + math.tau * windows.times.size), {
         "order_speed": windows.speeds,
         "order_amplitude": np.abs(ahead),
         "order_lag": np.angle(ahead.conj()),
@@ -280,7 +278,7 @@ def _orders(tail: Tail) -> tuple[Tail, Arrays]:
 
 def _first_of(tail: Tail) -> int:
     """Return which of the samples is the first of the next window."""
-    return int(np.searchsorted(tail.angles, tail.begin - EDGE * TURN))
+    return int(np.searchsorted(tail.angles, tail.begin - EDGE * math.tau))
 
 
 def _cascade(tail: Tail) -> tuple[Tail, Arrays]:

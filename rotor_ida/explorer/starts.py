@@ -14,14 +14,13 @@ from rotor_ida.basins.following import first_look
 from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.motion import facts_of
 from rotor_ida.parallel import interruptible
-from rotor_ida.schema import RESPONSE
+from rotor_ida.schema import RESPONSE, by_number
 
 # Starts along each side of the plane: those of the first look, which decides only what whirls hold
 # after so short a time; of a coarse picture with the larger error of a step; and of the last one.
 FIRST, COARSE, FINE = 32, 48, 144
 LOOKED = 150.0
 RTOL = 1e-6
-KIND_OF = {number: word for word, number in RESPONSE.items()}
 RADII = ("amplitude", "radius_min", "radius_max")
 
 
@@ -85,7 +84,8 @@ def _middles(reach: float, count: int) -> npt.NDArray[np.float64]:
 def _attractors(basins: xr.Dataset) -> list[dict[str, object]]:
     kinds = basins["kind"].values.tolist()
     columns = {name: basins[name].values.tolist() for name in RADII}
+    kind_of = by_number(RESPONSE)
     return [
-        {"kind": KIND_OF[kind], **{name: columns[name][number] for name in RADII}}
+        {"kind": kind_of[kind], **{name: columns[name][number] for name in RADII}}
         for number, kind in enumerate(kinds)
     ]

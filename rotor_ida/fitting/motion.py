@@ -9,11 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.errors import InputError
 from rotor_ida.fitting.variation import (
     LONGEST,
-    Complex,
     Moments,
     between,
     grown,
@@ -102,8 +101,8 @@ class Motion:
         When that first exceeds a million, or infinity [s].
     """
 
-    z: Complex
-    slopes: Complex
+    z: ComplexValues
+    slopes: ComplexValues
     entries: Values
     exits: Values
     entry_slopes: Values
@@ -207,7 +206,7 @@ def _simulated(rotor: Rotor) -> Rotor:
     return replace(rotor, **tiny) if tiny else rotor
 
 
-def _displacements(orbit: Orbit, machine: DimensionalRotor) -> tuple[Complex, Complex]:
+def _displacements(orbit: Orbit, machine: DimensionalRotor) -> tuple[ComplexValues, ComplexValues]:
     """Return displacements and velocities of an orbit."""
     x, y, vx, vy = orbit.states.T
     return machine.length_scale * (x + 1j * y), machine.velocity_scale * (vx + 1j * vy)

@@ -9,11 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import check_increasing, check_vector
 from rotor_ida.errors import InputError
 from rotor_ida.fitting.motion import Turning
-from rotor_ida.fitting.variation import Complex
 from rotor_ida.results.si_units import PREFIXES, UNITS
 from rotor_ida.signals.orders import revolutions_for
 from rotor_ida.signals.record import Record, record_of
@@ -55,24 +54,24 @@ class Tracks:
 
     windows: Windows
     orders: Values
-    basis: Complex
-    inverse: Complex
-    root: Complex
+    basis: ComplexValues
+    inverse: ComplexValues
+    root: ComplexValues
 
     @property
     def samples(self) -> int:
         """Samples that lie in windows."""
         return int(self.windows.edges[-1])
 
-    def amplitudes(self, values: Complex) -> Complex:
+    def amplitudes(self, values: ComplexValues) -> ComplexValues:
         """Return what each window holds of the orders, shape (windows, m, c), of (n, c) values."""
         starts = self.windows.edges[:-1]
         inside = values[: self.samples]
         sums = [np.add.reduceat(each.conj()[:, None] * inside, starts) for each in self.basis]
-        found: Complex = np.einsum("wjk,kwc->wjc", self.inverse, np.stack(sums))
+        found: ComplexValues = np.einsum("wjk,kwc->wjc", self.inverse, np.stack(sums))
         return found
 
-    def weighed(self, values: Complex) -> Values:
+    def weighed(self, values: ComplexValues) -> Values:
         """Return amplitudes of unit noise, real parts then imaginary ones, shape (2 w k, c)."""
         kept = self.amplitudes(values)[:, : self.orders.size]
         independent = np.linalg.solve(self.root, kept).reshape(-1, values.shape[1])
@@ -84,7 +83,7 @@ class Tracks:
         inside = np.arange(count) < max(part * count, 1.0)
         return np.tile(np.repeat(inside.astype(float), self.orders.size), 2)
 
-    def left(self, z: Complex) -> tuple[float, int]:
+    def left(self, z: ComplexValues) -> tuple[float, int]:
         """Return the sum of the squares that the orders leave, and its degrees of freedom.
 
         The first of several windows is left out: a start that is forgotten within it is hardly told
@@ -140,7 +139,7 @@ class Measured:
     units: tuple[str, str]
 
 
-def noise_of(records: Sequence[Measured], motions: Sequence[Complex] | None = None) -> float:
+def noise_of(records: Sequence[Measured], motions: Sequence[ComplexValues] | None = None) -> float:
     """Return the standard deviation of x and y about motions, or 0, that all orders leave."""
     about = [np.zeros(1, complex)] * len(records) if motions is None else motions
     sums = [each.tracks.left(each.record.z - z) for each, z in zip(records, about, strict=True)]
@@ -231,7 +230,7 @@ def _tracks_of(record: Record, orders: Values, revolutions: int | None) -> Track
     gram = np.empty((counts.size, every.size, every.size), dtype=np.complex128)
     for row, each in enumerate(basis):
         gram[:, row] = np.add.reduceat(each.conj() * basis, starts, axis=1).T
-    inverse: Complex = np.asarray(np.linalg.inv(gram), dtype=np.complex128)
+    inverse: ComplexValues = np.asarray(np.linalg.inv(gram), dtype=np.complex128)
     root = np.linalg.cholesky(inverse[:, : kept.size, : kept.size])
     return Tracks(windows, kept, basis, inverse, np.asarray(root, dtype=np.complex128))
 

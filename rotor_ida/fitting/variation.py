@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.fitting.identifiability import ANGLE
 from rotor_ida.model.modes import (
     Moment,
@@ -40,8 +40,6 @@ from rotor_ida.model.modes import (
 from rotor_ida.model.parameters import OF_MACHINE, OF_ROTOR
 from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.model.symbols import Dual, variables
-
-Complex = npt.NDArray[np.complex128]
 
 # Gauss's nodes, weights and coefficients on (0, 1), Hairer and others 1993, table II.7.4.
 _ROOT = math.sqrt(15.0)
@@ -77,9 +75,9 @@ class Moments:
         The sense in which they slide, 1 or -1; 0 without friction.
     """
 
-    z: Complex
-    v: Complex
-    pull: Complex
+    z: ComplexValues
+    v: ComplexValues
+    pull: ComplexValues
     pushes: Values
     slides: Values
 
@@ -225,7 +223,9 @@ def _across(steps: Values, by_state: Values, added: Values) -> Values:
     return np.asarray(np.einsum("p,i,pikc->pkc", steps, WEIGHTS, rates), dtype=np.float64)
 
 
-def between(ends: Values, grown_to: Values, rates: tuple[Values, Values], times: Values) -> Complex:
+def between(
+    ends: Values, grown_to: Values, rates: tuple[Values, Values], times: Values
+) -> ComplexValues:
     """Return the derivatives of ``x + i y`` at times, shape (n, 4 + k), by quintic interpolation.
 
     `rates` are those of the velocities at the beginning and at the end of each panel,

@@ -15,13 +15,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import State, check_choice, check_nonnegative, check_positive, check_state
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force, contact_potential
 from rotor_ida.model.rotor import DimensionalRotor
-
-ComplexValues = npt.NDArray[np.complex128]
 
 RATES = ("28", "24", "stiffness")
 

@@ -4,9 +4,10 @@ Results come as they end. Only a few jobs are in flight at a time, so memory doe
 their number. When a job fails, or the user interrupts, the rest is given up at once.
 """
 
+from rotor_ida.arrays import Stop
 from rotor_ida.parallel.executors import Workers, choose, count_workers, run_all
 from rotor_ida.parallel.interruptible import interruptible
-from rotor_ida.parallel.jobs import FailedJob, Progress, Stop
+from rotor_ida.parallel.jobs import FailedJob, Progress
 
 __all__ = [
     "FailedJob",

@@ -8,7 +8,8 @@ from concurrent.futures import Future
 
 import numpy as np
 
-from rotor_ida.parallel.jobs import Result, Stop
+from rotor_ida.arrays import Stop
+from rotor_ida.parallel.jobs import Result
 
 
 def interruptible(work: Callable[[Stop], Result]) -> Result:

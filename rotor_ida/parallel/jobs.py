@@ -6,12 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
-import numpy as np
-import numpy.typing as npt
+from rotor_ida.arrays import Stop
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
-Stop = npt.NDArray[np.uint8]
 Work = Callable[[Job, Stop], Result]
 Progress = Callable[[int, int], None]
 

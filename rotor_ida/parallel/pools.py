@@ -21,8 +21,9 @@ from multiprocessing import active_children, get_context, parent_process
 
 import numpy as np
 
+from rotor_ida.arrays import Stop
 from rotor_ida.errors import SimulationError
-from rotor_ida.parallel.jobs import IN_FLIGHT, FailedJob, Job, Result, Stop, Work
+from rotor_ida.parallel.jobs import IN_FLIGHT, FailedJob, Job, Result, Work
 
 CAUSES = (
     "killed, out of memory, or started by a script that does not guard its main part with "

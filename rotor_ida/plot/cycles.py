@@ -12,6 +12,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rotor_ida.arrays import ComplexValues
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
@@ -34,8 +35,6 @@ from rotor_ida.plot.runs import draw_motion
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of
 from rotor_ida.signals.path import Path
-
-ComplexValues = npt.NDArray[np.complex128]
 
 CYCLE = (*PARAMETERS, "t", "x", "y", "period", "response")
 MULTIPLIERS = (*PARAMETERS, "period", "multiplier_real", "multiplier_imag")

@@ -24,12 +24,11 @@ from types import SimpleNamespace
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import ROUNDING, Values
+from rotor_ida.arrays import ROUNDING, Stop, Values
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.modes import Moment, accelerations
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
 from rotor_ida.simulation.orbit import PRESS, REVERSE, ROLL, ROLLS, SLIP, Orbit
 from rotor_ida.simulation.run import run

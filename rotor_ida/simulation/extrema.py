@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import MOST_NUMBERS, State
 from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.neighbours import ATOL
 
 # Kinds of an extremum.

@@ -14,14 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.core.interface import DONE, STUCK, message_of
 from rotor_ida.core.runs import COLUMNS, DIFFERENCES, Rows, RunRequest, follow_run
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.equations import push_over_radius, rotating_field
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.orbit import ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
 
 MAXIMUM = 1.0  # the kind of an extremum

@@ -31,14 +31,13 @@ from scipy.optimize import brentq, minimize_scalar
 from sksundae.cvode import CVODE
 from sksundae.ida import IDA
 
-from rotor_ida.arrays import ROUNDING, Values
+from rotor_ida.arrays import ROUNDING, Stop, Values
 from rotor_ida.checks import State
 from rotor_ida.core.runs import EXTREMUM
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import force_over_radius
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop
 from rotor_ida.simulation.mechanics import (
     BACKWARDS,
     FLIGHT,

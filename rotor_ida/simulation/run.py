@@ -7,14 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import State
 from rotor_ida.core.interface import DONE, IN_CONTACT, UNBALANCED, message_of
 from rotor_ida.core.runs import Rows, RunRequest, RunResult, follow_run
 from rotor_ida.errors import InstallationError, InvariantError, SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel.jobs import Stop
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ORBIT_CONTACT, Orbit, SpeedRecord, check_orbit
 from rotor_ida.simulation.spin import SpeedProfile

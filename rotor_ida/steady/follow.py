@@ -8,13 +8,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import ROUNDING, Values
+from rotor_ida.arrays import ROUNDING, Stop, Values
 from rotor_ida.checks import State
 from rotor_ida.core.runs import Rows
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop
 from rotor_ida.simulation.lyapunov import exponents_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ENTRY, Orbit, stretches_of_rolling

@@ -33,7 +33,6 @@ Table = npt.NDArray[np.void]
 Places = npt.NDArray[np.int64]
 Job_co = TypeVar("Job_co", covariant=True)
 
-REST: State = (0.0, 0.0, 0.0, 0.0)
 # What solver, physics and memory raise of a point; anything else is a fault of the program's own.
 EXPECTED = (SimulationError, ArithmeticError, MemoryError)
 # A failure of the surroundings, not of the point: another attempt may succeed.

@@ -21,13 +21,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import State
 from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import Rows, RunRequest, follow_run
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop
 from rotor_ida.simulation.neighbours import ATOL
 from rotor_ida.steady.response import STEADY
 

@@ -13,11 +13,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import State
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop
 from rotor_ida.simulation.contact_table import peak_forces
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ENTRY, EXIT, ROLL, ROLLS, Orbit
@@ -29,7 +28,6 @@ from rotor_ida.steady.grid import EXPECTED, reason_of
 from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED, Features
 
 RUB, WHIP = "rub", "whip"
-TURN = 2.0 * math.pi
 
 _NO_TIMES = np.empty(0)
 
@@ -244,7 +242,7 @@ def _on_rotating_axes(run_up: RunUp, end: Values, stop: Stop) -> State:
     if run_up.to == 0.0:  # what does not turn pulls nowhere
         angle = 0.0
     elif run_up.rotor.load > 0.0:
-        time = (-angle) % TURN / run_up.to
+        time = (-angle) % math.tau / run_up.to
         rotor = replace(run_up.rotor, omega=run_up.to)
         x, y, vx, vy = end.tolist()
         if time > 0.0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass, fields, replace
 from itertools import product
 
@@ -9,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import check_progress, check_real, check_states, check_vector
+from rotor_ida.checks import AT_REST, check_progress, check_real, check_states, check_vector
 from rotor_ida.model.rotors import rotors_of
 from rotor_ida.parallel import Progress, choose
 from rotor_ida.results.provenance import computing, provenance
@@ -18,8 +19,8 @@ from rotor_ida.schema import ENDING, ENDS_IN_WORDS, RESPONSE, STATUS, labelled, 
 from rotor_ida.simulation.options import LARGEST, Backend, Method, Options, check_can_be_followed
 from rotor_ida.simulation.run_up import ramp_of
 from rotor_ida.steady.follow import FAILED
-from rotor_ida.steady.grid import REST, Array, Grid, Places, Rows, Task, form_of, run_study
-from rotor_ida.steady.run_up_outcome import TURN, Outcome, RampSummary, RunUp, follow_run_up, lost
+from rotor_ida.steady.grid import Array, Grid, Places, Rows, Task, form_of, run_study
+from rotor_ida.steady.run_up_outcome import Outcome, RampSummary, RunUp, follow_run_up, lost
 from rotor_ida.steady.sweep import FEATURES
 
 # What only friction, or contact damping, gives a meaning.
@@ -56,7 +57,7 @@ def run_ups(
     load: npt.ArrayLike = 0.0,
     friction: npt.ArrayLike = 0.0,
     disc_radius: npt.ArrayLike | None = None,
-    starts: npt.ArrayLike = (REST,),
+    starts: npt.ArrayLike = (AT_REST,),
     rtol: float = 1e-10,
     atol: float = 1e-12,
     method: Method = "adams",
@@ -158,7 +159,7 @@ def run_ups(
     )  # fmt: skip
     varied = {
         "rate": check_vector("rate", rate, largest=LARGEST),
-        "phase": check_vector("phase", phase, largest=TURN),
+        "phase": check_vector("phase", phase, largest=math.tau),
     }
     options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
     check_progress(progress)

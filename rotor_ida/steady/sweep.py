@@ -14,7 +14,14 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import State, check_choice, check_increasing, check_progress, check_states
+from rotor_ida.checks import (
+    AT_REST,
+    State,
+    check_choice,
+    check_increasing,
+    check_progress,
+    check_states,
+)
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import Rotors, rotors_of
 from rotor_ida.parallel import Progress, Stop, Workers, choose
@@ -26,7 +33,6 @@ from rotor_ida.simulation.options import Backend, Flight, Method, Options, check
 from rotor_ida.steady.follow import FAILED, SettledResponse, failed, follow_to_steady_state
 from rotor_ida.steady.grid import (
     EXPECTED,
-    REST,
     Grid,
     Places,
     Rows,
@@ -78,7 +84,7 @@ def sweep(
     load: npt.ArrayLike = 0.0,
     friction: npt.ArrayLike = 0.0,
     disc_radius: npt.ArrayLike | None = None,
-    starts: npt.ArrayLike = (REST,),
+    starts: npt.ArrayLike = (AT_REST,),
     direction: Direction | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-12,

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import COMPONENTS, check_instance
 from rotor_ida.closed_forms import rest, synchronous_response
 from rotor_ida.cycles.multipliers import is_stable
@@ -19,7 +19,6 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import interruptible
-from rotor_ida.parallel.jobs import Stop
 from rotor_ida.schema import (
     EXACT,
     RESPONSE,

@@ -9,7 +9,7 @@ from operator import attrgetter
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Arrays, Stop, Values
 from rotor_ida.basins.atlas.resilience import Resilience, Search, Subject, resilience_of
 from rotor_ida.basins.atlas.rubbing import needs_run, settled_state
 from rotor_ida.basins.attractors import (
@@ -27,10 +27,8 @@ from rotor_ida.basins.known import known_from_closed_forms, same_cycle, with_cyc
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop
-from rotor_ida.results.studies.arrays import Arrays
 from rotor_ida.results.studies.results import Form
-from rotor_ida.schema import RESPONSE, TRAPPING
+from rotor_ida.schema import RESPONSE, TRAPPING, by_number
 
 # Of one rotor, so that its labels fit into memory many times.
 MOST_STARTS = 1_000_000
@@ -41,8 +39,8 @@ QUANTILES = (0.5, 0.95)
 # What these are where no start is.
 NEVER = np.full(2, np.nan)
 RESILIENCE = tuple(each.name for each in fields(Resilience))
-_KIND = {number: word for word, number in RESPONSE.items()}
-_TRAPPING = {number: word for word, number in TRAPPING.items()}
+_KIND = by_number(RESPONSE)
+_TRAPPING = by_number(TRAPPING)
 
 
 @dataclass(slots=True)

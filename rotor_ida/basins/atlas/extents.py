@@ -22,7 +22,7 @@ from operator import itemgetter
 import numpy as np
 from scipy.optimize import brentq
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.closed_forms import (
     clearance_curve,
     eigenvalues,
@@ -42,7 +42,6 @@ from rotor_ida.cycles.problems import FOLD, PLACE, SLIDING, TORUS, branch_throug
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor, without
-from rotor_ida.parallel import Stop
 from rotor_ida.schema import STABILITY, WITH_EXTENTS
 
 # What lasts down to this part of a parameter's value is said to last down to zero.

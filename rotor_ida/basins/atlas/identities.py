@@ -14,6 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from rotor_ida.arrays import Stop
 from rotor_ida.basins.atlas.cells import NEVER, Cell, Member
 from rotor_ida.basins.atlas.extents import amplitudes_along
 from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, attractor_of_cycle
@@ -28,7 +29,6 @@ from rotor_ida.cycles.shooting import Cycle, close_orbit
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop
 from rotor_ida.steady import response
 
 # From one rotor to the next a branch of limit cycles has at most so many points.

@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.basins.atlas.extents import (
     UNKNOWN,
     End,
@@ -41,7 +41,6 @@ from rotor_ida.basins.known import ContactFree, Known, may_roll
 from rotor_ida.cycles.shooting import Cycle, sampled_orbit
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop
 from rotor_ida.schema import END
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response

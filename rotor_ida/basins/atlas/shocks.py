@@ -21,14 +21,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import qmc
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.basins.cycle_sections import LAST_RETURN, CycleSection
 from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, Labels, measure_returns
 from rotor_ida.basins.known import Known, may_roll
 from rotor_ida.basins.trapping_regions import TrappingRegion
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop
 
 # Kinds of shock, with the first of the two coordinates that it changes.
 KINDS = {"velocity": 2, "displacement": 0}

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 import rotor_ida
+from rotor_ida.checks import AT_REST
 from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, working
 from rotor_ida.cli.parsing import MOST_POINTS, check_points
@@ -21,7 +22,7 @@ def simulate(
     *,
     rotor: options.RotorOptions,
     duration: options.Duration,
-    start: options.Start = options.REST,
+    start: options.Start = AT_REST,
     samples: options.Samples = 1001,
     solver: options.SolverOptions = options.SolverOptions(),
     output: Output = Output(),
@@ -53,7 +54,7 @@ def run_up(
     *,
     rotor: options.AnyRotorOptions = options.AnyRotorOptions(),
     change: options.ChangeOptions = options.ChangeOptions(),
-    start: options.Start = options.REST,
+    start: options.Start = AT_REST,
     samples: options.Samples = 1001,
     solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),
     output: Output = Output(),
@@ -128,7 +129,7 @@ def response(
 def sweep(
     *,
     rotors: options.RotorsOptions,
-    start: options.Starts = [options.REST],  # noqa: B006 - never changed
+    start: options.Starts = [AT_REST],  # noqa: B006 - never changed
     direction: options.Direction = None,
     jobs: options.JobOptions = options.JobOptions(),
     solver: options.SolverOptions = options.SolverOptions(),
@@ -168,7 +169,7 @@ def run_ups(
     to: options.ToSpeed,
     rate: options.Rates,
     phase: options.Phases = [0.0],  # noqa: B006 - never changed
-    start: options.Starts = [options.REST],  # noqa: B006 - never changed
+    start: options.Starts = [AT_REST],  # noqa: B006 - never changed
     jobs: options.JobOptions = options.JobOptions(),
     solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),
     study: options.Study = None,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import COMPONENTS, State, shown
+from rotor_ida.checks import AT_REST, COMPONENTS, State, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
@@ -69,7 +69,7 @@ class Origin:
         if self.from_ is not None:
             return _in_archive(self.from_, self.point, self.special, curve_kind)
         rotor = Rotor(**{name: getattr(self, name) for name in ALL_PARAMETERS})
-        start = self.start or options.REST
+        start = self.start or AT_REST
         if self.period is None:
             return rotor, start
         return rotor, _closed(rotor, start, self.period)
@@ -78,7 +78,7 @@ class Origin:
 def cycle(
     *,
     rotor: options.RotorOptions,
-    start: options.Start = options.REST,
+    start: options.Start = AT_REST,
     period: options.Period = None,
     output: Output = Output(),
 ) -> Report:

@@ -9,10 +9,11 @@ from dataclasses import asdict
 from importlib.util import find_spec
 from pathlib import Path
 
-from rotor_ida.checks import COMPONENTS, State, shown
+from rotor_ida.checks import AT_REST, COMPONENTS, State, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import FORCED, read, working
 from rotor_ida.errors import InputError
+from rotor_ida.explorer.messages import MOST_REVOLUTIONS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import check_can_be_followed
 
@@ -20,7 +21,6 @@ from rotor_ida.simulation.options import check_can_be_followed
 NEEDED = ("starlette", "uvicorn", "websockets")
 FIRST = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REVOLUTIONS = 60
-MOST_REVOLUTIONS = 2000
 PAGE = ".html"
 
 
@@ -79,7 +79,7 @@ def _beginning(
     given = any(value is not None for value in asdict(machine).values())
     if file is None:
         chosen = machine.chosen() if given else FIRST
-        begun = options.dimensionless_start(chosen, start or options.REST)
+        begun = options.dimensionless_start(chosen, start or AT_REST)
         rotor = chosen if isinstance(chosen, Rotor) else chosen.rotor()
         check_can_be_followed(rotor, begun)
         return chosen, begun, REVOLUTIONS

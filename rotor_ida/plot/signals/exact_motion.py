@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import DASHES, GREY, PURPLE, circle
 from rotor_ida.plot.signals.beneath import BACKWARD, CYCLE, KINDS, Beneath, made_beneath
@@ -19,7 +19,6 @@ from rotor_ida.schema import flags_of, words_of
 from rotor_ida.signals.orders import centre_line
 from rotor_ida.signals.record import Record, record_of
 
-ComplexValues = npt.NDArray[np.complex128]
 Indices = npt.NDArray[np.intp]
 
 # Speeds by which a run is told to be one at a constant speed.

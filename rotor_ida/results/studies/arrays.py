@@ -15,9 +15,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from rotor_ida.arrays import Arrays
 from rotor_ida.errors import ArchiveError
-
-Arrays = dict[str, npt.NDArray[Any]]
 
 # The fastest level: the numbers of an orbit hardly shrink, labels and headers do at any level.
 _LEVEL = 1

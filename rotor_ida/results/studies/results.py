@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any, Generic, TypeVar
 
+from rotor_ida.arrays import Arrays
 from rotor_ida.errors import ArchiveError
-from rotor_ida.results.studies.arrays import Arrays, packed, unpacked
+from rotor_ida.results.studies.arrays import packed, unpacked
 from rotor_ida.results.studies.database import FILE
 from rotor_ida.results.studies.store import Piece, Study, opened
 
