@@ -72,14 +72,14 @@ class Writer:
         What has been given a name already, by number of the symbol.
     one : str
         Coefficient n of the constant 1 where a series is written; empty for values.
-    over : callable
-        What a quotient is in C.
+    kind : str
+        What is computed: numbers, ``double``, or vectors of four, ``vec4``.
     """
 
     state: Callable[[str], str]
     names: dict[int, str] = field(default_factory=dict)
     one: str = ""
-    over: Callable[[str, str], str] = "ratio({}, {})".format
+    kind: str = "double"
 
     def __call__(self, node: Symbol, binding: int = SUM) -> str:
         """Return a symbol, in parentheses where it binds less than what it stands in."""
@@ -101,18 +101,22 @@ class Writer:
         """Return the operation that makes a symbol, and how strongly it binds."""
         a, b = node.arguments
         if node.kind == "**":
-            return _power(self(a), b), ATOM
+            return _power(self(a), b, self.kind if a.changes else "double"), ATOM
         if node.kind == "*":
             factor = self(a, PRODUCT) if a.changes else Writer(self.state)(a, PRODUCT)
             minus = factor == "-1.0"
             return f"-{self(b, ATOM)}" if minus else f"{factor} * {self(b, ATOM)}", PRODUCT
         if node.kind == "/":
-            return self.over(self(a), self(b)), ATOM
+            form = "ratio({}, {})" if self.kind == "double" else "({}) / ({})"
+            return form.format(self(a), self(b)), ATOM
         return f"{self(a)} {node.kind} {self(b, PRODUCT)}", SUM
 
 
-def _power(base: str, exponent: float) -> str:
-    """Return a power, by roots where it can be."""
+def _power(base: str, exponent: float, kind: str) -> str:
+    """Return a power, by roots where it can be; of a vector, which has a name, lane by lane."""
+    if kind != "double":
+        lanes = [_power(f"{base}[{i}]", exponent, "double") for i in range(LANES_A_VECTOR)]
+        return f"({kind}){{{', '.join(lanes)}}}"
     if exponent == 0.25:
         return f"sqrt(sqrt({base}))"
     return f"sqrt({base})" if exponent == 0.5 else f"pow({base}, {exponent!r})"
@@ -124,6 +128,7 @@ def _names_of(nodes: Sequence[Symbol], outputs: Sequence[Symbol]) -> dict[int, s
     used.update(output.number for output in outputs)
     # the first coefficient of a base is asked for by itself
     bases = {node.arguments[0].number for node in nodes if node.kind == "**"}
+    of_state = {node.name for node in nodes if node.kind == "state"}
     names: dict[int, str] = {}
     for node in nodes:
         if node.kind in {"number", "parameter", "state"} or not node.changes:
@@ -132,7 +137,7 @@ def _names_of(nodes: Sequence[Symbol], outputs: Sequence[Symbol]) -> dict[int, s
         is_asked = used[node.number] > 1 or node.number in bases or needs_convolution(node)
         if not name and is_asked:
             name = f"w{len(names)}"
-        while name and name in names.values():
+        while name in of_state or name in names.values():
             name += "_"
         if name:
             names[node.number] = name
@@ -148,9 +153,7 @@ def _values(outputs: Sequence[tuple[str, Symbol]], mode: Mode, kind: str = "doub
     nodes = needed(symbols)
     names = _names_of(nodes, [])
     lines = _given(nodes, mode, "state", kind)
-    writer = Writer(lambda name: name)
-    if kind != "double":
-        writer.over = "({}) / ({})".format
+    writer = Writer(lambda name: name, kind=kind)
     for node in nodes:
         if node.number in names:
             lines.append(f"const {kind} {names[node.number]} = {writer(node)};")
