@@ -13,12 +13,10 @@ from rich.console import RenderableType
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.cli.variables import (
-    MOST_TOLD,
     Description,
     Record,
     Rows,
     Sheet,
-    about,
     attributes_of,
     names_on,
     parameters_in,
@@ -94,28 +92,24 @@ FOUND_FOLDS = Rows(
     title="Folds", key="folds", lead="fold_omega", gaps=True,
     names=(*ALL_PARAMETERS[1:], "fold_omega", "fold_amplitude", "rate", "jump_omega"),
 )  # fmt: skip
-FOUND_WHIRLS = Rows(
+FOLDS = Sheet("Rotor", (FOUND_FOLDS,))
+WHIRLS = Sheet("Rotor", (Rows(
     title="Synchronous whirls", key="whirls", lead="amplitude", gaps=True,
     names=(*ALL_PARAMETERS, "amplitude", "phase_lag", "stability", "growth_rate", "in_contact"),
-)  # fmt: skip
-FOUND_HOPF_POINTS = Rows(
+), FOUND_FOLDS))  # fmt: skip
+HOPF_POINTS = Sheet("Rotor", (Rows(
     title="Hopf points", key="hopf_points", lead="hopf_omega", gaps=True,
     names=(*ALL_PARAMETERS[1:], "hopf_omega", "hopf_amplitude", "hopf_frequency"),
-)  # fmt: skip
-FOUND_BACKWARD_WHIRLS = Rows(
+),))  # fmt: skip
+BACKWARD_WHIRL = Sheet("Rotor", (Rows(
     title="Backward whirls without unbalance", key="whirls", lead="amplitude", gaps=True,
     names=("kind", "amplitude", "whirl_speed", "stability", "growth_rate", "normal_force",
            "tangential_force"),
-)  # fmt: skip
-LINES = Rows(
+),))  # fmt: skip
+SPECTRAL_LINES = Sheet("Lines by least squares", (Rows(
     title="Lines", key="lines", lead="whirl_amplitude", gaps=True, falling=True,
     names=("frequency", "frequency_over_omega", "whirl_amplitude", "whirl_phase"),
-)  # fmt: skip
-FOLDS = Sheet("Rotor", (FOUND_FOLDS,))
-WHIRLS = Sheet("Rotor", (FOUND_WHIRLS, FOUND_FOLDS))
-HOPF_POINTS = Sheet("Rotor", (FOUND_HOPF_POINTS,))
-BACKWARD_WHIRL = Sheet("Rotor", (FOUND_BACKWARD_WHIRLS,))
-SPECTRAL_LINES = Sheet("Lines by least squares", (LINES,))
+),))  # fmt: skip
 # Of each attractor what a machine takes on it, a line for each.
 DONE_TO_MACHINE = (
     *("fraction", "fraction_error", "settling_median", "settling_95"),
@@ -138,48 +132,9 @@ COUNTED = ("phase", "start")
 MOST_FRACTIONS = 40
 RANGES = ("omega", "amplitude", "radius_max")
 OF_FIT = ("chi_square", "degrees_of_freedom", "noise")
+ENDS_OF_BRANCH = ("first_end", "first_reason", "last_end", "last_reason")
 # Attributes of a branch whose names a record has for something else.
 RENAMED = {"kind": "of", "points": "most_points", "parameters": "varied"}
-
-
-def show_by_dimension(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the variables of a dataset, its numbers, and tables along each of its dimensions."""
-    variables: list[Record] = [
-        {
-            "name": str(name),
-            "long_name": str(variable.attrs.get("long_name", "")),
-            "units": str(variable.attrs.get("units", "")),
-            "dimensions": " ".join(str(dim) for dim in variable.dims),
-        }
-        for name, variable in dataset.variables.items()
-    ]
-    sheet = Sheet("Numbers", tuple(_along(dataset, dims) for dims in _dimensions(dataset)))
-    record, parts = sheet(dataset, most)
-    heads = list(variables[0]) if variables else ()
-    return {**record, "variables": variables}, [
-        *rows_table("Variables", variables, heads, None),
-        *parts,
-    ]
-
-
-def _dimensions(dataset: xr.Dataset) -> list[tuple[str, ...]]:
-    """Return the dimensions of variables of which not too many values can be told."""
-    shapes = [each.dims for each in dataset.data_vars.values() if each.size <= MOST_TOLD]
-    return [tuple(map(str, dims)) for dims in dict.fromkeys(shapes) if dims]
-
-
-def _along(dataset: xr.Dataset, dims: tuple[str, ...]) -> Rows:
-    """Return the rows of all variables along some dimensions, behind the coordinates there."""
-    known = [name for name in (*ALL_PARAMETERS, *dims) if name in dataset.coords]
-    places = [name for name in dict.fromkeys(known) if set(dataset[name].dims) & set(dims)]
-    names, words = names_on(dataset, *dims), ", ".join(dims)
-    return Rows(
-        title=f"Along {words}",
-        key=f"along {words}",
-        lead=names[0],
-        gaps=True,
-        names=(*places, *names),
-    )
 
 
 def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
@@ -207,7 +162,9 @@ def show_run(dataset: xr.Dataset, most: int | None) -> Description:
     record = {name: each for name, each in record.items() if name not in given}
     record["parameters"] = given
     summary = {**given, **scalars_of(dataset)}
-    summary |= {name: dataset.sizes[name.removesuffix("s")] for name in ("events", "contacts")}
+    summary |= {
+        each: dataset.sizes.get(each.removesuffix("s"), 0) for each in ("events", "contacts")
+    }
     summary |= {name: _largest(dataset, name) for name in ("peak_indentation", "peak_force")}
     for name in ("heat", "rolling_time"):
         if name in dataset:
@@ -249,7 +206,8 @@ def _begun(dataset: xr.Dataset) -> Record:
 
 
 def _largest(dataset: xr.Dataset, name: str) -> float:
-    known = dataset[name].values[np.isfinite(dataset[name].values)]
+    values = dataset[name].values if name in dataset else np.empty(0)
+    known = values[np.isfinite(values)]
     return float(known.max()) if known.size else math.nan
 
 
@@ -349,8 +307,8 @@ def _agreement(dataset: xr.Dataset) -> Record:
 def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
     """Return what each attractor does, a column for each, and what throws it to another."""
     rows = rows_of(dataset, names_on(dataset, "attractor"))
-    scalars = _scalars(dataset)
-    record: Record = {"kind": "touchdown", "attractors": rows, **scalars}
+    scalars = parameters_in(dataset) | scalars_of(dataset)
+    record: Record = tabled(dataset, most)[0] | scalars | {"attractors": rows}
     heads = [f"{number} {row['kind']}" for number, row in enumerate(rows)]
     lines: list[Record] = [
         {"": with_unit(dataset, name)} | dict(zip(heads, [row[name] for row in rows], strict=True))
@@ -370,14 +328,14 @@ def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
         shocks = _shocks(dataset)
         told: list[Record] = [
             {"from": heads[one], "to": heads[to]}
-            | {with_unit(dataset, name): each[name] for name in SHOCK}
+            | with_units(dataset, {name: each[name] for name in SHOCK})
             for (one, to), each in shocks.items()
             if "touching" not in {rows[one]["kind"], rows[to]["kind"]}  # as the contact-free
         ]
         record["smallest_shocks"] = list(shocks.values())
         parts += rows_table("Smallest shocks", told, list(told[0]) if told else [], most, digits=5)
-    parts.append(pairs("Machine", {name: scalars[name] for name in OF_MACHINE if name in scalars}))
-    return record | about(dataset), parts
+    machine = {name: scalars[name] for name in OF_MACHINE if name in scalars}
+    return record, [*parts, pairs("Machine", machine)]
 
 
 def _shocks(dataset: xr.Dataset) -> dict[tuple[int, int], Record]:
@@ -389,11 +347,6 @@ def _shocks(dataset: xr.Dataset) -> dict[tuple[int, int], Record]:
         told = {name: value_of(here, name) for name in names_on(dataset, "attractor", "target")}
         shocks[one, to] = {"from": one, "to": to, **told}
     return shocks
-
-
-def _scalars(dataset: xr.Dataset) -> Record:
-    names = [str(name) for name, variable in dataset.variables.items() if not variable.dims]
-    return {name: value_of(dataset, name) for name in names}
 
 
 def _end(row: Record, name: str) -> str:
@@ -432,7 +385,7 @@ def show_cycle(dataset: xr.Dataset, most: int | None) -> Description:
 def show_branch(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the ends, special points and stable ranges of a branch."""
     varied = parameters_of("branch", dataset, "parameter", 1)
-    record, parts = _followed("branch", "Branch of limit cycles", dataset, varied, most)
+    record, parts = _followed("Branch of limit cycles", dataset, varied, most)
     stable: list[Record] = [{"from": low, "to": high} for low, high in stable_ranges(dataset)]
     record["stable_ranges"] = stable
     return record, [*parts, *rows_table("Stable ranges", stable, ("from", "to"), most)]
@@ -442,33 +395,23 @@ def show_curve(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the ends and special points of a bifurcation curve."""
     varied = parameters_of("curve", dataset, "parameters", 2)
     kind = str(dataset.attrs.get("kind", "")).replace("_", " ")
-    return _followed("curve", f"{kind.capitalize()} curve", dataset, varied, most)
+    return _followed(f"{kind.capitalize()} curve", dataset, varied, most)
 
 
-def _followed(
-    kind: str, title: str, dataset: xr.Dataset, varied: Sequence[str], most: int | None
-) -> Description:
+def _followed(title: str, dataset: xr.Dataset, varied: list[str], most: int | None) -> Description:
     """Return what a branch and a bifurcation curve have in common."""
+    plain = dataset.copy()
+    plain.attrs = {RENAMED.get(str(name), str(name)): each for name, each in dataset.attrs.items()}
     points = Rows(title="Points", key="points", lead=varied[0], names=tuple(varied))
+    record, (_, specials) = tabled(plain, most, points, SPECIAL_POINTS)
+    record["parameters"] = held = parameters_in(dataset.drop_vars(varied))
+    record |= {name: record.get(name, "") for name in ENDS_OF_BRANCH}
+    record["closed"] = bool(record.get("closed", False))
     ranges: Record = {name: span(dataset[name].values, 8)
-              for name in (*varied, "period", "radius_min", "radius_max")}  # fmt: skip
-    attributes = attributes_of(dataset)
-    told_of = ("first_end", "first_reason", "last_end", "last_reason")
-    ends = {name: attributes.pop(name, "") for name in told_of}
-    ends["closed"] = bool(attributes.pop("closed", False))
-    held = parameters_in(dataset.drop_vars(varied))
-    record: Record = {
-        "kind": kind,
-        "parameters": held,
-        **ends,
-        "points": points.of(dataset),
-        "special_points": SPECIAL_POINTS.of(dataset),
-        **{RENAMED.get(name, name): entry for name, entry in attributes.items()},
-    }
-    told = {name: end for name, end in ends.items() if end != ""}
+                      for name in (*varied, "period", "radius_min", "radius_max")}  # fmt: skip
+    told = {name: record[name] for name in (*ENDS_OF_BRANCH, "closed") if record[name] != ""}
     summary = held | with_units(dataset, ranges) | {"points": dataset.sizes["point"]} | told
-    specials = SPECIAL_POINTS.table(dataset, SPECIAL_POINTS.of(dataset), most)
-    return record, [pairs(title, summary), *specials]
+    return record, [pairs(title, summary), specials]
 
 
 def show_fit(dataset: xr.Dataset, most: int | None) -> Description:

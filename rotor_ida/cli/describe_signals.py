@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise, product
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,7 +15,6 @@ from rotor_ida.cli.variables import (
     Description,
     Record,
     Rows,
-    headed,
     parameters_in,
     rows_of,
     rows_table,
@@ -32,6 +32,10 @@ from rotor_ida.results.si_units import in_rpm
 CLEAR = 4.0
 MOST_PEAKS = 50
 PLACE = ("t", "speed")
+PEAKS = Rows(
+    title=f"Peaks above {CLEAR:g} times the noise floor", key="peaks", lead="whirl_amplitude",
+    digits=6, falling=True, names=("frequency", "frequency_over_omega", "whirl_amplitude"),
+)  # fmt: skip
 # For programs alone; people read a summary of them.
 ORDERS = Rows(title="Orders", key="orders", lead="forward_whirl_amplitude", names=PLACE)
 MEAN_POSITIONS = Rows(title="Windows", key="windows", lead="offset_x", names=PLACE)
@@ -172,23 +176,18 @@ def show_whirl_over_spin(dataset: xr.Dataset, most: int | None) -> Description:
 
 def show_full_spectrum(dataset: xr.Dataset, most: int | None) -> Description:
     """Return bandwidth and noise floor, and the highest peaks that are clear of it."""
-    record, _ = tabled(dataset, most)
-    record["peaks"] = peaks = _peaks(dataset)
+    record, parts = tabled(dataset.isel(frequency=_peaks(dataset)), most, PEAKS)
     told = {
         **parameters_in(dataset),
         with_unit(dataset, "frequency"): span(dataset["frequency"].values, 6),
         **with_units(dataset, scalars_of(dataset)),
         **_named(record, ("window", "segment", "segment_count")),
     }
-    shown = headed(dataset, peaks, list(peaks[0]) if peaks else [])
-    columns = list(shown[0]) if shown else []
-    words = f"Peaks above {CLEAR:g} times the noise floor"
-    parts = rows_table(words, shown, columns, most, digits=6)
     return record, [pairs("Full spectrum", told), *parts]
 
 
-def _peaks(dataset: xr.Dataset) -> list[Record]:
-    """Return the highest peaks, further apart than the window is wide, in order of height."""
+def _peaks(dataset: xr.Dataset) -> np.ndarray[Any, Any]:
+    """Return the places of the highest peaks, further apart than the window is wide."""
     from scipy.signal import find_peaks  # noqa: PLC0415 - takes long to import
 
     heights, frequency = dataset["whirl_amplitude"].values, dataset["frequency"].values
@@ -197,10 +196,8 @@ def _peaks(dataset: xr.Dataset) -> list[Record]:
     ringed = np.concatenate([heights[-1:], heights, heights[:1]])
     least = CLEAR * float(dataset["noise_floor"])
     found = find_peaks(ringed, height=max(least, 1e-300), distance=max(apart, 1.0))[0] - 1
-    places = found[np.argsort(-heights[found])][:MOST_PEAKS]
-    names = [each for each in ("frequency", "frequency_over_omega", "whirl_amplitude")
-             if each in dataset.variables]  # fmt: skip
-    return rows_of(dataset[names].isel(frequency=places), names) if places.size else []
+    highest: np.ndarray[Any, Any] = found[np.argsort(-heights[found])][:MOST_PEAKS]
+    return highest
 
 
 def show_spectrogram(dataset: xr.Dataset, most: int | None) -> Description:

@@ -113,6 +113,46 @@ class Sheet:
         return record, [pairs(self.title, told), *parts] if told else parts
 
 
+def show_by_dimension(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the variables of a dataset, its numbers, and tables along each of its dimensions."""
+    variables: list[Record] = [
+        {
+            "name": str(name),
+            "long_name": str(variable.attrs.get("long_name", "")),
+            "units": str(variable.attrs.get("units", "")),
+            "dimensions": " ".join(str(dim) for dim in variable.dims),
+        }
+        for name, variable in dataset.variables.items()
+    ]
+    sheet = Sheet("Numbers", tuple(_along(dataset, dims) for dims in _dimensions(dataset)))
+    record, parts = sheet(dataset, most)
+    heads = list(variables[0]) if variables else ()
+    return {**record, "variables": variables}, [
+        *rows_table("Variables", variables, heads, None),
+        *parts,
+    ]
+
+
+def _dimensions(dataset: xr.Dataset) -> list[tuple[str, ...]]:
+    """Return the dimensions of variables of which not too many values can be told."""
+    shapes = [each.dims for each in dataset.data_vars.values() if each.size <= MOST_TOLD]
+    return [tuple(map(str, dims)) for dims in dict.fromkeys(shapes) if dims]
+
+
+def _along(dataset: xr.Dataset, dims: tuple[str, ...]) -> Rows:
+    """Return the rows of all variables along some dimensions, behind the coordinates there."""
+    known = [name for name in (*ALL_PARAMETERS, *dims) if name in dataset.coords]
+    places = [name for name in dict.fromkeys(known) if set(dataset[name].dims) & set(dims)]
+    names, words = names_on(dataset, *dims), ", ".join(dims)
+    return Rows(
+        title=f"Along {words}",
+        key=f"along {words}",
+        lead=names[0],
+        gaps=True,
+        names=(*places, *names),
+    )
+
+
 def tabled(dataset: xr.Dataset, most: int | None, *tables: Rows) -> Description:
     """Return the record of a dataset, and those of the tables for which it has the variables."""
     there = [each for each in tables if each.lead in dataset.variables]
@@ -133,10 +173,8 @@ def headed(dataset: xr.Dataset, rows: Sequence[Record], names: Sequence[str]) ->
     for name in names:
         values = [row[name] for row in rows]
         columns[with_unit(dataset, name)] = values
-        if (
-            name in SPEEDS
-            and (turns := in_rpm(xr.DataArray(values, attrs=dataset[name].attrs))) is not None
-        ):
+        turns = in_rpm(xr.DataArray(values, attrs=dataset[name].attrs)) if name in SPEEDS else None
+        if turns is not None:
             columns[f"{name.replace('_', ' ')} [rpm]"] = turns.tolist()
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
