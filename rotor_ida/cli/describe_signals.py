@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import pairwise, product
+from typing import Any
 
 import numpy as np
 import xarray as xr
-from rich.console import RenderableType
 
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.cli.variables import (
     Description,
     Record,
-    about,
-    names_on,
+    Rows,
     parameters_in,
     rows_of,
     rows_table,
+    scalars_of,
     span,
+    tabled,
     value_of,
     with_unit,
+    with_units,
 )
 from rotor_ida.model.rotor import SPEED_UNITS
 from rotor_ida.results.si_units import in_rpm
@@ -30,39 +32,44 @@ from rotor_ida.results.si_units import in_rpm
 CLEAR = 4.0
 MOST_PEAKS = 50
 PLACE = ("t", "speed")
+PEAKS = Rows(
+    title=f"Peaks above {CLEAR:g} times the noise floor", key="peaks", lead="whirl_amplitude",
+    digits=6, falling=True, names=("frequency", "frequency_over_omega", "whirl_amplitude"),
+)  # fmt: skip
+# For programs alone; people read a summary of them.
+ORDERS = Rows(title="Orders", key="orders", lead="forward_whirl_amplitude", names=PLACE)
+MEAN_POSITIONS = Rows(title="Windows", key="windows", lead="offset_x", names=PLACE)
+RATIOS = Rows(title="Windows", key="windows", lead="whirl_over_spin", names=PLACE)
 
 
-def show_signals(dataset: xr.Dataset, _: int | None) -> Description:
+def show_signals(dataset: xr.Dataset, most: int | None) -> Description:
     """Return how long and how dense a record is, how fast the rotor turns, and the displacements.
 
     The samples themselves stay in the archive.
     """
     times = dataset["t"].values
-    record: Record = {
-        "kind": "signals",
-        "parameters": parameters_in(dataset),
+    rate = (times.size - 1) / float(times[-1] - times[0])
+    rows = [_displacement(dataset, name) for name in ("x", "y")]
+    turning = _turning(dataset)
+    own: Record = {
         "samples": times.size,
         "first_time": float(times[0]),
         "last_time": float(times[-1]),
-        "sampling_rate": (times.size - 1) / float(times[-1] - times[0]),
-        "displacements": [_displacement(dataset, name) for name in ("x", "y")],
+        "sampling_rate": rate,
+        "displacements": rows,
     }
     told: Record = {
         **parameters_in(dataset),
         "samples": times.size,
         with_unit(dataset, "t"): span(times, 6),
-        "sampling rate" + _inverse_of(dataset["t"]): record["sampling_rate"],
+        "sampling rate" + _inverse_of(dataset["t"]): rate,
+        **turning,
     }
-    for name, value in _turning(dataset).items():
-        record[name] = value
-        told[name] = value
-    columns = list(_displacement(dataset, "x"))
     unit = str(dataset["x"].attrs.get("units", "1"))
     title = "Displacements" if unit == "1" else f"Displacements [{unit}]"
-    rows = [_displacement(dataset, name) for name in ("x", "y")]
-    title_of = str(dataset.attrs.get("title", "Signals"))
-    parts: list[RenderableType] = [pairs(title_of, told), table(title, rows, columns, digits=6)]
-    return record | about(dataset), parts
+    shown = table(title, rows, list(rows[0]), digits=6)
+    summary = pairs(str(dataset.attrs.get("title", "Signals")), told)
+    return tabled(dataset, most)[0] | own | turning, [summary, shown]
 
 
 def _displacement(dataset: xr.Dataset, name: str) -> Record:
@@ -108,38 +115,32 @@ def _inverse_of(times: xr.DataArray) -> str:
     return {"1": "", "s": " [Hz]"}.get(unit, f" [1/{unit}]")
 
 
-def show_orders(dataset: xr.Dataset, _: int | None) -> Description:
+def show_orders(dataset: xr.Dataset, most: int | None) -> Description:
     """Return of each order, forward and backward, the largest amplitude and where it is."""
     largest: list[Record] = []
-    for order in dataset["order"].values.tolist():
-        own = dataset.sel(order=order)
-        for sense in ("forward", "backward"):
-            amplitude = own[f"{sense}_whirl_amplitude"]
-            here = own.isel(window=int(amplitude.values.argmax()))
-            largest.append(
-                {
-                    "order": order,
-                    "sense": sense,
-                    with_unit(dataset, f"{sense}_whirl_amplitude").removeprefix(f"{sense} "): float(
-                        here[f"{sense}_whirl_amplitude"]
-                    ),
-                    "standard error": float(here[f"{sense}_amplitude_error"]),
-                    "phase lag [degree]": math.degrees(float(here[f"{sense}_phase_lag"])),
-                    **_place(here),
-                }
-            )
-    every = rows_of(dataset, [*names_on(dataset, "window", "order"), "order", "window", *PLACE])
-    record: Record = {"kind": "orders", "orders": every, **_windows_record(dataset)}
-    columns = list(largest[0]) if largest else []
+    for order, sense in product(dataset["order"].values.tolist(), ("forward", "backward")):
+        own, amplitude = dataset.sel(order=order), f"{sense}_whirl_amplitude"
+        here = own.isel(window=int(own[amplitude].values.argmax()))
+        head = with_unit(dataset, amplitude).removeprefix(f"{sense} ")
+        largest.append(
+            {
+                "order": order,
+                "sense": sense,
+                head: float(here[amplitude]),
+                "standard error": float(here[f"{sense}_amplitude_error"]),
+                "phase lag [degree]": math.degrees(float(here[f"{sense}_phase_lag"])),
+                **_place(here),
+            }
+        )
     # of all windows the means, beside the largest
-    told = _windows(dataset) | {
-        with_unit(dataset, "window_residual"): float(dataset["window_residual"].mean())
-    }
-    parts = [pairs("Orders of the speed", told)]
-    return record, [*parts, table("Largest amplitudes", largest, columns, digits=6)]
+    residual = {with_unit(dataset, "window_residual"): float(dataset["window_residual"].mean())}
+    columns = list(largest[0]) if largest else []
+    shown = table("Largest amplitudes", largest, columns, digits=6)
+    record, _ = tabled(dataset, most, ORDERS)
+    return record, [pairs("Orders of the speed", _windows(dataset) | residual), shown]
 
 
-def show_centre_line(dataset: xr.Dataset, _: int | None) -> Description:
+def show_centre_line(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the mean position first and last, and where it is furthest from the middle."""
     distance = np.hypot(dataset["offset_x"].values, dataset["offset_y"].values)
     places = {"first": 0, "last": -1, "furthest out": int(distance.argmax()),
@@ -147,13 +148,11 @@ def show_centre_line(dataset: xr.Dataset, _: int | None) -> Description:
     rows: list[Record] = []
     for words, place in places.items():
         here = dataset.isel(window=place)
-        offsets = {with_unit(dataset, f"offset_{each}"): float(here[f"offset_{each}"])
-                   for each in "xy"}  # fmt: skip
-        rows.append({"": words, **_place(here), **offsets})
-    every = rows_of(dataset, [*names_on(dataset, "window"), "window", *PLACE])
-    record: Record = {"kind": "centre_line", "windows": every, **_windows_record(dataset)}
-    parts = [pairs("Mean position of the shaft", _windows(dataset))]
-    return record, [*parts, table("Positions", rows, list(rows[0]), digits=6)]
+        offsets: Record = {name: float(here[name]) for name in ("offset_x", "offset_y")}
+        rows.append({"": words, **_place(here), **with_units(dataset, offsets)})
+    shown = table("Positions", rows, list(rows[0]), digits=6)
+    record, _ = tabled(dataset, most, MEAN_POSITIONS)
+    return record, [pairs("Mean position of the shaft", _windows(dataset)), shown]
 
 
 def show_whirl_over_spin(dataset: xr.Dataset, most: int | None) -> Description:
@@ -170,34 +169,25 @@ def show_whirl_over_spin(dataset: xr.Dataset, most: int | None) -> Description:
         rows.append({"sense": word, "windows": end - begin, **ranges,
                      "mean whirl over spin": float(ratio.mean()),
                      "whirl over spin": span(ratio, 6)})  # fmt: skip
-    every = rows_of(dataset, [*names_on(dataset, "window"), "window", *PLACE])
-    record: Record = {"kind": "whirl_over_spin", "windows": every, **_windows_record(dataset)}
-    parts = [pairs("Whirl against spin", _windows(dataset))]
-    return record, [*parts, *rows_table("Senses", rows, list(rows[0]), most, digits=6)]
+    shown = rows_table("Senses", rows, list(rows[0]), most, digits=6)
+    record, _ = tabled(dataset, most, RATIOS)
+    return record, [pairs("Whirl against spin", _windows(dataset)), *shown]
 
 
 def show_full_spectrum(dataset: xr.Dataset, most: int | None) -> Description:
     """Return bandwidth and noise floor, and the highest peaks that are clear of it."""
-    attributes = about(dataset)
-    scalars = {name: value_of(dataset, name) for name in names_on(dataset)}
-    peaks = _peaks(dataset)
-    record: Record = {"kind": "full_spectrum", "parameters": parameters_in(dataset), **scalars,
-                      "peaks": peaks, **attributes}  # fmt: skip
+    record, parts = tabled(dataset.isel(frequency=_peaks(dataset)), most, PEAKS)
     told = {
         **parameters_in(dataset),
         with_unit(dataset, "frequency"): span(dataset["frequency"].values, 6),
-        **{with_unit(dataset, name): value for name, value in scalars.items()},
-        **_named(attributes, ("window", "segment", "segment_count")),
+        **with_units(dataset, scalars_of(dataset)),
+        **_named(record, ("window", "segment", "segment_count")),
     }
-    shown = _headed(dataset, peaks)
-    columns = list(shown[0]) if shown else []
-    words = f"Peaks above {CLEAR:g} times the noise floor"
-    parts = rows_table(words, shown, columns, most, digits=6)
     return record, [pairs("Full spectrum", told), *parts]
 
 
-def _peaks(dataset: xr.Dataset) -> list[Record]:
-    """Return the highest peaks, further apart than the window is wide, in order of height."""
+def _peaks(dataset: xr.Dataset) -> np.ndarray[Any, Any]:
+    """Return the places of the highest peaks, further apart than the window is wide."""
     from scipy.signal import find_peaks  # noqa: PLC0415 - takes long to import
 
     heights, frequency = dataset["whirl_amplitude"].values, dataset["frequency"].values
@@ -206,47 +196,31 @@ def _peaks(dataset: xr.Dataset) -> list[Record]:
     ringed = np.concatenate([heights[-1:], heights, heights[:1]])
     least = CLEAR * float(dataset["noise_floor"])
     found = find_peaks(ringed, height=max(least, 1e-300), distance=max(apart, 1.0))[0] - 1
-    places = found[np.argsort(-heights[found])][:MOST_PEAKS]
-    names = [each for each in ("frequency", "frequency_over_omega", "whirl_amplitude")
-             if each in dataset.variables]  # fmt: skip
-    return rows_of(dataset[names].isel(frequency=places), names) if places.size else []
+    highest: np.ndarray[Any, Any] = found[np.argsort(-heights[found])][:MOST_PEAKS]
+    return highest
 
 
 def show_spectrogram(dataset: xr.Dataset, most: int | None) -> Description:
     """Return what is covered, and the highest line of some segments from first to last."""
-    every = _highest(dataset)
-    attributes = about(dataset)
-    bandwidth = float(dataset["bandwidth"])
-    record: Record = {"kind": "spectrogram", "parameters": parameters_in(dataset),
-                      "bandwidth": bandwidth, "highest": every, **attributes}  # fmt: skip
+    record, _ = tabled(dataset, most)
+    lines = dataset[["whirl_amplitude"]]
+    highest = lines.isel(frequency=lines["whirl_amplitude"].argmax("frequency"))
+    names = ["frequency", "whirl_amplitude"]
+    places = [name for name in PLACE if name in dataset.coords]
+    record["highest"] = every = rows_of(highest.transpose("window"), [*places, *names])
     told = {
         **_windows(dataset),
         with_unit(dataset, "frequency"): span(dataset["frequency"].values, 6),
-        with_unit(dataset, "bandwidth"): bandwidth,
-        **_named(attributes, ("window", "segment", "overlap")),
+        with_unit(dataset, "bandwidth"): float(dataset["bandwidth"]),
+        **_named(record, ("window", "segment", "overlap")),
     }
     count = len(every) if most is None else min(most, len(every))
     rows: list[Record] = []
     for number in np.linspace(0, len(every) - 1, count).round().astype(int).tolist():
-        line = {with_unit(dataset, name): every[number][name]
-                for name in ("frequency", "whirl_amplitude")}  # fmt: skip
-        rows.append({**_place(dataset.isel(window=number)), **line})
+        line = {name: every[number][name] for name in names}
+        rows.append({**_place(dataset.isel(window=number)), **with_units(dataset, line)})
     title = f"Highest line of {'each segment' if count == len(every) else 'some segments'}"
     return record, [pairs("Spectrogram", told), table(title, rows, list(rows[0]), digits=6)]
-
-
-def _highest(dataset: xr.Dataset) -> list[Record]:
-    """Return the highest line of each segment."""
-    lines = dataset["whirl_amplitude"].transpose("window", "frequency").values
-    places = lines.argmax(axis=1)
-    times = dataset["t"].values.tolist()
-    speeds: Sequence[float] = dataset["speed"].values.tolist() if "speed" in dataset.coords else []
-    return [
-        {"t": time, **({"speed": speeds[number]} if speeds else {}),
-         "frequency": float(dataset["frequency"].values[place]),
-         "whirl_amplitude": float(lines[number, place])}
-        for number, (time, place) in enumerate(zip(times, places.tolist(), strict=True))
-    ]  # fmt: skip
 
 
 def _windows(dataset: xr.Dataset) -> Record:
@@ -255,10 +229,6 @@ def _windows(dataset: xr.Dataset) -> Record:
     told |= _named(dict(dataset.attrs), ("window_revolutions", "window_overlap"))
     first, last = (_place(dataset.isel(window=place)) for place in (0, -1))
     return told | {name: _from_to(first[name], last[name]) for name in first}
-
-
-def _windows_record(dataset: xr.Dataset) -> Record:
-    return {"parameters": parameters_in(dataset), **about(dataset)}
 
 
 def _place(window: xr.Dataset) -> dict[str, float]:
@@ -277,11 +247,6 @@ def _place(window: xr.Dataset) -> dict[str, float]:
 def _from_to(first: float, last: float) -> str:
     ends = f"{first:.6g}", f"{last:.6g}"
     return ends[0] if ends[0] == ends[1] else " to ".join(ends)
-
-
-def _headed(dataset: xr.Dataset, rows: list[Record]) -> list[Record]:
-    """Return rows whose names have units."""
-    return [{with_unit(dataset, name): each for name, each in row.items()} for row in rows]
 
 
 def _named(attributes: Record, names: Sequence[str]) -> Record:

@@ -1,16 +1,20 @@
-"""What variables of a dataset say: rows for programs, and tables and words for people."""
+"""One printer of datasets, by dimension: rows for programs, tables and words for people."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from rich.console import RenderableType
 
-from rotor_ida.cli.report import table
+from rotor_ida.cli.report import pairs, table
 from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.results.kinds import kind_of
+from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import NO_YES, RESULT_KIND, flags_of, words_of
 
 Record = dict[str, object]
@@ -21,6 +25,168 @@ VERSION = "_version"
 HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format", RESULT_KIND)
 
 SPEEDS = ("speed", "event_speed")
+# Of larger results only sums and ranges are told; the archive holds the points.
+MOST_TOLD = 1_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rows:
+    """A table of a result, along the dimensions of one of its variables.
+
+    The record has all variables along these dimensions, the table those that are named.
+
+    Parameters
+    ----------
+    title, key : str
+        What the table is called, and the rows in the record.
+    lead : str
+        The variable that gives the dimensions.
+    names : tuple of str
+        The columns, in order. Those that a dataset does not have are left out.
+    prefix : str
+        What the heads of the columns leave out.
+    digits : int
+        Digits of a number.
+    gaps : bool
+        Whether there is no row where the lead is NaN.
+    falling : bool
+        Whether the rows are in order of the lead, the largest first.
+    telling : bool
+        Whether columns that say nothing in any row are left out.
+    on_request : bool
+        Whether the table is printed only if a number of rows is asked for.
+    """
+
+    title: str
+    key: str
+    lead: str
+    names: tuple[str, ...]
+    prefix: str = ""
+    digits: int = 8
+    gaps: bool = False
+    falling: bool = False
+    telling: bool = False
+    on_request: bool = False
+
+    def of(self, dataset: xr.Dataset) -> list[Record]:
+        """Return the rows of a dataset, for its record."""
+        lead = dataset[self.lead]
+        if lead.size > MOST_TOLD:
+            return []
+        dims = [str(dim) for dim in lead.dims]
+        there = [self.lead, *(name for name in self.names if name in dataset or name in dims)]
+        there += [*names_on(dataset, *dims), *(dim for dim in dims if dim in dataset.coords)]
+        rows = rows_of(dataset, list(dict.fromkeys(there)))
+        values = lead.values.ravel()
+        order = np.argsort(-values, kind="stable") if self.falling else np.arange(values.size)
+        if self.gaps:
+            order = order[lead.notnull().values.ravel()[order]]
+        return [rows[place] for place in order.tolist()]
+
+    def table(
+        self, dataset: xr.Dataset, rows: list[Record], most: int | None
+    ) -> list[RenderableType]:
+        """Return the table of the rows of a dataset."""
+        if self.on_request and (most is None or not rows):
+            return []
+        names = [name for name in self.names if rows and name in rows[0]]
+        if self.telling:
+            names = [name for name in names if any(_says(row[name]) for row in rows)]
+        shown = headed(dataset, rows, names)
+        heads, prefix = list(shown[0]) if shown else [], self.prefix.replace("_", " ")
+        return rows_table(self.title, shown, heads, most, prefix=prefix, digits=self.digits)
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """What is said of a kind of result: its numbers, and tables along its dimensions."""
+
+    title: str
+    tables: tuple[Rows, ...]
+
+    def __call__(self, dataset: xr.Dataset, most: int | None) -> Description:
+        """Return the record of a dataset and its tables."""
+        record, parts = tabled(dataset, most, *self.tables)
+        parameters = parameters_in(dataset).items()
+        numbers = {name: each for name, each in parameters if not isinstance(each, list)}
+        told = with_units(dataset, numbers | scalars_of(dataset))
+        return record, [pairs(self.title, told), *parts] if told else parts
+
+
+def show_by_dimension(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the variables of a dataset, its numbers, and tables along each of its dimensions."""
+    variables: list[Record] = [
+        {
+            "name": str(name),
+            "long_name": str(variable.attrs.get("long_name", "")),
+            "units": str(variable.attrs.get("units", "")),
+            "dimensions": " ".join(str(dim) for dim in variable.dims),
+        }
+        for name, variable in dataset.variables.items()
+    ]
+    sheet = Sheet("Numbers", tuple(_along(dataset, dims) for dims in _dimensions(dataset)))
+    record, parts = sheet(dataset, most)
+    heads = list(variables[0]) if variables else ()
+    return {**record, "variables": variables}, [
+        *rows_table("Variables", variables, heads, None),
+        *parts,
+    ]
+
+
+def _dimensions(dataset: xr.Dataset) -> list[tuple[str, ...]]:
+    """Return the dimensions of variables of which not too many values can be told."""
+    shapes = [each.dims for each in dataset.data_vars.values() if each.size <= MOST_TOLD]
+    return [tuple(map(str, dims)) for dims in dict.fromkeys(shapes) if dims]
+
+
+def _along(dataset: xr.Dataset, dims: tuple[str, ...]) -> Rows:
+    """Return the rows of all variables along some dimensions, behind the coordinates there."""
+    known = [name for name in (*ALL_PARAMETERS, *dims) if name in dataset.coords]
+    places = [name for name in dict.fromkeys(known) if set(dataset[name].dims) & set(dims)]
+    names, words = names_on(dataset, *dims), ", ".join(dims)
+    return Rows(
+        title=f"Along {words}",
+        key=f"along {words}",
+        lead=names[0],
+        gaps=True,
+        names=(*places, *names),
+    )
+
+
+def tabled(dataset: xr.Dataset, most: int | None, *tables: Rows) -> Description:
+    """Return the record of a dataset, and those of the tables for which it has the variables."""
+    there = [each for each in tables if each.lead in dataset.variables]
+    rows = {each.key: each.of(dataset) for each in there}
+    record: Record = {
+        "kind": kind_of(dataset),
+        "parameters": parameters_in(dataset),
+        **scalars_of(dataset),
+        **rows,
+        **about(dataset),
+    }
+    return record, [part for each in there for part in each.table(dataset, rows[each.key], most)]
+
+
+def headed(dataset: xr.Dataset, rows: Sequence[Record], names: Sequence[str]) -> list[Record]:
+    """Return the named entries of rows by names with units, speeds of machines in rpm too."""
+    columns: dict[str, list[object]] = {}
+    for name in names:
+        values = [row[name] for row in rows]
+        columns[with_unit(dataset, name)] = values
+        turns = in_rpm(xr.DataArray(values, attrs=dataset[name].attrs)) if name in SPEEDS else None
+        if turns is not None:
+            columns[f"{name.replace('_', ' ')} [rpm]"] = turns.tolist()
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def with_units(dataset: xr.Dataset, entries: Record) -> Record:
+    """Return values of variables by their names with units."""
+    return {with_unit(dataset, name): value for name, value in entries.items()}
+
+
+def scalars_of(dataset: xr.Dataset) -> Record:
+    """Return the variables without dimensions, parameters aside."""
+    return {name: value_of(dataset, name) for name in names_on(dataset)}
 
 
 def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:
@@ -134,3 +300,8 @@ def values_of(variable: xr.DataArray) -> list[Any]:
         return list(variable.values.ravel().tolist())
     words = words_of(variable)
     return [word == "yes" for word in words] if flags_of(variable) == NO_YES else words
+
+
+def _says(value: object) -> bool:
+    nothing = isinstance(value, float) and math.isnan(value)
+    return not nothing and value not in {"", "done", "from_start"}

@@ -55,7 +55,7 @@ class Kind:
     variables: tuple[str, ...] = ()
     dims: tuple[str, ...] = ()
     along: tuple[str, ...] = ()
-    shown: str = "rotor_ida.cli.describe:show_by_dimension"
+    shown: str = "rotor_ida.cli.variables:show_by_dimension"
     drawn: str = ""
     verified: str = ""
     study: str = ""

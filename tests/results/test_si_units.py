@@ -159,6 +159,13 @@ def test_an_archive_in_si_units_tells_start_and_time_in_them(plain):
     np.testing.assert_allclose(told["start"], plain.attrs["start"] * scales, rtol=1e-15)
 
 
+def test_the_table_of_a_sweep_in_si_units_has_them_in_its_heads():
+    swept = dimensional(sweep(omega=[1.2], zeta=0.07, delta0=0.5), MACHINE)
+    _, (_, responses) = describe(swept, most=1)
+    heads = [column.header for column in responses.columns]
+    assert {"omega", "radius min [m]", "radius max [m]"} <= {*heads}
+
+
 # ---- Speeds that change ----
 
 TURNED = DimensionalRotor(mass=4.0, contact_stiffness=3.2e7, damping=89.1, eccentricity=1e-5,
