@@ -25,7 +25,7 @@ VERSION = "_version"
 HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format", RESULT_KIND)
 
 SPEEDS = ("speed", "event_speed")
-# Of larger results only sums and ranges are told; the archive holds the points.
+# Of larger sweeps only sums and ranges are told; the archive holds the points.
 MOST_TOLD = 1_000_000
 
 
@@ -54,7 +54,8 @@ class Rows:
     telling : bool
         Whether columns that say nothing in any row are left out.
     on_request : bool
-        Whether the table is printed only if a number of rows is asked for.
+        Whether the table is printed only if a number of rows is asked for. Of more than
+        `MOST_TOLD` rows there is then none.
     """
 
     title: str
@@ -71,7 +72,7 @@ class Rows:
     def of(self, dataset: xr.Dataset) -> list[Record]:
         """Return the rows of a dataset, for its record."""
         lead = dataset[self.lead]
-        if lead.size > MOST_TOLD:
+        if self.on_request and lead.size > MOST_TOLD:
             return []
         dims = [str(dim) for dim in lead.dims]
         there = [self.lead, *(name for name in self.names if name in dataset or name in dims)]
