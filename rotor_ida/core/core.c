@@ -20,7 +20,7 @@ static int with_motions(struct run *run, int (*act)(struct run *, const struct m
     /* where flight has no closed form, Taylor series lead it whatever leads a contact */
     struct taylor taylor, flight;
     if (!HAS_CLOSED_FLIGHT) {
-        open_taylor(&flight, &cartesian_mode, model, run->rtol, 0);
+        open_taylor(&flight, &cartesian_mode, model, run->rtol, tangents);
         motions.free = &flight.motion;
     }
     if (run->method == TAYLOR) {
