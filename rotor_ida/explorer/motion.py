@@ -18,8 +18,7 @@ from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, MODE
 from rotor_ida.signals.forces import power_in_contact
-from rotor_ida.signals.run_spectrum import lines_of
-from rotor_ida.signals.spectra import full_spectrum
+from rotor_ida.signals.spectra import full_spectrum, lines_of
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 

@@ -23,7 +23,7 @@ from rotor_ida.paper import freshness
 IMPORTED = (
     "mpl_toolkits.mplot3d",
     "rotor_ida.steady.bifurcation_diagram",
-    "rotor_ida.signals.run_spectrum",
+    "rotor_ida.signals.spectra",
     "rotor_ida.basins",
     "rotor_ida.cycles.bifurcation_curve",
     "rotor_ida.cycles.branches",

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import struct
+import warnings
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -22,11 +25,12 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.results.files import check_path
 from rotor_ida.schema import labelled, labelled_dataset
-from rotor_ida.signals.columns import Table, Unit, known_units, unit_called
+from rotor_ida.signals.columns import Column, Table, Unit, known_units, unit_called
 from rotor_ida.signals.keyphasor import check_pulses, pulses_in, with_lost_pulses
+from rotor_ida.signals.matlab import read_matlab
 from rotor_ida.signals.probes import displacements
 from rotor_ida.signals.record import FEWEST_SAMPLES
-from rotor_ida.signals.tables import read_table
+from rotor_ida.signals.text import read_text
 
 Keyphasor = Literal["auto", "signal", "times"]
 
@@ -130,7 +134,7 @@ def read_signals(
     told, given = _words("columns", columns), _words("units", units)
     if rate is not None:
         rate = check_between("rate", rate, *RATES)
-    table = read_table(file)
+    table = _read_table(file)
     names = _names(table, told)
     found = {name: _converted(name, column, table, given) for name, column in names.items()}
     times, time = _times(found, rate, table, names)
@@ -158,6 +162,38 @@ def read_signals(
     return labelled_dataset(
         "Signals of two probes", variables, coordinates, attributes, kind="signals"
     )
+
+
+def _read_table(path: Path) -> Table:
+    """Return the columns of a file by their names, each with its unit, empty where not told."""
+    if not path.is_file():
+        raise InputError(f"path must be a file that exists, got {shown(path)}")
+    readers = {".wav": _read_wav, ".mat": read_matlab}
+    try:
+        return readers.get(path.suffix.lower(), read_text)(path)
+    except OSError as error:
+        raise InputError(f"{shown(path)} cannot be read: {error.strerror or error}") from error
+
+
+def _read_wav(path: Path) -> Table:
+    """Return the channels of a sound file, numbered from 1, and ``t``; whole numbers as of 1."""
+    from scipy.io import wavfile  # noqa: PLC0415 - takes long to import
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", wavfile.WavFileWarning)
+            rate, samples = wavfile.read(path)
+    except (ValueError, EOFError, struct.error, UnboundLocalError) as error:
+        raise InputError(f"{shown(path)} must be a WAV file: {error}") from error
+    table = np.asarray(samples, dtype=np.float64).reshape(len(samples), -1)
+    if samples.dtype == np.uint8:
+        table = (table - 128.0) / 128.0
+    elif samples.dtype.kind == "i":
+        table = table / 2.0 ** (8 * samples.dtype.itemsize - 1)
+    columns = {"t": Column(np.arange(len(table)) / rate, "s")}
+    for number, channel in enumerate(table.T, 1):
+        columns[str(number)] = Column(np.ascontiguousarray(channel))
+    return Table(columns, lambda name, row: f"{columns[name].values[row]} in sample {row + 1}")
 
 
 def _words(name: str, given: object) -> dict[str, str]:

@@ -66,15 +66,7 @@ class Record:
 
     def equal_step(self) -> float:
         """Return the step of equally spaced times."""
-        steps = np.diff(self.times)
-        mean = float(self.times[-1] - self.times[0]) / (self.times.size - 1)
-        even = self.times[0] + mean * np.arange(self.times.size)
-        if np.abs(self.times - even).max() > UNEQUAL * mean:
-            raise InputError(
-                "signals must have equally spaced samples for a spectrum or filter, got steps from "
-                f"{steps.min():.6g} to {steps.max():.6g}"
-            )
-        return mean
+        return equal_step(self.times, "signals", UNEQUAL)
 
     def variable(
         self, name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike
@@ -108,6 +100,21 @@ class Record:
             {**self.attributes, **(attributes or {})},
             kind=kind,
         )
+
+
+def equal_step(times: Values, name: str, unequal: float) -> float:
+    """Return the step of equally spaced times, which may be out by a part of it."""
+    if times.size < FEWEST_SAMPLES:
+        raise InputError(f"{name} must hold at least {FEWEST_SAMPLES} samples, got {times.size}")
+    steps = np.diff(times)
+    mean = float(times[-1] - times[0]) / (times.size - 1)
+    even = times[0] + mean * np.arange(times.size)
+    if np.abs(times - even).max() > unequal * mean:
+        raise InputError(
+            f"{name} must have equally spaced samples, got steps from "
+            f"{steps.min():.6g} to {steps.max():.6g}"
+        )
+    return mean
 
 
 def signals_of(run: xr.Dataset) -> xr.Dataset:

@@ -17,6 +17,8 @@ from rotor_ida.signals.record import Record
 EDGE = 1e-9
 # Numbers that are worked on at once: what fits into the processor's cache is done sooner.
 AT_ONCE = 200_000
+# By which part windows, and segments of a spectrogram, overlap.
+MOST_OVERLAP = 0.95
 MOST_SAMPLES = 200_000_000
 Complex = npt.NDArray[np.complex128]
 
