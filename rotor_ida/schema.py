@@ -640,5 +640,5 @@ def words_of(variable: xr.DataArray) -> list[str]:
     >>> words_of(xr.DataArray(labelled("event_kind", "event", [1, -1])))
     ['entry', 'exit']
     """
-    words = {number: word for word, number in flags_of(variable).items()}
+    words = by_number(flags_of(variable))
     return [words[number] for number in variable.values.ravel().tolist()]

@@ -7,9 +7,9 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.schema import DAMPED_EVENT_KIND, OF_FRICTION_EVENT_KIND
+from rotor_ida.schema import DAMPED_EVENT_KIND, OF_FRICTION_EVENT_KIND, by_number
 
-NAMES = {number: word for word, number in (DAMPED_EVENT_KIND | OF_FRICTION_EVENT_KIND).items()}
+NAMES = by_number(DAMPED_EVENT_KIND | OF_FRICTION_EVENT_KIND)
 
 
 def assert_events_close(

@@ -35,7 +35,7 @@ from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import SPEED_UNITS
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.results.si_units import in_rpm
-from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, flags_of
+from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, by_number, flags_of
 
 EVENTS = Rows(
     title="Events", key="events", lead="event_time", prefix="event_",
@@ -244,7 +244,7 @@ def _kinds(dataset: xr.Dataset) -> list[Record]:
     """Return how many points there are of each kind, and the ranges that they cover."""
     response = dataset["response"]
     numbers = response.values
-    words = {number: word for word, number in flags_of(response).items()}
+    words = by_number(flags_of(response))
     found, first = np.unique(numbers, return_index=True)
     names = [name for name in RANGES if name in dataset]  # a diagram has no amplitudes
     rows: list[Record] = []
@@ -270,7 +270,7 @@ def show_attractors(dataset: xr.Dataset, most: int | None) -> Description:
 
 def show_atlas(dataset: xr.Dataset, most: int | None) -> Description:
     """Return each attractor with where it exists and how likely it is there."""
-    words = {number: word for word, number in flags_of(dataset["kind"]).items()}
+    words = by_number(flags_of(dataset["kind"]))
     varied = [name for name in parameters_in(dataset) if dataset[name].size > 1]
     rows: list[Record] = []
     for number in range(dataset.sizes["attractor"]):

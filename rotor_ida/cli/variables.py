@@ -25,7 +25,7 @@ VERSION = "_version"
 HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format", RESULT_KIND)
 
 SPEEDS = ("speed", "event_speed")
-# Of larger sweeps only sums and ranges are told; the archive holds the points.
+# Rows of a table in the record; of a larger result it has sums and ranges, the archive the rest.
 MOST_TOLD = 1_000_000
 
 

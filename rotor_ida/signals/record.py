@@ -103,13 +103,14 @@ class Record:
 
 
 def equal_step(times: Values, name: str, unequal: float) -> float:
-    """Return the step of equally spaced times, which may be out by a part of it."""
+    """Return the step of times that rise equally, each out by at most this part of the step."""
     if times.size < FEWEST_SAMPLES:
         raise InputError(f"{name} must hold at least {FEWEST_SAMPLES} samples, got {times.size}")
-    steps = np.diff(times)
-    mean = float(times[-1] - times[0]) / (times.size - 1)
-    even = times[0] + mean * np.arange(times.size)
-    if np.abs(times - even).max() > unequal * mean:
+    with np.errstate(invalid="ignore"):  # of times that are infinite
+        steps = np.diff(times)
+        mean = float(times[-1] - times[0]) / (times.size - 1)
+        off = np.abs(times - (times[0] + mean * np.arange(times.size))).max()
+    if not (mean > 0.0 and off <= unequal * mean):  # also where one is NaN
         raise InputError(
             f"{name} must have equally spaced samples, got steps from "
             f"{steps.min():.6g} to {steps.max():.6g}"

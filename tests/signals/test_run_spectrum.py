@@ -68,6 +68,15 @@ def test_simulated_whirl_has_the_exact_amplitude():
     assert lines.attrs["rtol"] == 1e-10
 
 
+@pytest.mark.parametrize("odd", [math.nan, math.inf, -math.inf, TIMES[8]])
+@pytest.mark.parametrize("places", [[7], [7, 9], [-1], [0, -1], slice(None)])
+def test_times_that_are_no_numbers_or_do_not_rise_are_refused(odd, places):
+    times = TIMES.copy()
+    times[places] = odd
+    with pytest.raises(InputError, match="equally spaced samples, got steps from"):
+        spectrum(signal(np.exp(1j * TIMES), times))
+
+
 def test_bad_input_is_refused():
     z = np.exp(1j * TIMES)
     with pytest.raises(InputError, match="equally spaced samples, got steps from"):
