@@ -279,6 +279,9 @@ Direction = Annotated[
 ]
 WithFolds = Annotated[bool, _flag("Also list the folds; alone if no --omega is given.")]
 Quick = Annotated[bool, _flag("Coarser and faster.")]
+Studies = Annotated[
+    bool, _flag("Run the studies as well as the figures of the paper.", name="--all")
+]
 Names = Annotated[
     list[str] | None,
     Parameter(

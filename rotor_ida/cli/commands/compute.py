@@ -349,17 +349,20 @@ def reproduce(
     *,
     out: options.Results = Path("results"),
     quick: options.Quick = False,
+    studies: options.Studies = False,
     only: options.Names = None,
     workers: options.Workers = None,
     force: options.Force = False,
 ) -> int:
-    """Compute every figure of the paper and every study again, on a page index.html.
+    """Compute the figures of the paper, and on request all studies, on a page index.html.
 
-    What is up to date is left alone; one that fails does not stop the others. One of them, coarse
-    but quick, named in full or by how it begins:
+    Only what is out of date is computed. A scenario that fails does not stop the others. To run one
+    of them in a coarse version, give its name or the beginning of it:
 
         rotor-ida reproduce --only fig06_jumps --quick --out results
     """
     from rotor_ida.paper import reproduction  # noqa: PLC0415 - heavy, and not for --help
 
-    return reproduction.reproduce(out, quick=quick, only=only, workers=workers, force=force)
+    return reproduction.reproduce(
+        out, quick=quick, studies=studies, only=only, workers=workers, force=force
+    )
