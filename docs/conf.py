@@ -31,6 +31,7 @@ exclude_patterns = [
     *("_extensions", "_templates", "inventories"),
     *("results", "scenario_scripts", "tutorial_scripts"),
     "api/used_by",
+    "categories.md",  # a part of datasets.md
     "site",
     "**/sg_execution_times.rst",
 ]

@@ -54,14 +54,8 @@ def write(path, text):
 
 
 def write_categories():
-    """Write the page of the words of categories, and the numbers that stand for them."""
-    lines = [
-        "# Categories",
-        "",
-        "Categories are small integers; `flag_values` and `flag_meanings` of a variable say so in",
-        "every dataset, and `rotor_ida.schema` has them as dictionaries.",
-        "",
-    ]
+    """Write the list of the words of categories, which the page on datasets includes."""
+    lines = []
     for name, flags in vars(schema).items():
         if name.isupper() and isinstance(flags, dict) and set(map(type, flags.values())) == {int}:
             words = ", ".join(f"{word} {number}" for word, number in flags.items())
