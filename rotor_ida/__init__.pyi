@@ -24,8 +24,10 @@ from .model.rotor import Rotor as Rotor
 from .results.archive import load as load
 from .results.archive import open_archive as open_archive
 from .results.archive import save as save
+from .results.concat import concat as concat
 from .results.si_units import dimensional as dimensional
 from .results.studies import status as status
+from .schema import decode_flags as decode_flags
 from .signals.filtering import filtered_orbit as filtered_orbit
 from .signals.forces import contact_forces as contact_forces
 from .signals.lines import spectral_lines as spectral_lines

@@ -264,7 +264,9 @@ def show_attractors(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the attractors of a basin or of fractions, and what became of the starts."""
     record, parts = tabled(dataset, most, ATTRACTORS, SHARES)
     if "label" in dataset:
-        record["grid"] = {name: dataset.sizes[name] for name in dataset["label"].dims}
+        record["grid"] = {
+            name: dataset.sizes[name] for name in COMPONENTS if name in dataset["label"].dims
+        }
     return record, [*parts, pairs("Starts", scalars_of(dataset))]
 
 

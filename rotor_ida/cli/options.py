@@ -212,7 +212,7 @@ Study = Annotated[
 ]
 Out = Annotated[Path | None, _path("Write the result to this new netCDF file.")]
 Figure = Annotated[
-    Path | None, _path("Draw the result into NAME.png and NAME.svg; give NAME or either file.")
+    Path | None, _path("Draw the result into NAME.png and NAME.svg, or into NAME.pdf.")
 ]
 SignalFile = Annotated[
     Path,
@@ -221,7 +221,7 @@ SignalFile = Annotated[
         name="FILE",
     ),
 ]
-NeededFigure = Annotated[Path, _path("Draw into NAME.png and NAME.svg; give NAME or either file.")]
+NeededFigure = Annotated[Path, _path("Draw into NAME.png and NAME.svg, or into NAME.pdf.")]
 PlotKind = Annotated[
     Literal[
         "bode", "polar", "orders", "orbit", "full-spectrum", "cascade", "spectrogram", "centreline",

@@ -24,6 +24,7 @@ from rotor_ida.explorer.responses import show_responses
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.plot import plot_machine, plot_run, save_figure
+from rotor_ida.plot.appearance import without_pyplot
 from rotor_ida.results.archive import save
 from rotor_ida.results.si_units import dimensional
 
@@ -152,7 +153,8 @@ def _contents(question: Question) -> bytes:
         if question.about == "nc":
             save(run, place.with_suffix(".nc"))
         else:
-            save_figure(_figure(question, run), place)
+            with without_pyplot():
+                save_figure(_figure(question, run), place)
         return place.with_suffix(f".{question.about}").read_bytes()
 
 

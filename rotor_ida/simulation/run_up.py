@@ -12,6 +12,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import (
+    AT_REST,
     check_array,
     check_between,
     check_duration,
@@ -57,7 +58,7 @@ class _SpeedChange:
 def run_up(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike,
+    start: npt.ArrayLike = AT_REST,
     to: float | None = None,
     rate: float | None = None,
     speeds: Sequence[tuple[float, float]] | npt.ArrayLike | None = None,
@@ -81,7 +82,7 @@ def run_up(
     rotor : Rotor
         The rotor: its ``omega`` is the speed at time 0, where the unbalance points along x.
     start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1].
+        ``(x, y, vx, vy)`` at time 0 [1]; by default at rest on the axis.
     to : float
         Speed at the end of a ramp [1].
     rate : float

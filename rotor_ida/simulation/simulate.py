@@ -8,6 +8,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
+    AT_REST,
     check_axis,
     check_count,
     check_duration,
@@ -35,7 +36,7 @@ SOON_PASSED = 1e4
 def simulate(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike,
+    start: npt.ArrayLike = AT_REST,
     duration: float,
     samples: int | npt.ArrayLike = 1001,
     rtol: float = 1e-10,
@@ -51,7 +52,7 @@ def simulate(
     rotor : Rotor
         The rotor.
     start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1].
+        ``(x, y, vx, vy)`` at time 0 [1]; by default at rest on the axis.
     duration : float
         Time to simulate [1], as long as the spacing of doubles at its end is below
         ``1e-6/max(omega, 1)``.

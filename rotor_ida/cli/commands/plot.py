@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import rotor_ida
 from rotor_ida.checks import shown
 from rotor_ida.cli import options
-from rotor_ida.cli.output import OUT_ENDING, Output, read
+from rotor_ida.cli.output import OUT_ENDING, Output, read, write_figure
 from rotor_ida.cli.report import Report, pairs
 from rotor_ida.errors import InputError, RotorError
 
@@ -74,12 +74,14 @@ def plot(
 
         chosen["beneath"] = exact_beneath(dataset, kind)
     from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
+    from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
 
-    drawn = getattr(plots, FUNCTIONS[kind])(dataset, **chosen)
+    with without_pyplot():
+        drawn = getattr(plots, FUNCTIONS[kind])(dataset, **chosen)
     ax = drawn[0] if isinstance(drawn, list) else drawn
     written, trouble = [], ""
     try:
-        files = plots.save_figure(ax.figure, figure.with_suffix(""), overwrite=force)
+        files = write_figure(ax.figure, figure, overwrite=force)
         written = [str(path) for path in files]
     except (RotorError, OSError) as error:
         trouble = str(error)

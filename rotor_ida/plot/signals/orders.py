@@ -10,13 +10,19 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_choice, check_positive
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import drawing, legend_below, look, own_legend, style
+from rotor_ida.plot.appearance import (
+    drawing,
+    legend_below,
+    look,
+    new_figure,
+    own_legend,
+    style,
+)
 from rotor_ida.plot.datasets import check_dataset
 from rotor_ida.plot.labels import LABELS, label_axis, label_of
 from rotor_ida.plot.signals.beneath import Beneath, Response, responses_of
@@ -330,7 +336,7 @@ def _label_degrees(ax: Axes) -> None:
 
 def _pair_of(axes: Sequence[Axes] | None) -> tuple[Axes, Axes]:
     if axes is None:
-        figure = Figure(figsize=(5.4, 5.0), layout="constrained")
+        figure = new_figure(5.4, 5.0)
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.6, 1.0))
         return upper, lower
     given = list(axes)
@@ -341,7 +347,7 @@ def _pair_of(axes: Sequence[Axes] | None) -> tuple[Axes, Axes]:
 
 def _polar_axes(ax: Axes | None) -> Any:
     if ax is None:
-        return Figure(figsize=(4.6, 5.6), layout="constrained").add_subplot(projection="polar")
+        return new_figure(4.6, 5.6).add_subplot(projection="polar")
     if getattr(ax, "name", "") != "polar":
         raise InputError("ax must be polar: figure.add_subplot(projection='polar') makes it")
     return ax
