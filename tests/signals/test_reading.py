@@ -177,7 +177,7 @@ ODD = {
                                "got 'furlong' in the column 'x'; say it in units"),
     "two units": (HEAD.replace("x [um]", "x [mm]") + BODY,
                   "x and y must be in one unit, got mm and um"),
-    "bytes": ("\0\1\2\3" * 100, "must be text, a .wav or a .mat file, got other bytes"),
+    "bytes": ("\0\1\2\3" * 100, "must be text, got other bytes; files of recorders are known by their endings"),
 }  # fmt: skip
 
 
@@ -230,7 +230,9 @@ def test_matrices_and_structures_of_matlab(tmp_path):
 
 def test_what_a_matlab_file_holds_is_listed(tmp_path):
     savemat(tmp_path / "a.mat", {"voltages": X, "note": "of a machine"})
-    with pytest.raises(InputError, match=r"column for x; .*got 'voltages; and note \(text\)'"):
+    with pytest.raises(
+        InputError, match=r"column for x and y; .*got 'voltages; and note \(text\)'"
+    ):
         read_signals(tmp_path / "a.mat")
     savemat(tmp_path / "b.mat", {"note": "of a machine"})
     with pytest.raises(InputError, match=r"must hold vectors or matrices of numbers, got 'note"):
