@@ -73,6 +73,12 @@ class Name:
     is_suffix: bool
 
     @property
+    def last(self) -> tuple[str, ...]:
+        """The words of the last part of the name: those of x in ``record.x``."""
+        part = _words(self.column.rpartition(".")[2])
+        return tuple(word for word in part if word in self.words) or self.words
+
+    @property
     def kind(self) -> str:
         """What the unit is of: empty if there is none, "?" if it is not known."""
         known = unit_called(self.unit)
@@ -170,6 +176,9 @@ def _by_place(table: Table, told: Mapping[str, str], *, timed: bool) -> dict[str
     if timed and "t" in signals and not (order and _rises(table.columns[order[0]].values)):
         signals.remove("t")
     found = {**told, **dict(zip(signals, order, strict=False))}
+    guessed = found.get("keyphasor") if "keyphasor" not in told else None
+    if guessed and np.ptp(table.columns[guessed].values) == 0.0:
+        del found["keyphasor"]  # what never changes has no pulses
     for signal in ("x", "y"):
         if signal not in found:
             raise InputError(
@@ -243,9 +252,9 @@ def _rank(signal: str, name: Name) -> float | None:
         return None
     if not name.words and name.is_suffix:  # a column that is called s, or rpm
         return 100.0 if name.kind == kind and signal in ("t", "speed") else None
-    whole = " ".join(name.words)
+    wholes = {" ".join(name.words), " ".join(name.last)}
     for place, word in enumerate(WORDS[signal]):
-        if whole == word:
+        if word in wholes:
             return float(place)
         if word in name.words and len(word) > 1:
             return place + 0.5
@@ -317,7 +326,7 @@ def _whole(name: Name) -> Name:
 def _rank_of_pair(pair: tuple[Name, Name]) -> tuple[bool, bool, bool]:
     """Return how sure a pair of columns is that of the probes, the smaller the surer."""
     kinds = {each.kind for each in pair}
-    are_plain = (pair[0].words, pair[1].words) == (("x",), ("y",))
+    are_plain = (pair[0].last, pair[1].last) == (("x",), ("y",))
     about = {*pair[0].words, *pair[1].words} & PROBE_WORDS
     return (
         not kinds <= {"length", ""},

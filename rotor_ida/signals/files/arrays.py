@@ -71,7 +71,7 @@ def _member(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> object:
         )
         shape, _, kind = header(file)
     if kind.hasobject:
-        return np.array("objects")
+        return "objects"
     if math.prod(map(float, shape)) * kind.itemsize > member.file_size:
         raise ValueError(f"{member.filename} declares the shape {shape}, but is shorter")
     with archive.open(member) as file:
@@ -117,7 +117,7 @@ def _group(group: Any) -> dict[str, object]:
     for name, variable in group.variables.items():
         matlab = getattr(variable, "MATLAB_class", "")
         if matlab in ("char", "cell", "struct", "function_handle"):
-            held[name] = np.array(matlab)
+            held[name] = matlab
             continue
         values = np.asarray(variable[...])
         unit = next(
@@ -182,6 +182,8 @@ def _within(
     elif hasattr(value, "_fieldnames"):
         fields = {each: getattr(value, each) for each in value._fieldnames}
         yield from _within(name, fields, unit, depth)
+    elif isinstance(value, str):
+        yield name, value
     elif not isinstance(value, np.ndarray):
         yield name, f"a {type(value).__name__}"
     elif value.dtype.kind in "biuf":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -25,6 +26,8 @@ SINGLE, DOUBLE = 2, 4  # of real ordinates in UFF
 DIRECTIONS = {0: "", 1: " x", 2: " y", 3: " z", -1: " -x", -2: " -y", -3: " -z"}
 # Unset labels in UFF.
 UNNAMED = {"", "none", "null"}
+# What begins and ends a set in UFF.
+_TAG = re.compile(rb"    -1(?: {74})?(?=[\r\n]|\Z)")
 # Bytes of an analogue channel in COMTRADE, by format.
 BYTES = {"BINARY": 2, "BINARY32": 4, "FLOAT32": 4}
 STATUS_BITS = 16
@@ -50,7 +53,7 @@ def read_wav(path: Path) -> Table:
 def read_uff(path: Path) -> Table:
     """Return the time responses of a universal file (58 and 58b), and their times ``t``."""
     pyuff = _library("pyuff", "UFF", "pyuff")
-    tags = sum(line.rstrip() == b"    -1" for line in path.read_bytes().splitlines())
+    tags = len(_TAG.findall(path.read_bytes()))
     with _understood(path, "a universal file (UFF)"):
         file = pyuff.UFF(str(path))
         kinds = [int(each) for each in file.get_set_types()]
@@ -103,7 +106,12 @@ def read_tdms(path: Path) -> Table:
     nptdms = _library("nptdms", "TDMS", "npTDMS")
     # it writes its warnings to the terminal
     import_module("nptdms.log").log_manager.set_level("CRITICAL")
-    with _understood(path, "a TDMS file"), nptdms.TdmsFile.open(path) as file:
+    # of a file that it opened itself and does not understand it leaves the handle open
+    with (
+        _understood(path, "a TDMS file"),
+        path.open("rb") as held,
+        nptdms.TdmsFile.open(held) as file,
+    ):
         channels = [each for group in file.groups() for each in group.channels() if len(each)]
         check_size(path, sum(map(len, channels)), possible=8.0 * path.stat().st_size)
         if file.file_status.incomplete_final_segment:
