@@ -221,6 +221,7 @@ def signals_in(
         attributes["pulses_per_revolution"] = per_revolution
     elif "speed" in found:
         variables["angle"] = labelled("angle", "t", _integrated(found["speed"], times, time))
+        attributes["angle_origin"] = "unknown"
         notes.append(
             "the angle is integrated from the speed: phase lags have no known origin, and drift "
             "with the error of the speed"

@@ -202,7 +202,8 @@ def _rows_in(data: Path, cfg: Any) -> int:
         with data.open("rb") as file:
             return sum(1 for line in file if line.strip(b"\r\n\x1a \t"))
     status = 2 * math.ceil(cfg.status_count / STATUS_BITS)
-    return data.stat().st_size // (8 + BYTES[cfg.ft.upper()] * cfg.analog_count + status)
+    row = 8 + BYTES[cfg.ft.upper()] * int(cfg.analog_count) + status
+    return int(data.stat().st_size // row)
 
 
 def _sampled(columns: dict[str, Column], rest: str = "") -> Table:
