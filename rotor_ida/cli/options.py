@@ -217,7 +217,8 @@ Figure = Annotated[
 SignalFile = Annotated[
     Path,
     _path(
-        "An archive of a run, run-up or signals (.nc), or a measured file: text, .wav or .mat.",
+        "An archive of a run, run-up or signals (.nc), or a measured file: text, .wav, .mat, .h5, "
+        ".npz, .uff, .tdms, .lvm or .cfg with .dat.",
         name="FILE",
     ),
 ]
@@ -581,11 +582,15 @@ class ReadingOptions:
 
     columns: Annotated[
         list[str] | None,
-        _named("Columns of t, x, y and keyphasor or angle in a measured file.", "SIGNAL=COLUMN"),
+        _named(
+            "Columns of t, x, y and keyphasor, angle or speed in a measured file; by default "
+            "guessed from their names.",
+            "SIGNAL=COLUMN",
+        ),
     ] = None
     units: Annotated[
         list[str] | None,
-        _named("Units of the columns: s, ms, m, mm, um, mil, V, rad, deg.", "SIGNAL=UNIT"),
+        _named("Units of the columns: s, ms, m, mm, um, mil, V, rad, deg, rpm, Hz.", "SIGNAL=UNIT"),
     ] = None
     rate: Annotated[float | None, _number("Samples a second, of a file without times.")] = None
     probe_angles: Annotated[
@@ -595,6 +600,13 @@ class ReadingOptions:
     gains: Annotated[
         tuple[float, float] | None,
         _several_numbers("Reading over displacement of each probe.", "X Y"),
+    ] = None
+    sensitivity: Annotated[
+        str | None,
+        Parameter(
+            help="Volts over displacement of both probes, such as 200mV/mil or 7.87V/mm.",
+            metavar="VOLTS/LENGTH",
+        ),
     ] = None
     keyphasor: Annotated[
         Literal["auto", "signal", "times"] | None,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import rotor_ida
 from rotor_ida.cli import options
-from rotor_ida.cli.commands.plot import signals_in
+from rotor_ida.cli.commands.plot import OF_FILE, signals_in
 from rotor_ida.cli.output import Output, answer
 from rotor_ida.cli.report import Report
 
@@ -66,4 +66,7 @@ def fit(
         time_error=time_error,
         noise=noise,
     )
+    for name in OF_FILE:
+        if told := dict.fromkeys(str(each.attrs[name]) for each in signals if name in each.attrs):
+            found.attrs[name] = "; ".join(told)
     return answer(found, output)

@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import NamedTuple
 
 from rotor_ida.arrays import Values
+from rotor_ida.checks import shown
+from rotor_ida.errors import InputError
+
+# Numbers that are read from one file: 2 GiB of them.
+MOST_NUMBERS = 2**28
+_BRACKETS = re.compile(
+    r"^(.*?)\s*(?:\[\s*(?P<square>[^\]]*?)\s*\]|\(\s*(?P<round>[^)]*?)\s*\))\s*$"
+)
+_SLASH = re.compile(r"^(.+?)\s*/\s*(\S+)$")
 
 
 class Column(NamedTuple):
-    """Numbers, NaN where a cell held none, and the unit that the file tells, if any."""
+    """Numbers, NaN where a cell held none, and the unit that the file gives, if any."""
 
     values: Values
     unit: str = ""
@@ -26,14 +37,17 @@ class Table:
     columns : mapping of str to Column
         By their names.
     cell : callable
-        Says of a column's name and a row, from 0, what stands there and where.
+        Takes a column's name and a row, from 0, and returns in words what is there and where.
     rest : str
-        What else the file holds, for who misses a column.
+        What else the file holds, for a message about a missing column.
+    scalars : mapping of str to float
+        Single numbers by name, such as the sampling rate.
     """
 
     columns: Mapping[str, Column]
     cell: Callable[[str, int], str]
     rest: str = ""
+    scalars: Mapping[str, float] = field(default_factory=dict)
 
     def listed(self) -> str:
         """Return the names of the columns, and what else there is."""
@@ -58,6 +72,9 @@ UNITS = {
         ("angle", "radian", 1.0, ("rad", "radian", "radians")),
         ("angle", "radian", math.pi / 180.0, ("deg", "°", "degree", "degrees")),
         ("angle", "radian", 2.0 * math.pi, ("rev", "revolutions", "turns")),
+        ("speed", "s-1", 1.0, ("rad/s", "rad s-1", "s-1", "1/s")),
+        ("speed", "s-1", math.pi / 30.0, ("rpm", "r/min", "rev/min", "1/min", "min-1", "u/min")),
+        ("speed", "s-1", 2.0 * math.pi, ("Hz", "rps", "rev/s")),
         ("length", "m", 1.0, ("m", "metre", "metres", "meter", "meters")),
         ("length", "mm", 1.0, ("mm", "millimetre", "millimetres", "millimeters")),
         ("length", "um", 1.0, ("um", "µm", "μm", "micron", "microns")),
@@ -88,3 +105,40 @@ def known_units(kind: str) -> str:
     """Return the units of a kind, one name each, for a message."""
     first = {(unit.kind, unit.plain, unit.factor): name for name, unit in reversed(UNITS.items())}
     return ", ".join(name for (each, *_), name in reversed(first.items()) if each == kind)
+
+
+def name_and_unit(name: str) -> tuple[str, str]:
+    """Return a name less the unit in it: ``x [um]``, ``x (um)`` or ``x/um``.
+
+    Examples
+    --------
+    >>> name_and_unit("Speed [rpm]"), name_and_unit("probe (left)")
+    (('Speed', 'rpm'), ('probe (left)', ''))
+    """
+    if "/" in name:
+        last = re.split(r"[\s_]+", name)[-1]
+        if unit_called(last) is not None:  # omega rad/s is no number of radians in seconds
+            return name[: -len(last)].rstrip(" _") or name, last
+    if found := _BRACKETS.match(name):
+        square, round_ = found["square"], found["round"]
+        if square is not None or unit_called(round_) is not None:
+            return found[1], square if square is not None else round_
+    if (found := _SLASH.match(name)) and unit_called(found[2]) is not None:
+        return found[1], found[2]
+    return name, ""
+
+
+def check_size(path: Path, numbers: float, *, possible: float = MOST_NUMBERS) -> None:
+    """Raise `InputError` if a file declares more numbers than are read, or than it can hold."""
+    most = min(possible, MOST_NUMBERS)
+    if not numbers <= most:
+        raise InputError(
+            f"{shown(path)} must declare at most {most:.6g} numbers for a file of "
+            f"{path.stat().st_size} bytes, got {numbers:.6g}"
+        )
+
+
+def one_line(error: Exception) -> str:
+    """Return what an error of a library says, in one line of moderate length."""
+    said = " ".join(str(error).split()) or type(error).__name__
+    return said if len(said) <= 200 else f"{said[:200]} ..."
