@@ -178,8 +178,12 @@ Phases = Annotated[
     ),
 ]
 Samples = Annotated[
-    int, _whole_number("Number of times at which the motion is kept.", 2, MOST_NUMBERS)
-]
+    int | None,
+    _whole_number(
+        "Number of times at which the motion is kept. Default: at least 32 in each revolution.",
+        2, MOST_NUMBERS,
+    ),
+]  # fmt: skip
 Rtol = Annotated[float, _number("Relative tolerance.")]
 Atol = Annotated[float, _number("Absolute tolerance.")]
 ContactMethod = Annotated[Method, Parameter(help="Solver of the contact.")]

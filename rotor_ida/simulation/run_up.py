@@ -36,7 +36,8 @@ from rotor_ida.simulation.options import (
 )
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
-from rotor_ida.simulation.simulate import END_SLACK, MOST_SLACK, sample_times
+from rotor_ida.simulation.sampling import FEWEST, sample_times
+from rotor_ida.simulation.simulate import END_SLACK, MOST_SLACK
 from rotor_ida.simulation.spin import SpeedProfile, driven, through
 
 # The disc is often 10^5 eccentricities wide, and its inertia goes with the square of that.
@@ -54,6 +55,15 @@ class _SpeedChange:
     profile: SpeedProfile
     changes: dict[str, object]
 
+    @property
+    def largest_speed(self) -> float:
+        """The largest speed that is prescribed: where a torque drives it, that at time 0."""
+        if self.profile.is_driven:
+            return self.rotor.omega
+        ends = np.array(self.profile.ends)
+        speeds = self.profile.spins_at(ends, np.empty((ends.size, 0)))["speed"]
+        return max(self.rotor.omega, float(speeds.max()))
+
 
 def run_up(
     rotor: Rotor,
@@ -65,7 +75,7 @@ def run_up(
     torque: tuple[float, float] | npt.ArrayLike | None = None,
     inertia: float | None = None,
     duration: float | None = None,
-    samples: int | npt.ArrayLike = 1001,
+    samples: int | npt.ArrayLike | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-12,
     method: Method = "adams",
@@ -97,9 +107,10 @@ def run_up(
     duration : float, optional
         Time to simulate [1]. A torque needs one; otherwise it is what the change of the speed
         takes, and beyond that the last speed is held.
-    samples : int or array_like, shape (n,)
+    samples : int or array_like, shape (n,), optional
         Number of equally spaced times at which the motion is reported, both ends included, or the
-        times themselves, increasing [1].
+        times themselves, increasing [1]. By default so many as `simulate` takes at the largest
+        speed of the run; that of a torque is found by a first run.
     rtol, atol : float
         Relative and absolute tolerance [1], as of `simulate`.
     method : {"adams", "bdf", "ida", "taylor"}
@@ -163,13 +174,19 @@ def run_up(
     )
     check_can_be_followed(change.rotor, first)
     end = change.profile.ends[-1]
-    times = sample_times(samples, end)
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
 
+    def sampled(samples: object, fastest: float, stop: Stop | None) -> Orbit:
+        return run(
+            change.rotor, first, end, sample_times(samples, end, change.rotor, fastest), options,
+            slack=slack, stop=stop, profile=change.profile,
+        )  # fmt: skip
+
     def run_twice(stop: Stop | None = None) -> tuple[Orbit, EventErrors]:
-        orbit = run(
-            change.rotor, first, end, times, options, slack=slack, stop=stop, profile=change.profile
-        )
+        fastest = change.largest_speed
+        if samples is None and change.profile.is_driven:  # how fast it turns is not known before
+            fastest = max(fastest, float(np.max(sampled(FEWEST, fastest, stop).speeds)))
+        orbit = sampled(samples, fastest, stop)
         return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop)
 
     orbit, errors = interruptible(run_twice)
@@ -198,17 +215,14 @@ def _speed_change_of(
         change = _piece_by_piece(rotor, given["speeds"], duration)
     else:
         change = _by_ramp(rotor, given["to"], given["rate"], duration)
-    _check_can_wait(change.rotor.omega, change.profile, options.backend)
+    _check_can_wait(change, options.backend)
     return change
 
 
-def _check_can_wait(omega: float, profile: SpeedProfile, backend: str) -> None:
+def _check_can_wait(change: _SpeedChange, backend: str) -> None:
     """Raise `InputError` for a run-up that would take an hour or so."""
-    ends = np.array(profile.ends)
-    fastest = max(omega, 1.0)
-    if not profile.is_driven:
-        fastest = max(fastest, profile.spins_at(ends, np.empty((ends.size, 0)))["speed"].max())
-    end, longest = profile.ends[-1], MOST_RADIANS[backend] / fastest
+    end = change.profile.ends[-1]
+    longest = MOST_RADIANS[backend] / max(change.largest_speed, 1.0)
     if end > longest:
         raise InputError(
             f"the duration of a run-up must be at most {longest:g} with backend {backend!r}, which "
@@ -218,9 +232,9 @@ def _check_can_wait(omega: float, profile: SpeedProfile, backend: str) -> None:
 
 def ramp_of(rotor: Rotor, to: float, rate: float, backend: Backend = "compiled") -> SpeedProfile:
     """Return the profile of a ramp from the rotor's speed, or raise `InputError`."""
-    profile = _by_ramp(rotor, to, rate, None).profile
-    _check_can_wait(rotor.omega, profile, backend)
-    return profile
+    change = _by_ramp(rotor, to, rate, None)
+    _check_can_wait(change, backend)
+    return change.profile
 
 
 def _by_ramp(rotor: Rotor, to: object, rate: object, duration: float | None) -> _SpeedChange:

@@ -23,7 +23,7 @@ def simulate(
     rotor: options.RotorOptions,
     duration: options.Duration,
     start: options.Start = AT_REST,
-    samples: options.Samples = 1001,
+    samples: options.Samples = None,
     solver: options.SolverOptions = options.SolverOptions(),
     output: Output = Output(),
 ) -> Report:
@@ -55,7 +55,7 @@ def run_up(
     rotor: options.AnyRotorOptions = options.AnyRotorOptions(),
     change: options.ChangeOptions = options.ChangeOptions(),
     start: options.Start = AT_REST,
-    samples: options.Samples = 1001,
+    samples: options.Samples = None,
     solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),
     output: Output = Output(),
 ) -> Report:
