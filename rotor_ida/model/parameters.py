@@ -115,7 +115,8 @@ TABLE = (
     ),
     Parameter(
         name="zeta", symbol=r"\zeta", needed=True, default=None, smallest=0.0,
-        meaning="damping ratio", label="damping ratio", plural="damping ratios",
+        meaning="damping ratio of the reference frequency", label="damping ratio",
+        plural="damping ratios of the reference frequency",
     ),
     Parameter(
         name="delta0", symbol=r"\delta_0", needed=True, default=None,

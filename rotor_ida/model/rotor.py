@@ -46,7 +46,8 @@ class Rotor:
     omega : float
         Spin speed over the reference frequency [1]; 0 is free vibration.
     zeta : float
-        Damping ratio [1].
+        Damping ratio of the reference frequency, ``n/(2 m omega_0)`` [1]. That of the critical
+        speed of a shaft is ``zeta/sqrt(kappa)``.
     delta0 : float
         Radial clearance over eccentricity [1]; 0 means always in contact.
     shaft_stiffness : float
@@ -276,6 +277,21 @@ class DimensionalRotor:
         if self.contact_exponent > 1.0:
             stiffness *= math.sqrt(self.eccentricity)
         return math.sqrt(stiffness / self.mass)
+
+    @property
+    def critical_speed(self) -> float:
+        """Natural frequency of disc and shaft, ``sqrt(k_s/m)`` [rad/s]; 0 without a shaft."""
+        return math.sqrt(self.shaft_stiffness / self.mass)
+
+    @property
+    def damping_ratio(self) -> float:
+        """Damping ratio of the critical speed, ``n/(2 sqrt(k_s m))`` [1]; NaN without a shaft.
+
+        The ``zeta`` of `Rotor` is that of the reference frequency, ``n/(2 m omega_0)``.
+        """
+        if self.shaft_stiffness == 0.0:
+            return math.nan
+        return self.damping / (2.0 * math.sqrt(self.shaft_stiffness * self.mass))
 
     @property
     def length_scale(self) -> float:
