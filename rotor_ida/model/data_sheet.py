@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from difflib import get_close_matches
 
-from rotor_ida.checks import check_between, check_nonnegative, check_positive, shown
+from rotor_ida import units
+from rotor_ida.checks import check_between, check_nonnegative, check_positive, check_real, shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import OF_MACHINE
+from rotor_ida.model.parameters import EXPONENTS, OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor
-from rotor_ida.model.units import LINEAR_STIFFNESSES, in_si, split_unit
 
 GRAVITY = 9.80665
 # What a data sheet may give in place of a parameter of a machine, each with its unit.
@@ -30,6 +31,10 @@ ALTERNATIVES = (
 )
 NEEDED = ("mass", "contact_stiffness", "clearance", "speed")
 MILLIMETRE = 1e-3
+# A number, and what is behind it.
+_WORD = re.compile(
+    r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\S.*?)?\s*"
+)
 
 # A number in the SI unit, or words with a unit; None where it is not given.
 Quantity = float | str | None
@@ -137,6 +142,36 @@ def machine_from_data_sheet(
     })  # fmt: skip
 
 
+def in_si(name: str, value: object, unit: str) -> float:
+    """Return a quantity in its SI unit: a number that is in it, or words with a unit.
+
+    Examples
+    --------
+    >>> in_si("mass", "12 kg", "kg"), in_si("clearance", "150µm", "m"), in_si("ratio", "3%", "1")
+    (12.0, 0.00015, 0.03)
+    >>> in_si("mass", "12 um", "kg")
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: the unit of mass must be kg or g, got '12 um'
+    """
+    if not isinstance(value, str):
+        return check_real(name, value)
+    found = _WORD.fullmatch(value)
+    if found is None:
+        raise InputError(f"{name} must be a finite real number, got {shown(value)}")
+    number, word = found["number"], found["unit"]
+    if word is None:
+        return check_real(name, float(number))
+    if word == "%" and unit == "1":
+        return check_real(name, units.Unit(1.0, -2, units.ONE.dimension).in_si(number))
+    allowed = (unit, "N m-1") if name == "contact_stiffness" else (unit,)
+    known = units.unit_of(word)
+    if known is None or known.dimension not in map(units.dimension_of, allowed):
+        wanted = "left out" if unit == "1" else units.usual(*allowed)
+        raise InputError(f"the unit of {name} must be {wanted}, got {shown(value)}")
+    return check_real(name, known.in_si(number))
+
+
 def check_keys(given: Mapping[str, object], where: str) -> None:
     """Raise `InputError` for a name that no data sheet has, or for one that is missing.
 
@@ -157,9 +192,7 @@ def check_keys(given: Mapping[str, object], where: str) -> None:
             )
     missing = [name for name in NEEDED if name not in given]
     missing += [
-        " or ".join(names)
-        for names in ALTERNATIVES[1:]
-        if not any(name in given for name in names)
+        " or ".join(names) for names in ALTERNATIVES[1:] if not any(name in given for name in names)
     ]
     if missing:
         raise InputError(f"{where} must also give {', '.join(missing)}")
@@ -235,15 +268,18 @@ def _check_once(given: Mapping[str, object]) -> None:
 def _exponent(given: Mapping[str, Quantity]) -> float:
     """Return the exponent of the contact force, which goes with the unit of the stiffness."""
     stiffness, exponent = given["contact_stiffness"], given.get("contact_exponent")
-    unit = split_unit(stiffness)[1] if isinstance(stiffness, str) else ""
-    told = None if not unit else 1.0 if unit.replace("µ", "u") in LINEAR_STIFFNESSES else 1.5
+    word = _WORD.fullmatch(stiffness) if isinstance(stiffness, str) else None
+    told = None
+    if word is not None and word["unit"]:
+        linear = units.dimension_of(word["unit"]) == units.dimension_of("N/m")
+        told = 1.0 if linear else EXPONENTS[0]
     if exponent is None:
-        return told or 1.5
+        return told or EXPONENTS[0]
     number = in_si("contact_exponent", exponent, "1")
     if told is not None and number != told:
         raise InputError(
-            f"the unit of contact_stiffness must be N/m^{number:g} with contact_exponent "
-            f"{number:g}, got {shown(stiffness)}"
+            f"the unit of contact_stiffness must be {'N/m' if number == 1.0 else 'N/m^1.5'} with "
+            f"contact_exponent {number:g}, got {shown(stiffness)}"
         )
     return number
 
@@ -273,9 +309,14 @@ def _eccentricity(numbers: Mapping[str, float], grade: Quantity) -> float:
         return numbers["unbalance"] / numbers["mass"]
     speed = check_positive("balance_speed", numbers["balance_speed"])
     word = grade.strip().removeprefix("G") if isinstance(grade, str) else grade
-    plain = not isinstance(word, str) or not split_unit(word)[1]
-    value = in_si("balance_grade", word, "m s-1") * (MILLIMETRE if plain else 1.0)
-    return check_between("balance_grade [m/s]", value, 1e-7, 10.0) / speed
+    if isinstance(word, str) and not word.rstrip().endswith("s"):
+        word = f"{word} mm/s"
+    value = (
+        word * MILLIMETRE
+        if isinstance(word, (int, float))
+        else in_si("balance_grade", word, "m s-1")
+    )
+    return check_between("balance_grade in m/s", value, 1e-7, 10.0) / speed
 
 
 def _load(load: Quantity, mass: float) -> float:

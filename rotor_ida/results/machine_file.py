@@ -28,8 +28,9 @@ from rotor_ida.checks import check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import MILLIMETRE, check_keys, machine_from_data_sheet
 from rotor_ida.model.parameters import OF_MACHINE
-from rotor_ida.model.rotor import SPEED_UNITS, DimensionalRotor
+from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.results.files import check_path, check_target, written_whole
+from rotor_ida.units import SPEED_UNITS
 
 # A file of a machine has some twenty lines.
 MOST_BYTES = 1_000_000

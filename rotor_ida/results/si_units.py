@@ -11,8 +11,9 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_MACHINE
-from rotor_ida.model.rotor import SPEED_UNITS, DimensionalRotor
+from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.schema import QUANTITIES
+from rotor_ida.units import PREFIXES, SPEED_UNITS
 
 UNITS = {
     "length": "m",
@@ -31,8 +32,6 @@ MACHINE, EXACT = "machine_", "dimensionless"
 # What a result is computed from again, to the last bit; longer axes are divided by their scale.
 INPUTS = (*COMPONENTS, *(f"start_{name}" for name in COMPONENTS), "to", "rate")
 LONGEST_INPUT = 4096
-# How many units with the prefix make one without.
-PREFIXES = {"p": 1e12, "n": 1e9, "u": 1e6, "m": 1e3, "": 1.0, "k": 1e-3, "M": 1e-6}
 
 
 def dimensional(
@@ -252,7 +251,7 @@ def _parts(kind: str) -> dict[str, float]:
         return {base: 1.0}
     if kind == "speed":
         return {unit: 1.0 / each for unit, each in OF_SPEED.items()}
-    return {prefix + base: parts for prefix, parts in PREFIXES.items()}
+    return {prefix + base: 10.0**-power for prefix, power in PREFIXES.items()}
 
 
 def _checked(kind: str, unit: str) -> str:
