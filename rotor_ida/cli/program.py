@@ -40,6 +40,7 @@ from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 from rotor_ida.cli.commands.doctor import doctor
 from rotor_ida.cli.commands.explore import explore
 from rotor_ida.cli.commands.fit import fit
+from rotor_ida.cli.commands.machine import machine
 from rotor_ida.cli.commands.plot import plot
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
 from rotor_ida.cli.parsing import as_given, readable, refuse_units
@@ -108,7 +109,7 @@ def application(console: Console) -> App:
         *(cycle, continue_, curve),
     )
     archived = (status, resume, compare, verify, show)
-    for command in (reproduce, *computing, explore, *archived, plot, fit, doctor):
+    for command in (reproduce, machine, *computing, explore, *archived, plot, fit, doctor):
         app.command(command)
     app.register_install_completion_command(
         help="Complete commands and options with the tab key, in bash, zsh or fish."

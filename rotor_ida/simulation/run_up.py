@@ -17,6 +17,7 @@ from rotor_ida.checks import (
     check_duration,
     check_instance,
     check_nonnegative,
+    check_positive,
     check_real,
     check_state,
     shown,
@@ -42,7 +43,7 @@ from rotor_ida.simulation.spin import SpeedProfile, driven, through
 SMALLEST_DRIVE, LARGEST_DRIVE = 1e-12, 1e15
 # More of them, of the spin or of a motion at the reference frequency, take an hour or more.
 MOST_RADIANS = {"python": 1e7, "compiled": 1e8}
-WAYS = "by to and rate, by speeds, or by torque and inertia"
+WAYS = "by to and rate or ramp_time, by speeds, or by torque and inertia"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +61,7 @@ def run_up(
     start: npt.ArrayLike,
     to: float | None = None,
     rate: float | None = None,
+    ramp_time: float | None = None,
     speeds: Sequence[tuple[float, float]] | npt.ArrayLike | None = None,
     torque: tuple[float, float] | npt.ArrayLike | None = None,
     inertia: float | None = None,
@@ -72,9 +74,9 @@ def run_up(
 ) -> xr.Dataset:
     """Simulate a rotor whose speed changes, with every event found by root finding.
 
-    The speed changes in one of three ways: at a constant `rate` up or down `to` another speed; as
-    `speeds` has it, linear from one time to the next; or as a `torque` turns the `inertia` of the
-    rotor, against damping, shaft and ring.
+    The speed changes in one of three ways: at a constant `rate`, or in a `ramp_time`, up or down
+    `to` another speed; as `speeds` has it, linear from one time to the next; or as a `torque` turns
+    the `inertia` of the rotor, against damping, shaft and ring.
 
     Parameters
     ----------
@@ -86,6 +88,8 @@ def run_up(
         Speed at the end of a ramp [1].
     rate : float
         Change of the speed in a unit of time [1], negative in a run-down.
+    ramp_time : float
+        Time of the ramp [1], in place of the rate.
     speeds : sequence of (float, float)
         Pairs of time and speed [1], with times that increase from 0. The first speed is the one
         that counts at time 0, whatever the rotor's is.
@@ -156,6 +160,8 @@ def run_up(
     check_instance("rotor", rotor, Rotor)
     first = check_state("start", start)
     options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
+    if ramp_time is not None:
+        rate = _rate_of(rotor, to, rate, ramp_time)
     given = {"to": to, "rate": rate, "speeds": speeds, "torque": torque, "inertia": inertia}
     change = _speed_change_of(
         rotor, {name: each for name, each in given.items() if each is not None}, duration, options
@@ -176,6 +182,15 @@ def run_up(
 
 
 # ---- How the speed is to change ----
+
+
+def _rate_of(rotor: Rotor, to: object, rate: object, ramp_time: object) -> float:
+    """Return the rate of a ramp that takes some time, or raise `InputError`."""
+    if rate is not None:
+        raise InputError(f"rate must be left out with ramp_time, got {shown(rate)}")
+    if to is None:
+        raise InputError("to must be given with ramp_time, got None")
+    return (_checked_speed("to", to) - rotor.omega) / check_positive("ramp_time", ramp_time)
 
 
 def _speed_change_of(
