@@ -49,6 +49,7 @@ from .simulation.run_up import run_up as run_up
 from .simulation.sections import poincare_section as poincare_section
 from .simulation.simulate import simulate as simulate
 from .steady.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
+from .steady.run_up_summary import summary as summary
 from .steady.run_ups import run_ups as run_ups
 from .steady.sweep import sweep as sweep
 from .verification.compare import compare as compare

@@ -173,6 +173,20 @@ def show_run(dataset: xr.Dataset, most: int | None) -> Description:
     return record, [pairs("Run", told), *parts]
 
 
+def show_run_up_summary(dataset: xr.Dataset, _most: int | None) -> Description:
+    """Return what a run-up comes to, the sentence first."""
+    record, _ = tabled(dataset, None)
+    scalars = scalars_of(dataset)
+    told: Record = {}
+    for name, value in scalars.items():
+        turns = in_rpm(dataset[name]) if name.endswith("_speed") else None
+        told[with_unit(dataset, name) if turns is None else f"{name} [rpm]"] = (
+            value if turns is None else float(turns)
+        )
+    sentence = str(dataset.attrs["sentence"])
+    return record, [sentence, pairs("Run-up", told)]
+
+
 def _change_of_speed(run: xr.Dataset) -> Record:
     """Return how the speed changed during a run, by names with units."""
     if "speed" not in run:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Watch
 from rotor_ida.checks import (
     check_array,
     check_between,
@@ -18,13 +20,14 @@ from rotor_ida.checks import (
     check_instance,
     check_nonnegative,
     check_positive,
+    check_progress,
     check_real,
     check_state,
     shown,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.parallel import Progress, Stop, interruptible
 from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import (
@@ -71,6 +74,7 @@ def run_up(
     atol: float = 1e-12,
     method: Method = "adams",
     backend: Backend = "auto",
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Simulate a rotor whose speed changes, with every event found by root finding.
 
@@ -111,6 +115,8 @@ def run_up(
         core, and by the method itself in the reference.
     backend : {"auto", "python", "compiled"}
         As of `simulate`.
+    progress : callable, optional
+        Called now and then with the percentage that is done, and 100.
 
     Returns
     -------
@@ -158,6 +164,7 @@ def run_up(
     array([0.2     , 0.622213, 0.626802, 0.790485, 0.867413])
     """
     check_instance("rotor", rotor, Rotor)
+    check_progress(progress)
     first = check_state("start", start)
     options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
     if ramp_time is not None:
@@ -171,13 +178,20 @@ def run_up(
     times = sample_times(samples, end)
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
 
+    watch: Watch = []
+
     def run_twice(stop: Stop | None = None) -> tuple[Orbit, EventErrors]:
         orbit = run(
-            change.rotor, first, end, times, options, slack=slack, stop=stop, profile=change.profile
-        )
-        return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop)
+            change.rotor, first, end, times, options,
+            slack=slack, stop=stop, profile=change.profile, watch=watch,
+        )  # fmt: skip
+        return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop, watch=watch)
 
-    orbit, errors = interruptible(run_twice)
+    def tell(progress: Progress) -> None:
+        progress(int(50.0 * sum(done() for done in watch) / end), 100)
+
+    told = None if progress is None else partial(tell, progress)
+    orbit, errors = interruptible(run_twice, told=told)
     return run_dataset(orbit, first, errors, change.changes)
 
 

@@ -9,7 +9,7 @@ import rotor_ida
 from rotor_ida.checks import AT_REST
 from rotor_ida.cli import options
 from rotor_ida.cli.machines import Units
-from rotor_ida.cli.output import Output, answer, answer_whole, working
+from rotor_ida.cli.output import Output, answer, answer_whole, summarised, working
 from rotor_ida.cli.parsing import MOST_POINTS, check_points
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError
@@ -83,14 +83,18 @@ def run_up(
     chosen = change.beginning(rotor)
     units = Units.of(chosen)
     output.check()
-    run = rotor_ida.run_up(
-        chosen if isinstance(chosen, Rotor) else chosen.rotor(),
-        start=units.start(start),
-        **change.of(chosen),
-        samples=samples,
-        **asdict(solver),
-    )
-    return answer(units.shown(run), output, most=FIRST_ROWS)
+    with working("run-up [%]") as progress:
+        run = rotor_ida.run_up(
+            chosen if isinstance(chosen, Rotor) else chosen.rotor(),
+            start=units.start(start),
+            **change.of(chosen),
+            samples=samples,
+            **asdict(solver),
+            progress=progress,
+        )
+        shown = units.shown(run)
+        found = rotor_ida.summary(shown)
+    return summarised(found, answer(shown, output, most=FIRST_ROWS))
 
 
 def response(
