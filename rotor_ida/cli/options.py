@@ -6,11 +6,12 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
+from rotor_ida import units
 from rotor_ida.checks import (
     LARGEST_SEED,
     MOST_NUMBERS,
@@ -24,7 +25,6 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import (
     DEFAULTS,
     MACHINE_PARAMETERS,
-    OF_MACHINE,
     OF_ROTOR,
     OPTIONAL,
     PARAMETERS,
@@ -44,13 +44,20 @@ def _number(text: str) -> Parameter:
     return Parameter(help=text, converter=parsing.converter(parsing.number))
 
 
+def _quantity(text: str, *allowed: str) -> Parameter:
+    """Return an option for a number, which may have a unit as those that are allowed."""
+    return Parameter(
+        help=text, metavar="VALUE", converter=parsing.converter(parsing.quantity, *allowed)
+    )
+
+
 def _numbers(text: str) -> Parameter:
     reading = parsing.converter(parsing.numbers)
     return Parameter(help=text, converter=reading, consume_multiple=True, negative=())
 
 
-def _several_numbers(text: str, words: str) -> Parameter:
-    reading = parsing.converter(parsing.several_numbers)
+def _several_numbers(text: str, words: str, *allowed: str) -> Parameter:
+    reading = parsing.converter(parsing.several_numbers, *allowed)
     return Parameter(help=text, metavar=words, converter=reading, negative=())
 
 
@@ -92,7 +99,7 @@ Component = Annotated[
     Parameter(
         help="Component of the start.",
         metavar="FLOAT|START:STOP:COUNT",
-        converter=parsing.converter(parsing.number_or_range),
+        converter=parsing.converter(parsing.component_or_range),
         negative=(),
     ),
 ]
@@ -101,7 +108,7 @@ Range = Annotated[
     Parameter(
         help="Component of the starts, or the range they are drawn from.",
         metavar="FLOAT|LOW:HIGH",
-        converter=parsing.converter(parsing.number_or_ends),
+        converter=parsing.converter(parsing.component_or_ends),
         negative=(),
     ),
 ]
@@ -310,15 +317,16 @@ SEVERAL = {
 }
 SEVERAL_OR_NO_SPEED = SEVERAL | {"omega": _optional_numbers(OF_ROTOR["omega"].axis_help)}
 # Of one rotor without dimensions or in SI units, or in an archive.
-EITHER = {each.name: _optional_number(each.either_help) for each in TABLE} | {
-    "speed": Annotated[
+# A contact's stiffness is in N/m where it is linear.
+OTHER_UNITS = {"contact_stiffness": ("N m-1",)}
+EITHER = {
+    each.name: Annotated[
         float | None,
-        Parameter(
-            help=OF_MACHINE["speed"].si_help[:-1] + ", or with its unit, as 3000rpm or 50Hz.",
-            converter=parsing.converter(parsing.radians),
-            metavar="SPEED",
-        ),
+        _number(each.either_help)
+        if each.unit == "1"
+        else _quantity(each.either_help, each.unit, *OTHER_UNITS.get(each.name, ())),
     ]
+    for each in TABLE
 }
 PERHAPS = {name: _optional_number(each.help) for name, each in OF_ROTOR.items()}
 
@@ -353,6 +361,8 @@ def with_parameters(
 class RotorOptions:
     """One rotor."""
 
+    in_si: ClassVar[bool] = False
+
     def rotor(self) -> Rotor:
         """Return the rotor."""
         return Rotor(**asdict(self))
@@ -363,6 +373,8 @@ class RotorOptions:
 @with_parameters(SEVERAL, dict.fromkeys(OPTIONAL))
 class RotorsOptions:
     """The rotors of a study; without an optional parameter, all have its default."""
+
+    in_si: ClassVar[bool] = False
 
     def given(self) -> dict[str, Any]:
         """Return what is given, by name; one value of an optional parameter is no axis."""
@@ -406,6 +418,11 @@ class WhirlsOptions(RotorsOptions):
 class AnyRotorOptions:
     """One rotor, without dimensions or in SI units."""
 
+    @property
+    def in_si(self) -> bool:
+        """Whether it is in SI units."""
+        return any(getattr(self, name) is not None for name in MACHINE_PARAMETERS)
+
     def chosen(self, **known: float) -> Rotor | DimensionalRotor:
         """Return the rotor of the two that is given in full, with what is known besides."""
         every = asdict(self) | known
@@ -414,11 +431,25 @@ class AnyRotorOptions:
         if needed == set(PARAMETERS):
             return Rotor(**given)
         if needed == set(MACHINE_PARAMETERS):
+            _check_contact_stiffness(given)
             return DimensionalRotor(**given)
         raise InputError(
             f"a rotor must be given by {', '.join(PARAMETERS)}, or by "
             f"{', '.join(MACHINE_PARAMETERS)}, got {', '.join(given) or 'none of them'}"
         )
+
+
+def _check_contact_stiffness(given: Mapping[str, float]) -> None:
+    """Refuse a unit of the contact's stiffness that does not go with the contact's exponent."""
+    stiffness = given["contact_stiffness"]
+    if isinstance(stiffness, parsing.Quantity) and stiffness.word:
+        exponent = given.get("contact_exponent", DEFAULTS["contact_exponent"])
+        needed = "N/m" if exponent == 1.0 else f"N/m^{exponent:g}"
+        if units.dimension_of(stiffness.unit) != units.dimension_of(needed):
+            raise InputError(
+                f"the unit of contact_stiffness must be {units.usual(needed)} with "
+                f"contact_exponent {exponent:g}, got {stiffness.word!r}"
+            )
 
 
 def dimensionless_start(machine: Rotor | DimensionalRotor, start: State) -> State:
@@ -436,26 +467,28 @@ class ChangeOptions:
     """How the speed changes."""
 
     to: Annotated[
-        str | None,
-        Parameter(
-            help="Speed at the end of a ramp: with a mass in rad/s, or with its unit, as 3000rpm.",
-            metavar="SPEED",
+        float | None,
+        _quantity(
+            "Speed at the end of a ramp: with a mass in rad/s, or with its unit, as 3000rpm.",
+            "rad s-1",
         ),
     ] = None
     rate: Annotated[
-        str | None,
-        Parameter(
-            help="Change of the speed in a unit of time, on a ramp: with a mass in rad/s2, or with "
+        float | None,
+        _quantity(
+            "Change of the speed in a unit of time, on a ramp: with a mass in rad/s2, or with "
             "its unit, as 100rpm/s.",
-            metavar="RATE",
+            "rad s-2",
         ),
     ] = None
     speeds: Annotated[
-        list[str] | None,
+        list[tuple[float, float]] | None,
         Parameter(
             help="Speeds by time, linear in between, the first at time 0: with a mass in s and "
             "rad/s, or as 20:3000rpm.",
             metavar="TIME:SPEED",
+            converter=parsing.converter(parsing.speeds),
+            n_tokens=1,
             consume_multiple=True,
             negative=(),
         ),
@@ -465,44 +498,32 @@ class ChangeOptions:
         _several_numbers(
             "Torque of the drive at rest, and its fall with the speed: with a mass in N m, N m s.",
             "TAU0 SLOPE",
+            "N m",
+            "N m s",
         ),
     ] = None
     inertia: Annotated[
         float | None,
-        _number(
+        _quantity(
             "Moment of inertia that a torque turns, over mass times eccentricity squared: with a "
-            "mass in kg m2."
+            "mass in kg m2.",
+            "kg m2",
         ),
     ] = None
     duration: Annotated[
         float | None,
-        _number(
+        _quantity(
             "Time to simulate: a torque needs it, otherwise as long as the speed changes. With a "
-            "mass in s."
+            "mass in s.",
+            "s",
         ),
     ] = None
 
     def of(self, machine: Rotor | DimensionalRotor) -> dict[str, Any]:
         """Return it as `run_up` takes it, without dimensions."""
-        by_time = None if self.speeds is None else parsing.speeds("speeds", self.speeds)
-        one = {
-            "to": None if self.to is None else parsing.speed("to", [self.to]),
-            "rate": None if self.rate is None else parsing.rate("rate", [self.rate]),
-        }
-        given: dict[str, Any] = {
-            **{name: each and parsing.in_radians(each) for name, each in one.items()},
-            "speeds": by_time and [(time, parsing.in_radians(each)) for time, each in by_time],
-            "torque": self.torque, "inertia": self.inertia, "duration": self.duration,
-        }  # fmt: skip
+        given = asdict(self)
         if isinstance(machine, DimensionalRotor):
             return dict(machine.change_of_speed(**given))
-        told = [("speeds", each) for _, each in by_time or []]
-        for name, each in (*one.items(), *told):
-            if each is not None and each.unit:
-                raise InputError(
-                    f"{name} must have no unit for a rotor without dimensions, got "
-                    f"{each.value:g} {each.unit}"
-                )
         return given
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, TypedDict
+from typing import TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -29,10 +29,8 @@ from rotor_ida.model.parameters import (
     check_parameter,
     check_together,
 )
+from rotor_ida.units import SPEED_UNITS, SpeedUnit
 
-# How many radians a second each unit of speed is.
-SpeedUnit = Literal["rad/s", "rpm", "Hz"]
-SPEED_UNITS: dict[SpeedUnit, float] = {"rad/s": 1.0, "rpm": math.pi / 30.0, "Hz": 2.0 * math.pi}
 # Quotients and products of smaller or larger scales leave the range of doubles.
 SMALLEST_SCALE = 1e-100
 

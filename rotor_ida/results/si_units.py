@@ -10,8 +10,9 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_instance, shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor import SPEED_UNITS, DimensionalRotor
+from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.schema import QUANTITIES
+from rotor_ida.units import PREFIXES, SPEED_UNITS
 
 UNITS = {
     "length": "m",
@@ -25,8 +26,6 @@ UNITS = {
 }
 # How many radians a second each unit of speed is; for UDUNITS a radian is 1, and Hz are 1/s too.
 OF_SPEED = {UNITS["speed"]: 1.0, "rpm": SPEED_UNITS["rpm"]}
-# How many units with the prefix make one without.
-PREFIXES = {"p": 1e12, "n": 1e9, "u": 1e6, "m": 1e3, "": 1.0, "k": 1e-3, "M": 1e-6}
 
 
 def dimensional(

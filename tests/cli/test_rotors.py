@@ -145,9 +145,9 @@ def test_a_speed_has_its_unit_wherever_a_machine_is_given(program: Program):
 @pytest.mark.parametrize(
     ("given", "message"),
     [("--omega 1 --zeta 0.07 --delta0 2 --to 300rpm --rate 1",
-      "to must have no unit for a rotor without dimensions, got 300 rpm"),
+      "to must have no unit for a dimensionless rotor, got '300rpm'"),
      ("--omega 1 --zeta 0.07 --delta0 2 --speeds 0:1 2:50Hz",
-      "speeds must have no unit for a rotor without dimensions, got 50 Hz"),
+      "speeds must have no unit for a dimensionless rotor, got '50Hz'"),
      (f"{IN_SI} --to 300rps --rate 1", "the unit of to must be rad/s, rpm or Hz, got '300rps'"),
      (f"{IN_SI} --to 900 --rate 1rpm", "the unit of rate must be rad/s2, rpm/s or Hz/s, got"),
      (f"{IN_SI} --to 100rpm --rate 1", "rate must be negative to change the speed from 600 to"),
