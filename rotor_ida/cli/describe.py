@@ -32,10 +32,10 @@ from rotor_ida.cli.variables import (
 )
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
-from rotor_ida.model.rotor import SPEED_UNITS
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, by_number, flags_of
+from rotor_ida.units import SPEED_UNITS
 
 EVENTS = Rows(
     title="Events", key="events", lead="event_time", prefix="event_",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, is_dataclass
+from dataclasses import is_dataclass
 from importlib.metadata import version
 from typing import Literal, TextIO, get_args, get_origin
 
@@ -136,7 +136,7 @@ def _refuse_units(arguments: Mapping[str, object]) -> None:
     """Refuse units of numbers, wherever they stand, if the rotor has no dimensions."""
     values: dict[str, object] = {}
     for name, value in arguments.items():
-        values |= asdict(value) if is_dataclass(value) else {name: value}
+        values |= vars(value) if is_dataclass(value) else {name: value}
     if any(getattr(value, "in_si", None) is False for value in arguments.values()):
         refuse_units(values)
 
