@@ -25,8 +25,8 @@ from rotor_ida.cli.variables import (
     with_unit,
     with_units,
 )
-from rotor_ida.model.rotor import SPEED_UNITS
 from rotor_ida.results.si_units import in_rpm
+from rotor_ida.units import SPEED_UNITS
 
 # Peaks that noise, too, may have are below so many times the floor.
 CLEAR = 4.0

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
+from rotor_ida import units
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
@@ -62,32 +62,23 @@ class Unit(NamedTuple):
     factor: float
 
 
-UNITS = {
-    name: Unit(kind, plain, factor)
-    for kind, plain, factor, names in (
-        ("time", "s", 1.0, ("s", "sec", "secs", "second", "seconds")),
-        ("time", "s", 1e-3, ("ms", "msec", "milliseconds")),
-        ("time", "s", 1e-6, ("us", "µs", "μs", "usec", "microseconds")),
-        ("time", "s", 60.0, ("min", "minutes")),
-        ("angle", "radian", 1.0, ("rad", "radian", "radians")),
-        ("angle", "radian", math.pi / 180.0, ("deg", "°", "degree", "degrees")),
-        ("angle", "radian", 2.0 * math.pi, ("rev", "revolutions", "turns")),
-        ("speed", "s-1", 1.0, ("rad/s", "rad s-1", "s-1", "1/s")),
-        ("speed", "s-1", math.pi / 30.0, ("rpm", "r/min", "rev/min", "1/min", "min-1", "u/min")),
-        ("speed", "s-1", 2.0 * math.pi, ("Hz", "rps", "rev/s")),
-        ("length", "m", 1.0, ("m", "metre", "metres", "meter", "meters")),
-        ("length", "mm", 1.0, ("mm", "millimetre", "millimetres", "millimeters")),
-        ("length", "um", 1.0, ("um", "µm", "μm", "micron", "microns")),
-        ("length", "nm", 1.0, ("nm",)),
-        ("length", "mm", 25.4, ("in", "inch", "inches")),
-        ("length", "um", 25.4, ("mil", "mils")),
-        ("length", "V", 1.0, ("V", "volt", "volts")),
-        ("length", "mV", 1.0, ("mV", "millivolts")),
-        ("any", "1", 1.0, ("1", "-", "")),
-    )
-    for name in names
+# Lengths stay in their unit, or are turned into the one that stands for them.
+_LENGTHS = {"m": "m", "mm": "mm", "um": "um", "nm": "nm", "in": "mm", "mil": "um"}
+_VOLTS = {"v": "V", "volt": "V", "volts": "V", "mv": "mV", "millivolts": "mV"}
+_NONE = ("1", "-", "")
+# Other names of units of speed than those that `rotor_ida.units` knows.
+_SPEEDS = {
+    **dict.fromkeys(("rad/s", "rad s-1", "s-1", "1/s"), "rad/s"),
+    **dict.fromkeys(("rev/min", "u/min"), "rpm"),
+    **dict.fromkeys(("rps", "rev/s"), "Hz"),
 }
-_BY_LOWER_CASE = {name.lower(): unit for name, unit in UNITS.items()}
+# Those that a message offers, by what they are of.
+_OFFERED = {
+    "time": ("s", "ms", "us", "min"),
+    "angle": ("rad", "deg", "rev"),
+    "length": (*_LENGTHS, "V", "mV"),
+    "speed": tuple(units.SPEED_UNITS),
+}
 
 
 def unit_called(name: str) -> Unit | None:
@@ -98,13 +89,32 @@ def unit_called(name: str) -> Unit | None:
     >>> unit_called("Mils"), unit_called("furlong")
     (Unit(kind='length', plain='um', factor=25.4), None)
     """
-    return UNITS.get(name) or _BY_LOWER_CASE.get(name.lower())
+    if name in _NONE:
+        return Unit("any", "1", 1.0)
+    if volts := _VOLTS.get(name.lower()):
+        return Unit("length", volts, 1.0)
+    symbol = _SPEEDS.get(name.lower()) or units.symbol_of(name)
+    if symbol in _LENGTHS:
+        plain = _LENGTHS[symbol]
+        return Unit("length", plain, _ratio(symbol, plain))
+    if symbol in _OFFERED["time"]:
+        return Unit("time", "s", _ratio(symbol, "s"))
+    if symbol in _OFFERED["angle"]:
+        return Unit("angle", "radian", _ratio(symbol, "rad"))
+    if symbol in units.SPEED_UNITS:
+        return Unit("speed", "s-1", units.SPEED_UNITS[symbol])
+    return None
 
 
 def known_units(kind: str) -> str:
     """Return the units of a kind, one name each, for a message."""
-    first = {(unit.kind, unit.plain, unit.factor): name for name, unit in reversed(UNITS.items())}
-    return ", ".join(name for (each, *_), name in reversed(first.items()) if each == kind)
+    return ", ".join(_OFFERED[kind])
+
+
+def _ratio(symbol: str, plain: str) -> float:
+    """Return how many of one unit another makes."""
+    unit, other = units.UNITS[symbol], units.UNITS[plain]
+    return unit._replace(power=unit.power - other.power).in_si("1")
 
 
 def name_and_unit(name: str) -> tuple[str, str]:
