@@ -12,20 +12,19 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from rotor_ida.arrays import Arrays
 from rotor_ida.checks import State, check_axis, check_increasing, shown
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import Answer, Question, packed
-from rotor_ida.explorer.motion import METHOD, duration_of, run_of, samples_of, show_motion
+from rotor_ida.explorer.motion import METHOD, duration_of, run_of, show_motion
 from rotor_ida.explorer.page import page_files
 from rotor_ida.explorer.responses import show_responses
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.plot import plot_machine, plot_run, save_figure
 from rotor_ida.results.archive import save
-from rotor_ida.results.si_units import dimensional
+from rotor_ida.results.si_units import dimensional, is_in_si
 
 NAME = "run"
 LINES = '''\
@@ -42,7 +41,7 @@ run = simulate(
     samples={samples},
     method={method!r},
 )
-save(run, "{name}.nc", overwrite=True)
+save({shown}, "{name}.nc", overwrite=True)
 save_figure({plot}({shown}), "{name}", overwrite=True)
 '''
 
@@ -98,7 +97,7 @@ def _recording(question: Question) -> Generator[tuple[int, int], None, str]:
 
 
 def command_of(question: Question) -> str:
-    """Return the command line that makes archive and figure again, without dimensions.
+    """Return the command line that makes archive and figure again, of a machine in SI units.
 
     Examples
     --------
@@ -106,12 +105,21 @@ def command_of(question: Question) -> str:
     >>> command_of(example("sh", (1.7, 0.07, 0.5))).partition(" --start")[0]
     'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 0.5'
     """
-    given = question.rotor.given.items()
-    rotor = " ".join(f"--{name.replace('_', '-')} {value!r}" for name, value in given)
-    start = " ".join(repr(float(each)) for each in question.start)
+    machine, length, velocity, time = question.machine, 1.0, 1.0, 1.0
+    if isinstance(machine, DimensionalRotor):
+        length, velocity = machine.length_scale, machine.velocity_scale
+        time = machine.time_scale
+    rotor = " ".join(
+        f"--{name.replace('_', '-')} {value!r}" for name, value in machine.given.items()
+    )
+    scales = (length, length, velocity, velocity)
+    start = " ".join(
+        repr(float(each * scale)) for each, scale in zip(question.start, scales, strict=True)
+    )
     return (
-        f"rotor-ida simulate {rotor} --start {start} --duration {duration_of(question)!r} "
-        f"--samples {samples_of(question)} --method {METHOD} --out {NAME}.nc --figure {NAME}"
+        f"rotor-ida simulate {rotor} --start {start} --duration {duration_of(question) * time!r} "
+        f"--samples {run_of(question).sizes['t']} --method {METHOD} --out {NAME}.nc "
+        f"--figure {NAME}"
     )
 
 
@@ -134,7 +142,7 @@ def lines_of(question: Question) -> str:
         rotor="machine.rotor()" if in_si else "machine",
         start=question.start,
         duration=duration_of(question),
-        samples=samples_of(question),
+        samples=run_of(question).sizes["t"],
         method=METHOD,
         name=NAME,
         shown="dimensional(run, machine)" if in_si else "run",
@@ -147,20 +155,15 @@ def _contents(question: Question) -> bytes:
     if question.about == "sh":
         return f"{command_of(question)}\n".encode()
     run = run_of(question)
+    if isinstance(question.machine, DimensionalRotor):
+        run = dimensional(run, question.machine)
     with TemporaryDirectory() as folder:
         place = Path(folder) / NAME
         if question.about == "nc":
             save(run, place.with_suffix(".nc"))
         else:
-            save_figure(_figure(question, run), place)
+            save_figure((plot_machine if is_in_si(run) else plot_run)(run), place)
         return place.with_suffix(f".{question.about}").read_bytes()
-
-
-def _figure(question: Question, run: xr.Dataset):  # type: ignore[no-untyped-def]
-    machine = question.machine
-    if isinstance(machine, DimensionalRotor):
-        return plot_machine(dimensional(run, machine))
-    return plot_run(run)
 
 
 def record(

@@ -23,6 +23,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
+from rotor_ida.model.data_sheet import KEYS, machine_from_data_sheet
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
@@ -142,7 +143,34 @@ class Measurement:
         return {"about": self.about, "number": self.number, "side": self.side}
 
 
-def read_question(text: str) -> Question | Measurement:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DataSheet:
+    """The data sheet of a machine, as the form of the page has it.
+
+    Parameters
+    ----------
+    number : int
+        Number of the question, which its answer bears.
+    quantities : dict of str
+        Words with units by the names that `machine_from_data_sheet` has; none is empty.
+    """
+
+    number: int
+    quantities: dict[str, str]
+    about: ClassVar[Literal["machine"]] = "machine"
+    side: ClassVar[int] = 0
+
+    @property
+    def ticket(self) -> dict[str, object]:
+        """What its answer bears, so that the page knows which question it is to."""
+        return {"about": self.about, "number": self.number, "side": self.side}
+
+    def machine(self) -> DimensionalRotor:
+        """Return the machine, or raise `InputError` with what is missing or wrong."""
+        return machine_from_data_sheet(**cast(dict[str, Any], self.quantities))
+
+
+def read_question(text: str) -> Question | Measurement | DataSheet:
     """Return a question, or raise `InputError` with what is wrong with it.
 
     Examples
@@ -168,6 +196,8 @@ def read_question(text: str) -> Question | Measurement:
         raise InputError(f"a question must be JSON, got {shown(text)}") from None
     if isinstance(given, dict) and given.get("about") == Measurement.about:
         return _measurement(given)
+    if isinstance(given, dict) and given.get("about") == DataSheet.about:
+        return _data_sheet(given)
     names = sorted(set(Question.__dataclass_fields__).difference(OF_RUN_UP))
     if not isinstance(given, dict):
         raise InputError(f"a question must have {', '.join(names)}, got {shown(given)}")
@@ -197,6 +227,19 @@ def _measurement(given: Mapping[str, Any]) -> Measurement:
         size=check_count("size", given["size"], 0, LARGEST_FILE),
         probe_angles=_pair("probe_angles", given["probe_angles"]),
         gains=_pair("gains", given["gains"]),
+    )
+
+
+def _data_sheet(given: Mapping[str, Any]) -> DataSheet:
+    _check_names(given, ["about", "number", "quantities"])
+    quantities = given["quantities"]
+    if not isinstance(quantities, dict) or not all(
+        name in KEYS and isinstance(words, str) for name, words in quantities.items()
+    ):
+        raise InputError(f"quantities must be words by {', '.join(KEYS)}, got {shown(quantities)}")
+    return DataSheet(
+        number=check_count("number", given["number"], 0, LARGEST_NUMBER_OF_QUESTION),
+        quantities={name: words.strip() for name, words in quantities.items() if words.strip()},
     )
 
 

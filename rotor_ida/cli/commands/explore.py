@@ -25,10 +25,10 @@ PAGE = ".html"
 
 
 def explore(
+    file: options.FileToExplore = None,
     *,
     machine: options.AnyRotorOptions = options.AnyRotorOptions(),
     start: options.StartOrNone = None,
-    file: options.FileToExplore = None,
     port: options.Port = 8765,
     no_browser: options.NoBrowser = False,
     export: options.Export = None,
@@ -49,7 +49,7 @@ def explore(
 
     From the start of a run that simulate wrote:
 
-        rotor-ida explore --file run.nc
+        rotor-ida explore run.nc
 
     As a page for others that needs no server, with a slider over its speeds:
 
@@ -85,18 +85,21 @@ def _beginning(
         return chosen, begun, REVOLUTIONS
     if given or start is not None:
         raise InputError("file must be given alone: it has a rotor and a start of its own")
-    from rotor_ida.results.run import check_one_speed, rotor_of  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.results import si_units  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.results.run import check_one_speed, rotor_of  # noqa: PLC0415
 
     run = read(file)
-    if "event_time" not in run or "duration" not in run.attrs or "length_scale" in run.attrs:
-        raise InputError(
-            f"file must be a run that simulate wrote, dimensionless, got {shown(file)}"
-        )
+    if "event_time" not in run or "duration" not in run.attrs:
+        raise InputError(f"file must be a run that simulate wrote, got {shown(file)}")
     check_one_speed(run, "the explorer")
+    machine_in_si = si_units.machine_of(run)
+    if si_units.is_in_si(run) and machine_in_si is None:
+        raise InputError(f"file must tell its machine if it is in SI units, got {shown(file)}")
+    run = si_units.dimensionless(run)
     rotor = rotor_of(run)
     x, y, vx, vy = map(float, run.attrs["start"])
     turns = float(run.attrs["duration"]) * (rotor.omega or 1.0) / (2.0 * math.pi)
-    return rotor, (x, y, vx, vy), min(max(round(turns), 1), MOST_REVOLUTIONS)
+    return machine_in_si or rotor, (x, y, vx, vy), min(max(round(turns), 1), MOST_REVOLUTIONS)
 
 
 def _state(
