@@ -16,7 +16,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import Arrays
 from rotor_ida.checks import State, check_axis, check_increasing, shown
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.messages import Answer, Question, packed
+from rotor_ida.explorer.messages import Answer, Question, largest_speed, packed, speeds_shown
 from rotor_ida.explorer.motion import METHOD, duration_of, run_of, show_motion
 from rotor_ida.explorer.page import page_files
 from rotor_ida.explorer.responses import show_responses
@@ -48,9 +48,8 @@ save_figure({plot}({shown}), "{name}", overwrite=True)
 # How the speeds are gone through: each from the start, or each from the end of the one before.
 COURSES = ("start", "up", "down")
 MOST_SPEEDS = 500
-# The speeds that are recorded by default, and those over which the response is drawn [1].
-SPEEDS: npt.NDArray[np.float64] = np.linspace(0.3, 3.3, 61)
-SHOWN = (0.05, 4.0)
+# The speeds that are recorded by default, as parts of the largest that is shown.
+SPEEDS: npt.NDArray[np.float64] = np.linspace(0.075, 0.825, 61)
 # Of each run so many revolutions are kept, the last ones.
 KEPT = 10
 TIMES = ("t", "event_time", "exit_time")
@@ -90,7 +89,7 @@ def _recording(question: Question) -> Generator[tuple[int, int], None, str]:
     speed, rate = question.rotor.omega, 1.0
     if isinstance(machine, DimensionalRotor):
         speed, rate = machine.speed, machine.reference_frequency
-    low, high = (limit * rate for limit in SHOWN)
+    low, high = (limit * rate for limit in speeds_shown(machine))
     own = {speed} if low <= speed <= high else set()
     speeds = sorted({*check_speeds(machine, None), *own})
     return recording(machine, start=question.start, revolutions=question.revolutions, speeds=speeds)
@@ -205,7 +204,7 @@ def recording(
     """Yield the number of runs done and their total after each run, and return the page."""
     beginning = Question(
         about="motion", number=0, side=0, machine=machine, start=start,
-        revolutions=revolutions, speeds=SHOWN, reach=1.0,
+        revolutions=revolutions, speeds=speeds_shown(machine), reach=1.0,
     )  # fmt: skip
     common: dict[str, bytes] = {}
     courses: dict[str, list[list[str]]] = {}
@@ -226,8 +225,8 @@ def recording(
     recorded = {
         "speeds": list(speeds), "speed": _speed(machine), "courses": courses,
         "common": [base64.b64encode(each).decode() for each in common.values()],
-        "unit": "rad/s" if isinstance(machine, DimensionalRotor) else "",
         "state": {**machine.given, **dict(zip(("x", "y", "vx", "vy"), start, strict=True))},
+        "fastest": largest_speed(machine) if isinstance(machine, DimensionalRotor) else None,
     }  # fmt: skip
     return _page(json.dumps(recorded))
 
@@ -241,12 +240,12 @@ def check_speeds(machine: Rotor | DimensionalRotor, speeds: Sequence[float] | No
     [1.9, 2.0]
     """
     rate = machine.reference_frequency if isinstance(machine, DimensionalRotor) else 1.0
-    given: list[float] = (SPEEDS * rate).tolist()
+    low, high = (limit * rate for limit in speeds_shown(machine))
+    given: list[float] = (SPEEDS * high).tolist()
     if speeds is not None:
         given = check_increasing("speeds", check_axis("speeds", speeds)).tolist()
     if len(given) > MOST_SPEEDS:
         raise InputError(f"speeds must be at most {MOST_SPEEDS}, got {len(given)}")
-    low, high = (limit * rate for limit in SHOWN)
     if given[0] < low or given[-1] > high:
         raise InputError(f"speeds must lie from {low:g} to {high:g}, got {shown(given)}")
     return given

@@ -25,7 +25,7 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import KEYS, machine_from_data_sheet
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
-from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import SPEED_UNITS, DimensionalRotor, Rotor
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
 
 About = Literal[
@@ -43,6 +43,11 @@ LONGEST_NAME = 255
 
 # Characters of a question; what a page asks has some three hundred.
 LONGEST_QUESTION = 4096
+# The speeds of a machine are shown up to so many times its largest one, and its curve from so small
+# a part of that on.
+ROOM, LEAST_SPEED = 1.5, 1e-3
+# Those of a rotor without dimensions [1].
+SPEEDS = (0.05, 4.0)
 # Whole revolutions of a run that is drawn.
 MOST_REVOLUTIONS = 2000
 # Two machines stand side by side at most.
@@ -249,6 +254,32 @@ def _pair(name: str, given: object) -> tuple[float, float]:
         raise InputError(f"{name} must be two numbers, got {shown(given)}")
     one, other = (math.nan if each is None else check_real(name, each) for each in given)
     return one, other
+
+
+def largest_speed(machine: DimensionalRotor) -> float:
+    """Return the speed to which a machine is run up at first: past its critical speed [rad/s].
+
+    Without a shaft twice the reference frequency takes the place of the critical speed.
+
+    Examples
+    --------
+    >>> largest_speed(DimensionalRotor(
+    ...     mass=12.0, contact_stiffness=1e8, damping=416.0, eccentricity=1.7e-5,
+    ...     clearance=1.5e-4, speed=377.0, shaft_stiffness=4e6, contact_exponent=1.0)) * 30 / math.pi
+    6000.0
+    """
+    critical = math.sqrt(machine.shaft_stiffness / machine.mass)
+    rpm = max(machine.speed, critical or 2.0 * machine.reference_frequency) / SPEED_UNITS["rpm"]
+    step = 10.0 ** math.floor(math.log10(rpm)) / 2.0
+    return math.ceil(rpm / step * (1.0 - 1e-9)) * step * SPEED_UNITS["rpm"]
+
+
+def speeds_shown(machine: Rotor | DimensionalRotor) -> tuple[float, float]:
+    """Return the speeds over which the response of a rotor is drawn at first [1]."""
+    if isinstance(machine, Rotor):
+        return SPEEDS
+    top = ROOM * largest_speed(machine) / machine.reference_frequency
+    return LEAST_SPEED * top, top
 
 
 def machine_of(given: object) -> Rotor | DimensionalRotor:

@@ -37,6 +37,7 @@ from rotor_ida.explorer.messages import (
     DataSheet,
     Measurement,
     Question,
+    largest_speed,
     packed,
     read_question,
 )
@@ -222,7 +223,10 @@ def _machine_of(sheet: DataSheet) -> Answer:
         machine = sheet.machine()
     except InputError as error:
         return Answer("trouble", {"message": str(error)})
-    return Answer("machine", {"machine": machine.given, "notes": implausible(machine)})
+    facts: dict[str, object] = {
+        "machine": machine.given, "fastest": largest_speed(machine), "notes": implausible(machine)
+    }  # fmt: skip
+    return Answer("machine", facts)
 
 
 def _only_from_here(app: ASGIApp) -> ASGIApp:

@@ -13,7 +13,7 @@ from rotor_ida.checks import AT_REST, COMPONENTS, State, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import FORCED, read, working
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.messages import MOST_REVOLUTIONS
+from rotor_ida.explorer.messages import MOST_REVOLUTIONS, largest_speed
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import check_can_be_followed
 
@@ -107,7 +107,8 @@ def _state(
 ) -> Mapping[str, object]:
     """Return the state of the page as its address has it."""
     from_start = dict(zip(COMPONENTS, start, strict=True))
-    return {**machine.given, **from_start, "revolutions": revolutions}
+    shown = {} if isinstance(machine, Rotor) else {"fastest": largest_speed(machine)}
+    return {**machine.given, **from_start, "revolutions": revolutions, **shown}
 
 
 def _export(
