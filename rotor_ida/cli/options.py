@@ -238,9 +238,7 @@ Witness = Annotated[
 ]
 
 File = Annotated[Path, _path("An archive that this program wrote.", name="FILE")]
-FileToExplore = Annotated[
-    Path | None, _path("Begin with the rotor and the start of this archived run.")
-]
+FileToExplore = Annotated[Path | None, _path("Archived run whose rotor and start are shown first.")]
 Port = Annotated[int, _whole_number("Port on this machine; 0 takes any that is free.", 0, 65_535)]
 NoBrowser = Annotated[bool, _flag("Print the address, and open no browser.")]
 Export = Annotated[

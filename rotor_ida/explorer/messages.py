@@ -23,10 +23,12 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
+from rotor_ida.model.data_sheet import KEYS, machine_from_data_sheet
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.signals.reading import READERS
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
+from rotor_ida.units import SPEED_UNITS
 
 About = Literal[
     "motion", "run_up", "lines", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"
@@ -41,6 +43,11 @@ LONGEST_NAME = 255
 
 # Characters of a question; what a page asks has some three hundred.
 LONGEST_QUESTION = 4096
+# The speeds of a machine are shown up to so many times its largest one, and its curve from so small
+# a part of that on.
+ROOM, LEAST_SPEED = 1.5, 1e-3
+# Those of a rotor without dimensions [1].
+SPEEDS = (0.05, 4.0)
 # Whole revolutions of a run that is drawn.
 MOST_REVOLUTIONS = 2000
 # Two machines stand side by side at most.
@@ -145,7 +152,34 @@ class Measurement:
         return {"about": self.about, "number": self.number, "side": self.side}
 
 
-def read_question(text: str) -> Question | Measurement:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DataSheet:
+    """The data sheet of a machine, as the form of the page has it.
+
+    Parameters
+    ----------
+    number : int
+        Number of the question, which its answer bears.
+    quantities : dict of str
+        Words with units by the names that `machine_from_data_sheet` has; none is empty.
+    """
+
+    number: int
+    quantities: dict[str, str]
+    about: ClassVar[Literal["machine"]] = "machine"
+    side: ClassVar[int] = 0
+
+    @property
+    def ticket(self) -> dict[str, object]:
+        """What its answer bears, so that the page knows which question it is to."""
+        return {"about": self.about, "number": self.number, "side": self.side}
+
+    def machine(self) -> DimensionalRotor:
+        """Return the machine, or raise `InputError` with what is missing or wrong."""
+        return machine_from_data_sheet(**cast(dict[str, Any], self.quantities))
+
+
+def read_question(text: str) -> Question | Measurement | DataSheet:
     """Return a question, or raise `InputError` with what is wrong with it.
 
     Examples
@@ -171,6 +205,8 @@ def read_question(text: str) -> Question | Measurement:
         raise InputError(f"a question must be JSON, got {shown(text)}") from None
     if isinstance(given, dict) and given.get("about") == Measurement.about:
         return _measurement(given)
+    if isinstance(given, dict) and given.get("about") == DataSheet.about:
+        return _data_sheet(given)
     names = sorted(set(Question.__dataclass_fields__).difference(OF_RUN_UP))
     if not isinstance(given, dict):
         raise InputError(f"a question must have {', '.join(names)}, got {shown(given)}")
@@ -212,12 +248,52 @@ def _mapping(name: str, given: object) -> dict[str, str]:
     return given
 
 
+def _data_sheet(given: Mapping[str, Any]) -> DataSheet:
+    _check_names(given, ["about", "number", "quantities"])
+    quantities = given["quantities"]
+    if not isinstance(quantities, dict) or not all(
+        name in KEYS and isinstance(words, str) for name, words in quantities.items()
+    ):
+        raise InputError(f"quantities must be words by {', '.join(KEYS)}, got {shown(quantities)}")
+    return DataSheet(
+        number=check_count("number", given["number"], 0, LARGEST_NUMBER_OF_QUESTION),
+        quantities={name: words.strip() for name, words in quantities.items() if words.strip()},
+    )
+
+
 def _pair(name: str, given: object) -> tuple[float, float]:
     """Return two numbers; one that is not typed yet is NaN, which `read_signals` refuses."""
     if not isinstance(given, list) or len(given) != 2:
         raise InputError(f"{name} must be two numbers, got {shown(given)}")
     one, other = (math.nan if each is None else check_real(name, each) for each in given)
     return one, other
+
+
+def largest_speed(machine: DimensionalRotor) -> float:
+    """Return the speed to which a machine is run up at first: past its critical speed [rad/s].
+
+    Without a shaft twice the reference frequency takes the place of the critical speed.
+
+    Examples
+    --------
+    >>> machine = DimensionalRotor(
+    ...     mass=12.0, contact_stiffness=1e8, damping=416.0, eccentricity=1.7e-5,
+    ...     clearance=1.5e-4, speed=377.0, shaft_stiffness=4e6, contact_exponent=1.0)
+    >>> largest_speed(machine) * 30 / math.pi
+    6000.0
+    """
+    critical = math.sqrt(machine.shaft_stiffness / machine.mass)
+    rpm = max(machine.speed, critical or 2.0 * machine.reference_frequency) / SPEED_UNITS["rpm"]
+    step = 10.0 ** math.floor(math.log10(rpm)) / 2.0
+    return math.ceil(rpm / step * (1.0 - 1e-9)) * step * SPEED_UNITS["rpm"]
+
+
+def speeds_shown(machine: Rotor | DimensionalRotor) -> tuple[float, float]:
+    """Return the speeds over which the response of a rotor is drawn at first [1]."""
+    if isinstance(machine, Rotor):
+        return SPEEDS
+    top = ROOM * largest_speed(machine) / machine.reference_frequency
+    return LEAST_SPEED * top, top
 
 
 def machine_of(given: object) -> Rotor | DimensionalRotor:

@@ -13,7 +13,7 @@ from rotor_ida.cli import options
 from rotor_ida.cli.machines import Units, plain
 from rotor_ida.cli.output import FORCED, read, working
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.messages import MOST_REVOLUTIONS
+from rotor_ida.explorer.messages import MOST_REVOLUTIONS, largest_speed
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import check_can_be_followed
 
@@ -25,10 +25,10 @@ PAGE = ".html"
 
 
 def explore(
+    file: options.FileToExplore = None,
     *,
     rotor: options.RotorOptions = options.RotorOptions(),
     start: options.StartOrNone = None,
-    file: options.FileToExplore = None,
     port: options.Port = 8765,
     no_browser: options.NoBrowser = False,
     export: options.Export = None,
@@ -49,7 +49,7 @@ def explore(
 
     From the start of a run that simulate wrote:
 
-        rotor-ida explore --file run.nc
+        rotor-ida explore run.nc
 
     As a page for others that needs no server, with a slider over its speeds:
 
@@ -103,7 +103,8 @@ def _state(
 ) -> Mapping[str, object]:
     """Return the state of the page as its address has it."""
     from_start = dict(zip(COMPONENTS, start, strict=True))
-    return {**machine.given, **from_start, "revolutions": revolutions}
+    shown = {} if isinstance(machine, Rotor) else {"fastest": largest_speed(machine)}
+    return {**machine.given, **from_start, "revolutions": revolutions, **shown}
 
 
 def _export(

@@ -94,15 +94,15 @@ def unit_called(name: str) -> Unit | None:
     if volts := _VOLTS.get(name.lower()):
         return Unit("length", volts, 1.0)
     symbol = _SPEEDS.get(name.lower()) or units.symbol_of(name)
-    if symbol in _LENGTHS:
-        plain = _LENGTHS[symbol]
-        return Unit("length", plain, _ratio(symbol, plain))
-    if symbol in _OFFERED["time"]:
-        return Unit("time", "s", _ratio(symbol, "s"))
-    if symbol in _OFFERED["angle"]:
-        return Unit("angle", "radian", _ratio(symbol, "rad"))
     if symbol in units.SPEED_UNITS:
         return Unit("speed", "s-1", units.SPEED_UNITS[symbol])
+    for kind, called, plain in (
+        ("length", _LENGTHS.get(symbol, ""), _LENGTHS.get(symbol, "")),
+        ("time", "s", "s"),
+        ("angle", "radian", "rad"),
+    ):
+        if symbol in _OFFERED[kind]:
+            return Unit(kind, called, _ratio(symbol, plain))
     return None
 
 
