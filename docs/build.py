@@ -40,6 +40,7 @@ def missing():
     """Return in one line what keeps the site from being built, or an empty text."""
     try:
         import sphinx_design  # noqa: F401, PLC0415 - these may be what is missing
+
         from rotor_ida.core.library import build_info  # noqa: PLC0415
 
         build_info()
