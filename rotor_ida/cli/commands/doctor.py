@@ -28,9 +28,9 @@ Check = dict[str, str]
 
 
 def doctor(*, as_json: options.AsJson = False) -> Report:
-    """Say which solver, backends and versions are in use, and check that they work.
+    """Check the installation: versions, solvers and backends.
 
-    To send along with a question:
+    To attach to a question:
 
         rotor-ida doctor --json
     """

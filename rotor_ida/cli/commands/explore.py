@@ -35,23 +35,23 @@ def explore(
     speeds: options.ExportedSpeeds = None,
     force: options.Force = False,
 ) -> int:
-    r"""Open a page that shows what a rotor does while its sliders move.
+    r"""Open an interactive page in the browser, with sliders for the parameters.
 
-    It is served to this machine alone, at the address that is printed, until Ctrl-C:
+    The page is served on this computer only, until Ctrl-C:
 
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2
 
-    A machine in SI units, with its shaft, a linear contact that loses energy, and its weight:
+    A machine in SI units, with a shaft, a linear contact with damping, and its weight:
 
         rotor-ida explore --mass 8 --contact-stiffness 5e7 --damping 240 \
             --eccentricity 2e-5 --clearance 1e-4 --speed 700 --shaft-stiffness 2e6 \
             --contact-exponent 1 --contact-damping 7.5 --load 78.5
 
-    From the start of a run that simulate wrote:
+    From the rotor and initial state of an archived run:
 
         rotor-ida explore --file run.nc
 
-    As a page for others that needs no server, with a slider over its speeds:
+    As a page that needs no server, with a slider over the speeds:
 
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2 --export page.html \
             --speeds 1.9:2.1:3
