@@ -156,7 +156,7 @@ def read(file: Path) -> xr.Dataset:
 
 @contextmanager
 def working(name: str, study: Path | None = None) -> Iterator[Callable[[int, int], None] | None]:
-    """Show a progress bar where someone is there to see it; say how a broken study goes on."""
+    """Show a progress bar on a terminal; after a failure say how to continue the study."""
     from rotor_ida.parallel.progress import progress_bar  # noqa: PLC0415 - not for --help
 
     watched = sys.stderr is not None and sys.stderr.isatty()
@@ -184,6 +184,6 @@ def going_on(study: Path | None) -> str:
     folder = str(study)
     word = f"./{folder}" if folder.startswith("-") else folder  # else it would be an option
     return (
-        f"; {found['done']} of {found['points']} points are kept in {folder}: go on with "
+        f"; {found['done']} of {found['points']} points are saved in {folder}; continue with "
         f"rotor-ida resume {shlex.quote(word)}"
     )

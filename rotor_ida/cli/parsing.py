@@ -289,7 +289,7 @@ def named(name: str, words: Sequence[str]) -> list[tuple[str, str]]:
         if not (first and separator and rest):
             raise InputError(f"{name} must be pairs such as x=..., got {shown(word)}")
         if first in dict(found):
-            raise InputError(f"{name} must tell {first} once, got it twice")
+            raise InputError(f"{name} must give {first} once, got it twice")
         found.append((first, rest))
     return found
 

@@ -265,8 +265,8 @@ MISTAKES = [
     ("plot {run} --kind cascade --figure a --segment 3", "segment must be at least 16, got 3"),
     ("plot {run} --kind trace --figure a --times 5 1", "times must lie within 0 to 60, got 5 1"),
     ("plot {run} --kind trace --figure a --times 5", "times must be two numbers START END, got 1"),
-    ("plot {run} --kind trace --figure a --rate 5", "rate is of measured files, got the archive"),
-    ("plot {sweep} --kind trace --figure a", "file must hold a run, a run-up or signals"),
+    ("plot {run} --kind trace --figure a --rate 5", "rate must be left out with an archive, got"),
+    ("plot {sweep} --kind trace --figure a", "file must contain a run, a run-up or signals"),
     ("plot {text} --kind trace --figure a", "is not an archive of rotor_ida"),
     ("plot nothing.nc --kind trace --figure a", "must be a file that exists, got 'nothing.nc'"),
     ("plot nothing.csv --kind trace --figure a", "must be a file that exists, got 'nothing.csv'"),
@@ -277,7 +277,7 @@ MISTAKES = [
     ),
     (
         "plot nothing.csv --kind trace --figure a --columns x=A x=B",
-        "columns must tell x once, got it twice",
+        "columns must give x once, got it twice",
     ),
     # reproduce
     ("reproduce --workers -1", "workers must be at least 1, got -1"),

@@ -201,7 +201,7 @@ def _in_archive(
     elif point is not None or special is not None:
         raise InputError(f"point and special must be left out with a cycle, got {shown(file)}")
     elif dataset["period"].isnull():
-        raise InputError(f"from must hold a limit cycle, got {shown(file)} without one")
+        raise InputError(f"from must contain a limit cycle, got {shown(file)} without one")
     if kind == "curve":
         dataset = _of_curve(dataset, "special_" if point is None else "", curve_kind)
     place = dataset

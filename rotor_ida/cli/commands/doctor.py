@@ -60,8 +60,8 @@ def doctor(*, as_json: options.AsJson = False) -> Report:
         parts=[
             pairs("Versions", versions),
             *([pairs("Core", core)] if core else []),
-            f"Backends that can be used: {', '.join(usable) or 'none'}",
-            f"Executors that can be used: {', '.join(executors)}",
+            f"Usable backends: {', '.join(usable) or 'none'}",
+            f"Usable executors: {', '.join(executors)}",
             table("Checks", checks, list(checks[0])),
         ],
         as_json=as_json,

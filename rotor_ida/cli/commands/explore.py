@@ -60,7 +60,7 @@ def explore(
     if export is not None:
         return _export(export, chosen, first, revolutions, speeds, force)
     if speeds is not None:
-        raise InputError("speeds are those of an exported page: give --export too")
+        raise InputError("speeds must be left out without --export")
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         raise InputError(
@@ -84,14 +84,12 @@ def _beginning(
         check_can_be_followed(rotor, begun)
         return chosen, begun, REVOLUTIONS
     if given or start is not None:
-        raise InputError("file must be given alone: it has a rotor and a start of its own")
+        raise InputError("file must be given alone: the archive contains the rotor and the start")
     from rotor_ida.results.run import check_one_speed, rotor_of  # noqa: PLC0415 - heavy, and not for --help
 
     run = read(file)
     if "event_time" not in run or "duration" not in run.attrs or "length_scale" in run.attrs:
-        raise InputError(
-            f"file must be a run that simulate wrote, dimensionless, got {shown(file)}"
-        )
+        raise InputError(f"file must be an archive of a dimensionless run, got {shown(file)}")
     check_one_speed(run, "the explorer")
     rotor = rotor_of(run)
     x, y, vx, vy = map(float, run.attrs["start"])

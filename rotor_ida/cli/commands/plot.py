@@ -169,7 +169,7 @@ def _signals(file: Path, reading: options.ReadingOptions) -> xr.Dataset:
     dataset = _dataset_in(file, reading)
     if "t" not in dataset.dims or not {"x", "y"} <= set(dataset.variables):
         title = dataset.attrs.get("title", "another dataset")
-        raise InputError(f"file must hold a run, a run-up or signals, got {shown(title)}")
+        raise InputError(f"file must contain a run, a run-up or signals, got {shown(title)}")
     return dataset
 
 
@@ -179,7 +179,7 @@ def _dataset_in(file: Path, reading: options.ReadingOptions) -> xr.Dataset:
     if file.suffix != OUT_ENDING:
         return rotor_ida.read_signals(file, **given)
     if given:
-        raise InputError(f"{next(iter(given))} is of measured files, got the archive {shown(file)}")
+        raise InputError(f"{next(iter(given))} must be left out with an archive, got {shown(file)}")
     return read(file)
 
 
