@@ -265,7 +265,7 @@ def _rotor_of(dataset: xr.Dataset) -> Rotor:
     missing = [name for name in PARAMETERS if name not in dataset.variables]
     if missing:
         raise InputError(
-            f"exact must be left out: the file lacks the parameters  {', '.join(missing)}"
+            f"exact must be left out: the file lacks the parameters {', '.join(missing)}"
         )
     names = (name for name in ALL_PARAMETERS if name in dataset.variables)
     return Rotor(**{name: float(dataset[name]) for name in names})

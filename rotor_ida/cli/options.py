@@ -342,10 +342,8 @@ Unknowns = Annotated[
         negative=(),
     ),
 ]
-ContactTimes = Annotated[
-    list[float] | None,
-    _numbers("Measured times of contact entries (--entries) or exits (--exits)."),
-]
+EntryTimes = Annotated[list[float] | None, _numbers("Measured times at which contacts begin.")]
+ExitTimes = Annotated[list[float] | None, _numbers("Measured times at which contacts end.")]
 TimeError = Annotated[float | None, _number("Standard error of these times.")]
 NoiseLevel = Annotated[
     float | None, _number("Standard deviation of the noise. Default: that of the residuals.")

@@ -1,4 +1,4 @@
-"""A result as CSV: every number comes back to the last bit, flags are words, nothing is replaced."""
+"""A result as CSV: every number comes back to the last bit, flags are words, no file is lost."""
 
 from __future__ import annotations
 

@@ -54,8 +54,8 @@ def plot(
 ) -> Report:
     r"""Plot an archive or a measured file: Bode, orbit, cascade and others.
 
-    The archive of the example of run-up: as suits it, to run_up.png and run_up.svg; as a Bode plot
-    with the exact response; and as a cascade:
+    The archive of the example of run-up, as suits it, to run_up.png and run_up.svg; then
+    a Bode plot with the exact response, and a cascade:
 
         rotor-ida plot run_up.nc
 
