@@ -99,8 +99,8 @@ def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("in_si", "file must be a run that simulate wrote, dimensionless, got"),
-        ("folds", "file must be a run that simulate wrote, dimensionless, got"),
+        ("in_si", "file must be an archive of a dimensionless run, got"),
+        ("folds", "file must be an archive of a dimensionless run, got"),
         ("text", "text.nc"),
         ("empty", "empty.nc"),
     ],
