@@ -43,8 +43,10 @@ from rotor_ida.cli.commands.cycles import bifurcation_curve, continue_cycle, lim
 from rotor_ida.cli.commands.doctor import doctor
 from rotor_ida.cli.commands.explore import explore
 from rotor_ida.cli.commands.fit import fit
+from rotor_ida.cli.commands.machine import machine
 from rotor_ida.cli.commands.plot import plot
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
+from rotor_ida.cli.machines import missing
 from rotor_ida.cli.parsing import as_given, readable, refuse_units
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
@@ -60,7 +62,7 @@ Exit status: 0 done, 1 the run or the check failed, 2 bad input.
 """
 # The commands in the groups of the help, in order; some have a short name too.
 COMMANDS: dict[str, dict[Callable[..., object], str]] = {
-    "Simulate": {simulate: "", run_up: "", run_ups: "", sweep: ""},
+    "Simulate": {machine: "", simulate: "", run_up: "", run_ups: "", sweep: ""},
     "Exact whirls": {synchronous_response: "response", backward_whirl: "whirl"},
     "Limit cycles": {limit_cycle: "cycle", continue_cycle: "continue", bifurcation_curve: "curve"},
     "Explore": {
@@ -231,6 +233,9 @@ def _missing(error: MissingArgumentError, option: str) -> str:
         for each in known
         if each.required and each.name.startswith("--") and words.isdisjoint(each.names)
     ]
+    if "--machine" not in words and any("--zeta" in each.names for each in known):
+        of_rotor = [word[2:].replace("-", "_") for word in words]
+        lacking = [f"--{name.replace('_', '-')}" for name in missing(of_rotor)] + lacking
     return f"{listed(lacking if option in lacking else [option, *lacking])} must be given"
 
 

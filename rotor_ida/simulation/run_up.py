@@ -5,25 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Watch
 from rotor_ida.checks import (
     check_array,
     check_between,
     check_duration,
     check_instance,
     check_nonnegative,
+    check_positive,
+    check_progress,
     check_real,
     check_state,
     shown,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.parallel import Progress, Stop, interruptible
 from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import (
@@ -42,7 +46,7 @@ from rotor_ida.simulation.spin import SpeedProfile, driven, through
 SMALLEST_DRIVE, LARGEST_DRIVE = 1e-12, 1e15
 # More of them, of the spin or of a motion at the reference frequency, take an hour or more.
 MOST_RADIANS = {"python": 1e7, "compiled": 1e8}
-WAYS = "by to and rate, by speeds, or by torque and inertia"
+WAYS = "by to and rate or ramp_time, by speeds, or by torque and inertia"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +64,7 @@ def run_up(
     start: npt.ArrayLike,
     to: float | None = None,
     rate: float | None = None,
+    ramp_time: float | None = None,
     speeds: Sequence[tuple[float, float]] | npt.ArrayLike | None = None,
     torque: tuple[float, float] | npt.ArrayLike | None = None,
     inertia: float | None = None,
@@ -69,12 +74,13 @@ def run_up(
     atol: float = 1e-12,
     method: Method = "adams",
     backend: Backend = "auto",
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Simulate a rotor whose speed changes, with every event found by root finding.
 
-    The speed changes in one of three ways: at a constant `rate` up or down `to` another speed; as
-    `speeds` has it, linear from one time to the next; or as a `torque` turns the `inertia` of the
-    rotor, against damping, shaft and ring.
+    The speed changes in one of three ways: at a constant `rate`, or in a `ramp_time`, up or down
+    `to` another speed; as `speeds` has it, linear from one time to the next; or as a `torque` turns
+    the `inertia` of the rotor, against damping, shaft and ring.
 
     Parameters
     ----------
@@ -86,6 +92,8 @@ def run_up(
         Speed at the end of a ramp [1].
     rate : float
         Change of the speed in a unit of time [1], negative in a run-down.
+    ramp_time : float
+        Time of the ramp [1], in place of the rate.
     speeds : sequence of (float, float)
         Pairs of time and speed [1], with times that increase from 0. The first speed is the one
         that counts at time 0, whatever the rotor's is.
@@ -107,6 +115,8 @@ def run_up(
         core, and by the method itself in the reference.
     backend : {"auto", "python", "compiled"}
         As of `simulate`.
+    progress : callable, optional
+        Called now and then with the percentage that is done, and 100.
 
     Returns
     -------
@@ -154,8 +164,11 @@ def run_up(
     array([0.2     , 0.622213, 0.626802, 0.790485, 0.867413])
     """
     check_instance("rotor", rotor, Rotor)
+    check_progress(progress)
     first = check_state("start", start)
     options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
+    if ramp_time is not None:
+        rate = _rate_of(rotor, to, rate, ramp_time)
     given = {"to": to, "rate": rate, "speeds": speeds, "torque": torque, "inertia": inertia}
     change = _speed_change_of(
         rotor, {name: each for name, each in given.items() if each is not None}, duration, options
@@ -165,17 +178,33 @@ def run_up(
     times = sample_times(samples, end)
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
 
+    watch: Watch = []
+
     def run_twice(stop: Stop | None = None) -> tuple[Orbit, EventErrors]:
         orbit = run(
-            change.rotor, first, end, times, options, slack=slack, stop=stop, profile=change.profile
-        )
-        return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop)
+            change.rotor, first, end, times, options,
+            slack=slack, stop=stop, profile=change.profile, watch=watch,
+        )  # fmt: skip
+        return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop, watch=watch)
 
-    orbit, errors = interruptible(run_twice)
+    def tell(progress: Progress) -> None:
+        progress(int(50.0 * sum(done() for done in watch) / end), 100)
+
+    told = None if progress is None else partial(tell, progress)
+    orbit, errors = interruptible(run_twice, told=told)
     return run_dataset(orbit, first, errors, change.changes)
 
 
 # ---- How the speed is to change ----
+
+
+def _rate_of(rotor: Rotor, to: object, rate: object, ramp_time: object) -> float:
+    """Return the rate of a ramp that takes some time, or raise `InputError`."""
+    if rate is not None:
+        raise InputError(f"rate must be left out with ramp_time, got {shown(rate)}")
+    if to is None:
+        raise InputError("to must be given with ramp_time, got None")
+    return (_checked_speed("to", to) - rotor.omega) / check_positive("ramp_time", ramp_time)
 
 
 def _speed_change_of(
