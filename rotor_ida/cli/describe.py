@@ -399,7 +399,8 @@ def show_cycle(dataset: xr.Dataset, most: int | None) -> Description:
     record["parameters"] = parameters
     record["lines"] = rows_of(dataset, STRONGEST_LINES.names)  # to programs by frequency
     if dataset["period"].isnull():
-        return record, [pairs("No limit cycle", {**parameters, "response": record["response"]})]
+        told = with_units(dataset, {**parameters, "response": record["response"]})
+        return record, [pairs("No limit cycle", told)]
     told = with_units(dataset, parameters | scalars_of(dataset))
     return record, [pairs("Limit cycle", told), *parts]
 

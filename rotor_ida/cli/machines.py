@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from rotor_ida.checks import State, listed, shown
-from rotor_ida.cli.parsing import Quantity
+from rotor_ida.cli.parsing import Quantity, refuse_units
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import check_keys, in_si, machine_from_data_sheet, overridden
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OF_MACHINE, PARAMETERS
@@ -79,9 +79,8 @@ class Units:
         return BECOMES.get(name, name)
 
     def values(self, name: str, values: Sequence[float]) -> tuple[float, ...]:
-        """Return values of a parameter, of a machine in its SI unit, without dimensions."""
-        if self.machine is None:
-            return tuple(values)
+        """Return values of a parameter of a machine, in its SI unit, without dimensions."""
+        assert self.machine is not None
         given = IS_OF_MACHINE.get(name, name)
         return tuple(
             getattr(replace(self.machine, **{given: each}).rotor(), self.parameter(name))
@@ -90,11 +89,13 @@ class Units:
 
     def limits(self, name: str, values: Sequence[float]) -> tuple[float, ...]:
         """Return limits of a parameter without dimensions; their units must be those of it."""
-        if self.machine is not None:
-            given = IS_OF_MACHINE.get(name, name)
-            for each in values:
-                if isinstance(each, Quantity) and each.word:
-                    in_si(given, each.word, OF_MACHINE[given].unit)
+        if self.machine is None:
+            refuse_units({"limits": tuple(values)})
+            return tuple(values)
+        given = IS_OF_MACHINE.get(name, name)
+        for each in values:
+            if isinstance(each, Quantity) and each.word:
+                in_si(given, each.word, OF_MACHINE[given].unit)
         return self.values(name, values)
 
     def shown(self, dataset: xr.Dataset) -> xr.Dataset:

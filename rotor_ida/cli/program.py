@@ -166,7 +166,8 @@ def _refuse_units(arguments: Mapping[str, object]) -> None:
     values: dict[str, object] = {}
     for name, value in arguments.items():
         values |= vars(value) if is_dataclass(value) else {name: value}
-    if any(getattr(value, "in_si", None) is False for value in arguments.values()):
+    groups = [value for value in arguments.values() if getattr(value, "in_si", None) is False]
+    if any(not getattr(group, "units_unknown", False) for group in groups):
         refuse_units(values)
 
 

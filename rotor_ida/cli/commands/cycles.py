@@ -35,6 +35,11 @@ class Origin(options.RotorOptions):
     point: options.PointNumber = None
     special: options.SpecialNumber = None
 
+    @property
+    def units_unknown(self) -> bool:
+        """Whether an archive tells the units."""
+        return self.from_ is not None
+
     def check(self) -> None:
         """Refuse options that do not go together."""
         of_file = [name for name in ("point", "special") if getattr(self, name) is not None]
