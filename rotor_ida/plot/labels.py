@@ -1,6 +1,7 @@
 """What quantities, kinds of response and units are called in pictures, and their titles.
 
-A figure shows the units that its dataset carries (`rotor_ida.dimensional` chooses them).
+A figure shows the units that its dataset carries (`rotor_ida.dimensional` chooses them); metres and
+such without a prefix are shown with one.
 """
 
 from __future__ import annotations

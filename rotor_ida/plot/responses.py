@@ -201,7 +201,7 @@ def plot_over_clearance(
     exact = check_dataset("exact", exact, CURVE)
     parameters = fixed_parameters("exact", exact, ("omega", "zeta"))
     if simulated is not None:
-        check_dataset("simulated", simulated, ("delta0", *SIMULATED[:-1]))
+        simulated = check_dataset("simulated", simulated, ("delta0", *SIMULATED[:-1]))
         optional = {name: value for name, value in parameters.items() if name in OPTIONAL}
         check_same_parameters("simulated", fixed_parameters("simulated", simulated, ()), optional)
         check_same_units("simulated", simulated, exact)
@@ -224,17 +224,20 @@ def _plot_over_speed(
     ax: Axes | None,
 ) -> Axes:
     """Draw amplitude or phase of a curve over the speed, and what is given beside it."""
-    given = {name: dataset for name, dataset in beside.items() if dataset is not None}
+    given = {
+        name: check_dataset(name, dataset, BESIDE[name])
+        for name, dataset in beside.items()
+        if dataset is not None
+    }
     simulated = given.get("simulated")
     if exact is not None:
-        shown = check_dataset("exact", exact, CURVE)
+        shown = exact = check_dataset("exact", exact, CURVE)
     elif simulated is not None:
-        shown = check_dataset("simulated", simulated, BESIDE["simulated"])
+        shown = simulated
     else:
         raise InputError("exact must be a Dataset, or None beside simulated, got neither")
     parameters = fixed_parameters("simulated" if exact is None else "exact", shown)
     for name, dataset in given.items():
-        check_dataset(name, dataset, BESIDE[name])
         check_same_parameters(name, fixed_parameters(name, dataset), parameters)
         check_same_units(name, dataset, shown)
     with drawing(ax) as ax:

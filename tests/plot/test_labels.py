@@ -1,5 +1,7 @@
 """Units in labels, titles and legends; a dataset in other units than what is drawn is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -14,6 +16,7 @@ from rotor_ida.plot import (
     plot_drawn_out,
     plot_history,
     plot_jumps,
+    plot_machine,
     plot_orbit,
     plot_run,
     plot_section,
@@ -48,12 +51,28 @@ def test_every_panel_of_a_run_has_its_unit(plain, machine):
     np.testing.assert_allclose(peaks, bare_peaks * MACHINE.force_scale)
 
 
-def test_plain_si_units_where_no_others_were_chosen(plain):
+def test_si_units_have_the_prefix_of_a_machine(plain):
     ax = plot_orbit(dimensional(plain, MACHINE))
-    assert ax.get_xlabel().endswith("[m]")
-    np.testing.assert_allclose(
-        ax.dataLim.bounds, MACHINE.length_scale * np.array(plot_orbit(plain).dataLim.bounds)
-    )
+    assert ax.get_xlabel().endswith("[µm]")
+    lengths = 1e6 * MACHINE.length_scale * np.array(plot_orbit(plain).dataLim.bounds)
+    np.testing.assert_allclose(ax.dataLim.bounds, lengths)
+    figure = plot_machine(dimensional(plain, replace(MACHINE, contact_stiffness=1e15)))
+    found = [ax.get_ylabel().rpartition("[")[2] for ax in figure.axes]
+    assert found == ["µm]", "µm]", "kN]"]
+
+
+def test_units_that_were_chosen_stay(plain):
+    chosen = dimensional(plain, MACHINE, units={"length": "mm"})
+    assert plot_orbit(chosen).get_xlabel().endswith("[mm]")
+
+
+def test_other_prefixes_of_one_machine_share_axes(plain):
+    """Metres and micrometres of one machine are both shown in micrometres."""
+    micro = dimensional(plain, MACHINE, units={"length": "um"})
+    ax = plot_orbit(micro)
+    plot_orbit(dimensional(plain, MACHINE), ax=ax)
+    first, second = (line.get_xdata() for line in ax.lines if line.get_label() == "start")
+    np.testing.assert_allclose(first, second)
 
 
 def test_units_stand_in_the_third_dimension_in_titles_and_in_legends(machine):
@@ -75,7 +94,9 @@ def test_limits_of_a_section_are_those_without_units():
     np.testing.assert_allclose(si.get_ylim(), velocity * np.array(bare.get_ylim()))
     steady = made("turns").isel(crossing=[-1])
     bare, si = (plot_section(each) for each in (steady, dimensional(steady, MACHINE)))
-    np.testing.assert_allclose(si.get_ylim(), MACHINE.length_scale * np.array(bare.get_ylim()))
+    np.testing.assert_allclose(
+        si.get_ylim(), 1e6 * MACHINE.length_scale * np.array(bare.get_ylim())
+    )
 
 
 def test_jumps_take_the_units_of_the_curve():
