@@ -344,6 +344,9 @@ QUANTITIES: dict[str, Quantity] = {
     "largest_radius": Quantity(
         "largest distance from the bearing axis on the ramp", scale="length"
     ),
+    "smallest_gap": Quantity(
+        "clearance less the largest distance from the bearing axis", scale="length"
+    ),
     "largest_radius_speed": Quantity("spin speed where the distance is largest", scale="speed"),
     "largest_force_speed": Quantity("spin speed where the force is largest", scale="speed"),
     "first_touch_speed": Quantity("spin speed at the first touch", scale="speed"),

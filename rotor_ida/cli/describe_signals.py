@@ -25,8 +25,8 @@ from rotor_ida.cli.variables import (
     with_unit,
     with_units,
 )
-from rotor_ida.model.rotor import SPEED_UNITS
 from rotor_ida.results.si_units import in_rpm
+from rotor_ida.units import SPEED_UNITS
 
 # Peaks that noise, too, may have are below so many times the floor.
 CLEAR = 4.0
@@ -64,6 +64,9 @@ def show_signals(dataset: xr.Dataset, most: int | None) -> Description:
         with_unit(dataset, "t"): span(times, 6),
         "sampling rate" + _inverse_of(dataset["t"]): rate,
         **turning,
+        **{
+            name: str(dataset.attrs[name]) for name in ("columns", "notes") if name in dataset.attrs
+        },
     }
     unit = str(dataset["x"].attrs.get("units", "1"))
     title = "Displacements" if unit == "1" else f"Displacements [{unit}]"

@@ -106,6 +106,15 @@ def answer(
     )
 
 
+def summarised(summary: xr.Dataset, report: Report) -> Report:
+    """Return a report that begins with a summary of its result."""
+    from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+
+    record, parts = describe(summary)
+    told = {"summary": record | {"sentence": summary.attrs["sentence"]}}
+    return replace(report, record=told | dict(report.record), parts=[*parts, *report.parts])
+
+
 def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None) -> Report:
     """Return the report on a sweep, basin, sample or branch, in trouble if it is not whole."""
     in_study = None if study is None or output.out is not None else study / RESULT

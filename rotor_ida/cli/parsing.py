@@ -8,56 +8,71 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 from cyclopts import Token
 
-from rotor_ida.checks import MOST_POINTS_OF_STUDY, State, check_real, check_state, shown
+from rotor_ida import units
+from rotor_ida.checks import COMPONENTS, MOST_POINTS_OF_STUDY, State, check_real, shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor import SPEED_UNITS, SpeedUnit
 
 LARGEST_RANGE = 1_000_000
 MOST_POINTS = 5_000_000
 
-# What cyclopts takes for an option where it is not ``-15:15`` of whole numbers.
-NEGATIVE_RANGE = re.compile(r"-[\d.](?:[^:]*:|.*(?:rad/s|rpm|Hz))")
-# A number with a unit: of a speed, or of a rate, by which a speed changes in a second.
-WITH_UNIT = re.compile(r"(?P<number>[-+.\dEe]*[.\d])\s*(?P<unit>[^-+.\d].*)")
-RATE_UNITS = {"rad/s": ("rad/s2", "rad/s^2", "rad/s²")}
+# A number with a unit, and a word that looks like an option but begins with a number below zero.
+WITH_UNIT = re.compile(
+    r"(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>(?:[^\W\d_]|°).*)"
+)
+BELOW_ZERO = re.compile(r"-(?=[\d.])(?!-)")
+# Stands for the minus of such a word while cyclopts reads the line.
+MINUS = "\N{MINUS SIGN}"
+# Units of x, y, vx and vy.
+UNITS_OF_STATE = dict(zip(COMPONENTS, ("m", "m", "m s-1", "m s-1"), strict=True))
 
 Value = TypeVar("Value")
 
 
-def with_ranges_joined(words: Sequence[str]) -> list[str]:
-    """Return words in which a range that begins below zero is tied to its option by ``=``.
+def readable(words: Sequence[str]) -> list[str]:
+    """Return words of which cyclopts takes none that begins below zero for an option.
 
-    So is a number below zero that has a unit.
+    A unit is joined to the number before it, from which a shell has parted it.
 
     Examples
     --------
-    >>> with_ranges_joined(["basin", "--x", "-1.5:1.5:64", "--y", "-2"])
-    ['basin', '--x=-1.5:1.5:64', '--y', '-2']
+    >>> readable(["basin", "--mass", "12", "kg", "--damping", "415", "N", "s/m"])
+    ['basin', '--mass', '12 kg', '--damping', '415 N s/m']
+    >>> [as_given(word) for word in readable(["--x", "-1.5:1.5:64", "--start", "-60", "um"])]
+    ['--x', '-1.5:1.5:64', '--start', '-60 um']
     """
     found: list[str] = []
     for word in words:
-        option = found[-1] if found else ""
-        opens = len(option) > 2 and option.startswith("--") and "=" not in option
-        if opens and NEGATIVE_RANGE.match(word):
-            found[-1] = f"{option}={word}"
+        number = WITH_UNIT.fullmatch(f"{found[-1]} {word}") if found else None
+        if number is not None and units.unit_of(number["unit"]) is not None:
+            found[-1] += f" {word}"
         else:
             found.append(word)
-    return found
+    return [BELOW_ZERO.sub(MINUS, word, count=1) if BELOW_ZERO.match(word) else word
+            for word in found]  # fmt: skip
+
+
+def as_given(word: str) -> str:
+    """Return a word as the user wrote it."""
+    return word.replace(MINUS, "-")
 
 
 def converter(
-    parse: Callable[[str, Sequence[str]], Value],
+    parse: Callable[..., Value], *allowed: str
 ) -> Callable[[Any, Sequence[Token]], Value]:
-    """Return a function of the name and the words of an option as a converter of cyclopts."""
+    """Return a converter of cyclopts from a function of the name and the words of an option.
+
+    The function is told too which units are allowed.
+    """
 
     def convert(_kind: Any, tokens: Sequence[Token]) -> Value:
-        return parse((tokens[0].keyword or "path").lstrip("-"), [token.value for token in tokens])
+        name = (tokens[0].keyword or "path").lstrip("-")
+        return parse(name, [as_given(token.value) for token in tokens], *allowed)
 
     return convert
 
@@ -74,7 +89,11 @@ def number(name: str, words: Sequence[str]) -> float:
     ...
     rotor_ida.errors.InputError: omega must be a finite real number, got '1,7'
     """
-    return check_real(name, _float(words[0]))
+    word = words[0]
+    found = WITH_UNIT.fullmatch(word)
+    if found is not None and units.unit_of(found["unit"]) is not None:
+        raise InputError(f"{name} must be a number without a unit, got {shown(word)}")
+    return check_real(name, _float(word))
 
 
 def whole_number(name: str, words: Sequence[str]) -> int:
@@ -97,13 +116,17 @@ def whole_number(name: str, words: Sequence[str]) -> int:
     raise InputError(f"{name} must be a whole number, got {shown(words[0])}")
 
 
-def numbers(name: str, words: Sequence[str]) -> list[float]:
+def numbers(name: str, words: Sequence[str], *allowed: str) -> list[float]:
     """Return numbers and ranges ``START:STOP:COUNT``, both ends included, as numbers.
+
+    They may have a unit as those that are allowed.
 
     Examples
     --------
     >>> numbers("omega", ["0.5", "1:2:3"])
     [0.5, 1.0, 1.5, 2.0]
+    >>> numbers("clearance", ["100um:150um:2"], "m")
+    [0.0001, 0.00015]
     >>> numbers("omega", ["1:2"])
     Traceback (most recent call last):
     ...
@@ -111,102 +134,122 @@ def numbers(name: str, words: Sequence[str]) -> list[float]:
     """
     listed: list[float] = []
     for word in words:
-        listed += _range(name, word) if ":" in word else [number(name, [word])]
+        listed += _range(name, word, *allowed) if ":" in word else [_one(name, word, *allowed)]
     return listed
 
 
-def several_numbers(name: str, words: Sequence[str]) -> tuple[float, ...]:
-    """Return words as finite numbers, one each.
+def several_numbers(name: str, words: Sequence[str], *allowed: str) -> tuple[float, ...]:
+    """Return words as finite numbers, one each; the units that are allowed are by place.
 
     Examples
     --------
     >>> several_numbers("limits", ["0.5", "3"])
     (0.5, 3.0)
+    >>> several_numbers("torque", ["3 Nm", "0.5"], "N m", "N m s")
+    (3.0, 0.5)
     """
-    return tuple(number(name, [word]) for word in words)
+    if not allowed:
+        return tuple(number(name, [word]) for word in words)
+    return tuple(quantity(name, [word], unit) for word, unit in zip(words, allowed, strict=True))
 
 
-class Measured(NamedTuple):
-    """A number, and the unit of speed that it was given with; empty where it was given alone."""
+class Quantity(float):
+    """A number in SI units that remembers the word it was given as.
 
-    value: float
-    unit: SpeedUnit | Literal[""]
+    Parameters
+    ----------
+    value : float
+        The number in SI units, or as it was given without a unit.
+    word : str
+        The number with its unit; empty if it had none.
+    """
+
+    __slots__ = ("word",)
+    word: str
+
+    def __new__(cls, value: float, word: str = "") -> Quantity:
+        """Make a number of this kind."""
+        made = super().__new__(cls, value)
+        made.word = word
+        return made
+
+    @property
+    def unit(self) -> str:
+        """The unit that was given, empty if there was none."""
+        found = WITH_UNIT.fullmatch(self.word)
+        return found["unit"] if found else ""
 
 
-def speed(name: str, words: Sequence[str]) -> Measured:
-    """Return a word as a speed, alone or with its unit.
+def quantity(name: str, words: Sequence[str], *allowed: str) -> Quantity:
+    """Return a word as a number in SI units: alone, or with a unit as those that are allowed.
 
     Examples
     --------
-    >>> speed("to", ["3000rpm"])
-    Measured(value=3000.0, unit='rpm')
-    >>> speed("to", ["2.2"]), speed("to", ["1e-3"])
-    (Measured(value=2.2, unit=''), Measured(value=0.001, unit=''))
-    >>> speed("to", ["3 km/h"])
+    >>> quantity("clearance", ["150um"], "m"), quantity("damping", ["415 Ns/m"], "N s m-1")
+    (0.00015, 415.0)
+    >>> quantity("rate", ["-100rpm/s"], "rad s-2").word
+    '-100rpm/s'
+    >>> quantity("mass", ["12 mm"], "kg")
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: the unit of to must be rad/s, rpm or Hz, got '3 km/h'
+    rotor_ida.errors.InputError: the unit of mass must be kg or g, got '12 mm'
     """
-    found = None if isinstance(_float(words[0]), float) else WITH_UNIT.fullmatch(words[0])
-    if found is None:
-        return Measured(number(name, words), "")
-    for unit in SPEED_UNITS:
-        if found["unit"] == unit:
-            return Measured(number(name, [found["number"]]), unit)
-    raise InputError(f"the unit of {name} must be rad/s, rpm or Hz, got {shown(words[0])}")
+    word = words[0]
+    found = None if isinstance(_float(word), float) else WITH_UNIT.fullmatch(word)
+    if found is None or not _may_be_number(found["number"]):
+        return Quantity(number(name, words))
+    unit = units.unit_of(found["unit"])
+    if unit is None or unit.dimension not in map(units.dimension_of, allowed):
+        raise InputError(f"the unit of {name} must be {units.usual(*allowed)}, got {shown(word)}")
+    number(name, [found["number"]])  # which is what is wrong, if it is
+    return Quantity(check_real(name, unit.in_si(found["number"])), word)
 
 
-def rate(name: str, words: Sequence[str]) -> Measured:
-    """Return a word as the rate at which a speed changes, alone or with its unit.
+def refuse_units(given: Mapping[str, object]) -> None:
+    """Raise `InputError` for a value with a unit, where the rotor has no dimensions.
 
     Examples
     --------
-    >>> rate("rate", ["-100rpm/s"]), rate("rate", ["3rad/s2"])
-    (Measured(value=-100.0, unit='rpm'), Measured(value=3.0, unit='rad/s'))
+    >>> refuse_units({"to": Quantity(2.0), "speeds": [(0.0, Quantity(314.2, "3000rpm"))]})
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: speeds must have no unit for a dimensionless rotor, got '3000rpm'
     """
-    found = None if isinstance(_float(words[0]), float) else WITH_UNIT.fullmatch(words[0])
-    if found is None:
-        return Measured(number(name, words), "")
-    for unit in SPEED_UNITS:
-        if found["unit"] in {f"{unit}/s", *RATE_UNITS.get(unit, ())}:
-            return Measured(number(name, [found["number"]]), unit)
-    raise InputError(f"the unit of {name} must be rad/s2, rpm/s or Hz/s, got {shown(words[0])}")
+    for name, value in given.items():
+        for each in _numbers_in(value):
+            if isinstance(each, Quantity) and each.word:
+                raise InputError(
+                    f"{name} must have no unit for a dimensionless rotor, got {shown(each.word)}"
+                )
 
 
-def radians(name: str, words: Sequence[str]) -> float:
-    """Return a word as a speed in rad/s, which is its unit if none is given.
-
-    Examples
-    --------
-    >>> radians("speed", ["600"]), round(radians("speed", ["600rpm"]), 6)
-    (600.0, 62.831853)
-    """
-    return in_radians(speed(name, words))
+def _numbers_in(value: object) -> Iterator[object]:
+    if isinstance(value, (list, tuple)):
+        for each in value:
+            yield from _numbers_in(each)
+    else:
+        yield value
 
 
-def in_radians(measured: Measured) -> float:
-    """Return a speed in rad/s, or a rate in rad/s^2."""
-    return measured.value * (SPEED_UNITS[measured.unit] if measured.unit else 1.0)
-
-
-def speeds(name: str, words: Sequence[str]) -> list[tuple[float, Measured]]:
+def speeds(name: str, words: Sequence[str]) -> list[tuple[Quantity, Quantity]]:
     """Return words ``TIME:SPEED`` as pairs of a time and a speed.
 
     Examples
     --------
-    >>> speeds("speeds", ["0:0.5", "20:2"])[1]
-    (20.0, Measured(value=2.0, unit=''))
+    >>> speeds("speeds", ["0:0.5", "20s:3rad/s"])
+    [(0.0, 0.5), (20.0, 3.0)]
     >>> speeds("speeds", ["0.5"])
     Traceback (most recent call last):
     ...
     rotor_ida.errors.InputError: speeds must be pairs TIME:SPEED, got '0.5'
     """
-    found: list[tuple[float, Measured]] = []
+    found: list[tuple[Quantity, Quantity]] = []
     for word in words:
         first, *rest = word.split(":")
         if len(rest) != 1:
             raise InputError(f"{name} must be pairs TIME:SPEED, got {shown(word)}")
-        found.append((number(name, [first]), speed(name, rest)))
+        time = quantity(f"the times of {name}", [first], "s")
+        found.append((time, quantity(name, rest, "rad s-1")))
     return found
 
 
@@ -233,29 +276,32 @@ def named(name: str, words: Sequence[str]) -> list[tuple[str, str]]:
     return found
 
 
-def number_or_range(name: str, words: Sequence[str]) -> float | list[float]:
-    """Return a word as a number, or as the numbers of a range ``START:STOP:COUNT``.
+def component_or_range(name: str, words: Sequence[str]) -> float | list[float]:
+    """Return a component of the start, or the numbers of a range ``START:STOP:COUNT`` of it.
 
     Examples
     --------
-    >>> number_or_range("x", ["-1:1:3"]), number_or_range("y", ["0.5"])
-    ([-1.0, 0.0, 1.0], 0.5)
+    >>> component_or_range("x", ["-1:1:3"]), component_or_range("y", ["50um"])
+    ([-1.0, 0.0, 1.0], 5e-05)
     """
-    return _range(name, words[0]) if ":" in words[0] else number(name, words)
+    unit, word = UNITS_OF_STATE[name], words[0]
+    return _range(name, word, unit) if ":" in word else quantity(name, words, unit)
 
 
-def number_or_ends(name: str, words: Sequence[str]) -> float | tuple[float, float]:
-    """Return a word as a number, or as the two ends of a range ``LOW:HIGH``.
+def component_or_ends(name: str, words: Sequence[str]) -> float | tuple[float, float]:
+    """Return a component of the start, or the two ends of a range ``LOW:HIGH`` of it.
 
     Examples
     --------
-    >>> number_or_ends("x", ["-15:15"]), number_or_ends("vx", ["0"])
-    ((-15.0, 15.0), 0.0)
+    >>> component_or_ends("x", ["-15:15"]), component_or_ends("vx", ["1 mm/s"])
+    ((-15.0, 15.0), 0.001)
     """
+    unit = UNITS_OF_STATE[name]
     low, *high = words[0].split(":")
     if len(high) > 1:
         raise InputError(f"{name} must be a number or LOW:HIGH, got {shown(words[0])}")
-    return (number(name, [low]), number(name, high)) if high else number(name, [low])
+    least = quantity(name, [low], unit)
+    return (least, quantity(name, high, unit)) if high else least
 
 
 def start(name: str, words: Sequence[str]) -> State:
@@ -263,10 +309,14 @@ def start(name: str, words: Sequence[str]) -> State:
 
     Examples
     --------
-    >>> start("start", ["10", "0", "0", "-1e-3"])
-    (10.0, 0.0, 0.0, -0.001)
+    >>> start("start", ["10", "0", "0", "-1e-3"]), start("start", ["60um", "0", "0", "0"])
+    ((10.0, 0.0, 0.0, -0.001), (6e-05, 0.0, 0.0, 0.0))
     """
-    return check_state(name, [_float(word) for word in words])
+    x, y, vx, vy = (
+        quantity(f"{name} {part}", [word], unit)
+        for (part, unit), word in zip(UNITS_OF_STATE.items(), words, strict=True)
+    )
+    return (x, y, vx, vy)
 
 
 def starts(name: str, words: Sequence[str]) -> list[State]:
@@ -296,16 +346,22 @@ def check_points(*axes: Sequence[object], in_study: bool = False) -> None:
         raise InputError(f"the grid must have at most {most} points{more}, got {points}")
 
 
-def _range(name: str, word: str) -> list[float]:
+def _one(name: str, word: str, *allowed: str) -> float:
+    return quantity(name, [word], *allowed) if allowed else number(name, [word])
+
+
+def _range(name: str, word: str, *allowed: str) -> list[float]:
     parts = word.split(":")
     if len(parts) != 3:
         raise InputError(f"{name} must be numbers or START:STOP:COUNT, got {shown(word)}")
-    first, last = number(name, parts[:1]), number(name, parts[1:2])
+    first, last = (_one(name, part, *allowed) for part in parts[:2])
     count = whole_number(f"COUNT of {name}", parts[2:])
     if not 2 <= count <= LARGEST_RANGE:
         raise InputError(f"COUNT of {name} must lie from 2 to {LARGEST_RANGE}, got {count}")
     step = (last - first) / (count - 1)
-    return [*(first + place * step for place in range(count - 1)), last]
+    listed = [*(first + place * step for place in range(count - 1)), last]
+    has_unit = any(isinstance(end, Quantity) and end.word for end in (first, last))
+    return [Quantity(each, word) for each in listed] if has_unit else listed
 
 
 def _float(word: str) -> object:

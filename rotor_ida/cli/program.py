@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import errno
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import is_dataclass
 from importlib.metadata import version
 from typing import Literal, TextIO, get_args, get_origin
 
@@ -39,9 +40,10 @@ from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 from rotor_ida.cli.commands.doctor import doctor
 from rotor_ida.cli.commands.explore import explore
 from rotor_ida.cli.commands.fit import fit
+from rotor_ida.cli.commands.machine import machine
 from rotor_ida.cli.commands.plot import plot
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
-from rotor_ida.cli.parsing import with_ranges_joined
+from rotor_ida.cli.parsing import as_given, readable, refuse_units
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
 from rotor_ida.errors import InputError, RotorError
@@ -107,7 +109,7 @@ def application(console: Console) -> App:
         *(cycle, continue_, curve),
     )
     archived = (status, resume, compare, verify, show)
-    for command in (reproduce, *computing, explore, *archived, plot, fit, doctor):
+    for command in (reproduce, machine, *computing, explore, *archived, plot, fit, doctor):
         app.command(command)
     app.register_install_completion_command(
         help="Complete commands and options with the tab key, in bash, zsh or fish."
@@ -118,8 +120,9 @@ def application(console: Console) -> App:
 def _run(words: list[str], results: TextIO) -> int:
     console = console_on(results)
     command, bound = application(console).parse_args(
-        with_ranges_joined(words), print_error=False, exit_on_error=False
+        readable(words), print_error=False, exit_on_error=False
     )[:2]
+    _refuse_units(bound.arguments)
     with console.capture() as help_text:
         answer = command(*bound.args, **bound.kwargs)
     if not isinstance(answer, Report):
@@ -127,6 +130,15 @@ def _run(words: list[str], results: TextIO) -> int:
         return answer if isinstance(answer, int) else DONE
     _write(text_of(answer, console), results)
     return _complain(answer.trouble, answer.status) if answer.trouble else DONE
+
+
+def _refuse_units(arguments: Mapping[str, object]) -> None:
+    """Refuse units of numbers, wherever they stand, if the rotor has no dimensions."""
+    values: dict[str, object] = {}
+    for name, value in arguments.items():
+        values |= vars(value) if is_dataclass(value) else {name: value}
+    if any(getattr(value, "in_si", None) is False for value in arguments.values()):
+        refuse_units(values)
 
 
 def _write(text: str, results: TextIO) -> None:
@@ -161,7 +173,7 @@ def misread(error: CycloptsError) -> str:
             error.verbose = False
             said = f"{error}".rstrip(".")
             said = said[:1].lower() + said[1:]
-    return said
+    return as_given(said)
 
 
 def _missing(option: str, words: str, unused: Sequence[str], given: Sequence[str]) -> str:

@@ -12,13 +12,12 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from rotor_ida.arrays import Arrays
 from rotor_ida.checks import State, check_axis, check_increasing, shown
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.messages import Answer, Question, packed
-from rotor_ida.explorer.motion import METHOD, duration_of, run_of, samples_of, show_motion
+from rotor_ida.explorer.messages import Answer, Question, largest_speed, packed, speeds_shown
+from rotor_ida.explorer.motion import METHOD, duration_of, run_of, show_motion
 from rotor_ida.explorer.page import page_files
 from rotor_ida.explorer.responses import show_responses
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
@@ -26,7 +25,7 @@ from rotor_ida.parallel import Progress
 from rotor_ida.plot import plot_machine, plot_run, save_figure
 from rotor_ida.plot.appearance import without_pyplot
 from rotor_ida.results.archive import save
-from rotor_ida.results.si_units import dimensional
+from rotor_ida.results.si_units import dimensional, is_in_si
 
 NAME = "run"
 LINES = '''\
@@ -43,16 +42,15 @@ run = simulate(
     samples={samples},
     method={method!r},
 )
-save(run, "{name}.nc", overwrite=True)
+save({shown}, "{name}.nc", overwrite=True)
 save_figure({plot}({shown}), "{name}", overwrite=True)
 '''
 
 # How the speeds are gone through: each from the start, or each from the end of the one before.
 COURSES = ("start", "up", "down")
 MOST_SPEEDS = 500
-# The speeds that are recorded by default, and those over which the response is drawn [1].
-SPEEDS: npt.NDArray[np.float64] = np.linspace(0.3, 3.3, 61)
-SHOWN = (0.05, 4.0)
+# The speeds that are recorded by default, as parts of the largest that is shown.
+SPEEDS: npt.NDArray[np.float64] = np.linspace(0.075, 0.825, 61)
 # Of each run so many revolutions are kept, the last ones.
 KEPT = 10
 TIMES = ("t", "event_time", "exit_time")
@@ -92,14 +90,14 @@ def _recording(question: Question) -> Generator[tuple[int, int], None, str]:
     speed, rate = question.rotor.omega, 1.0
     if isinstance(machine, DimensionalRotor):
         speed, rate = machine.speed, machine.reference_frequency
-    low, high = (limit * rate for limit in SHOWN)
+    low, high = (limit * rate for limit in speeds_shown(machine))
     own = {speed} if low <= speed <= high else set()
     speeds = sorted({*check_speeds(machine, None), *own})
     return recording(machine, start=question.start, revolutions=question.revolutions, speeds=speeds)
 
 
 def command_of(question: Question) -> str:
-    """Return the command line that makes archive and figure again, without dimensions.
+    """Return the command line that makes archive and figure again, of a machine in SI units.
 
     Examples
     --------
@@ -107,12 +105,21 @@ def command_of(question: Question) -> str:
     >>> command_of(example("sh", (1.7, 0.07, 0.5))).partition(" --start")[0]
     'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 0.5'
     """
-    given = question.rotor.given.items()
-    rotor = " ".join(f"--{name.replace('_', '-')} {value!r}" for name, value in given)
-    start = " ".join(repr(float(each)) for each in question.start)
+    machine, length, velocity, time = question.machine, 1.0, 1.0, 1.0
+    if isinstance(machine, DimensionalRotor):
+        length, velocity = machine.length_scale, machine.velocity_scale
+        time = machine.time_scale
+    rotor = " ".join(
+        f"--{name.replace('_', '-')} {value!r}" for name, value in machine.given.items()
+    )
+    scales = (length, length, velocity, velocity)
+    start = " ".join(
+        repr(float(each * scale)) for each, scale in zip(question.start, scales, strict=True)
+    )
     return (
-        f"rotor-ida simulate {rotor} --start {start} --duration {duration_of(question)!r} "
-        f"--samples {samples_of(question)} --method {METHOD} --out {NAME}.nc --figure {NAME}"
+        f"rotor-ida simulate {rotor} --start {start} --duration {duration_of(question) * time!r} "
+        f"--samples {run_of(question).sizes['t']} --method {METHOD} --out {NAME}.nc "
+        f"--figure {NAME}"
     )
 
 
@@ -135,7 +142,7 @@ def lines_of(question: Question) -> str:
         rotor="machine.rotor()" if in_si else "machine",
         start=question.start,
         duration=duration_of(question),
-        samples=samples_of(question),
+        samples=run_of(question).sizes["t"],
         method=METHOD,
         name=NAME,
         shown="dimensional(run, machine)" if in_si else "run",
@@ -148,21 +155,16 @@ def _contents(question: Question) -> bytes:
     if question.about == "sh":
         return f"{command_of(question)}\n".encode()
     run = run_of(question)
+    if isinstance(question.machine, DimensionalRotor):
+        run = dimensional(run, question.machine)
     with TemporaryDirectory() as folder:
         place = Path(folder) / NAME
         if question.about == "nc":
             save(run, place.with_suffix(".nc"))
         else:
             with without_pyplot():
-                save_figure(_figure(question, run), place)
+                save_figure((plot_machine if is_in_si(run) else plot_run)(run), place)
         return place.with_suffix(f".{question.about}").read_bytes()
-
-
-def _figure(question: Question, run: xr.Dataset):  # type: ignore[no-untyped-def]
-    machine = question.machine
-    if isinstance(machine, DimensionalRotor):
-        return plot_machine(dimensional(run, machine))
-    return plot_run(run)
 
 
 def record(
@@ -204,7 +206,7 @@ def recording(
     """Yield the number of runs done and their total after each run, and return the page."""
     beginning = Question(
         about="motion", number=0, side=0, machine=machine, start=start,
-        revolutions=revolutions, speeds=SHOWN, reach=1.0,
+        revolutions=revolutions, speeds=speeds_shown(machine), reach=1.0,
     )  # fmt: skip
     common: dict[str, bytes] = {}
     courses: dict[str, list[list[str]]] = {}
@@ -225,8 +227,8 @@ def recording(
     recorded = {
         "speeds": list(speeds), "speed": _speed(machine), "courses": courses,
         "common": [base64.b64encode(each).decode() for each in common.values()],
-        "unit": "rad/s" if isinstance(machine, DimensionalRotor) else "",
         "state": {**machine.given, **dict(zip(("x", "y", "vx", "vy"), start, strict=True))},
+        "fastest": largest_speed(machine) if isinstance(machine, DimensionalRotor) else None,
     }  # fmt: skip
     return _page(json.dumps(recorded))
 
@@ -240,12 +242,12 @@ def check_speeds(machine: Rotor | DimensionalRotor, speeds: Sequence[float] | No
     [1.9, 2.0]
     """
     rate = machine.reference_frequency if isinstance(machine, DimensionalRotor) else 1.0
-    given: list[float] = (SPEEDS * rate).tolist()
+    low, high = (limit * rate for limit in speeds_shown(machine))
+    given: list[float] = (SPEEDS * high).tolist()
     if speeds is not None:
         given = check_increasing("speeds", check_axis("speeds", speeds)).tolist()
     if len(given) > MOST_SPEEDS:
         raise InputError(f"speeds must be at most {MOST_SPEEDS}, got {len(given)}")
-    low, high = (limit * rate for limit in SHOWN)
     if given[0] < low or given[-1] > high:
         raise InputError(f"speeds must lie from {low:g} to {high:g}, got {shown(given)}")
     return given

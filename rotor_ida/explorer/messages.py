@@ -23,9 +23,12 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
+from rotor_ida.model.data_sheet import KEYS, machine_from_data_sheet
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.signals.reading import READERS
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
+from rotor_ida.units import SPEED_UNITS
 
 About = Literal[
     "motion", "run_up", "lines", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"
@@ -35,13 +38,16 @@ About = Literal[
 # them again, and the page with all it shows over the speed.
 FILES: tuple[About, ...] = ("nc", "png", "svg", "py", "sh", "html")
 
-# Endings by which a measured file is read as what it is, and not as text.
-ENDINGS = (".wav", ".mat")
 LARGEST_FILE = 2**28
 LONGEST_NAME = 255
 
 # Characters of a question; what a page asks has some three hundred.
 LONGEST_QUESTION = 4096
+# The speeds of a machine are shown up to so many times its largest one, and its curve from so small
+# a part of that on.
+ROOM, LEAST_SPEED = 1.5, 1e-3
+# Those of a rotor without dimensions [1].
+SPEEDS = (0.05, 4.0)
 # Whole revolutions of a run that is drawn.
 MOST_REVOLUTIONS = 2000
 # Two machines stand side by side at most.
@@ -117,6 +123,8 @@ class Measurement:
         Number of bytes of the file.
     probe_angles, gains : tuple of float
         As of `rotor_ida.read_signals`, which checks them.
+    columns, units : mapping of str to str
+        Those that the user chose on the page, as of `rotor_ida.read_signals`.
     path : Path, optional
         Where the file is kept until it is read.
     """
@@ -126,6 +134,8 @@ class Measurement:
     size: int
     probe_angles: tuple[float, float]
     gains: tuple[float, float]
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
     path: Path | None = None
     about: ClassVar[Literal["measured"]] = "measured"
     side: ClassVar[int] = 0
@@ -134,7 +144,7 @@ class Measurement:
     def ending(self) -> str:
         """The ending that the file is read by."""
         ending = Path(self.name).suffix.lower()
-        return ending if ending in ENDINGS else ".csv"
+        return ending if ending in READERS else ".csv"
 
     @property
     def ticket(self) -> dict[str, object]:
@@ -142,7 +152,34 @@ class Measurement:
         return {"about": self.about, "number": self.number, "side": self.side}
 
 
-def read_question(text: str) -> Question | Measurement:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DataSheet:
+    """The data sheet of a machine, as the form of the page has it.
+
+    Parameters
+    ----------
+    number : int
+        Number of the question, which its answer bears.
+    quantities : dict of str
+        Words with units by the names that `machine_from_data_sheet` has; none is empty.
+    """
+
+    number: int
+    quantities: dict[str, str]
+    about: ClassVar[Literal["machine"]] = "machine"
+    side: ClassVar[int] = 0
+
+    @property
+    def ticket(self) -> dict[str, object]:
+        """What its answer bears, so that the page knows which question it is to."""
+        return {"about": self.about, "number": self.number, "side": self.side}
+
+    def machine(self) -> DimensionalRotor:
+        """Return the machine, or raise `InputError` with what is missing or wrong."""
+        return machine_from_data_sheet(**cast(dict[str, Any], self.quantities))
+
+
+def read_question(text: str) -> Question | Measurement | DataSheet:
     """Return a question, or raise `InputError` with what is wrong with it.
 
     Examples
@@ -168,6 +205,8 @@ def read_question(text: str) -> Question | Measurement:
         raise InputError(f"a question must be JSON, got {shown(text)}") from None
     if isinstance(given, dict) and given.get("about") == Measurement.about:
         return _measurement(given)
+    if isinstance(given, dict) and given.get("about") == DataSheet.about:
+        return _data_sheet(given)
     names = sorted(set(Question.__dataclass_fields__).difference(OF_RUN_UP))
     if not isinstance(given, dict):
         raise InputError(f"a question must have {', '.join(names)}, got {shown(given)}")
@@ -187,7 +226,8 @@ def _check_names(given: Mapping[str, object], names: list[str]) -> None:
 
 
 def _measurement(given: Mapping[str, Any]) -> Measurement:
-    _check_names(given, ["about", "gains", "name", "number", "probe_angles", "size"])
+    chosen = [name for name in ("columns", "units") if name in given]
+    _check_names(given, ["about", *chosen, "gains", "name", "number", "probe_angles", "size"])
     name = given["name"]
     if not isinstance(name, str) or len(name) > LONGEST_NAME:
         raise InputError(f"name must be the name of a file, got {shown(name)}")
@@ -197,6 +237,27 @@ def _measurement(given: Mapping[str, Any]) -> Measurement:
         size=check_count("size", given["size"], 0, LARGEST_FILE),
         probe_angles=_pair("probe_angles", given["probe_angles"]),
         gains=_pair("gains", given["gains"]),
+        **{each: _mapping(each, given[each]) for each in chosen},
+    )
+
+
+def _mapping(name: str, given: object) -> dict[str, str]:
+    """Return words by words; `read_signals` checks which."""
+    if not isinstance(given, dict) or not all(isinstance(each, str) for each in given.values()):
+        raise InputError(f"{name} must be words by names of signals, got {shown(given)}")
+    return given
+
+
+def _data_sheet(given: Mapping[str, Any]) -> DataSheet:
+    _check_names(given, ["about", "number", "quantities"])
+    quantities = given["quantities"]
+    if not isinstance(quantities, dict) or not all(
+        name in KEYS and isinstance(words, str) for name, words in quantities.items()
+    ):
+        raise InputError(f"quantities must be words by {', '.join(KEYS)}, got {shown(quantities)}")
+    return DataSheet(
+        number=check_count("number", given["number"], 0, LARGEST_NUMBER_OF_QUESTION),
+        quantities={name: words.strip() for name, words in quantities.items() if words.strip()},
     )
 
 
@@ -206,6 +267,33 @@ def _pair(name: str, given: object) -> tuple[float, float]:
         raise InputError(f"{name} must be two numbers, got {shown(given)}")
     one, other = (math.nan if each is None else check_real(name, each) for each in given)
     return one, other
+
+
+def largest_speed(machine: DimensionalRotor) -> float:
+    """Return the speed to which a machine is run up at first: past its critical speed [rad/s].
+
+    Without a shaft twice the reference frequency takes the place of the critical speed.
+
+    Examples
+    --------
+    >>> machine = DimensionalRotor(
+    ...     mass=12.0, contact_stiffness=1e8, damping=416.0, eccentricity=1.7e-5,
+    ...     clearance=1.5e-4, speed=377.0, shaft_stiffness=4e6, contact_exponent=1.0)
+    >>> largest_speed(machine) * 30 / math.pi
+    6000.0
+    """
+    critical = math.sqrt(machine.shaft_stiffness / machine.mass)
+    rpm = max(machine.speed, critical or 2.0 * machine.reference_frequency) / SPEED_UNITS["rpm"]
+    step = 10.0 ** math.floor(math.log10(rpm)) / 2.0
+    return math.ceil(rpm / step * (1.0 - 1e-9)) * step * SPEED_UNITS["rpm"]
+
+
+def speeds_shown(machine: Rotor | DimensionalRotor) -> tuple[float, float]:
+    """Return the speeds over which the response of a rotor is drawn at first [1]."""
+    if isinstance(machine, Rotor):
+        return SPEEDS
+    top = ROOM * largest_speed(machine) / machine.reference_frequency
+    return LEAST_SPEED * top, top
 
 
 def machine_of(given: object) -> Rotor | DimensionalRotor:

@@ -27,6 +27,9 @@ Values = dict[str, npt.NDArray[Any]]
 SAMPLES_PER_REVOLUTION = 48
 # A longer run is drawn from fewer samples a revolution, but no fewer than the spectrum needs.
 MOST_SAMPLES, FEWEST_PER_REVOLUTION = 16_384, 8
+# A disc that rolls on the ring may whirl many times in a revolution: so many samples a whirl draw a
+# curve, as long as the run has no more than so many in all.
+PER_WHIRL, MOST_SAMPLES_OF_WHIRLS = 32, 65_536
 # The end of a run is its last half.
 LAST = 0.5
 # Lines are drawn up to so many times the spin speed, forward and backward.
@@ -65,6 +68,7 @@ def show_motion(question: Question) -> Iterator[Answer]:
         "words": words_of_run(question.machine, summary),
         "horizon": float(run["horizon"]),
         "samples_per_revolution": each,
+        "orders": _orders_shown(run, omega),
     }
     arrays: Arrays = {name: run[name] for name in DRAWN}
     arrays["event_kind"] = run["event_kind"].astype(np.int8)
@@ -74,15 +78,44 @@ def show_motion(question: Question) -> Iterator[Answer]:
     yield Answer("motion", facts, arrays | _lines(run, omega))
 
 
+def _orders_shown(run: Values, omega: float) -> float:
+    """Return up to how many times the spin speed lines are shown: that of the fastest whirl too."""
+    return max(FASTEST_LINE, math.ceil(1.25 * whirls_per_revolution(run, omega)))
+
+
 def run_of(question: Question) -> xr.Dataset:
     """Return the run that is drawn, which is also the one that is saved."""
+    run = _sampled(question, each := _samples_per_revolution(question.revolutions))
+    finer = min(
+        math.ceil(PER_WHIRL * whirls_per_revolution(values_of(run), question.rotor.omega)),
+        MOST_SAMPLES_OF_WHIRLS // question.revolutions,
+    )
+    return run if finer <= each else _sampled(question, finer)
+
+
+def _sampled(question: Question, each: int) -> xr.Dataset:
+    """Return the run with so many samples a revolution, and the first."""
     return simulate(
         question.rotor,
         start=question.start,
         duration=duration_of(question),
-        samples=samples_of(question),
+        samples=each * question.revolutions + 1,
         method=METHOD,
     )
+
+
+def whirls_per_revolution(run: Values, omega: float) -> float:
+    """Return how often the disc goes around on the ring in a revolution, at its fastest.
+
+    Only of a disc with friction, which may roll; over the last half of the run.
+    """
+    late = run["t"] >= LAST * run["t"][-1]
+    if "mode" not in run or omega == 0.0:
+        return 0.0
+    held = late & (run["mode"] != MODE["flight"])
+    x, y, vx, vy = (run[name][held] for name in COMPONENTS)
+    rate = np.abs(x * vy - y * vx) / (x**2 + y**2)
+    return float(rate.max(initial=0.0)) / omega
 
 
 def duration_of(question: Question) -> float:
@@ -90,10 +123,8 @@ def duration_of(question: Question) -> float:
     return question.revolutions * 2.0 * math.pi / (question.rotor.omega or 1.0)
 
 
-def samples_of(question: Question) -> int:
-    """Return the number of samples of the run: so many a revolution, and the first."""
-    each = min(SAMPLES_PER_REVOLUTION, MOST_SAMPLES // question.revolutions)
-    return max(each, FEWEST_PER_REVOLUTION) * question.revolutions + 1
+def _samples_per_revolution(revolutions: int) -> int:
+    return max(min(SAMPLES_PER_REVOLUTION, MOST_SAMPLES // revolutions), FEWEST_PER_REVOLUTION)
 
 
 def facts_of(question: Question) -> dict[str, object]:
@@ -175,7 +206,7 @@ def _lines(run: Values, omega: float) -> Arrays:
         run["x"][half:-1] + 1j * run["y"][half:-1], float(run["t"][1] - run["t"][0]), "hann"
     )
     over = frequency / (omega or 1.0)
-    shown = np.abs(over) <= FASTEST_LINE
+    shown = np.abs(over) <= _orders_shown(run, omega)
     return {"line_frequency": over[shown], "line_amplitude": height[shown]}
 
 
@@ -185,8 +216,10 @@ def show_lines(question: Question) -> Iterator[Answer]:
     run = run_of(question)
     lines = full_spectrum(run.isel(t=slice((run.sizes["t"] - 1) // 2, -1)))
     over = lines["frequency"].values / omega
-    shown = np.abs(over) <= FASTEST_LINE
-    facts = {**facts_of(question), "bandwidth_over_omega": float(lines["bandwidth"]) / omega}
+    orders = _orders_shown(values_of(run), question.rotor.omega)
+    shown = np.abs(over) <= orders
+    bandwidth = float(lines["bandwidth"]) / omega
+    facts = {**facts_of(question), "bandwidth_over_omega": bandwidth, "orders": orders}
     arrays: Arrays = {
         "line_over_omega": over[shown], "line_amplitude": lines["whirl_amplitude"].values[shown]
     }  # fmt: skip

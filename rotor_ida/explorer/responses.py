@@ -30,6 +30,7 @@ from rotor_ida.explorer.motion import (
 )
 from rotor_ida.explorer.words import (
     NO_CURVE,
+    verdict_of,
     words_of_response,
     words_of_transient,
     words_of_whip,
@@ -206,7 +207,17 @@ def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) 
         drawn, by = duration_of(question), float(swept["window_start"].item())
         words.append(words_of_transient(question.machine, rotor.omega, drawn, by))
     arrays = exact_lines(rotor, settled["lies_on"], settled, _end(swept))
-    return Answer("settled", {**facts, "words": words}, arrays)
+    verdict = {"verdict": verdict_of(question.machine, facts), "level": level_of(facts)}
+    return Answer("settled", {**facts, **verdict, "words": words}, arrays)
+
+
+def level_of(facts: Mapping[str, Any]) -> str:
+    """Return how bad what is settled on is: "clear", "rub", "whip", or "unknown"."""
+    if facts["response"] == "failed":
+        return "unknown"
+    if facts["response"] == "rolling":
+        return "whip"
+    return "rub" if facts["contact_fraction"] > 0.0 else "clear"
 
 
 def _whip(rotor: Rotor) -> tuple[float, float, float]:

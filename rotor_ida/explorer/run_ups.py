@@ -10,8 +10,9 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -27,9 +28,10 @@ from rotor_ida.explorer.measured import segment_for
 from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.motion import facts_of, states_of, values_of
 from rotor_ida.explorer.responses import MOST_KEPT, at_rest, of_whirls
+from rotor_ida.explorer.words import words_of_run_up
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.schema import STABILITY
+from rotor_ida.schema import MODE, STABILITY
 from rotor_ida.signals.forces import power_in_contact
 from rotor_ida.signals.orders import fit
 from rotor_ida.signals.record import Record
@@ -54,6 +56,8 @@ PER_REVOLUTION = 32
 OVERLAP = 0.5
 # Lines up to so many times the highest speed.
 FURTHEST = 2.5
+# What the rotor does at the end of a piece is what it does over the last part of it.
+LAST = 0.75
 # Ends that are kept, and the samples of one.
 MOST_ENDS, MOST_SAMPLES_KEPT = 32, 2**20
 
@@ -86,14 +90,15 @@ def show_run_up(question: Question) -> Iterator[Answer]:
     record, signals = tracked(
         record, duration, float(run["speed"][-1]), float(angle[-1]), angle[seen], z
     )
+    record = replace(record, passed=followed(record.passed, run, rotor))
     keep_tail(question, tuple(end.tolist()), record)
-    normal = power_in_contact(run, rotor).normal_force
-    force = max(float(normal.max()), float(run["peak_force"].max(initial=0.0)))
     facts: dict[str, object] = {
         **facts_of(question),
         "end": end.tolist(),
         "speed": float(run["speed"][-1]),
-        "largest_force": force,
+        "largest_force": record.passed.force,
+        "now": record.passed.now,
+        "words": words_of_run_up(question.machine, asdict(record.passed)),
         "folds": list(_folds_of(at_rest(rotor))),
     }
     here = np.searchsorted(times, drawn)
@@ -102,6 +107,65 @@ def show_run_up(question: Question) -> Iterator[Answer]:
         "radius": np.hypot(run["x"], run["y"])[here], **signals,
     }  # fmt: skip
     yield Answer("run_up", facts, arrays)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Passed:
+    """What a rotor has done since its speed began to change.
+
+    Parameters
+    ----------
+    begin, end : float
+        Speeds at its beginning and end [1].
+    touch : float
+        Speed of the first contact [1]; NaN without one.
+    radius, radius_speed, force, force_speed : float
+        Largest radius and contact force, and the speeds at which they were [1].
+    now : {"clear", "rub", "whip"}
+        What it does at the end.
+    """
+
+    begin: float
+    end: float
+    touch: float = math.nan
+    radius: float = 0.0
+    radius_speed: float = math.nan
+    force: float = 0.0
+    force_speed: float = math.nan
+    now: str = "clear"
+
+
+def followed(passed: Passed, run: dict[str, npt.NDArray[Any]], rotor: Rotor) -> Passed:
+    """Return what has been done with one more piece."""
+    speed, radius = run["speed"], np.hypot(run["x"], run["y"])
+    normal = power_in_contact(run, rotor).normal_force
+    found = {"end": float(speed[-1]), "now": _now(run, radius, rotor)}
+    widest = int(radius.argmax())
+    if radius[widest] > passed.radius:
+        found |= {"radius": float(radius[widest]), "radius_speed": float(speed[widest])}
+    # between two samples a short contact has its force at its peak
+    times = np.concatenate([run["t"], run["peak_time"]])
+    forces = np.concatenate([normal, run["peak_force"]])
+    hardest = int(forces.argmax())
+    if forces[hardest] > passed.force:
+        at = float(np.interp(times[hardest], run["t"], speed))
+        found |= {"force": float(forces[hardest]), "force_speed": at}
+    if math.isnan(passed.touch) and forces[hardest] > 0.0:
+        entries = run["entry_time"][np.isfinite(run["entry_time"])]
+        first = float(entries[0]) if entries.size else float(run["t"][0])
+        found["touch"] = float(np.interp(first, run["t"], speed))
+    return replace(passed, **found)
+
+
+def _now(run: dict[str, npt.NDArray[Any]], radius: Values, rotor: Rotor) -> str:
+    """Return what the rotor does over the last part of a piece."""
+    late = run["t"] >= LAST * run["t"][-1]
+    backward = np.mean((run["x"] * run["vy"] - run["y"] * run["vx"])[late]) < 0.0
+    if backward and "mode" in run and np.any(run["mode"][late] == MODE["rolling"]):
+        return "whip"
+    leaves = np.nan_to_num(run["exit_time"], nan=math.inf)
+    touches = np.any(radius[late] > rotor.delta0) or np.any(leaves >= LAST * run["t"][-1])
+    return "rub" if touches else "clear"
 
 
 @lru_cache(maxsize=MOST_KEPT)
@@ -162,6 +226,8 @@ class Tail:
         Number of the first sample that is kept, and of the one at which the next spectrum begins.
     begin : float
         Angle at which the next window of a revolution begins.
+    passed : Passed
+        What the rotor has done since the record began.
     angles, z : ndarray
         Samples: angles since the beginning, displacements on fixed axes.
     """
@@ -175,6 +241,7 @@ class Tail:
     first: int
     due: int
     begin: float
+    passed: Passed
     angles: Values
     z: npt.NDArray[np.complex128]
 
@@ -203,6 +270,7 @@ def tail_of(question: Question) -> Tail:
         segment=segment_for(abs(rate), step),
         furthest=FURTHEST * top,
         time=0.0, angle=0.0, speed=rotor.omega, first=0, due=0, begin=0.0,
+        passed=Passed(begin=rotor.omega, end=rotor.omega),
         angles=np.empty(0), z=np.empty(0, np.complex128),
     )  # fmt: skip
 

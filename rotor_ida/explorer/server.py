@@ -32,9 +32,18 @@ from websockets.frames import Frame
 from websockets.protocol import State
 
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.messages import Answer, Measurement, Question, packed, read_question
+from rotor_ida.explorer.messages import (
+    Answer,
+    DataSheet,
+    Measurement,
+    Question,
+    largest_speed,
+    packed,
+    read_question,
+)
 from rotor_ida.explorer.page import TYPES, page_files
 from rotor_ida.explorer.queues import Deliver, Queues
+from rotor_ida.model.data_sheet import implausible
 
 HOSTS = ("127.0.0.1", "localhost", "[::1]")
 # A page speaks this, and what follows the dot is its key.
@@ -171,6 +180,9 @@ class Inbox:
         if isinstance(question, Question):
             self._ask(question, self._deliver)
             return
+        if isinstance(question, DataSheet):
+            self._deliver(packed(_machine_of(question), question.ticket))
+            return
         self.close()
         self._folder = TemporaryDirectory(prefix="rotor-ida-")
         path = Path(self._folder.name, f"measured{question.ending}")
@@ -203,6 +215,18 @@ class Inbox:
         if self._folder is not None:
             self._folder.cleanup()
             self._folder = None
+
+
+def _machine_of(sheet: DataSheet) -> Answer:
+    """Return the machine of a data sheet and what is unlikely about it, or why there is none."""
+    try:
+        machine = sheet.machine()
+    except InputError as error:
+        return Answer("trouble", {"message": str(error)})
+    facts: dict[str, object] = {
+        "machine": machine.given, "fastest": largest_speed(machine), "notes": implausible(machine)
+    }  # fmt: skip
+    return Answer("machine", facts)
 
 
 def _only_from_here(app: ASGIApp) -> ASGIApp:

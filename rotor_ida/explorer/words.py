@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import SPEED_UNITS, DimensionalRotor, Rotor
 
 # How a kind of response is told, and what it means on the machine.
 KINDS = {
@@ -29,6 +29,8 @@ CENTRE = 1e-6
 STILL = "does not slide"
 # A radius that varies by no more than this part of it belongs to a whirl.
 STEADY = 1e-6
+# An indentation above this part of the disc's radius is beyond what a contact law can mean.
+DEEPEST = 0.1
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 
@@ -49,6 +51,83 @@ def words_of_run(machine: Rotor | DimensionalRotor, facts: Mapping[str, float]) 
     share = 100.0 * facts["contact_fraction"]
     half = f"Over the last half: {often}in contact {share:.3g} % of the time, peak force {peak}."
     return [half, *damped]
+
+
+def verdict_of(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> str:
+    """Return in one sentence whether what a rotor settles on rubs, and how hard.
+
+    Examples
+    --------
+    >>> rotor = Rotor(omega=1.2, zeta=0.07, delta0=3.0)
+    >>> verdict_of(rotor, {"response": "contact_free", "radius_max": 2.5, "contact_fraction": 0.0})
+    'No contact: radius 2.5, gap 0.5 left of the clearance 3.'
+    """
+    if facts["response"] == "failed":
+        return f"Not known: {facts['message']}."
+    if facts["contact_fraction"] == 0.0:
+        return f"No contact: {_gap(machine, facts['radius_max'])}."
+    force = _force(machine, facts["largest_force"])
+    if facts["response"] == "rolling":
+        what = f"Dry whip: the disc rolls backwards on the stator, with a force of up to {force}"
+    elif facts["contact_fraction"] >= 1.0:
+        what = f"Rub: contact without a break, with a force of up to {force}"
+    else:
+        share = 100.0 * facts["contact_fraction"]
+        what = f"Rub: in contact {share:.3g} % of the time, with a force of up to {force}"
+    return f"{what}.{_too_deep(machine, facts['radius_max'])}"
+
+
+def words_of_run_up(machine: Rotor | DimensionalRotor, passed: Mapping[str, Any]) -> str:
+    """Return in one sentence what a rotor has done since its speed began to change.
+
+    Parameters
+    ----------
+    machine : Rotor or DimensionalRotor
+        The rotor.
+    passed : mapping
+        Speeds ``begin`` and ``end``; the speed of the first contact, ``touch``, NaN without one;
+        largest ``radius`` and ``force``, each with its speed, ``radius_speed`` and ``force_speed``;
+        all dimensionless. ``now`` is "clear", "rub" or "whip".
+
+    Examples
+    --------
+    >>> words_of_run_up(Rotor(omega=1.2, zeta=0.07, delta0=3.0), {
+    ...     "begin": 0.5, "end": 1.2, "touch": math.nan, "radius": 2.5, "radius_speed": 1.1,
+    ...     "force": 0.0, "force_speed": math.nan, "now": "clear"})
+    'From 0.5 to 1.2: no contact; at 1.1 radius 2.5, gap 0.5 left of the clearance 3.'
+    """
+    begin, end = (_rate(machine, passed[name]) for name in ("begin", "end"))
+    if math.isnan(passed["touch"]):
+        at = _rate(machine, passed["radius_speed"])
+        what = f"no contact; at {at} {_gap(machine, passed['radius'])}"
+        return f"From {begin} to {end}: {what}."
+    now = {"clear": "clear of the stator again", "rub": "rubbing", "whip": "in dry whip"}
+    return (
+        f"From {begin} to {end}: first contact at {_rate(machine, passed['touch'])}, largest force "
+        f"{_force(machine, passed['force'])} at {_rate(machine, passed['force_speed'])}, now "
+        f"{now[passed['now']]}.{_too_deep(machine, passed['radius'])}"
+    )
+
+
+def _gap(machine: Rotor | DimensionalRotor, radius: float) -> str:
+    """Return a radius inside the clearance and what that leaves of it."""
+    clearance = (machine if isinstance(machine, Rotor) else machine.rotor()).delta0
+    gap = _length(machine, max(clearance - radius, 0.0))
+    return f"radius {_length(machine, radius)}, gap {gap} left of the clearance " + _length(
+        machine, clearance
+    )
+
+
+def _too_deep(machine: Rotor | DimensionalRotor, radius: float) -> str:
+    """Return that an indentation is larger than a contact law can mean, where it is."""
+    rotor = machine if isinstance(machine, Rotor) else machine.rotor()
+    depth = radius - rotor.delta0
+    if rotor.disc_radius is None or depth <= DEEPEST * rotor.disc_radius:
+        return ""
+    return (
+        f" The indentation of {_length(machine, depth)} is {100 * depth / rotor.disc_radius:.3g} % "
+        f"of the disc's radius; above {100 * DEEPEST:g} % the force is not to be trusted."
+    )
 
 
 def words_of_response(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
@@ -135,10 +214,10 @@ def words_of_whip(
     --------
     >>> rotor = Rotor(omega=0.5, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
     >>> words_of_whip(rotor, 3.1479, 4.25, 0.31479)
-    'Without unbalance dry whip would have a radius of 4.25, and a backward whirl beyond 3.1479
+    'Without unbalance dry whip would have a radius of 4.25, and a backward whirl beyond 3.148
     would grow into it.'
     >>> words_of_whip(rotor, math.nan, math.nan, 0.31479)
-    'Without unbalance dry whip begins at a speed of 0.31479.'
+    'Without unbalance dry whip begins at a speed of 0.3148.'
     """
     if not math.isnan(whip):
         grown = "any backward whirl on the ring"
@@ -258,14 +337,19 @@ def _energy(machine: Rotor | DimensionalRotor, value: float) -> str:
 
 def _rate(machine: Rotor | DimensionalRotor, value: float) -> str:
     if isinstance(machine, Rotor):
-        return f"{value:.6g}"
-    return f"{value * machine.reference_frequency:.4g} rad/s"
+        return _short(value)
+    return f"{value * machine.reference_frequency / SPEED_UNITS['rpm']:,.4g} rpm"
 
 
 def _in_units(machine: Rotor | DimensionalRotor, value: float, scale: str, unit: str) -> str:
     """Return a number as it is, or of a machine with its unit."""
     if isinstance(machine, Rotor):
-        return f"{value:.6g}"
+        return _short(value)
     in_si = value * float(getattr(machine, scale))
     parts, prefix = next((pair for pair in PREFIXES if abs(in_si) >= pair[0]), PREFIXES[-1])
     return f"{in_si / parts:.4g} {prefix}{unit}"
+
+
+def _short(value: float) -> str:
+    """Return a number with four digits, without a power of ten where it is short anyway."""
+    return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, TypedDict
+from typing import TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -29,10 +29,8 @@ from rotor_ida.model.parameters import (
     check_parameter,
     check_together,
 )
+from rotor_ida.units import SPEED_UNITS, SpeedUnit
 
-# How many radians a second each unit of speed is.
-SpeedUnit = Literal["rad/s", "rpm", "Hz"]
-SPEED_UNITS: dict[SpeedUnit, float] = {"rad/s": 1.0, "rpm": math.pi / 30.0, "Hz": 2.0 * math.pi}
 # Quotients and products of smaller or larger scales leave the range of doubles.
 SMALLEST_SCALE = 1e-100
 
@@ -46,7 +44,8 @@ class Rotor:
     omega : float
         Spin speed over the reference frequency [1]; 0 is free vibration.
     zeta : float
-        Damping ratio [1].
+        Damping ratio of the reference frequency, ``n/(2 m omega_0)`` [1]. That of the critical
+        speed of a shaft is ``zeta/sqrt(kappa)``.
     delta0 : float
         Radial clearance over eccentricity [1]; 0 means always in contact.
     shaft_stiffness : float
@@ -181,6 +180,7 @@ class ChangeOfSpeed(TypedDict, total=False):
 
     to: float
     rate: float
+    ramp_time: float
     speeds: npt.NDArray[np.float64]
     torque: npt.NDArray[np.float64]
     inertia: float
@@ -278,6 +278,21 @@ class DimensionalRotor:
         return math.sqrt(stiffness / self.mass)
 
     @property
+    def critical_speed(self) -> float:
+        """Natural frequency of disc and shaft, ``sqrt(k_s/m)`` [rad/s]; 0 without a shaft."""
+        return math.sqrt(self.shaft_stiffness / self.mass)
+
+    @property
+    def damping_ratio(self) -> float:
+        """Damping ratio of the critical speed, ``n/(2 sqrt(k_s m))`` [1]; NaN without a shaft.
+
+        The ``zeta`` of `Rotor` is that of the reference frequency, ``n/(2 m omega_0)``.
+        """
+        if self.shaft_stiffness == 0.0:
+            return math.nan
+        return self.damping / (2.0 * math.sqrt(self.shaft_stiffness * self.mass))
+
+    @property
     def length_scale(self) -> float:
         """Metres in one dimensionless unit of length: the eccentricity [m]."""
         return self.eccentricity
@@ -333,6 +348,7 @@ class DimensionalRotor:
         *,
         to: float | None = None,
         rate: float | None = None,
+        ramp_time: float | None = None,
         speeds: Sequence[tuple[float, float]] | npt.ArrayLike | None = None,
         torque: tuple[float, float] | npt.ArrayLike | None = None,
         inertia: float | None = None,
@@ -347,6 +363,8 @@ class DimensionalRotor:
             Speed at the end of a ramp [unit].
         rate : float, optional
             Change of the speed in a second [unit/s], negative in a run-down.
+        ramp_time : float, optional
+            Time of the ramp [s], in place of the rate.
         speeds : sequence of (float, float), optional
             Pairs of time [s] and speed [unit].
         torque : tuple of float, optional
@@ -393,6 +411,8 @@ class DimensionalRotor:
             found["rate"] = check_real("rate", rate) * speed * time
             if to is not None:
                 _check_way(self.speed / a_second, to, rate, unit)
+        if ramp_time is not None:
+            found["ramp_time"] = check_positive("ramp_time", ramp_time) / time
         if speeds is not None:
             table = check_array("speeds", speeds)
             if table.ndim != 2 or table.shape[1] != 2:

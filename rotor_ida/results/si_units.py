@@ -8,10 +8,12 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_instance, shown
+from rotor_ida.checks import COMPONENTS, check_instance, shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor import SPEED_UNITS, DimensionalRotor
+from rotor_ida.model.parameters import OF_MACHINE
+from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.schema import QUANTITIES
+from rotor_ida.units import PREFIXES, SPEED_UNITS
 
 UNITS = {
     "length": "m",
@@ -25,8 +27,11 @@ UNITS = {
 }
 # How many radians a second each unit of speed is; for UDUNITS a radian is 1, and Hz are 1/s too.
 OF_SPEED = {UNITS["speed"]: 1.0, "rpm": SPEED_UNITS["rpm"]}
-# How many units with the prefix make one without.
-PREFIXES = {"p": 1e12, "n": 1e9, "u": 1e6, "m": 1e3, "": 1.0, "k": 1e-3, "M": 1e-6}
+# Of the attributes of a result in SI units: the machine, and what the result was computed from.
+MACHINE, EXACT = "machine_", "dimensionless"
+# What a result is computed from again, to the last bit; longer axes are divided by their scale.
+INPUTS = (*COMPONENTS, *(f"start_{name}" for name in COMPONENTS), "to", "rate")
+LONGEST_INPUT = 4096
 
 
 def dimensional(
@@ -51,7 +56,8 @@ def dimensional(
     Dataset
         The same variables in those units; parameters, phases, kinds and counts unchanged. Each
         variable's attribute ``units`` has its unit as UDUNITS writes it (``um``, ``m s-1``); the
-        attributes ``length_scale``, ``time_scale`` and so on say what a dimensionless 1 is in them.
+        attributes ``length_scale``, ``time_scale`` and so on say what a dimensionless 1 is in them,
+        ``machine_mass`` and so on of which machine the result is.
         Of a run-up the attributes ``to``, ``rate``, ``speeds``, ``torque`` and ``inertia`` are in
         SI units too, which ``to_units`` and so on tell.
 
@@ -107,11 +113,76 @@ def dimensional(
         if quantity is not None and quantity.scale:
             attributes = {**variable.attrs, "units": chosen[quantity.scale]}
             values = variable.values * scales[quantity.scale]
+            if name in INPUTS and name in dataset.coords and values.size <= LONGEST_INPUT:
+                attributes[EXACT] = np.ravel(variable.values)
             converted[name] = xr.Variable(variable.dims, values, attributes)
     told: dict[str, object] = {f"{kind}_scale": value for kind, value in scales.items()}
+    told |= {f"{MACHINE}{name}": value for name, value in machine.given.items()}
     if "event_speed" in dataset.variables:
         told |= _change_of_speed(dataset, machine, scales, chosen)
     return dataset.assign(converted).assign_attrs(told)
+
+
+def dimensionless(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a result in SI units as it was before `dimensional`; any other as it is.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        A result that `dimensional` returned, for instance one that was loaded from an archive.
+
+    Returns
+    -------
+    Dataset
+        The same result without dimensions. What it was computed from is as it was to the last bit,
+        everything else within rounding.
+
+    Examples
+    --------
+    >>> from rotor_ida import simulate
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
+    >>> run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=20.0)
+    >>> again = dimensionless(dimensional(run, machine, units={"length": "um"}))
+    >>> bool(abs(again.x - run.x).max() < 1e-15), again.attrs.keys() == run.attrs.keys()
+    (True, True)
+    """
+    check_instance("dataset", dataset, xr.Dataset)
+    if not is_in_si(dataset):
+        return dataset
+    converted = {}
+    for name, variable in dataset.variables.items():
+        quantity = QUANTITIES.get(str(name))
+        if quantity is not None and quantity.scale:
+            attributes = {**variable.attrs, "units": quantity.units}
+            exact = np.asarray(attributes.pop(EXACT, ()))
+            scale = scale_of(dataset, quantity.scale)
+            values = variable.values / scale
+            if exact.size == values.size:
+                exact = exact.reshape(values.shape)
+                if np.array_equal(exact * scale, variable.values, equal_nan=True):
+                    values = exact  # else it was changed
+            converted[name] = xr.Variable(variable.dims, values, attributes)
+    plain = dataset.assign(converted)
+    plain.attrs = _attributes_before(dataset)
+    return plain
+
+
+def is_in_si(dataset: xr.Dataset) -> bool:
+    """Return whether a result is in SI units."""
+    return "length_scale" in dataset.attrs
+
+
+def machine_of(dataset: xr.Dataset) -> DimensionalRotor | None:
+    """Return the machine that a result in SI units is of; None where it does not tell."""
+    told = {name: dataset.attrs[f"{MACHINE}{name}"] for name in OF_MACHINE
+            if f"{MACHINE}{name}" in dataset.attrs}  # fmt: skip
+    if not told:
+        return None
+    try:
+        return DimensionalRotor(**{name: float(value) for name, value in told.items()})
+    except (TypeError, ValueError) as error:  # not what `dimensional` writes
+        raise InputError(f"the dataset does not tell its machine: {error}") from error
 
 
 def scale_of(dataset: xr.Dataset, kind: str) -> float:
@@ -153,7 +224,24 @@ def _change_of_speed(
             values = (np.reshape(run.attrs[name], (-1, len(factor))) * factor).ravel()
             found[name] = values if len(factor) > 1 else values.item()
             found[f"{name}_units"] = unit
+            found[f"{EXACT}_{name}"] = run.attrs[name]
     return found
+
+
+def _attributes_before(dataset: xr.Dataset) -> dict[str, object]:
+    """Return the attributes that a result had before it was in SI units."""
+    added = {f"{kind}_scale" for kind in UNITS} | {f"{MACHINE}{name}" for name in OF_MACHINE}
+    before = {str(name): value for name, value in dataset.attrs.items() if name not in added}
+    for name in [each for each in before if f"{each}_units" in before]:
+        del before[f"{name}_units"]
+        exact = before.pop(f"{EXACT}_{name}", None)
+        if exact is None:
+            raise InputError(
+                f"{name} of this run-up has no dimensionless value: it was written before results "
+                "in SI units kept theirs"
+            )
+        before[name] = exact
+    return before
 
 
 def _parts(kind: str) -> dict[str, float]:

@@ -28,6 +28,7 @@ from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
+from rotor_ida.results.si_units import dimensionless
 from rotor_ida.schema import RESPONSE, SPECIAL, words_of
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.run_up import run_up
@@ -95,7 +96,7 @@ def rerun(
     Returns
     -------
     Dataset
-        The same result, made anew; an atlas without its shocks.
+        The same result, made anew and without dimensions; an atlas without its shocks.
 
     Raises
     ------
@@ -117,9 +118,7 @@ def rerun(
             raise InputError(f"method must be left out for the kind {kind}, got {method!r}")
         exact = {"flight": "exact"} if method == "taylor" else {}
         dataset = dataset.assign_attrs({"method": method, **exact})
-    if "time_scale" in dataset.attrs:
-        raise InputError("a result in SI units cannot be verified: verify the dimensionless one")
-    return verification.again(dataset, workers, progress)
+    return verification.again(dimensionless(dataset), workers, progress)
 
 
 def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
@@ -128,7 +127,7 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     Parameters
     ----------
     again, archived : Dataset
-        The two results, of the same kind.
+        The two results, of the same kind; those in SI units are compared without dimensions.
 
     Returns
     -------
@@ -147,7 +146,8 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     >>> differences(rerun(run), run)["agrees"]
     True
     """
-    counts, trouble = _verification_of(archived).compared(again, archived)
+    verification = _verification_of(archived)
+    counts, trouble = verification.compared(dimensionless(again), dimensionless(archived))
     # on the core the last bits depend
     same = again.attrs.get("core_sources") == archived.attrs.get("core_sources")
     core = "the same" if same else "another than that of the archive"

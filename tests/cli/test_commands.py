@@ -327,7 +327,7 @@ def test_reproduce_passes_its_options_on(
     monkeypatch.setattr("rotor_ida.paper.reproduction.reproduce", reproduce)
     answer = program("reproduce", "--out", "x", "--quick", "--only", "a", "b", "--workers", 3)
     assert (answer.status, answer.out, answer.err) == (status, "", "going on\n")
-    options = {"quick": True, "only": ["a", "b"], "workers": 3, "force": False}
+    options = {"quick": True, "studies": False, "only": ["a", "b"], "workers": 3, "force": False}
     assert calls == [(Path("x"), options)]
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import re
+
 import numpy as np
 import pytest
 
@@ -36,3 +39,44 @@ def test_what_is_no_number_is_shown_as_it_was_given(word: str):
 def test_a_malformed_range_is_refused(word: str):
     with pytest.raises(InputError, match="omega"):
         parsing.numbers("omega", [word])
+
+
+@pytest.mark.parametrize(
+    ("word", "unit", "value"),
+    [
+        ("12kg", "kg", 12.0), ("12 kg", "kg", 12.0), ("60um", "m", 60e-6), ("150 um", "m", 150e-6),
+        ("60mm", "m", 60e-3), ("1e8N/m", "N m-1", 1e8), ("4e6 N/m", "N m-1", 4e6),
+        ("415Ns/m", "N s m-1", 415.0), ("20s", "s", 20.0), ("50Hz", "rad s-1", 100.0 * math.pi),
+        ("3600rpm", "rad s-1", 120.0 * math.pi), ("-1.5E-1mm", "m", -150e-6), ("1e-3", "m", 1e-3),
+    ],
+)  # fmt: skip
+def test_a_value_with_its_unit_is_in_si_units(word: str, unit: str, value: float):
+    assert parsing.quantity("it", [word], unit) == pytest.approx(value, rel=4e-16)
+
+
+@pytest.mark.parametrize(
+    ("word", "message"),
+    [
+        ("12mm", "the unit of mass must be kg or g, got '12mm'"),
+        ("12 furlongs", "the unit of mass must be kg or g, got '12 furlongs'"),
+        ("heavy", "mass must be a finite real number, got 'heavy'"),
+        ("1e999kg", "mass must be a finite real number, got inf"),
+        ("1.2.3kg", "mass must be a finite real number, got '1.2.3kg'"),
+        ("1,2kg", "mass must be a finite real number, got '1,2kg'"),
+    ],
+)
+def test_a_value_of_another_dimension_or_none_gets_one_line(word: str, message: str):
+    with pytest.raises(InputError, match=f"^{re.escape(message)}$"):
+        parsing.quantity("mass", [word], "kg")
+
+
+def test_a_number_that_has_no_unit_takes_none():
+    with pytest.raises(InputError, match=r"^omega must be a number without a unit, got '50Hz'$"):
+        parsing.number("omega", ["50Hz"])
+
+
+def test_a_unit_apart_from_its_number_is_joined_to_it_and_nothing_else_is():
+    line = "touchdown --mass 12 kg --damping 4 N s/m --x -1 um --samples 3 probes.csv --only 2 m3"
+    joined = [parsing.as_given(word) for word in parsing.readable(line.split())]
+    assert joined == ["touchdown", "--mass", "12 kg", "--damping", "4 N s/m", "--x", "-1 um",
+                      "--samples", "3", "probes.csv", "--only", "2 m3"]  # fmt: skip

@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 
 import rotor_ida
-from rotor_ida.cli.options import AnyRotorOptions, RotorsOptions
+from rotor_ida.cli.machines import Units
+from rotor_ida.cli.options import RotorOptions, RotorsOptions
 from rotor_ida.model.parameters import FRICTIONLESS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 
@@ -69,16 +70,16 @@ def test_the_defaults_are_not_told(program: Program):
 
 
 def test_a_rotor_is_given_in_full_in_one_of_two_ways():
-    assert AnyRotorOptions(**ROTOR).chosen() == Rotor(**ROTOR)
-    assert AnyRotorOptions(**IN_SI_UNITS).chosen() == DimensionalRotor(**IN_SI_UNITS)
-    assert AnyRotorOptions(**ROTOR, **BEYOND).chosen() == Rotor(**ROTOR, **BEYOND)
+    assert RotorOptions(**ROTOR).chosen() == Rotor(**ROTOR)
+    assert RotorOptions(**IN_SI_UNITS).chosen() == DimensionalRotor(**IN_SI_UNITS)
+    assert RotorOptions(**ROTOR, **BEYOND).chosen() == Rotor(**ROTOR, **BEYOND)
     rubbing = {"friction": 0.2, "disc_radius": 1e-5}
-    assert AnyRotorOptions(**ROTOR, **rubbing).chosen() == Rotor(**ROTOR, **rubbing)
-    assert AnyRotorOptions(**IN_SI_UNITS, **rubbing).chosen() == DimensionalRotor(
+    assert RotorOptions(**ROTOR, **rubbing).chosen() == Rotor(**ROTOR, **rubbing)
+    assert RotorOptions(**IN_SI_UNITS, **rubbing).chosen() == DimensionalRotor(
         **IN_SI_UNITS, **rubbing
     )
     whole = IN_SI_UNITS | BEYOND_IN_SI
-    assert AnyRotorOptions(**whole).chosen() == DimensionalRotor(**whole)
+    assert RotorOptions(**whole).chosen() == DimensionalRotor(**whole)
 
 
 MISTAKES = [
@@ -145,9 +146,9 @@ def test_a_speed_has_its_unit_wherever_a_machine_is_given(program: Program):
 @pytest.mark.parametrize(
     ("given", "message"),
     [("--omega 1 --zeta 0.07 --delta0 2 --to 300rpm --rate 1",
-      "to must have no unit for a rotor without dimensions, got 300 rpm"),
+      "to must have no unit for a dimensionless rotor, got '300rpm'"),
      ("--omega 1 --zeta 0.07 --delta0 2 --speeds 0:1 2:50Hz",
-      "speeds must have no unit for a rotor without dimensions, got 50 Hz"),
+      "speeds must have no unit for a dimensionless rotor, got '50Hz'"),
      (f"{IN_SI} --to 300rps --rate 1", "the unit of to must be rad/s, rpm or Hz, got '300rps'"),
      (f"{IN_SI} --to 900 --rate 1rpm", "the unit of rate must be rad/s2, rpm/s or Hz/s, got"),
      (f"{IN_SI} --to 100rpm --rate 1", "rate must be negative to change the speed from 600 to"),
@@ -236,10 +237,9 @@ def test_under_a_load_a_cycle_with_a_period_of_its_own_is_not_followed(
 
 def test_a_sweep_that_is_given_nothing_of_it_is_of_the_papers_rotor():
     papers = {"omega": [1.2, 1.3], "zeta": [0.07], "delta0": [0.5]}
-    assert RotorsOptions(**papers).given() == papers
-    assert RotorsOptions(**papers, load=[0.1], shaft_stiffness=[0.0, 0.5]).given() == {
-        **papers, "load": 0.1, "shaft_stiffness": [0.0, 0.5],
-    }  # fmt: skip
+    assert RotorsOptions(**papers).given_and_units() == (papers, Units())
+    given, _ = RotorsOptions(**papers, load=[0.1], shaft_stiffness=[0.0, 0.5]).given_and_units()
+    assert given == {**papers, "load": 0.1, "shaft_stiffness": [0.0, 0.5]}
 
 
 @pytest.fixture(scope="module")

@@ -73,7 +73,8 @@ MISTAKES = [
     ("--export page.pdf", "export must end in .html, got 'page.pdf'"),
     ("--file missing.nc", "must be a file that exists, got 'missing.nc'"),
     ("--browser", "unknown option '--browser'"),
-    ("now", "unexpected argument 'now'"),
+    ("now", "must be a file that exists, got 'now'"),
+    ("run.nc now", "unexpected argument 'now'"),
 ]  # fmt: skip
 
 
@@ -99,8 +100,7 @@ def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("in_si", "file must be a run that simulate wrote, dimensionless, got"),
-        ("folds", "file must be a run that simulate wrote, dimensionless, got"),
+        ("folds", "file must be a run that simulate wrote, got"),
         ("text", "text.nc"),
         ("empty", "empty.nc"),
     ],
@@ -164,6 +164,12 @@ def test_the_page_begins_with_the_machine_of_a_file(
     rotor_ida.save(run, tmp_path / "run.nc")
     state = first_state(["--file", str(tmp_path / "run.nc")], monkeypatch)
     assert state.items() >= (ROTOR | BEYOND | {"x": 0.5, "vy": 1.0}).items()
+
+
+def test_an_archive_in_si_units_opens_in_si_units(archives: Path, monkeypatch: pytest.MonkeyPatch):
+    state = first_state([str(archives / "in_si.nc")], monkeypatch)
+    assert state.items() >= (MACHINE | {"x": 0.5, "vy": 1.0, "revolutions": 13}).items()
+    assert "omega" not in state
 
 
 posix = pytest.mark.skipif(sys.platform != "linux", reason="sends signals, looks into /proc")

@@ -159,7 +159,7 @@ def test_a_machine_has_the_answer_of_its_rotor():
         for name, values in message.arrays.items():
             np.testing.assert_array_equal(in_si[part].arrays[name], values, err_msg=name)
     told = plain["settled"].facts
-    for name in told.keys() - {"scales", "words"}:
+    for name in told.keys() - {"scales", "words", "verdict"}:
         assert in_si["settled"].facts[name] == told[name]
     assert any("µm" in sentence for sentence in in_si["settled"].facts["words"])
 
@@ -199,7 +199,7 @@ def test_a_contact_that_never_ends_loses_what_the_unbalance_gives_beyond_damping
     power = rotor.omega**2 * pulled - 2.0 * rotor.zeta * (run.vx**2 + run.vy**2)
     lost = power.integrate("t").item() / run.t[-1].item() * 2.0 * np.pi / rotor.omega
     assert told["loss_per_revolution"] == pytest.approx(lost, rel=1e-9)
-    assert "The contact loses 0.840226 a revolution." in told["words"]
+    assert "The contact loses 0.8402 a revolution." in told["words"]
 
 
 def test_of_a_machine_the_cycle_its_branch_and_its_section_are_the_library_s():
@@ -263,7 +263,7 @@ def test_without_spin_the_rotor_comes_to_rest():
     assert settled.facts["radius_min"] == settled.facts["radius_max"] == resting
     assert settled.facts["words"] == [
         "It comes to rest inside the clearance.",
-        f"Its radius is {resting:.6g}, and leaves a gap of {2.0 - resting:.6g} to the ring.",
+        f"Its radius is {resting:.4g}, and leaves a gap of {2.0 - resting:.4g} to the ring.",
     ]
 
 
@@ -274,8 +274,8 @@ def test_a_run_that_ends_before_the_rotor_has_settled_is_told_to():
     (facts,) = (each.facts for each in answer_to(slow) if each.part == "settled")
     settled = float(swept(slow)["window_start"].item())
     assert settled > 10_000.0
-    assert f"found settled at t = {settled:.6g}" in facts["words"][-1]
-    assert "ends at t = 125.664 (60 revolutions)" in facts["words"][-1]
+    assert f"found settled at t = {settled:.0f}" in facts["words"][-1]
+    assert "ends at t = 125.7 (60 revolutions)" in facts["words"][-1]
 
 
 def test_a_run_that_shows_what_is_settled_on_is_not_said_to_end_too_early(
@@ -364,7 +364,7 @@ def test_dry_whip_is_settled_on_and_told_of():
     assert abs(branch["radius_max"][place] - facts["radius_max"]) < 0.1
     assert facts["words"][0].startswith("It settles on dry whip")
     assert 0.6 < facts["rolling_fraction"] < 0.7
-    assert "a radius of 4.98445, and a backward whirl beyond 3.1479" in facts["words"][-1]
+    assert "a radius of 4.984, and a backward whirl beyond 3.148" in facts["words"][-1]
     x = parts["section"].arrays["section_x"]
     assert x.size == responses.CROSSINGS + 1
     radius = np.hypot(x, parts["section"].arrays["section_y"])

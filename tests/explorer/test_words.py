@@ -213,7 +213,7 @@ def test_dry_whip_is_told_in_the_units_of_the_machine():
     )
     assert "any backward whirl on the ring would grow" in words_of_whip(PLAIN, math.nan, 5.0, 0.0)
     assert words_of_whip(IN_SI, math.nan, math.nan, 0.25) == (
-        "Without unbalance dry whip begins at a speed of 125 rad/s."
+        "Without unbalance dry whip begins at a speed of 1,194 rpm."
     )
     weak = words_of_whip(PLAIN, math.nan, math.nan, math.nan)
     assert weak == "Friction is too weak for dry whip at any speed."

@@ -16,6 +16,7 @@ from rotor_ida import (
     folds,
     limit_cycle,
     load,
+    run_up,
     run_ups,
     save,
     simulate,
@@ -266,12 +267,40 @@ def test_a_result_that_lacks_what_it_takes_is_refused(kind, damage, message):
         rerun(damage(RESULTS[kind]()))
 
 
-def test_run_in_si_units_is_refused():
-    machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
-                               clearance=2e-6, speed=600.0)  # fmt: skip
-    run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=5.0)
-    with pytest.raises(InputError, match="a result in SI units cannot be verified"):
-        rerun(dimensional(run, machine))
+IN_SI = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
+                         clearance=2e-6, speed=1000.0)  # fmt: skip
+THIRDS = np.linspace(-3.0, 3.0, 4) / 3.1  # none of which comes back from metres by a division
+STORED_IN_SI = {
+    "run": lambda rotor: simulate(rotor, start=(0.1, 0.0, 0.0, 1 / 3), duration=30.0),
+    "run_up": lambda rotor: run_up(rotor, start=(0, 0, 0, 0), to=2.5, rate=1 / 97),
+    "sweep": lambda rotor: sweep(omega=[0.7, rotor.omega], zeta=rotor.zeta, delta0=rotor.delta0,
+                                 starts=[(value, 0.0, 0.0, 0.0) for value in THIRDS]),
+    "run_ups": lambda rotor: run_ups(omega=0.3, to=1.6, rate=[1 / 7, 1 / 3], zeta=rotor.zeta,
+                                     delta0=rotor.delta0, shaft_stiffness=1.0),
+    "basin": lambda rotor: basin(rotor, x=THIRDS, y=THIRDS),
+    "fractions": lambda rotor: basin_fractions(rotor, x=(-3, 3), y=(-3, 3), starts=40),
+    "atlas": lambda rotor: continue_attractors(omega=rotor.omega, zeta=rotor.zeta,
+                                               delta0=rotor.delta0, x=(-3, 3), starts=20),
+    "cycle": lambda rotor: limit_cycle(rotor, start=(0, 0, 0, 0)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", STORED_IN_SI)
+def test_a_result_in_si_units_is_made_again_without_dimensions(tmp_path, kind):
+    """What it was computed from comes back to the last bit, whatever the prefix of its units."""
+    plain = STORED_IN_SI[kind](IN_SI.rotor())
+    in_si = load(save(dimensional(plain, IN_SI, units={"length": "um"}), tmp_path / "si.nc"))
+    again = rerun(in_si)
+    for name in plain.coords:
+        if name in again and name not in ("t", "frequency", "unit"):
+            assert (again[name].values == plain[name].values).all(), name
+    found = differences(again, in_si)
+    assert found["agrees"] is True, found
+    shifted = in_si.copy()
+    for name in ("event_time", "amplitude", "radius_max"):
+        if name in shifted:
+            shifted[name] = shifted[name] * 1.01
+    assert differences(again, shifted)["agrees"] is False
 
 
 MACHINE = Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.05, contact_damping=0.05)

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Mapping
-from dataclasses import asdict
 from importlib.util import find_spec
 from pathlib import Path
 
 from rotor_ida.checks import AT_REST, COMPONENTS, State, shown
 from rotor_ida.cli import options
+from rotor_ida.cli.machines import Units, plain
 from rotor_ida.cli.output import FORCED, read, working
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.messages import MOST_REVOLUTIONS
+from rotor_ida.explorer.messages import MOST_REVOLUTIONS, largest_speed
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import check_can_be_followed
 
@@ -25,10 +25,10 @@ PAGE = ".html"
 
 
 def explore(
-    *,
-    machine: options.AnyRotorOptions = options.AnyRotorOptions(),
-    start: options.StartOrNone = None,
     file: options.FileToExplore = None,
+    *,
+    rotor: options.RotorOptions = options.RotorOptions(),
+    start: options.StartOrNone = None,
     port: options.Port = 8765,
     no_browser: options.NoBrowser = False,
     export: options.Export = None,
@@ -49,14 +49,14 @@ def explore(
 
     From the start of a run that simulate wrote:
 
-        rotor-ida explore --file run.nc
+        rotor-ida explore run.nc
 
     As a page for others that needs no server, with a slider over its speeds:
 
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2 --export page.html \
             --speeds 1.9:2.1:3
     """
-    chosen, first, revolutions = _beginning(machine, start, file)
+    chosen, first, revolutions = _beginning(rotor, start, file)
     if export is not None:
         return _export(export, chosen, first, revolutions, speeds, force)
     if speeds is not None:
@@ -73,30 +73,29 @@ def explore(
 
 
 def _beginning(
-    machine: options.AnyRotorOptions, start: State | None, file: Path | None
+    rotor: options.RotorOptions, start: State | None, file: Path | None
 ) -> tuple[Rotor | DimensionalRotor, State, int]:
     """Return the machine, the start and the revolutions that are shown first."""
-    given = any(value is not None for value in asdict(machine).values())
+    given = rotor.machine is not None or bool(rotor.given)
     if file is None:
-        chosen = machine.chosen() if given else FIRST
-        begun = options.dimensionless_start(chosen, start or AT_REST)
-        rotor = chosen if isinstance(chosen, Rotor) else chosen.rotor()
-        check_can_be_followed(rotor, begun)
+        chosen = rotor.chosen() if given else FIRST
+        begun = Units.of(chosen).start(start or AT_REST)
+        check_can_be_followed(chosen if isinstance(chosen, Rotor) else chosen.rotor(), begun)
         return chosen, begun, REVOLUTIONS
     if given or start is not None:
         raise InputError("file must be given alone: it has a rotor and a start of its own")
     from rotor_ida.results.run import check_one_speed, rotor_of  # noqa: PLC0415 - heavy, and not for --help
 
-    run = read(file)
-    if "event_time" not in run or "duration" not in run.attrs or "length_scale" in run.attrs:
-        raise InputError(
-            f"file must be a run that simulate wrote, dimensionless, got {shown(file)}"
-        )
+    archived = read(file)
+    if "event_time" not in archived or "duration" not in archived.attrs:
+        raise InputError(f"file must be a run that simulate wrote, got {shown(file)}")
+    run, units = plain(archived)
     check_one_speed(run, "the explorer")
-    rotor = rotor_of(run)
+    found = rotor_of(run)
     x, y, vx, vy = map(float, run.attrs["start"])
-    turns = float(run.attrs["duration"]) * (rotor.omega or 1.0) / (2.0 * math.pi)
-    return rotor, (x, y, vx, vy), min(max(round(turns), 1), MOST_REVOLUTIONS)
+    turns = float(run.attrs["duration"]) * (found.omega or 1.0) / (2.0 * math.pi)
+    revolutions = min(max(round(turns), 1), MOST_REVOLUTIONS)
+    return units.machine or found, (x, y, vx, vy), revolutions
 
 
 def _state(
@@ -104,7 +103,8 @@ def _state(
 ) -> Mapping[str, object]:
     """Return the state of the page as its address has it."""
     from_start = dict(zip(COMPONENTS, start, strict=True))
-    return {**machine.given, **from_start, "revolutions": revolutions}
+    shown = {} if isinstance(machine, Rotor) else {"fastest": largest_speed(machine)}
+    return {**machine.given, **from_start, "revolutions": revolutions, **shown}
 
 
 def _export(

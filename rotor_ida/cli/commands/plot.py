@@ -17,6 +17,8 @@ from rotor_ida.errors import InputError, RotorError
 if TYPE_CHECKING:
     import xarray as xr
 
+# Attributes of measured signals that tell how the file was understood.
+OF_FILE = ("columns", "notes")
 FUNCTIONS = {
     "bode": "plot_bode",
     "polar": "plot_polar",
@@ -57,10 +59,14 @@ def plot(
 
         rotor-ida plot run_up.nc --kind cascade --figure cascade.png
 
-    Of probes at 45 and 135 degrees, from a table with columns of other names:
+    From a table of two probes at 45 and 135 degrees, whose columns are guessed from their names
+    (time_s, probe_A_um, Speed [rpm], ...):
 
-        rotor-ida plot probes.csv --kind orbit --figure orbit --columns x=A y=B \
-            --units x=um y=um --probe-angles 45 135 --times 0.5 1
+        rotor-ida plot probes.csv --kind orbit --figure orbit --probe-angles 45 135 --times 0.5 1
+
+    From one whose columns have other names:
+
+        rotor-ida plot probes.csv --kind orbit --figure orbit --columns x=A y=B --units x=um y=um
     """
     Output(figure=figure, force=force).check()
     given = {
@@ -86,8 +92,7 @@ def plot(
     except (RotorError, OSError) as error:
         trouble = str(error)
     record: dict[str, object] = {"file": str(file), "kind": kind, "samples": dataset.sizes["t"]}
-    if "columns" in dataset.attrs:
-        record["columns"] = str(dataset.attrs["columns"])
+    record |= {name: str(dataset.attrs[name]) for name in OF_FILE if name in dataset.attrs}
     return Report(
         record={**record, "written": written},
         parts=[pairs("Plot", record), *(f"wrote {path}" for path in written)],

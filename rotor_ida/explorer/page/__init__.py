@@ -8,8 +8,10 @@ from importlib.resources import files
 from unicodedata import lookup
 
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.explorer.messages import LARGEST_FILE
+from rotor_ida.explorer.messages import LARGEST_FILE, LEAST_SPEED, ROOM
+from rotor_ida.model.data_sheet import ALTERNATIVES, GRAVITY
 from rotor_ida.model.parameters import DEFAULTS, MACHINE_PARAMETERS, PARAMETERS, TABLE
+from rotor_ida.model.rotor import SPEED_UNITS
 from rotor_ida.schema import (
     DAMPED_EVENT_KIND,
     MODE,
@@ -25,6 +27,14 @@ TYPES = {
     "svg": "image/svg+xml",
 }
 
+
+# What the form for a data sheet shows in its fields, in the order of the fields.
+EXAMPLE = {
+    "mass": "12 kg", "shaft_stiffness": "4 MN/m, 5500 rpm", "damping": "416 N s/m, 3 %",
+    "clearance": "150 um", "eccentricity": "16.7 um, 200 g mm, G6.3", "balance_speed": "3600 rpm",
+    "speed": "3600 rpm", "contact_stiffness": "1e8 N/m, 1e10 N/m^1.5", "friction": "0.12",
+    "disc_radius": "60 mm", "load": "weight",
+}  # fmt: skip
 
 # Where the page has what the package states once for both.
 TABLES = '<script type="application/json" id="tables">{}</script>'
@@ -65,6 +75,11 @@ def _tables() -> str:
     tables = {
         "largest_file": LARGEST_FILE,
         "parameters": parameters,
+        "room": ROOM,
+        "least_speed": LEAST_SPEED,
+        "sheet": [{"names": names, "example": EXAMPLE[names[0]]} for names in _ways()],
+        "speed_units": {name: 1.0 / value for name, value in SPEED_UNITS.items()},
+        "gravity": GRAVITY,
         "dimensionless": PARAMETERS,
         "machine": MACHINE_PARAMETERS,
         "optional": DEFAULTS,
@@ -75,6 +90,13 @@ def _tables() -> str:
         "special": SPECIAL,
     }
     return json.dumps(tables, ensure_ascii=False)
+
+
+def _ways() -> list[tuple[str, ...]]:
+    """Return the quantities of a data sheet in order, each with the other ways to give it."""
+    ways = {names[0]: names for names in ALTERNATIVES}
+    others = {name for names in ALTERNATIVES for name in names[1:]}
+    return [ways.get(name, (name,)) for name in EXAMPLE if name not in others]
 
 
 def _plain(symbol: str) -> str:

@@ -1,8 +1,8 @@
 // Sliders and number fields for the parameters that the state has.
 
-import { changeExponent, inSI, namesBeyond, referenceFrequency, scalesBeyond, state } from "./state.js";
-import { PARAMETERS } from "./tables.js";
-import { SPEED_UNITS } from "./units.js";
+import { changeExponent, inSI, namesBeyond, roundUp, scalesBeyond, state } from "./state.js";
+import { GRAVITY, PARAMETERS, ROOM, SPEED_UNITS } from "./tables.js";
+import { prefixed, told } from "./units.js";
 
 const STEPS = 1000;
 const linear = (low, high, step) => ({
@@ -14,13 +14,21 @@ const logarithmic = (low, high, scale = () => 1) => ({
   fromSlider: (place) => Number((low * scale() * (high / low) ** (place / STEPS)).toPrecision(3)),
   min: 0, max: STEPS, step: 1,
 });
-/** A slider up to so many times a scale of the machine, in steps of a four-hundredth; round as it is shown. */
-const scaled = (most, scale, shown = () => 1) => ({
-  toSlider: (value) => value / scale(),
-  fromSlider: (place) => Number((place * scale() * shown()).toPrecision(4)) / shown(),
-  min: 0, max: most, step: most / 400,
+/** A slider from 0 to a value, in steps of a four-hundredth; round as it is shown. */
+const upTo = (most, shown = () => 1) => ({
+  toSlider: (value) => value / most,
+  fromSlider: (place) => Number((place * most * shown()).toPrecision(4)) / shown(),
+  min: 0, max: 1, step: 1 / 400,
 });
 const speedShown = () => SPEED_UNITS[state.speedIn];
+// Sliders of a machine reach to so many times the value that was given, or so many times up and down.
+const TIMES = 2, DECADE = 10;
+// What the machine was given; its sliders lie around these values.
+let given = {};
+/** Return a slider from 0 to twice what was given; where that is 0, up to some scale of the machine. */
+const around = (name, scale) => () => upTo(roundUp(TIMES * given[name] || scale()));
+/** Return a slider over powers of ten around what was given. */
+const decades = (name) => () => logarithmic(1 / DECADE, DECADE, () => given[name]);
 
 /** Sliders by parameter: without dimensions, and in SI units. */
 const SLIDERS = {
@@ -35,21 +43,20 @@ const SLIDERS = {
     disc_radius: logarithmic(0.1, 1e5),
   },
   si: {
-    speed: scaled(4, referenceFrequency, speedShown),
-    damping: scaled(1, () => state.mass * referenceFrequency()),
-    clearance: scaled(6, () => state.eccentricity),
-    mass: logarithmic(0.01, 1e4),
-    contact_stiffness: logarithmic(1e5, 1e13),
-    eccentricity: logarithmic(1e-8, 1e-2),
-    shaft_stiffness: scaled(4, () => scalesBeyond().shaft_stiffness),
-    contact_damping: scaled(3, () => scalesBeyond().contact_damping),
-    load: scaled(10, () => scalesBeyond().load),
-    friction: linear(0, 0.5, 0.005),
-    disc_radius: logarithmic(0.1, 1e5, () => scalesBeyond().disc_radius),
+    speed: () => upTo(ROOM * state.fastest, speedShown),
+    clearance: around("clearance", () => 6 * state.eccentricity),
+    eccentricity: decades("eccentricity"),
+    damping: around("damping", () => Math.sqrt(state.mass * (state.shaft_stiffness || scalesBeyond().shaft_stiffness))),
+    mass: decades("mass"),
+    contact_stiffness: decades("contact_stiffness"),
+    shaft_stiffness: around("shaft_stiffness", () => scalesBeyond().shaft_stiffness),
+    contact_damping: around("contact_damping", () => scalesBeyond().contact_damping),
+    load: around("load", () => TIMES * state.mass * GRAVITY),
+    friction: () => linear(0, 0.5, 0.005),
+    disc_radius: decades("disc_radius"),
   },
 };
 const FOLDED = ["shaft_stiffness", "contact_damping", "load", "friction", "disc_radius"];
-const GRAVITY = 9.80665;
 /** Return a number as its field has it: short, with a power of ten where that helps. */
 export function written(value) {
   const size = Math.abs(value);
@@ -84,8 +91,11 @@ function unitChoice(units, changed) {
 function control(key, parameter, changed, unitChanged) {
   const box = Object.assign(document.createElement("div"), { className: "control" });
   box.title = parameter.meaning;
-  const { name, unit, units, slider } = parameter;
-  const shown = () => (units ? units[state.speedIn] : 1);
+  const { name, unit, units } = parameter;
+  const sliderOf = () => (inSI() ? parameter.slider() : parameter.slider);
+  let slider = sliderOf();
+  const shown = () => (units ? units[state.speedIn] : parameter.factor);
+  let typed = null; // what was typed, as long as it holds
   const head = Object.assign(document.createElement("span"), { className: "name" });
   const label = document.createElement("label");
   label.append(name, unit && !units ? Object.assign(document.createElement("span"), { className: "unit", textContent: ` [${unit}]` }) : "");
@@ -97,8 +107,15 @@ function control(key, parameter, changed, unitChanged) {
   head.append(label);
   if (units) head.append(unitChoice(units, unitChanged));
   box.append(head, field, range);
-  const write = () => (field.value = written(shown() === 1 ? state[key] : Number((state[key] * shown()).toPrecision(8))));
+  const write = () => {
+    const value = state[key] * shown();
+    field.value = written(typed?.value === state[key] && typed.shown === shown() ? typed.text : inSI() ? Number(value.toPrecision(4)) : value);
+  };
   const place = () => {
+    // a value beyond the slider's end is what it lies around from then on
+    if (inSI() && !(slider.toSlider(state[key]) <= slider.max * 1.0001 && slider.toSlider(state[key]) >= slider.min - 1e-9)) given[key] = state[key];
+    if (inSI()) slider = sliderOf();
+    Object.assign(range, { min: slider.min, max: slider.max, step: slider.step });
     range.value = slider.toSlider(state[key]);
     range.setAttribute("aria-valuetext", `${field.value} ${units ? state.speedIn : unit}`.trim());
   };
@@ -110,6 +127,8 @@ function control(key, parameter, changed, unitChanged) {
   field.addEventListener("input", (event) => {
     if (field.value === "" || !Number.isFinite(field.valueAsNumber)) return;
     state[key] = field.valueAsNumber / shown();
+    typed = { value: state[key], shown: shown(), text: field.valueAsNumber };
+    if (key === "speed") state.fastest = Math.max(state.fastest, state.speed / ROOM);
     changed(key, event);
   });
   // from where the value is, which may lie between the steps of the slider or beyond its end
@@ -128,19 +147,29 @@ function control(key, parameter, changed, unitChanged) {
   return { box, show };
 }
 
-/** Return the name of a parameter with its unit, as a list has it. */
-export function nameOf(key) {
-  const { name, unit } = parameterOf(key);
-  return name[0].toLowerCase() + name.slice(1) + (unit && ` [${unit}]`);
+/** Return a parameter with its value and unit, as a list has it. */
+export function parameterShown(key, value) {
+  const { name } = parameterOf(key);
+  return `${name[0].toLowerCase() + name.slice(1)} ${valueShown(key, value)}`;
 }
+
+/** Return the value of a parameter with its unit. */
+export function valueShown(key, value) {
+  const { units } = parameterOf(key);
+  if (!inSI()) return told(value);
+  const { unit, factor } = units ? { unit: state.speedIn, factor: units[state.speedIn] } : prefixed(unitOf(key), value);
+  return `${told(value * factor)} ${unit}`.trim();
+}
+
+const unitOf = (key) => (key === "contact_stiffness" && state.contact_exponent === 1 ? "N/m" : PARAMETERS[key].unit);
 
 /** Return what is shown of a parameter; the unit of the contact stiffness depends on the contact law. */
 function parameterOf(key) {
-  const { words, symbol, meaning, si_meaning: meaningInSI, unit } = PARAMETERS[key];
+  const { words, symbol, meaning, si_meaning: meaningInSI } = PARAMETERS[key];
   const name = words[0].toUpperCase() + words.slice(1) + (symbol && !inSI() ? ` ${symbol}` : "");
-  const isLinear = key === "contact_stiffness" && state.contact_exponent === 1;
+  const shown = inSI() ? prefixed(unitOf(key), given[key] || state[key]) : { unit: "", factor: 1 };
   return {
-    name, meaning: inSI() ? meaningInSI : meaning, unit: isLinear ? "N/m" : inSI() ? unit : "",
+    name, meaning: inSI() ? meaningInSI : meaning, ...shown,
     units: key === "speed" ? SPEED_UNITS : null, slider: SLIDERS[inSI() ? "si" : "none"][key],
   };
 }
@@ -171,8 +200,9 @@ export class Controls {
     this.build();
   }
 
-  /** Build the sliders of the units that the state is in. */
+  /** Build the sliders of the units that the state is in, around the values that it has. */
   build() {
+    given = inSI() ? { ...state } : {};
     const names = Object.keys(SLIDERS[inSI() ? "si" : "none"]).filter((name) => !FOLDED.includes(name));
     const own = names.map((name) => control(name, parameterOf(name), this.changed, this.unitChanged));
     own[0].box.classList.add("first");

@@ -1,17 +1,21 @@
 // The page: what is moved becomes a question, what is answered becomes a picture.
 
 import { Live, Recorded } from "./connection.js";
-import { Controls, UP_AND_DOWN, nameOf, onArrows, written } from "./controls.js";
+import { Controls, UP_AND_DOWN, onArrows, parameterShown, written } from "./controls.js";
 import { Measured } from "./measured.js";
 import { Passage } from "./passage.js";
 import { forgetColours } from "./plot.js";
-import { Response, speedsAround } from "./response.js";
+import { Response } from "./response.js";
+import { DataSheetForm } from "./sheet.js";
 import { Side } from "./side.js";
 import { Signals } from "./signals.js";
-import { SECOND_START, address, inSI, machine, readAddress, referenceFrequency, state, tellsOfRotor, toDimensionless, toSI } from "./state.js";
-import { EVENTS, PARAMETERS, START } from "./tables.js";
+import {
+  SECOND_START, address, inSI, machine, ramp, readAddress, referenceFrequency, roundUp, setMachine, speedOf, speedsShown, state, tellsOfRotor,
+  toDimensionless, toSI,
+} from "./state.js";
+import { EVENTS, PARAMETERS, SPEED_UNITS, START } from "./tables.js";
 import { addTools, keep } from "./tools.js";
-import { SPEED_UNITS, roundUp, told, withUnit } from "./units.js";
+import { prefixed, told, withUnit } from "./units.js";
 
 const $ = (id) => document.getElementById(id);
 const PANELS = ["motion", "responses", "starts"];
@@ -92,7 +96,7 @@ function ask({ event, again = false } = {}) {
 function question(side) {
   return {
     number, side, machine: machine(side), start: starts[side],
-    revolutions: state.revolutions, speeds: speedsAround(speedOf(state)), reach: reach(side),
+    revolutions: state.revolutions, speeds: speedsShown(), reach: reach(side),
   };
 }
 
@@ -103,9 +107,6 @@ function parametersOf(place) {
   const given = Object.keys(PARAMETERS).filter((name) => name in rotor).map((name) => `${PARAMETERS[name].symbol} = ${told(rotor[name], 6)}`);
   return given.join(", ") + si;
 }
-
-/** Return the speed without dimensions. */
-const speedOf = ({ omega, speed }) => (inSI() ? speed / referenceFrequency() : omega);
 
 /** Return where the next run of a side begins: at the start, or where the last one ended. */
 function startOf(side) {
@@ -129,11 +130,15 @@ function answered(answer) {
   }
   if (answer.part === "progress") {
     const { done, total } = answer.facts;
-    say(`Recording the page: ${done} of ${total} runs.`);
+    say(`Saving the page: ${done} of ${total} runs.`);
     return;
   }
   if (answer.part === "file") {
     keepFile(answer);
+    return;
+  }
+  if (answer.part === "machine") {
+    takeMachine(answer.facts);
     return;
   }
   if (answer.part === "measured") {
@@ -167,7 +172,8 @@ function answered(answer) {
 
 /** Take what could not be answered: a question whole, or one of its parts. */
 function refused({ part, about, side, number: asked = number, facts: { message } }) {
-  if (about === "measured") measured.fail(message.replace(/\.$/, ""), asked);
+  if (about === "machine") sheet.fail(message);
+  else if (about === "measured") measured.fail(message.replace(/\.$/, ""), asked);
   else if (about === "starts") sides[side]?.noBasin(message);
   else if (about === "run_up" || (part === "mistake" && passage.waiting.size)) {
     passage.fail();
@@ -354,6 +360,7 @@ function chooseSignals() {
 // words
 
 function showWords() {
+  showVerdict();
   const box = $("words");
   const parts = [];
   sides.forEach((_, place) => {
@@ -397,8 +404,26 @@ function errorOf(motion) {
   if (!errors.length) return "";
   const sure = errors.filter((each) => Number.isFinite(each));
   const time = (value, digits) => withUnit(motion.facts.scales, "time", value, digits);
-  const most = sure.length ? `, each timed to ${time(Math.max(...sure), 2)}` : "";
+  // no clock is so good that less than a nanosecond could be checked
+  const least = 1e-9 / (motion.facts.scales.time ?? Infinity);
+  const most = sure.length ? `, each timed to ${Math.max(...sure) < least ? "better than 1 ns" : time(Math.max(...sure), 2)}` : "";
   return sure.length < errors.length ? `${most}; from t = ${time(motion.facts.horizon, 4)} on the start no longer determines them` : most;
+}
+
+/** Say in bold whether the rotor rubs: in the run-up that is going on or was the last thing to happen, and where it is held. */
+function showVerdict() {
+  const lines = sides.map((_, place) => {
+    const { motion, settled, unsettled } = page.shown[place];
+    const which = sides.length > 1 ? `${place ? "Second" : "First"} clearance. ` : "";
+    const track = passage.begun && passage.tracks[place];
+    if (track && (passage.running || passage.waiting.size)) return [track.now, which + (track.words || "Running up …")];
+    const run = track && track.words ? `${track.words} ` : "";
+    if (!motion) return ["unknown", "Computing …"];
+    if (settled?.number === motion.number) return [settled.facts.level, `${which}${run}${run ? "Held at this speed: " : ""}${settled.facts.verdict}`];
+    if (unsettled?.number === motion.number || motion.facts.rotor.zeta === 0) return ["unknown", `${which}${run}${motion.facts.words[0]}`];
+    return ["unknown", `${which}${run}Following the rotor until it settles …`];
+  });
+  $("verdict").replaceChildren(...lines.map(([level, textContent]) => Object.assign(document.createElement("span"), { className: level, textContent })));
 }
 
 function complain(text) {
@@ -476,7 +501,7 @@ function keepFile(answer) {
     copying.delete(kind);
     return;
   }
-  if (kind === "html") say("The page is recorded.");
+  if (kind === "html") say(`Saved ${answer.facts.name}.`);
   keep(new Blob([answer.arrays.contents], { type: FILES[kind] }), answer.facts.name);
 }
 
@@ -500,8 +525,8 @@ function stepSpeed() {
   const name = inSI() ? "speed" : "omega";
   const scale = inSI() ? page.shown[0].motion.facts.scales.rate : 1;
   const here = state[name] / scale;
-  const next = here + running.direction * state.step;
-  const [low, high] = speedsAround(Math.max(here, 1));
+  const next = here + running.direction * state.step * (inSI() ? speedsShown()[1] / 4 : 1);
+  const [low, high] = speedsShown();
   if (next < low || next > high) {
     run(running.direction);
     return;
@@ -516,11 +541,22 @@ function stepSpeed() {
 /** Return where a passage begins: where the runs that are drawn end; nothing while they are not there. */
 function beginPassage() {
   if (!sides.every((_, side) => page.shown[side].motion?.number === number)) {
-    $("passed").textContent = "It begins where the run that is drawn ends, and that is not there yet.";
+    $("passed").textContent = "The run-up starts from the end of the run that is drawn, which is still being computed.";
     return null;
   }
-  const speed = page.shown[0].motion.facts.rotor.omega;
-  return { speed, limits: speedsAround(speed), starts: sides.map((_, side) => page.shown[side].motion.facts.end) };
+  return { ...waysFrom(speedOf()), starts: sides.map((_, side) => page.shown[side].motion.facts.end) };
+}
+
+/** Return a speed with the limits of a passage from there: the largest speed of the machine, or the end of the picture. */
+function waysFrom(speed) {
+  const [low, range] = speedsShown();
+  const fastest = inSI() ? state.fastest / referenceFrequency() : range;
+  return { speed, range, limits: [low, speed < fastest * 0.9999 ? fastest : range] };
+}
+
+/** Run up from rest at standstill. */
+function runUpFromStandstill() {
+  passage.pressFrom({ ...waysFrom(0), starts: sides.map(() => [0, 0, 0, 0]) }, ramp());
 }
 
 /** Ask for a piece of the run-up of one rotor. */
@@ -537,9 +573,7 @@ function showPiece(speed) {
   response.pass(passage.tracks, speed);
   response.show();
   showSignals();
-  const jumps = passage.tracks.reduce((sum, { jumps: some }) => sum + some.length, 0);
-  if (jumps !== passage.told) showPassed();
-  passage.told = jumps;
+  showPassed();
 }
 
 /** Hold the speed that a passage has come to, and show what the rotor does there from then on. */
@@ -563,29 +597,52 @@ function showPassage() {
 /** Say what has come of a passage. */
 function showPassed() {
   const scales = page.shown[0].motion?.facts.scales;
-  const rate = (value) => withUnit(scales, "rate", value, 5);
+  const rate = (value) => withUnit(scales, "rate", value);
   const words = passage.tracks.map((track, side) => {
     const jumps = track.jumps.map(({ omega, fold, way, falls }) => {
       const late = way * (omega - fold.omega);
-      return ` It ${falls ? "fell" : "jumped"} to the other whirl, and was half way at ${rate(omega)}, ${withUnit(scales, "rate", late, 3)} beyond the fold at ${rate(fold.omega)}.`;
+      return ` It jumped ${falls ? "down" : "up"} at ${rate(omega)}, ${withUnit(scales, "rate", late, 3)} past the fold at ${rate(fold.omega)}.`;
     });
-    const from = `From ${rate(passage.from)}${passage.running ? "" : ` to ${rate(passage.speed)}`}`;
-    const force = track.force > 0 ? `a force of up to ${withUnit(scales, "force", track.force)}` : "no contact";
-    return `${passage.tracks.length > 1 ? `${side ? "Second" : "First"} rotor: ` : ""}${from}: ${force}.${jumps.join("")}`;
+    return `${passage.tracks.length > 1 ? `${side ? "Second" : "First"} rotor: ` : ""}${track.words}${jumps.join("")}`;
   });
   $("passed").textContent = words.join(" ");
+  showVerdict();
 }
 
-/** Show the rate of a passage in the units of the page; in the address it has no dimension. */
+/** Show how the speed is run up and stepped, in the units of the page. */
 function showRamp() {
-  const { unit, factor } = rampShown();
+  const { unit, factor, step } = rampShown();
   $("ramp-name").textContent = unit ? `${unit}/s` : "rate";
-  $("ramp").value = written(Number((state.ramp * factor).toPrecision(6)));
+  $("ramp").value = written(Number((ramp() * factor).toPrecision(4)));
+  $("run-up-to").hidden = !unit;
+  $("fastest-name").textContent = unit;
+  if (unit) $("fastest").value = Number((state.fastest * SPEED_UNITS[unit]).toPrecision(4));
+  if (unit) $("seconds").value = Number(state.seconds.toPrecision(4));
+  $("step-name").textContent = unit || "ω";
+  $("step").value = Number((state.step * step).toPrecision(3));
 }
 
+/** Return what a dimensionless rate and a step of the speed are in the units of the page. */
 function rampShown() {
-  if (!inSI()) return { unit: "", factor: 1 };
-  return { unit: state.speedIn, factor: referenceFrequency() ** 2 * SPEED_UNITS[state.speedIn] };
+  if (!inSI()) return { unit: "", factor: 1, step: 1 };
+  const shown = SPEED_UNITS[state.speedIn];
+  // a step is a part of the speeds that are shown, as it is of those of a rotor without dimensions
+  return { unit: state.speedIn, factor: referenceFrequency() ** 2 * shown, step: (speedsShown()[1] / 4) * referenceFrequency() * shown };
+}
+
+// a machine by its data sheet
+
+const sheet = new DataSheetForm({ ask: (quantities) => connection.ask({ number, quantities }, ["machine"]), given: () => (inSI() ? machine(0) : {}) });
+
+/** Show the machine that the program has made of a data sheet. */
+function takeMachine({ machine: given, fastest, notes }) {
+  setMachine(given, fastest);
+  sheet.close();
+  released = true;
+  response.forgetTrail();
+  showState();
+  ask();
+  $("sheet-notes").textContent = notes.length ? `Please check: ${notes.join("; ")}.` : "";
 }
 
 // controls beside the sliders
@@ -600,15 +657,18 @@ function showStart() {
     const field = $(`start-${name}`);
     if (document.activeElement !== field) field.value = writtenStart(name);
   }
-  $("start-units").textContent = inSI() ? "Start [m], [m/s]" : "Start";
+  $("start-units").textContent = inSI() ? `Initial state [${startShown("x").unit}], [${startShown("vx").unit}]` : "Initial state";
 }
 
-const writtenStart = (name) => written(Number((starts[0][START.indexOf(name)] * unitOf(name)).toPrecision(6)));
+const writtenStart = (name) => written(Number((starts[0][START.indexOf(name)] * startShown(name).factor).toPrecision(4)));
 
-/** Return what a dimensionless 1 of a component of the start is as its field shows it. */
-function unitOf(name) {
-  if (!inSI()) return 1;
-  return state.eccentricity * (name.startsWith("v") ? referenceFrequency() : 1);
+/** Return what a dimensionless 1 of a component of the start is as its field shows it, and the unit. */
+function startShown(name) {
+  if (!inSI()) return { factor: 1, unit: "" };
+  const velocity = name.startsWith("v");
+  const scale = velocity ? state.clearance * Math.max(state.speed, 1) : state.clearance;
+  const { factor, unit } = prefixed(velocity ? "m/s" : "m", scale || state.eccentricity);
+  return { factor: factor * state.eccentricity * (velocity ? referenceFrequency() : 1), unit };
 }
 
 function release() {
@@ -653,7 +713,7 @@ function listen() {
       release();
     };
     field.addEventListener("change", () => {
-      if (Number.isFinite(field.valueAsNumber)) put(field.valueAsNumber / unitOf(name));
+      if (Number.isFinite(field.valueAsNumber)) put(field.valueAsNumber / startShown(name).factor);
     });
     onArrows(field, UP_AND_DOWN, (count) => {
       put(starts[0][START.indexOf(name)] + count * STEP_OF_START);
@@ -667,7 +727,7 @@ function listen() {
   for (const name of ["revolutions", "step", "rate"]) {
     $(name).addEventListener("change", () => {
       if (!(($(name).valueAsNumber) > 0)) return;
-      state[name] = $(name).valueAsNumber;
+      state[name] = $(name).valueAsNumber / (name === "step" ? rampShown().step : 1);
       if (name === "revolutions") ask({ again: true });
       else keepAddress();
     });
@@ -716,14 +776,28 @@ function listen() {
     event.preventDefault();
     $(event.shiftKey ? "redo" : "undo").click();
   });
-  $("run-up").addEventListener("click", () => passage.press(1, state.ramp));
-  $("run-down").addEventListener("click", () => passage.press(-1, state.ramp));
-  $("ramp").addEventListener("change", () => {
-    if (!($("ramp").valueAsNumber > 0)) return;
-    state.ramp = $("ramp").valueAsNumber / rampShown().factor;
-    passage.setRate(state.ramp);
+  $("run-up").addEventListener("click", () => passage.press(1, ramp()));
+  $("run-down").addEventListener("click", () => passage.press(-1, ramp()));
+  $("run-up-0").addEventListener("click", runUpFromStandstill);
+  const onNumber = (name, take) => $(name).addEventListener("change", () => {
+    if (!($(name).valueAsNumber > 0)) return;
+    take($(name).valueAsNumber);
+    showRamp();
+    passage.setRate(ramp());
     keepAddress();
   });
+  onNumber("ramp", (value) => {
+    if (inSI()) state.seconds = (state.fastest * SPEED_UNITS[state.speedIn]) / value;
+    else state.ramp = value;
+  });
+  onNumber("seconds", (value) => (state.seconds = value));
+  onNumber("fastest", (value) => {
+    // another largest speed, reached at the same time: other axes, and another curve
+    state.fastest = value / SPEED_UNITS[state.speedIn];
+    controls.show();
+    ask();
+  });
+  $("sheet-open").addEventListener("click", () => sheet.open());
   $("up").addEventListener("click", () => run(1));
   $("down").addEventListener("click", () => run(-1));
   for (const button of document.querySelectorAll("[data-file]")) {
@@ -789,7 +863,7 @@ function showState() {
   choose("from", state.from);
   for (const radio of document.querySelectorAll('input[name="units"]')) radio.checked = (radio.value === "si") === inSI();
   $("beside").checked = state.second !== null;
-  for (const name of ["revolutions", "step", "rate"]) $(name).value = state[name];
+  for (const name of ["revolutions", "rate"]) $(name).value = state[name];
   starts = [START, SECOND_START].map((names) => names.map((name, i) => state[name] ?? state[START[i]]));
   controls.build();
   showRamp();
@@ -810,8 +884,9 @@ function said(text) {
 
 /** Offer the speeds and the courses that are recorded, and show the one that was asked for. */
 function beginRecorded() {
-  const { speeds, speed, unit, courses } = recorded;
+  const { speeds, speed, courses, fastest } = recorded;
   Object.assign(recorded, { course: "start", place: nearest(speeds, speed) });
+  if (fastest) setMachine(recorded.state, fastest);
   Object.assign(state, recorded.state);
   const box = $("courses");
   const names = { start: "each speed from the start", up: "running up", down: "running down" };
@@ -832,10 +907,11 @@ function beginRecorded() {
   const label = Object.assign(document.createElement("label"), { htmlFor: "recorded-speed" });
   const range = Object.assign(document.createElement("input"), { type: "range", id: "recorded-speed", min: 0, max: speeds.length - 1, step: 1, value: recorded.place });
   const given = Object.entries(recorded.state).filter(([name]) => ![...START, "omega", "speed"].includes(name));
-  const rest = given.map(([name, value]) => `${nameOf(name)} ${told(value)}`).join(", ");
+  const rest = given.map(([name, value]) => parameterShown(name, value)).join(", ");
   const rotor = Object.assign(document.createElement("p"), { className: "quiet", textContent: rest });
   const show = () => {
-    label.textContent = `Speed ${told(speeds[recorded.place], 5)} ${unit}`;
+    const value = speeds[recorded.place];
+    label.textContent = inSI() ? `Speed ${told(value * SPEED_UNITS[state.speedIn])} ${state.speedIn}` : `Speed ${told(value, 5)}`;
     range.setAttribute("aria-valuetext", label.textContent);
   };
   range.addEventListener("input", (event) => {

@@ -5,19 +5,19 @@ import { rowsOf } from "./signals.js";
 const TURN = 2 * Math.PI;
 // A piece takes about so many milliseconds to answer, and has no more turns than are sampled well.
 const WANTED = 60, MOST_TURNS = 200;
-// The speed is shown to change by no more than this in a piece, and in a second.
-const LARGEST_STEP = 0.0125, FASTEST_SHOWN = 0.4;
-// Radii are drawn as the least and the largest on so much of the speed.
-const WIDTH = 0.002, MOST_POINTS = 12_000;
+// Of all speeds that are shown: the speed is shown to change by no more than this in a piece, and in a second.
+const LARGEST_STEP = 1 / 320, FASTEST_SHOWN = 0.1;
+// Radii are drawn as the least and the largest on so much of them.
+const WIDTH = 1 / 2000, MOST_POINTS = 12_000;
 // Revolutions that are kept, and how far the speeds of two spectra must be apart.
-const MOST_REVOLUTIONS = 400_000, CLOSEST_ROWS = 0.01;
+const MOST_REVOLUTIONS = 400_000, CLOSEST_ROWS = 1 / 400;
 // Decimals of a speed, at most.
 const FINEST = 14;
 
 /** What one rotor has gone through: its radius over the speed, and where it has jumped. */
 class Track {
-  constructor(start) {
-    Object.assign(this, { start, omega: [], low: [], high: [], jumps: [], falling: [], folds: [], force: 0, scales: {} });
+  constructor(start, range) {
+    Object.assign(this, { start, range, words: "", now: "clear", omega: [], low: [], high: [], jumps: [], falling: [], folds: [], scales: {} });
     // order 1 of each revolution, and spectra one after the other, as the program has them
     Object.assign(this, { order: { speed: [], amplitude: [], lag: [] }, rows: [] });
     this.turn = []; // the samples of the last revolution, as angle, speed and radius
@@ -37,7 +37,8 @@ class Track {
 
   take({ arrays, facts }, way) {
     const { speed, angle, radius } = arrays;
-    Object.assign(this, { start: facts.end, scales: facts.scales, force: Math.max(this.force, facts.largest_force) });
+    const { end: start, scales, words, now } = facts;
+    Object.assign(this, { start, scales, words, now });
     this.folds = facts.folds.filter((fold) => fold.way === way);
     for (let i = this.omega.length ? 1 : 0; i < speed.length; i++) {
       this.#draw(speed[i], radius[i]);
@@ -58,13 +59,13 @@ class Track {
     }
     if (speed.length > MOST_REVOLUTIONS) for (const column of Object.values(this.order)) column.splice(0, speed.length - MOST_REVOLUTIONS);
     for (const row of rowsOf(arrays)) {
-      if (Math.abs(row.speed - (this.rows.at(-1)?.speed ?? Infinity)) >= CLOSEST_ROWS) this.rows.push(row);
+      if (Math.abs(row.speed - (this.rows.at(-1)?.speed ?? Infinity)) >= CLOSEST_ROWS * this.range) this.rows.push(row);
     }
   }
 
   #draw(omega, radius) {
     const last = this.omega.length - 1;
-    if (last >= 0 && Math.abs(omega - this.from) < WIDTH && !Number.isNaN(this.omega[last])) {
+    if (last >= 0 && Math.abs(omega - this.from) < WIDTH * this.range && !Number.isNaN(this.omega[last])) {
       this.low[last] = Math.min(this.low[last], radius);
       this.high[last] = Math.max(this.high[last], radius);
       return;
@@ -112,7 +113,7 @@ class Track {
 /** The passage of all rotors that are shown; it asks for its pieces, and tells what happens. */
 export class Passage {
   /**
-   * `begin` returns speed, limits and starts, or nothing while they are not known; `ask` asks for a
+   * `begin` returns speed, limits, the range of speeds that is shown and starts, or nothing while they are not known; `ask` asks for a
    * piece of one rotor; `moved` is told that the speed has moved, `rested` that the passage has come
    * to rest, and `changed` that it has begun, has stopped or is forgotten.
    */
@@ -126,12 +127,19 @@ export class Passage {
 
   /** Begin or go on up (1) or down (-1); stop if it goes this way already. */
   press(way, rate) {
-    if (!this.begun && !this.#begin()) return;
+    if (!this.begun && !this.#begin(this.begin())) return;
     this.setRate(rate);
     this.way = this.way === way ? 0 : way;
     if (!this.running) this.#rest();
     else if (!this.waiting.size && !this.timer) this.#next();
     this.changed();
+  }
+
+  /** Begin at other speeds and states than those of the runs that are drawn. */
+  pressFrom(beginning, rate) {
+    this.forget();
+    this.#begin(beginning);
+    this.press(1, rate);
   }
 
   /** Change how fast the speed changes, from the next piece on. */
@@ -140,11 +148,10 @@ export class Passage {
     this.rate = rate;
   }
 
-  #begin() {
-    const beginning = this.begin();
+  #begin(beginning) {
     if (!beginning) return false;
-    const { speed, limits, starts } = beginning;
-    Object.assign(this, { begun: true, last: 0, speed, limits, from: speed, tracks: starts.map((start) => new Track(start)) });
+    const { speed, limits, range, starts } = beginning;
+    Object.assign(this, { begun: true, last: 0, speed, limits, range, from: speed, tracks: starts.map((start) => new Track(start, range)) });
     return true;
   }
 
@@ -160,7 +167,7 @@ export class Passage {
     if (this.last && this.last !== way) for (const track of this.tracks) track.turnBack();
     this.last = way;
     const turn = (TURN * this.rate) / Math.max(speed, 1);
-    const step = Math.min(this.step || turn, LARGEST_STEP, MOST_TURNS * turn);
+    const step = Math.min(this.step || turn, LARGEST_STEP * this.range, MOST_TURNS * turn);
     // round as it is shown: to a tenth of the step or less
     const digits = Math.min(Math.max(4, Math.ceil(1 - Math.log10(step))), FINEST);
     const to = Number((speed + way * step).toFixed(digits));
@@ -185,7 +192,7 @@ export class Passage {
       this.timer = setTimeout(() => {
         this.timer = 0;
         this.#next();
-      }, Math.max((1000 * step) / FASTEST_SHOWN - took, 0));
+      }, Math.max((1000 * step) / (FASTEST_SHOWN * this.range) - took, 0));
     }
   }
 

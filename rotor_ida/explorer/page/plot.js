@@ -32,6 +32,14 @@ function axis(label, extra) {
   };
 }
 
+// Pixels of a digit in that font, and of what stands beside the ticks of an upright axis.
+const DIGIT = 7, BESIDE = 14;
+const longest = (words) => (words ?? []).reduce((most, each) => Math.max(most, each?.length ?? 0), 0);
+/** Return how wide the ticks of an upright axis are. */
+const roomFor = (_plot, words) => Math.max(42, BESIDE + DIGIT * longest(words));
+/** Return how far the last tick of a flat axis may reach beyond its end. */
+const roomBeside = ({ axes }) => Math.max(8, 2 + 0.5 * DIGIT * longest(axes[0]?._values));
+
 // Pixels of a movement that is a click, and not the side of a box.
 const CLICK = 6;
 // Pixels from the pointer within which something is read.
@@ -47,14 +55,14 @@ export class Plot {
     this.boxing = false; // whether each drag makes a box
     const options = {
       ...this.#size(),
-      padding: [6, 8, 0, 0],
+      padding: [6, roomBeside, 0, 0],
       legend: { show: false },
       cursor: { points: { show: false }, drag: { x: false, y: false, setScale: false } },
       scales: {
         x: { time: false, range: () => this.#widened().x },
         y: { range: () => this.#widened().y, distr: log ? 3 : 1 },
       },
-      axes: [axis(x, { size: 24, space: 44 }), axis(y, { size: 42, space: 28, ...(log ? LOG : {}), ...(steps ? { incrs: steps } : {}) })],
+      axes: [axis(x, { size: 24, space: 44 }), axis(y, { size: roomFor, space: 28, ...(log ? LOG : {}), ...(steps ? { incrs: steps } : {}) })],
       series: [{}, ...series],
       hooks: {
         drawClear: below ? [(plot) => this.#inside(plot, below)] : [],

@@ -1,19 +1,13 @@
 // The response curve: exact whirls with their folds and Hopf points, branches of limit cycles, and where the rotors are.
 
 import { Plot, colour } from "./plot.js";
+import { roundUp, speedsShown } from "./state.js";
 import { SPECIAL, STABILITY, wordsOf } from "./tables.js";
-import { labelled, roundUp, shownIn } from "./units.js";
+import { labelled, shownIn } from "./units.js";
 
-const SPEEDS = [0.05, 4], FASTEST = 1e6;
 // Dashes tell what colours tell: lines and gaps in pixels.
 const UNSTABLE_DASH = [5, 4], FREE_DASH = [12, 3, 2, 3];
 const LONGEST_TRAIL = 600;
-/** Return the speeds over which to show the response of a rotor: at least the usual ones, and its own. */
-export function speedsAround(omega) {
-  const low = omega > 0 && omega < SPEEDS[0] ? 0.5 * omega : SPEEDS[0];
-  return [low, omega > SPEEDS[1] ? Math.min(roundUp(1.05 * omega), FASTEST) : SPEEDS[1]];
-}
-
 const STABLE = STABILITY.stable, UNSTABLE = STABILITY.unstable;
 const { fold: FOLD, period_doubling: DOUBLING, torus: TORUS, sliding: SLIDING, hopf: HOPF } = SPECIAL;
 const SPECIAL_WORDS = { [FOLD]: "fold of limit cycles", [DOUBLING]: "period doubling", [TORUS]: "torus point", [SLIDING]: "slip comes to 0", [HOPF]: "Hopf point" };
@@ -28,7 +22,7 @@ export class Response {
     this.sides = [{ branches: [], trail: [] }, { branches: [], trail: [] }];
     this.two = false;
     this.plot = new Plot(element, { x: "speed", y: "radius", draw: (pen) => this.#draw(pen), reading: (...where) => this.#reading(...where) });
-    this.plot.onDrag((x) => moved(x, SPEEDS[0] * (this.speed?.factor ?? 1)));
+    this.plot.onDrag((x) => moved(x, speedsShown()[0] * (this.speed?.factor ?? 1)));
   }
 
   /** Return the numbers of the panel: curves, folds, branches, and where the rotors have been. */
@@ -98,13 +92,14 @@ export class Response {
     const shown = this.sides.slice(0, this.two ? 2 : 1).filter((side) => side.curve);
     if (!shown.length) return;
     const scales = shown[0].place?.scales;
-    let top = 1, last = SPEEDS[1];
+    let top = 1, [, last] = speedsShown();
     for (const { curve, place, branches, passage } of shown) {
       for (const each of curve.arrays.omega) if (each > last) last = each;
       for (const each of curve.arrays.amplitude) if (each > top) top = each;
       for (const branch of branches) for (const each of branch.arrays.radius_max) if (each > top) top = each;
       if (passage) top = Math.max(top, passage.highest);
-      if (place) [top, last] = [Math.max(top, place.high), Math.max(last, 1.05 * place.omega)];
+      if (place) [top, last] = [Math.max(top, place.high), Math.max(last, place.omega)];
+      top = Math.max(top, curve.facts.rotor.delta0);
     }
     // of dry whip, which may lie far above the rest, as much as leaves the rest its room
     const most = WHIP_ROOM * top;
@@ -114,7 +109,7 @@ export class Response {
     this.length = shownIn(scales, "length", top);
     this.speed = shownIn(scales, "rate", 1);
     this.plot.show({
-      x: [0, last * this.speed.factor], y: [0, roundUp(1.05 * top) * this.length.factor],
+      x: [0, last * this.speed.factor], y: [0, roundUp(1.05 * top * this.length.factor)],
       labels: [labelled(this.speed.unit ? "speed" : "speed ω", this.speed.unit), labelled("radius", this.length.unit)],
     });
     this.#say(shown);
@@ -138,6 +133,7 @@ export class Response {
       if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(TORUS)))) parts.push(["mark open cycle", "torus point"]);
       if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(SLIDING)))) parts.push(["mark cross cycle", "slip comes to 0"]);
     }
+    parts.push(["line-key dashed ring", "clearance"]);
     if (shown.some(({ passage }) => passage)) parts.push(["line-key passage", "while the speed changes"]);
     if (shown.some(({ passage }) => passage?.jumps.length)) parts.push(["mark jump", "half way of a jump"]);
     parts.push(["mark place", this.two ? "the first rotor" : "the rotor"]);
@@ -159,6 +155,10 @@ export class Response {
       if (side.curve) this.#drawCurve(own, side.curve.arrays, ink);
       for (const branch of side.branches) this.#drawBranch(own, branch.arrays, number ? ink : colour("full_contact"));
     }));
+    for (const { curve } of shown) {
+      const ring = curve && curve.facts.rotor.delta0 * this.length.factor;
+      if (curve) pen.line([0, 1e9], [ring, ring], { stroke: colour("muted"), dash: [5, 4] });
+    }
     shown.forEach((side, number) => side.passage && this.#drawPassage(pen, side.passage, number ? colour("second") : colour("accent")));
     shown.forEach((side, number) => this.#drawPlace(pen, side, number ? colour("second") : colour("accent"), number ? "square" : "disc"));
   }

@@ -1,9 +1,10 @@
 // The panels of one rotor: starts and basin, orbits, radius and force over time, section, spectrum.
 
 import { Plot, colour } from "./plot.js";
+import { roundUp } from "./state.js";
 import { EVENTS, MODES, wordsOf } from "./tables.js";
 import { addTools } from "./tools.js";
-import { labelled, roundUp, shownIn, told } from "./units.js";
+import { labelled, shownIn, told } from "./units.js";
 
 // Above this number of events in view their marks would hide the motion.
 const MANY_EVENTS = 160;
@@ -196,7 +197,7 @@ export class Side {
     const top = facts.ending.radius_max;
     const drawn = Math.max(top, facts.rotor.delta0, maximum(arrays.radius, this.view.from, this.view.to));
     this.length = this.#scale("length", drawn);
-    const reach = roundUp(1.08 * drawn) * this.length.factor;
+    const reach = roundUp(1.08 * drawn * this.length.factor);
     this.plane = { x: [-reach, reach], y: [-reach, reach] };
     const rubs = Boolean(arrays.mode);
     for (const [name, hides] of Object.entries({ damped: !facts.rotor.contact_damping, friction: !rubs, frictionless: rubs })) {
@@ -225,7 +226,7 @@ export class Side {
     const { arrays } = this.motion;
     const { from, to } = this.view;
     const time = this.#scale("time", arrays.t.at(-1));
-    const force = this.#scale("force", Math.max(this.motion.facts.ending.largest_force, 1e-12));
+    const force = this.#scale("force", this.motion.facts.ending.largest_force);
     const end = this.window ? to : arrays.t.length - 1;
     const times = scaled(arrays.t, time.factor, from, end + 1);
     Object.assign(this, { timeUnit: time, forceUnit: force });
@@ -236,7 +237,7 @@ export class Side {
     const labels = (name, unit) => [labelled("time", time.unit), labelled(name, unit)];
     this.radius.show({ data: [times, radii], x, y: [0, roundUp(1.05 * most)], labels: ["", labelled("radius", this.length.unit)] });
     const hardest = Math.max(maximum(forces), ...this.#peaks(from, end).map(([, peak]) => peak), 0);
-    this.force.show({ data: [times, forces], x, y: [0, roundUp(1.05 * hardest || 1)], labels: labels(this.motion.arrays.mode ? "normal force" : "force", force.unit) });
+    this.force.show({ data: [times, forces], x, y: [0, roundUp(1.05 * hardest || 1)], labels: labels("force", force.unit) });
   }
 
   #peaks(from, to) {
@@ -386,7 +387,7 @@ export class Side {
     const top = factor * maximum(height) || 1;
     const low = top * 1e-5;
     const heights = height.map((each) => Math.max(factor * each, low));
-    this.spectrum.show({ data: [frequency, heights], x: [-5, 5], y: [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(top))], labels: ["frequency / speed", labelled("amplitude", unit)] });
+    this.spectrum.show({ data: [frequency, heights], x: [-this.motion.facts.orders, this.motion.facts.orders], y: [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(top))], labels: ["frequency / speed", labelled("amplitude", unit)] });
   }
 
   /** Draw the plane of starts, with the basin if there is one. */

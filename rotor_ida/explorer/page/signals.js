@@ -3,8 +3,9 @@
 
 import { Plot, colour } from "./plot.js";
 import { drawWhirls } from "./response.js";
+import { roundUp, speedsShown } from "./state.js";
 import { addTools } from "./tools.js";
-import { labelled, roundUp, shownIn, told } from "./units.js";
+import { labelled, shownIn, told } from "./units.js";
 
 const TITLES = { bode: "Bode: order 1", polar: "Polar: order 1", full: "Full spectrum", cascade: "Cascade" };
 const DEGREES = 180 / Math.PI;
@@ -22,8 +23,8 @@ const REACH = 2.3;
 // About so many speeds are marked in a polar plot.
 const MARKS = 7;
 const TICKS = [1, 2, 5];
-// The speeds that are shown at least, and how far beyond those of a measurement.
-const SPEEDS = 4, ROOM = 1.1;
+// How far the speeds that are shown reach beyond those of a measurement.
+const ROOM = 1.1;
 
 /** Return phase lags in degrees, within one turn. */
 const lagsOf = (lags) => Array.from(lags, (each) => wrapped(each * DEGREES));
@@ -112,7 +113,7 @@ class Bode extends Panel {
       }
     }
     const x = [0, view.fastest * view.speed.factor];
-    this.amplitude.show({ x, y: [0, roundUp(1.05 * view.top) * view.length.factor], labels: ["", labelled("amplitude", view.length.unit)] });
+    this.amplitude.show({ x, y: [0, roundUp(1.05 * view.top * view.length.factor)], labels: ["", labelled("amplitude", view.length.unit)] });
     this.lag.show({ x, y: [low, high], labels: [labelled(view.speed.unit ? "speed" : "speed ω", view.speed.unit), "phase lag [°]"] });
     this.key([...this.keyOfSources(view, { curve: true }), ...view.missing]);
     const last = (values) => told(values.at(-1));
@@ -591,7 +592,7 @@ export class Signals {
     if (measured) sources.push(measured);
     // a measurement may take up a small part of the speeds, and is what one looks at
     const seen = sources.reduce((most, { order }) => largest(order.speed, most), 0);
-    const fastest = measured?.order.speed.length ? ROOM * seen : sources.reduce((most, { curve }) => largest(curve?.omega ?? [], most), Math.max(seen, SPEEDS));
+    const fastest = measured?.order.speed.length ? ROOM * seen : sources.reduce((most, { curve }) => largest(curve?.omega ?? [], most), Math.max(seen, speedsShown()[1]));
     let top = 1e-9;
     for (const { order, curve } of sources) {
       top = largest(order.amplitude, top);

@@ -1,6 +1,6 @@
 // What the page shows, as its address has it after the #.
 
-import { DIMENSIONLESS, MACHINE, OPTIONAL, START } from "./tables.js";
+import { DIMENSIONLESS, LEAST_SPEED, MACHINE, OPTIONAL, ROOM, START } from "./tables.js";
 
 // What a machine has beside the paper's rotor; the radius of the disc matters with friction alone.
 const { disc_radius: _, ...BEYOND } = OPTIONAL;
@@ -11,15 +11,20 @@ export const SIGNALS = ["bode", "polar", "full", "cascade"];
 const WORDS = { from: ["start", "here"], theme: ["", "light", "dark"], speedIn: ["rad/s", "rpm", "Hz"] };
 // Where the run beside it begins, where that is somewhere else.
 export const SECOND_START = START.map((name) => `${name}2`);
-const NUMBERS = [...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...Object.keys(BEYOND), "disc_radius", ...START, "revolutions", "second", "step", "rate", "ramp"];
+const NUMBERS = [...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...Object.keys(BEYOND), "disc_radius", ...START, "revolutions", "second", "step", "rate", "ramp", "fastest", "seconds"];
 
 const DEFAULTS = {
   omega: 2, zeta: 0.07, delta0: 2,
   ...BEYOND, disc_radius: null,
   x: 0, y: 0, vx: 0, vy: 0,
   second: null, // clearance of the rotor beside it, in the units of the first one
-  revolutions: 60, from: "start", step: 0.01, rate: 10, ramp: 0.002, theme: "", speedIn: "rad/s", panels: "",
+  revolutions: 60, from: "start", step: 0.01, rate: 10, ramp: 0.002, theme: "", speedIn: "rpm", panels: "",
+  fastest: null, seconds: null, // of a machine: the speed to which it is run up [rad/s], from standstill in so long [s]
 };
+// A machine is run up in so many seconds until something else is said.
+const SECONDS = 20;
+// Speeds that are shown of a rotor without dimensions, and the largest that is answered.
+const SPEEDS = [0.05, 4], FASTEST = 1e6;
 export const state = { ...DEFAULTS, disc_radius: DISC_RADIUS };
 
 /** Whether the rotor is given as a machine in SI units. */
@@ -43,6 +48,7 @@ export function readAddress(hash) {
     if (text !== null && text !== "" && Number.isFinite(Number(text))) state[name] = Number(text);
   }
   state.disc_radius ??= usualRadius();
+  if (inSI()) suitMachine();
   for (const [name, words] of Object.entries(WORDS)) {
     if (words.includes(given.get(name))) state[name] = given.get(name);
   }
@@ -68,7 +74,8 @@ export function address([first, second]) {
   if (!state.friction && state.disc_radius !== usualRadius()) told.set("disc_radius", state.disc_radius);
   if (state.step !== 0.01) told.set("step", state.step);
   if (state.rate !== 10) told.set("rate", state.rate);
-  if (state.ramp !== DEFAULTS.ramp) told.set("ramp", state.ramp); // without dimensions
+  if (inSI()) for (const name of ["fastest", "seconds"]) told.set(name, state[name]);
+  else if (state.ramp !== DEFAULTS.ramp) told.set("ramp", state.ramp);
   return `#${told}`;
 }
 
@@ -78,6 +85,13 @@ export function machine(side) {
   const given = Object.fromEntries(names.map((name) => [name, state[name]]));
   if (side === 1) given[inSI() ? "clearance" : "delta0"] = state.second;
   return given;
+}
+
+/** Return a round number just above another, so that an axis does not tremble. */
+export function roundUp(value) {
+  if (!(value > 0)) return 1;
+  const ten = 10 ** Math.floor(Math.log10(value));
+  return ten * [1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10].find((step) => step * ten >= value * 0.999999);
 }
 
 /** Return the reference frequency in rad/s, the rate of a dimensionless 1. */
@@ -111,6 +125,8 @@ export function toSI() {
   state.damping = 2 * zeta * state.mass * rate;
   state.clearance = delta0 * state.eccentricity;
   state.speed = omega * rate;
+  Object.assign(state, { fastest: null, seconds: null });
+  suitMachine();
   if (second !== null) state.second = second * state.eccentricity;
   for (const [name, scale] of Object.entries(scalesBeyond())) state[name] *= scale;
   for (const name of DIMENSIONLESS) delete state[name];
@@ -121,8 +137,42 @@ export function toDimensionless() {
   const rate = referenceFrequency();
   for (const [name, scale] of Object.entries(scalesBeyond())) state[name] /= scale;
   state.omega = state.speed / rate;
+  state.ramp = Number(ramp().toPrecision(6));
   state.zeta = state.damping / (2 * state.mass * rate);
   state.delta0 = state.clearance / state.eccentricity;
   if (state.second !== null) state.second /= state.eccentricity;
   for (const name of MACHINE) delete state[name];
 }
+
+/** Complete what a machine is run up to, and in what time. */
+function suitMachine() {
+  const rate = referenceFrequency();
+  state.fastest ??= Math.max(state.speed, (SPEEDS[1] / ROOM) * rate);
+  if (ROOM * state.fastest < state.speed) state.fastest = state.speed;
+  state.seconds ??= state.ramp === DEFAULTS.ramp && state.shaft_stiffness ? SECONDS : Number((state.fastest / (state.ramp * rate ** 2)).toPrecision(6));
+}
+
+/** Show another machine, at rest; its speeds reach to `fastest`. */
+export function setMachine(given, fastest) {
+  for (const name of DIMENSIONLESS) delete state[name];
+  Object.assign(state, BEYOND, { disc_radius: null }, given, { fastest, second: null, seconds: state.seconds ?? SECONDS });
+  for (const name of START) state[name] = 0;
+  state.disc_radius ??= usualRadius();
+}
+
+/** Return the speed of what is shown, without dimensions. */
+export const speedOf = () => (inSI() ? state.speed / referenceFrequency() : state.omega);
+
+/** Return the speeds over which to show the response: those of the machine, or the usual ones, and the rotor's own. */
+export function speedsShown() {
+  if (inSI()) {
+    const top = (ROOM * Math.max(state.fastest, state.speed / ROOM)) / referenceFrequency();
+    return [LEAST_SPEED * top, top];
+  }
+  const { omega } = state;
+  const low = omega > 0 && omega < SPEEDS[0] ? 0.5 * omega : SPEEDS[0];
+  return [low, omega > SPEEDS[1] ? Math.min(roundUp(1.05 * omega), FASTEST) : SPEEDS[1]];
+}
+
+/** Return how fast the speed changes, without dimensions. */
+export const ramp = () => (inSI() ? state.fastest / state.seconds / referenceFrequency() ** 2 : state.ramp);

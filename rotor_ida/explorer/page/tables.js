@@ -5,6 +5,15 @@ export const {
   largest_file: LARGEST_FILE,
   /** Of each parameter, by its name: words, symbol, meaning without dimensions and in SI units, and its SI unit. */
   parameters: PARAMETERS,
+  /** Speeds of a machine are shown up to so many times its largest one, its curve from this part of that on. */
+  room: ROOM,
+  least_speed: LEAST_SPEED,
+  /** Quantities of a data sheet: the names of the ways to give each, and an example. */
+  sheet: SHEET,
+  /** How many of a unit of speed are one radian a second. */
+  speed_units: SPEED_UNITS,
+  /** Acceleration of gravity [m/s²]. */
+  gravity: GRAVITY,
   /** Names of what the paper's rotor has, without dimensions and in SI units. */
   dimensionless: DIMENSIONLESS,
   machine: MACHINE,

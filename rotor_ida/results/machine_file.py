@@ -1,0 +1,171 @@
+"""Files of machines: the data sheet of a `DimensionalRotor` as TOML, to read, edit and keep.
+
+Each line is a quantity of `rotor_ida.machine_from_data_sheet`: a number in its SI unit, or words
+with a unit.
+
+    mass = "12 kg"
+    shaft_stiffness = 4e6          # N/m; or critical_speed = "5513 rpm"
+    damping_ratio = "3 %"          # of the critical speed; or damping = 416 in N s/m
+    clearance = "150 um"
+    balance_grade = "G6.3"         # with its speed; or eccentricity, or unbalance = "200 g mm"
+    balance_speed = "3600 rpm"
+    speed = "3600 rpm"             # running speed
+    contact_stiffness = "1e8 N/m"  # in N/m a linear contact, in N/m^1.5 one by Hertz
+    friction = 0.12
+    disc_radius = "60 mm"
+
+Besides these a file may give ``contact_exponent``, ``contact_damping`` in s/m, and ``load`` in N or
+as ``"weight"``.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import tomllib
+
+import numpy as np
+
+from rotor_ida.checks import check_instance, shown
+from rotor_ida.errors import InputError
+from rotor_ida.model.data_sheet import MILLIMETRE, check_keys, machine_from_data_sheet
+from rotor_ida.model.parameters import OF_MACHINE
+from rotor_ida.model.rotor import DimensionalRotor
+from rotor_ida.results.files import check_path, check_target, written_whole
+from rotor_ida.units import SPEED_UNITS
+
+# A file of a machine has some twenty lines.
+MOST_BYTES = 1_000_000
+
+
+def load_machine(path: str | os.PathLike[str]) -> DimensionalRotor:
+    """Read a machine from a TOML file.
+
+    Parameters
+    ----------
+    path : path-like
+        A file that `save_machine` or ``rotor-ida machine`` wrote, or one written by hand: each
+        line gives a quantity of `machine_from_data_sheet`.
+
+    Returns
+    -------
+    DimensionalRotor
+        The machine in SI units.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or does not describe a machine.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save_machine(machine, f"{folder}/disc.toml")
+    ...     load_machine(f"{folder}/disc.toml") == machine
+    True
+    """
+    sheet = read_data_sheet(path)
+    check_keys(sheet, str(path))
+    try:
+        return machine_from_data_sheet(**sheet)  # type: ignore[arg-type]
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def read_data_sheet(path: str | os.PathLike[str]) -> dict[str, object]:
+    """Return the quantities in a file of a machine as they are written there."""
+    place = check_path("machine", path)
+    try:
+        with place.open("rb") as file:
+            text = file.read(MOST_BYTES + 1)
+        if len(text) > MOST_BYTES:
+            raise InputError(f"machine must be a small TOML file, got {shown(place)}")
+        return tomllib.loads(text.decode())
+    except OSError as error:
+        raise InputError(f"cannot read {place}: {error.strerror or error}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        first, *_ = str(error).splitlines()
+        raise InputError(f"{place} is no TOML file: {first}") from error
+
+
+def save_machine(
+    machine: DimensionalRotor, path: str | os.PathLike[str], *, overwrite: bool = False
+) -> None:
+    """Write a machine to a TOML file, in SI units, with what they mean as comments.
+
+    Parameters
+    ----------
+    machine : DimensionalRotor
+        The machine.
+    path : path-like
+        The file, which `load_machine` and the option ``--machine`` read.
+    overwrite : bool
+        Whether a file that is there may be replaced.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written there.
+
+    Examples
+    --------
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
+    >>> print(machine_text(machine).splitlines()[3])
+    mass = 4.0  # kg: mass of the disc
+    """
+    check_instance("machine", machine, DimensionalRotor)
+    place = check_target("path", path, overwrite=overwrite)
+    with written_whole(place, overwrite=overwrite) as part:
+        part.write_text(machine_text(machine), encoding="utf-8")
+
+
+def machine_text(machine: DimensionalRotor) -> str:
+    """Return a machine as TOML with comments."""
+    more = _in_other_words(machine)
+    lines = [
+        "# A machine for rotor_ida, in SI units. Words with a unit are allowed too,",
+        '# such as clearance = "150 um" or speed = "3600 rpm".',
+        "",
+    ]
+    for name, value in machine.given.items():
+        parameter = OF_MACHINE[name]
+        unit = parameter.shown_unit
+        if name == "contact_stiffness" and machine.contact_exponent == 1.0:
+            unit = "N/m"
+        told = f"{unit}: {parameter.si_meaning}" if unit != "1" else parameter.si_meaning
+        lines.append(f"{name} = {_number(value)}  # {told}{more.get(name, '')}")
+    return "\n".join(lines) + "\n"
+
+
+def _number(value: float) -> str:
+    """Return a number that is read to the same bits."""
+    if 1e-3 <= value < 1e5:
+        return repr(value)
+    return np.format_float_scientific(value, trim="0", exp_digits=1)
+
+
+def _in_other_words(machine: DimensionalRotor) -> dict[str, str]:
+    """Return what a reader of a data sheet calls some of its quantities."""
+    rpm = SPEED_UNITS["rpm"]
+    found = {
+        "eccentricity": f", {machine.eccentricity * 1e6:.4g} um, {_unbalance(machine):.4g} g mm",
+        "clearance": f", {machine.clearance * 1e6:.4g} um",
+        "speed": f", {machine.speed / rpm:.6g} rpm",
+        "shaft_stiffness": f", critical speed {machine.critical_speed / rpm:.6g} rpm",
+        "contact_exponent": ", 1.5 by Hertz or 1 for a linear spring",
+    }
+    if machine.speed > 0.0:
+        grade = machine.eccentricity * machine.speed / MILLIMETRE
+        found["eccentricity"] += f", G{grade:.3g} at speed"
+    if not math.isnan(machine.damping_ratio):
+        found["damping"] = f", {machine.damping_ratio:.4g} of the critical speed"
+    return found
+
+
+def _unbalance(machine: DimensionalRotor) -> float:
+    """Return the unbalance [g mm]."""
+    return machine.mass * machine.eccentricity * 1e6

@@ -1,0 +1,215 @@
+"""The one table of units: what each measures, and how many SI units it makes.
+
+Options of the command line, parameters of machines and columns of measured files are read by it.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from functools import cache
+from typing import Literal, NamedTuple
+
+# How many radians a second each unit of speed is.
+SpeedUnit = Literal["rad/s", "rpm", "Hz"]
+SPEED_UNITS: dict[SpeedUnit, float] = {"rad/s": 1.0, "rpm": math.pi / 30.0, "Hz": 2.0 * math.pi}
+# The power of ten that each prefix stands for, and how many units with it make one without.
+POWERS = {"p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6}
+PREFIXES = {prefix: 10.0**-power for prefix, power in POWERS.items()}
+
+# Exponents of kg, m, s and rad. An angle has a dimension here, to tell a speed from a rate.
+Dimension = tuple[float, float, float, float]
+
+
+class Unit(NamedTuple):
+    """A unit of ``factor * 10**power`` SI units, and its dimension.
+
+    The power of ten is apart so that 60 um is the double nearest to 60e-6.
+    """
+
+    factor: float
+    power: float
+    dimension: Dimension
+
+    def to(self, exponent: float) -> Unit:
+        """Return the unit to some power."""
+        kg, m, s, rad = (each * exponent for each in self.dimension)
+        return Unit(math.pow(self.factor, exponent), self.power * exponent, (kg, m, s, rad))
+
+    def times(self, other: Unit) -> Unit:
+        """Return the product of two units."""
+        both = zip(self.dimension, other.dimension, strict=True)
+        kg, m, s, rad = (one + two for one, two in both)
+        return Unit(self.factor * other.factor, self.power + other.power, (kg, m, s, rad))
+
+    def in_si(self, number: str) -> float:
+        """Return a decimal number of this unit in SI units."""
+        if self.power != int(self.power):
+            return float(number) * math.pow(10.0, self.power) * self.factor
+        digits, _, exponent = number.lower().partition("e")
+        moved = f"{digits}e{int(exponent or 0) + int(self.power)}"
+        return float(moved if float(number) else 0.0) * self.factor
+
+
+ONE = Unit(1.0, 0.0, (0.0, 0.0, 0.0, 0.0))
+_MASS, _LENGTH, _TIME = (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)
+_ANGLE, _SPEED = (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, -1.0, 1.0)
+_FORCE = (1.0, 1.0, -2.0, 0.0)
+# Symbols that take prefixes, then those that take none.
+_PREFIXED = {
+    "g": Unit(1.0, -3, _MASS),
+    "m": Unit(1.0, 0, _LENGTH),
+    "s": Unit(1.0, 0, _TIME),
+    "N": Unit(1.0, 0, _FORCE),
+}
+_PLAIN = {
+    "cm": Unit(1.0, -2, _LENGTH),
+    "in": Unit(25.4, -3, _LENGTH),
+    "mil": Unit(25.4, -6, _LENGTH),
+    "min": Unit(60.0, 0, _TIME),
+    "rad": Unit(1.0, 0, _ANGLE),
+    "deg": Unit(math.pi / 180.0, 0, _ANGLE),
+    "rev": Unit(2.0 * math.pi, 0, _ANGLE),
+    "rpm": Unit(SPEED_UNITS["rpm"], 0, _SPEED),
+    "Hz": Unit(SPEED_UNITS["Hz"], 0, _SPEED),
+}
+UNITS = {
+    prefix + symbol: Unit(unit.factor, unit.power + power, unit.dimension)
+    for symbol, unit in _PREFIXED.items()
+    for prefix, power in POWERS.items()
+    if prefix != "M" or symbol == "N"  # so that MM can be mm
+} | _PLAIN
+# Other names of these.
+NAMES = {
+    name: symbol
+    for symbol, names in {
+        "s": ("sec", "secs", "second", "seconds"),
+        "ms": ("msec", "milliseconds"),
+        "us": ("usec", "microseconds"),
+        "min": ("minutes",),
+        "rad": ("radian", "radians"),
+        "deg": ("°", "degree", "degrees"),
+        "rev": ("revolutions", "turns"),
+        "m": ("metre", "metres", "meter", "meters"),
+        "mm": ("millimetre", "millimetres", "millimeters"),
+        "um": ("micron", "microns"),
+        "in": ("inch", "inches"),
+        "mil": ("mils",),
+        "rpm": ("1/min", "min-1", "r/min"),
+    }.items()
+    for name in names
+}
+# What messages offer.
+USUAL = (
+    *("kg", "g", "m", "mm", "um", "in", "mil", "s", "ms", "min", "N", "kN", "m/s", "mm/s"),
+    *("rad/s", "rpm", "Hz", "rad/s2", "rpm/s", "Hz/s", "N/m", "N/mm", "N/um", "N/m^1.5"),
+    *("N s/m", "N s/mm", "s/m", "s/mm", "kg m", "g mm", "N m", "N m s", "kg m2", "rad", "deg"),
+)
+_LETTERS = r"[^\W\d_]+|°"
+_FACTOR = re.compile(rf"({_LETTERS})(?:\^?(-?\d+(?:\.\d+)?))?[\s.*]*")
+_LOOKALIKES = str.maketrans({"µ": "u", "μ": "u", "²": "2", "³": "3", "·": " ", "⋅": " ", "−": "-"})
+_BY_LOWER_CASE = {
+    name.lower(): name
+    for name in (*UNITS, *NAMES)
+    if sum(name.lower() == other.lower() for other in (*UNITS, *NAMES)) == 1
+}
+
+
+def symbol_of(name: str, *, any_case: bool = True) -> str:
+    """Return the symbol that a name stands for, in any case if only one fits; else ``""``.
+
+    Examples
+    --------
+    >>> symbol_of("Mils"), symbol_of("µm"), symbol_of("HZ"), symbol_of("furlong")
+    ('mil', 'um', 'Hz', '')
+    """
+    plain = name.strip().translate(_LOOKALIKES)
+    if plain not in UNITS and plain not in NAMES:
+        plain = _BY_LOWER_CASE.get(plain.lower(), "") if any_case else ""
+    return NAMES.get(plain, plain)
+
+
+@cache
+def unit_of(text: str) -> Unit | None:
+    """Return the unit that a text writes, or None if it is none.
+
+    Factors may be joined by blanks, dots, asterisks or nothing at all, as long as only one reading
+    is left; their exponents may have a caret.
+
+    Examples
+    --------
+    >>> unit_of("N s/m") == unit_of("Ns/m") == unit_of("N s m-1")
+    True
+    >>> unit_of("N/mm").in_si("4000"), unit_of("µm").in_si("60"), unit_of("RPM").in_si("0")
+    (4000000.0, 6e-05, 0.0)
+    >>> unit_of("Nmm"), unit_of("furlong")  # is it N mm, or N m m?
+    (None, None)
+    """
+    if symbol := symbol_of(text, any_case=False):  # 1/min has a slash
+        return UNITS[symbol]
+    over, *under = text.translate(_LOOKALIKES).strip().split("/")
+    found = ONE if over.strip() == "1" and under else _product(over)
+    for part in under:
+        below = _product(part)
+        found = found.times(below.to(-1.0)) if found and below else None
+    return found
+
+
+def usual(*allowed: str) -> str:
+    """Return in words the usual units of the dimensions of some units.
+
+    Examples
+    --------
+    >>> usual("rad s-1"), usual("N m s")
+    ('rad/s, rpm or Hz', 'N m s')
+    """
+    dimensions = {dimension_of(each) for each in allowed}
+    fitting = [name for name in USUAL if dimension_of(name) in dimensions]
+    *first, last = fitting
+    return f"{', '.join(first)} or {last}" if first else last
+
+
+def dimension_of(text: str) -> Dimension | None:
+    """Return the dimension of what a text writes, or None if it is no unit."""
+    unit = unit_of(text)
+    return None if unit is None else unit.dimension
+
+
+def _product(text: str) -> Unit | None:
+    """Return the product of the units that are written one after the other."""
+    found, place, text = ONE, 0, text.strip()
+    while place < len(text):
+        factor = _FACTOR.match(text, place)
+        unit = None if factor is None else _run_together(factor[1], float(factor[2] or 1.0))
+        if factor is None or unit is None:
+            return None
+        found, place = found.times(unit), factor.end()
+    return found if text else None
+
+
+def _run_together(letters: str, exponent: float) -> Unit | None:
+    """Return the one unit that letters are, or the one product; the last factor has an exponent."""
+    symbol = symbol_of(letters, any_case=False)
+    readings = {_multiplied(symbols, exponent) for symbols in _splits(letters)}
+    if not symbol and not readings:  # Ns is N s, and no ns
+        symbol = symbol_of(letters)
+    if symbol:
+        return UNITS[symbol].to(exponent)
+    return readings.pop() if len(readings) == 1 else None
+
+
+def _multiplied(symbols: tuple[str, ...], exponent: float) -> Unit:
+    found = UNITS[symbols[-1]].to(exponent)
+    for symbol in symbols[:-1]:
+        found = found.times(UNITS[symbol])
+    return found
+
+
+def _splits(letters: str) -> Iterator[tuple[str, ...]]:
+    """Yield every way to read letters as symbols."""
+    if not letters:
+        yield ()
+    for end in range(1, len(letters) + 1):
+        if letters[:end] in UNITS:
+            yield from ((letters[:end], *rest) for rest in _splits(letters[end:]))

@@ -1,0 +1,80 @@
+"""Units: what people write is read as what they mean, to the last bit, or not at all."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from rotor_ida.model.parameters import TABLE
+from rotor_ida.units import NAMES, SPEED_UNITS, UNITS, USUAL, dimension_of, symbol_of, unit_of
+
+
+@pytest.mark.parametrize(
+    ("text", "in_si"),
+    [
+        ("kg", 1.0), ("g", 1e-3), ("um", 1e-6), ("\N{MICRO SIGN}m", 1e-6),
+        ("\N{GREEK SMALL LETTER MU}m", 1e-6), ("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254),
+        ("mil", 2.54e-5), ("ms", 1e-3), ("min", 60.0), ("kN", 1e3), ("N/mm", 1e3), ("kN/mm", 1e6),
+        ("N/mm^1.5", 10.0**4.5), ("g mm", 1e-6), ("kg m2", 1.0),
+        ("kg\N{DOT OPERATOR}m\N{SUPERSCRIPT TWO}", 1.0),
+        ("rpm", math.pi / 30.0), ("Hz", 2.0 * math.pi), ("rpm/s", math.pi / 30.0),
+        ("rpm/min", math.pi / 1800.0), ("min-1", math.pi / 30.0), ("deg", math.pi / 180.0),
+    ],
+)  # fmt: skip
+def test_a_unit_is_so_many_si_units(text: str, in_si: float):
+    unit = unit_of(text)
+    assert unit is not None
+    assert unit.in_si("1") == pytest.approx(in_si, rel=4e-16)
+
+
+@pytest.mark.parametrize("number", ["60", "0.1", "1.7", "3e-2", "123456789.123"])
+def test_a_prefix_moves_the_point_and_rounds_once(number: str):
+    unit = unit_of("um")
+    assert unit is not None
+    assert unit.in_si(number) == float(f"{float(number)!r}e-6" if "e" not in number else "3e-8")
+
+
+@pytest.mark.parametrize(
+    "texts",
+    [
+        ("N s/m", "Ns/m", "N s m-1", "N*s/m", "N.s/m", "N\N{MIDDLE DOT}s/m", "kg/s"),
+        ("N/m^1.5", "N m-1.5", "N/m1.5"),
+        ("N m", "Nm", "kg m2 s-2"),
+        ("rad/s2", "rad/s^2", "rad/s\N{SUPERSCRIPT TWO}", "rad/s/s", "rad s-2"),
+        ("rpm", "RPM", "rev/min", "r/min"),
+    ],
+)
+def test_a_unit_may_be_written_in_any_usual_way(texts: tuple[str, ...]):
+    dimensions = {dimension_of(text) for text in texts}
+    assert len(dimensions) == 1
+    assert None not in dimensions
+
+
+@pytest.mark.parametrize(
+    "text", ["", " ", "/", "N/", "/s", "furlong", "Nmm", "mNm", "N m 2", "5", "m^", "m^x", "m,s"]
+)
+def test_what_is_no_unit_or_has_two_readings_is_none(text: str):
+    assert unit_of(text) is None
+
+
+def test_a_speed_is_no_rate_and_no_frequency_of_an_angle_free_kind():
+    assert len({dimension_of(text) for text in ("rad/s", "rad/s2", "1/s", "rad")}) == 4
+
+
+def test_every_name_and_every_unit_offered_is_known():
+    assert all(symbol_of(name) in UNITS for name in (*UNITS, *NAMES))
+    assert None not in {dimension_of(text) for text in USUAL}
+
+
+def test_the_units_of_parameters_are_read_and_offered():
+    offered = {dimension_of(text) for text in USUAL}
+    for each in TABLE:
+        assert each.unit == "1" or dimension_of(each.unit) in offered, each.name
+
+
+def test_speeds_are_those_of_the_table():
+    for name, factor in SPEED_UNITS.items():
+        unit = unit_of(name)
+        assert unit is not None
+        assert unit.in_si("1") == factor
