@@ -11,8 +11,9 @@ from matplotlib.axis import Axis
 
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, OPTIONAL
-from rotor_ida.results.si_units import PREFIXES, UNITS, scale_of
+from rotor_ida.results.si_units import UNITS, scale_of
 from rotor_ida.schema import QUANTITIES
+from rotor_ida.units import PREFIXES
 
 # A dimensionless 1 below and above these is shown with the prefixes m and k.
 SMALL, LARGE = 0.1, 1000.0

@@ -16,9 +16,11 @@ from rotor_ida.checks import check_panels
 from rotor_ida.closed_forms import folds, hopf_points, response_curve
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
-from rotor_ida.plot.datasets import parameters_in, rotors_in
-from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.datasets import parameters_in, rotors_in, units_in
+from rotor_ida.plot.labels import label_parameter
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
+from rotor_ida.results.si_units import dimensional, machine_of
+from rotor_ida.schema import QUANTITIES
 
 # Up to so many speeds of a table of whirls are marked.
 FEW_SPEEDS = 30
@@ -68,7 +70,7 @@ def figure_of_whirls(dataset: xr.Dataset) -> Figure:
     with plot.style():
         for ax in shown[max(0, len(parts) - columns) :]:
             ax.tick_params(labelbottom=True)
-            ax.set_xlabel(LABELS["omega"])
+            label_parameter(ax.xaxis, "omega", dataset)
     return figure
 
 
@@ -80,7 +82,19 @@ def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
     given.pop("disc_radius", None)  # of these whirls it moves none
     curve = response_curve(**given, limits=_limits_of(part))
     has_hopf_points = given.get("friction") or given.get("contact_damping")
-    return curve, folds(**given), hopf_points(**given) if has_hopf_points else None
+    exact = [curve, folds(**given), hopf_points(**given) if has_hopf_points else None]
+    machine = machine_of(part)
+    if machine is None:
+        return tuple(exact)
+    length = next(
+        units_in(variable)
+        for name, variable in part.variables.items()
+        if str(name) in QUANTITIES and QUANTITIES[str(name)].scale == "length"
+    )
+    units = {"length": length}
+    return tuple(
+        each if each is None else dimensional(each, machine, units=units) for each in exact
+    )
 
 
 def figure_of_atlas(dataset: xr.Dataset) -> Figure:

@@ -44,7 +44,14 @@ from rotor_ida.plot.datasets import (
     check_same_units,
     fixed_parameters,
 )
-from rotor_ida.plot.labels import KIND_WORDS, LABELS, in_lines, label_axis, parameter_text
+from rotor_ida.plot.labels import (
+    KIND_WORDS,
+    LABELS,
+    in_lines,
+    label_axis,
+    label_parameter,
+    parameter_text,
+)
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of
 
@@ -246,7 +253,7 @@ def _plot_over_speed(
         _draw_points(ax, quantity, given, shown, parameters["zeta"])
         if simulated is not None:
             _draw_simulated(ax, simulated, quantity)
-        label_axis(ax.xaxis, "omega", shown["omega"])
+        label_parameter(ax.xaxis, "omega", shown)
         label_axis(ax.yaxis, quantity, shown[quantity])
         ax.set_xlim(0.0, 1.02 * float(shown["omega"].max()))
         if quantity == "amplitude":

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rotor_ida import DimensionalRotor, InputError, dimensional
+from rotor_ida import DimensionalRotor, InputError, dimensional, run_ups, sweep
 from rotor_ida.closed_forms import jumps
 from rotor_ida.plot import (
     plot_amplitude,
@@ -16,12 +16,14 @@ from rotor_ida.plot import (
     plot_drawn_out,
     plot_history,
     plot_jumps,
+    plot_largest_force,
     plot_machine,
     plot_orbit,
     plot_run,
     plot_section,
     plot_surface,
 )
+from rotor_ida.plot.figures import figure_of
 from rotor_ida.plot.labels import IN_UNITS, LABELS, label_of, number_text, unit_of
 from tests.plot.pictures import MACHINE, OF_CURVE, made
 
@@ -153,3 +155,33 @@ def test_units_are_written_as_a_reader_does(units, written):
 def test_numbers_far_from_one_are_written_with_a_power_of_ten():
     assert number_text(1.2e-5, "g") == r"1.2 \times 10^{-5}"
     assert number_text(-15.0, "g") == "-15"
+
+
+def test_the_speeds_of_a_machine_are_in_rpm():
+    curve = made("exact")
+    ax, bare = (plot_amplitude(each) for each in (dimensional(curve, MACHINE), curve))
+    assert (ax.get_xlabel(), bare.get_xlabel()) == ("spin speed [rpm]", LABELS["omega"])
+    np.testing.assert_array_equal(ax.lines[0].get_xdata(), bare.lines[0].get_xdata())
+    rpm = ax.get_xticks() * MACHINE.reference_frequency * 30.0 / np.pi
+    texts = [text.get_text() for text in ax.get_xticklabels()]
+    assert len(set(texts)) == len(texts) > 3
+    np.testing.assert_allclose([float(text) for text in texts], rpm, rtol=1e-5)
+    assert all(float(text) % 100.0 == 0.0 for text in texts)
+
+
+def test_the_rates_of_run_ups_of_a_machine_are_in_rpm_per_second():
+    found = run_ups(omega=0.3, to=1.6, rate=[0.03, 0.3], zeta=0.1, delta0=1.0)
+    ax = plot_largest_force(dimensional(found, MACHINE))
+    assert ax.get_xlabel().endswith("[rpm/s]")
+    rates = found.rate.values * MACHINE.reference_frequency**2 * 30.0 / np.pi
+    np.testing.assert_allclose(ax.lines[0].get_xdata(), rates)
+
+
+@pytest.mark.parametrize("units", [{}, {"length": "mm"}])
+def test_a_sweep_of_a_machine_has_the_exact_curve_behind_it(units):
+    rotor = MACHINE.rotor()
+    found = sweep(omega=[0.5, 1.0, 1.5], zeta=rotor.zeta, delta0=rotor.delta0, method="taylor")
+    (ax,) = figure_of(dimensional(found, MACHINE, units=units)).axes
+    words = [text.get_text() for text in ax.figure.legends[0].get_texts()]
+    assert "stable whirl" in words
+    assert ax.get_ylabel().endswith("[mm]" if units else "[µm]")
