@@ -158,7 +158,7 @@ def test_numbers_far_from_one_are_written_with_a_power_of_ten():
 
 
 def test_the_speeds_of_a_machine_are_in_rpm():
-    curve = made("exact")
+    curve = made("curve")
     ax, bare = (plot_amplitude(each) for each in (dimensional(curve, MACHINE), curve))
     assert (ax.get_xlabel(), bare.get_xlabel()) == ("spin speed [rpm]", LABELS["omega"])
     np.testing.assert_array_equal(ax.lines[0].get_xdata(), bare.lines[0].get_xdata())
