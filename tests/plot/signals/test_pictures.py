@@ -206,7 +206,9 @@ def test_polar_angle_is_the_lag_clockwise(up, exact):
     assert "clockwise" in ax.get_xlabel()
     marked = plot_polar(up, beneath=exact)
     told = {float(text.get_text()) for text in marked.texts}
-    assert {0.4, 1.0, 1.6} <= told
+    # at lower speeds marks lie closer to each other than a number is wide
+    assert min(told) == 1.0
+    assert {1.0, 1.6, 2.0} <= told
     assert "stable whirl" in legend_of(marked)
 
 
