@@ -281,7 +281,7 @@ def test_columns_and_units_are_chosen_by_hand_where_names_do_not_tell(page, tmp_
     assert "4,000 samples, turned by angle" in drop(page, good, "good.csv")
     shown = "return ['t', 'x', 'y', 'turn'].map((each) => " \
         "document.getElementById(`measured-column-${each}`).value)"  # fmt: skip
-    assert page.run(shown) == ["time_s", "probe_A_um", "probe_B_um", "angle [rad]"]
+    assert page.run(shown) == ["time_s", "probe_A_um", "probe_B_um", "angle"]
     page.find("#measured-remove").send_keys(Keys.SPACE)
     assert page.run("return document.getElementById('measured-columns').hidden")
 
