@@ -208,3 +208,32 @@ def test_a_clearance_with_its_unit_is_that_in_the_unit_of_the_probes(
         answer = program("plot", folder / "probes.csv", "--kind", "orbit", "--figure", name, *words)
         assert (answer.status, answer.err) == (0, "")
     assert Path("a.svg").read_bytes() == Path("b.svg").read_bytes()
+
+
+def test_columns_are_guessed_and_what_was_assumed_is_told(program: Program):
+    t = np.arange(4000) / 2000.0
+    turn = 2.0 * np.pi * 10.0 * t
+    probes = [40.0 * np.cos(turn - angle) for angle in (np.pi / 4.0, -np.pi / 4.0)]
+    table = np.stack([t, *probes, np.full(t.size, 600.0)], axis=1)
+    head = "time_s,probe_A_um,probe_B_um,speed_rpm"
+    np.savetxt("pump.csv", table, delimiter=",", header=head, comments="", fmt="%.9g")
+    answer = program("plot", "pump.csv", "--kind", "bode", "--figure", "a", "--json",
+                     "--probe-angles", 45, -45)  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    told = json.loads(answer.out)
+    assert told["columns"].startswith("t=time_s x=probe_A_um y=probe_B_um speed=speed_rpm")
+    assert told["notes"].startswith("the angle is integrated from the speed")
+    answer = program("plot", "pump.csv", "--kind", "trace", "--figure", "b", "--sensitivity",
+                     "200mV/mil", "--units", "x=V", "y=V", "--json")  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    assert "probes are taken to be at 0 and 90 degrees" in json.loads(answer.out)["notes"]
+
+
+def test_columns_that_cannot_be_guessed_are_listed(program: Program):
+    table = np.column_stack([np.arange(100.0) / 10.0, np.ones((100, 2))])
+    np.savetxt("a.csv", table, delimiter=",", header="t,left,right", comments="")
+    answer = program("plot", "a.csv", "--kind", "trace", "--figure", "a")
+    assert (answer.status, answer.out) == (2, "")
+    assert "must have a column for x and y; name them in columns, got 't, left, right'" in (
+        answer.err
+    )
