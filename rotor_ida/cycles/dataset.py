@@ -180,7 +180,7 @@ def _solved_again(cycle: Cycle, states: Values, stop: Stop) -> list[Cycle]:
 
 def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
     """Return the spectrum of one period: on fixed axes lines at omega + k 2 pi/T."""
-    orders, sizes = lines_of(states)
+    whirl, (orders, sizes) = whirl_of_cycle(cycle, states), lines_of(states)
     chosen = np.flatnonzero(sizes >= WEAKEST_LINE * sizes.max())
     chosen = chosen[np.argsort(orders[chosen])]
     frequency = cycle.rotor.omega + 2.0 * math.pi / cycle.period * orders[chosen]
@@ -193,7 +193,8 @@ def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
         "frequency": of_cycle("frequency", "line", frequency),
         "whirl_amplitude": of_cycle("whirl_amplitude", "line", sizes[chosen]),
         "line_kind": of_cycle("line_kind", "line", kinds),
-        **{name: of_cycle(name, (), each) for name, each in whirl_of_cycle(cycle, states).items()},
+        **{name: of_cycle(name, (), each) for name, each in whirl.items()},
+        "whirl_sense": of_cycle("whirl_sense", (), np.int8(whirl["whirl_sense"])),
     }
 
 
@@ -208,7 +209,7 @@ def lines_of(states: Values) -> tuple[Values, Values]:
     return orders, np.abs(heights)
 
 
-def whirl_of_cycle(cycle: Cycle, states: Values) -> dict[str, float | np.int8]:
+def whirl_of_cycle(cycle: Cycle, states: Values) -> dict[str, float]:
     """Return sense and speed of the whirl on a cycle, and its strongest line beside 1X.
 
     `states` are one period as for `lines_of`. What stands still is no whirl.
@@ -233,7 +234,7 @@ def whirl_of_cycle(cycle: Cycle, states: Values) -> dict[str, float | np.int8]:
     strongest = float(frequency[beside[np.argmax(sizes[beside])]])
     return {
         "whirl_over_spin": float(ratio),
-        "whirl_sense": np.int8(sense),
+        "whirl_sense": int(sense),
         "side_line_over_spin": strongest / omega,
     }
 
