@@ -6,8 +6,6 @@ rub stays one whatever the strongest line beside 1X is.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 
@@ -77,16 +75,17 @@ def forward_and_backward(z: Complex) -> tuple[Complex, Complex]:
 
     Examples
     --------
-    >>> angle = 2.0 * math.pi * np.arange(640) / 64
+    >>> angle = 2.0 * np.pi * np.arange(640) / 64
     >>> ahead, back = forward_and_backward(0.7 * np.exp(1j * angle) + 0.2 * np.exp(-2j * angle))
     >>> abs(ahead[300:340]).mean().round(2).item(), abs(back[300:340]).mean().round(2).item()
     (0.7, 0.2)
     """
-    size = z.size
+    from scipy.fft import fft, ifft, next_fast_len  # noqa: PLC0415 - takes long to import
+
     # zeros behind it keep its end away from its start
-    lines = np.fft.fft(z - z.mean(), 2 ** math.ceil(math.log2(2 * size)))
+    lines = fft(z - z.mean(), 2 * next_fast_len(z.size * 5 // 8 + 1))
     half = lines.size // 2
     lines[0] = lines[half] = 0.0
-    ahead, back = lines.copy(), lines
-    ahead[half:], back[:half] = 0.0, 0.0
-    return np.fft.ifft(ahead)[:size], np.fft.ifft(back)[:size]
+    ahead = lines.copy()
+    ahead[half:], lines[:half] = 0.0, 0.0
+    return ifft(ahead)[: z.size], ifft(lines)[: z.size]
