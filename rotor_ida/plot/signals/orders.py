@@ -298,6 +298,8 @@ def jumps_of(amplitude: Values, lag: Values) -> npt.NDArray[np.bool_]:
     """
     from scipy.ndimage import median_filter  # noqa: PLC0415 - takes long to import
 
+    if amplitude.size < 2:
+        return np.zeros(amplitude.size, dtype=bool)
     steps = np.abs(np.diff(amplitude * np.exp(-1j * lag)))
     usual = median_filter(steps, size=min(NEIGHBOURS, steps.size), mode="nearest")
     least = np.maximum(JUMP * amplitude.max(initial=0.0), UNUSUAL * usual)
