@@ -392,7 +392,7 @@ class RotorOptions:
     """One rotor, without dimensions or in SI units."""
 
     if TYPE_CHECKING:
-        machine: Path | None
+        machine: Path | None = None
 
     @property
     def in_si(self) -> bool:
@@ -421,7 +421,7 @@ class RotorsOptions:
     """The rotors of a study; without an optional parameter, all have its default."""
 
     if TYPE_CHECKING:
-        machine: Path | None
+        machine: Path | None = None
 
     @property
     def in_si(self) -> bool:
