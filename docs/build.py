@@ -3,15 +3,13 @@
     python docs/build.py            # with the figures as `rotor-ida reproduce` makes them
     python docs/build.py --quick    # with coarse ones
 
-What has been computed and has not changed is not computed again.
+Results that are up to date are not computed again.
 """
 
 import argparse
 import re
 import sys
 from pathlib import Path
-
-from sphinx.cmd.build import main as sphinx_build
 
 HERE = Path(__file__).parent
 # What a browser fetches by itself, from another host.
@@ -38,13 +36,31 @@ def linked_elsewhere(site):
     return sorted({found for text in texts for found in LINKED.findall(text)})
 
 
+def missing():
+    """Return in one line what keeps the site from being built, or an empty text."""
+    try:
+        import sphinx_design  # noqa: F401, PLC0415 - these may be what is missing
+        from rotor_ida.core.library import build_info  # noqa: PLC0415
+
+        build_info()
+    except ImportError as error:  # an InstallationError is one
+        cure = "" if "run: " in str(error) else "; run: pip install -e '.[docs]'"
+        return f"the site cannot be built: {error}{cure}"
+    return ""
+
+
 def main():
-    """Build the site, see that it loads nothing from elsewhere, and say how large it is."""
+    """Build the site, check that it loads nothing from elsewhere, and print its size."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="coarse figures")
     parser.add_argument("--out", type=Path, default=HERE.parent / "site", help="where to")
     parser.add_argument("--links", action="store_true", help="list all links to other hosts")
     given = parser.parse_args()
+    if reason := missing():
+        print(reason, file=sys.stderr)
+        return 1
+    from sphinx.cmd.build import main as sphinx_build  # noqa: PLC0415 - once it is known to be there
+
     tags = ["-t", "quick"] if given.quick else []
     strictly = ["-q", "-W", "--keep-going", "-n", *tags, "-d", str(HERE / ".doctrees")]
     status = sphinx_build([*strictly, str(HERE), str(given.out)])

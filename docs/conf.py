@@ -22,6 +22,7 @@ extensions = [
     "sphinx.ext.intersphinx",
     "numpydoc",
     "myst_parser",
+    "sphinx_design",
     "sphinx_gallery.gen_gallery",
     "reference",
     "scenarios",
@@ -31,6 +32,7 @@ exclude_patterns = [
     *("_extensions", "_templates", "inventories"),
     *("results", "scenario_scripts", "tutorial_scripts"),
     "api/used_by",
+    "categories.md",  # a part of datasets.md
     "site",
     "**/sg_execution_times.rst",
 ]
@@ -97,7 +99,8 @@ sphinx_gallery_conf = {
 }
 
 html_theme = "pydata_sphinx_theme"
-html_title = "rotor_ida"
+html_title = f"rotor_ida {release}"
+html_favicon = "../rotor_ida/explorer/page/icon.svg"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_copy_source = False
@@ -105,7 +108,7 @@ html_show_sourcelink = False
 html_theme_options = {
     "show_prev_next": False,
     "navbar_align": "left",
-    "header_links_before_dropdown": 6,
+    "header_links_before_dropdown": 8,
     "footer_start": ["copyright"],
     "footer_end": [],
     "secondary_sidebar_items": ["page-toc"],

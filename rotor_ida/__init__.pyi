@@ -25,10 +25,12 @@ from .model.rotor import Rotor as Rotor
 from .results.archive import load as load
 from .results.archive import open_archive as open_archive
 from .results.archive import save as save
+from .results.concat import concat as concat
 from .results.machine_file import load_machine as load_machine
 from .results.machine_file import save_machine as save_machine
 from .results.si_units import dimensional as dimensional
 from .results.studies import status as status
+from .schema import decode_flags as decode_flags
 from .signals.filtering import filtered_orbit as filtered_orbit
 from .signals.forces import contact_forces as contact_forces
 from .signals.lines import spectral_lines as spectral_lines
@@ -49,6 +51,7 @@ from .simulation.run_up import run_up as run_up
 from .simulation.sections import poincare_section as poincare_section
 from .simulation.simulate import simulate as simulate
 from .steady.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
+from .steady.run_up_summary import summary as summary
 from .steady.run_ups import run_ups as run_ups
 from .steady.sweep import sweep as sweep
 from .verification.compare import compare as compare

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,8 @@ Flags = npt.NDArray[np.bool_]
 Arrays = dict[str, npt.NDArray[Any]]
 # One byte; the core ends at its next step once it is not 0.
 Stop = npt.NDArray[np.uint8]
+# Functions that each return how far a run is.
+Watch = list[Callable[[], float]]
 # Dimensions and values of a variable of a dataset.
 Column = tuple[Hashable | Sequence[Hashable], npt.ArrayLike]
 # The spacing of doubles at 1.

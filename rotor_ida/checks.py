@@ -31,6 +31,8 @@ MOST_WORKERS = 512
 # What fits into the memory of most machines: numbers of an axis, samples, points of a grid.
 MOST_NUMBERS = 10_000_000
 MOST_POINTS_OF_STUDY = 10_000_000_000
+# In each revolution that is drawn or analysed.
+SAMPLES_A_REVOLUTION = 32
 # Of one kind, to each attractor of a rotor.
 MOST_SHOCKS = 10_000_000
 # A figure with more panels cannot be read.

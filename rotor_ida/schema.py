@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +19,9 @@ from rotor_ida.model.parameters import FRICTIONLESS, OF_ROTOR
 CONVENTIONS = "CF-1.11"
 # The attribute that says what kind of result a dataset is, a row of `rotor_ida.results.kinds`.
 RESULT_KIND = "result_kind"
+# Attributes of numbers that stand for words, which the words themselves need not have.
+OF_FLAGS = ("flag_values", "flag_meanings", "units")
+Labelled = TypeVar("Labelled", xr.Dataset, xr.DataArray)
 
 
 @dataclass(frozen=True)
@@ -340,6 +344,9 @@ QUANTITIES: dict[str, Quantity] = {
     "largest_radius": Quantity(
         "largest distance from the bearing axis on the ramp", scale="length"
     ),
+    "smallest_gap": Quantity(
+        "clearance less the largest distance from the bearing axis", scale="length"
+    ),
     "largest_radius_speed": Quantity("spin speed where the distance is largest", scale="speed"),
     "largest_force_speed": Quantity("spin speed where the force is largest", scale="speed"),
     "first_touch_speed": Quantity("spin speed at the first touch", scale="speed"),
@@ -619,7 +626,7 @@ def by_number(flags: Mapping[str, int]) -> dict[int, str]:
     return {number: word for word, number in flags.items()}
 
 
-def flags_of(variable: xr.DataArray) -> dict[str, int]:
+def flags_of(variable: xr.DataArray | xr.Variable) -> dict[str, int]:
     """Return the words and numbers of a flag variable, as its own attributes tell them.
 
     Examples
@@ -627,6 +634,8 @@ def flags_of(variable: xr.DataArray) -> dict[str, int]:
     >>> flags_of(xr.DataArray(labelled("event_kind", "event", [1])))
     {'exit': -1, 'entry': 1}
     """
+    if "flag_meanings" not in variable.attrs:
+        raise InputError(f"a flag variable must have flag_meanings, got one with {variable.attrs}")
     words = str(variable.attrs["flag_meanings"]).split()
     numbers = np.atleast_1d(variable.attrs["flag_values"]).tolist()
     return dict(zip(words, numbers, strict=True))
@@ -642,3 +651,60 @@ def words_of(variable: xr.DataArray) -> list[str]:
     """
     words = by_number(flags_of(variable))
     return [words[number] for number in variable.values.ravel().tolist()]
+
+
+def decode_flags(data: Labelled) -> Labelled:
+    """Return a result with words in place of the numbers of its flags.
+
+    Parameters
+    ----------
+    data : Dataset or DataArray
+        A result, or one of its flag variables, such as ``stability`` or ``response``.
+
+    Returns
+    -------
+    Dataset or DataArray
+        The same with strings, which tables, ``sel`` and ``where`` take; ``""`` where a value is
+        missing. Results are computed, plotted and saved with numbers.
+
+    Raises
+    ------
+    InputError
+        If a DataArray has no ``flag_meanings``, or a number is none of its flags.
+
+    Examples
+    --------
+    >>> from rotor_ida import synchronous_response
+    >>> whirls = synchronous_response(omega=1.7, zeta=0.07, delta0=0.0).squeeze()
+    >>> decode_flags(whirls.stability).values.tolist()
+    ['stable', 'unstable', 'stable']
+    >>> stable = decode_flags(whirls.stability) == "stable"
+    >>> whirls.amplitude.where(stable, drop=True).values.round(4)
+    array([1.8796, 9.4872])
+    >>> decode_flags(whirls)[["amplitude", "stability"]].to_dataframe().stability.tolist()
+    ['stable', 'unstable', 'stable']
+    """
+    if isinstance(data, xr.DataArray):
+        decoded = _decoded(data.variable)
+        return xr.DataArray(decoded.values, data.coords, data.dims, data.name, decoded.attrs)
+    if not isinstance(data, xr.Dataset):
+        raise InputError(f"data must be a Dataset or DataArray, got {type(data).__name__}")
+    words = {
+        name: _decoded(variable)
+        for name, variable in data.variables.items()
+        if "flag_meanings" in variable.attrs
+    }
+    on_axes = {name: variable for name, variable in words.items() if name in data.coords}
+    others = {name: variable for name, variable in words.items() if name not in on_axes}
+    return data.assign(others).assign_coords(on_axes)
+
+
+def _decoded(variable: xr.Variable) -> xr.Variable:
+    """Return a flag variable as words; nothing where its number is NaN."""
+    words = by_number(flags_of(variable))
+    unknown = sorted(set(np.unique(variable.values[~np.isnan(variable.values)])) - set(words))
+    if unknown:
+        raise InputError(f"flags must be one of {', '.join(map(str, words))}, got {unknown[0]}")
+    texts = [words.get(number, "") for number in variable.values.ravel().tolist()]
+    told = {name: value for name, value in variable.attrs.items() if name not in OF_FLAGS}
+    return xr.Variable(variable.dims, np.reshape(np.array(texts, dtype=str), variable.shape), told)

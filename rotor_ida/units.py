@@ -8,15 +8,15 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from decimal import Decimal
 from functools import cache
 from typing import Literal, NamedTuple
 
 # How many radians a second each unit of speed is.
 SpeedUnit = Literal["rad/s", "rpm", "Hz"]
 SPEED_UNITS: dict[SpeedUnit, float] = {"rad/s": 1.0, "rpm": math.pi / 30.0, "Hz": 2.0 * math.pi}
-# The power of ten that each prefix stands for.
-PREFIXES = {"p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6}
+# The power of ten that each prefix stands for, and how many units with it make one without.
+POWERS = {"p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6}
+PREFIXES = {prefix: 10.0**-power for prefix, power in POWERS.items()}
 
 # Exponents of kg, m, s and rad. An angle has a dimension here, to tell a speed from a rate.
 Dimension = tuple[float, float, float, float]
@@ -35,7 +35,7 @@ class Unit(NamedTuple):
     def to(self, exponent: float) -> Unit:
         """Return the unit to some power."""
         kg, m, s, rad = (each * exponent for each in self.dimension)
-        return Unit(self.factor**exponent, self.power * exponent, (kg, m, s, rad))
+        return Unit(math.pow(self.factor, exponent), self.power * exponent, (kg, m, s, rad))
 
     def times(self, other: Unit) -> Unit:
         """Return the product of two units."""
@@ -45,9 +45,11 @@ class Unit(NamedTuple):
 
     def in_si(self, number: str) -> float:
         """Return a decimal number of this unit in SI units."""
-        if self.power == int(self.power):
-            return float(Decimal(number).scaleb(int(self.power))) * self.factor
-        return float(number) * 10.0**self.power * self.factor
+        if self.power != int(self.power):
+            return float(number) * math.pow(10.0, self.power) * self.factor
+        digits, _, exponent = number.lower().partition("e")
+        moved = f"{digits}e{int(exponent or 0) + int(self.power)}"
+        return float(moved if float(number) else 0.0) * self.factor
 
 
 ONE = Unit(1.0, 0.0, (0.0, 0.0, 0.0, 0.0))
@@ -75,7 +77,7 @@ _PLAIN = {
 UNITS = {
     prefix + symbol: Unit(unit.factor, unit.power + power, unit.dimension)
     for symbol, unit in _PREFIXED.items()
-    for prefix, power in PREFIXES.items()
+    for prefix, power in POWERS.items()
     if prefix != "M" or symbol == "N"  # so that MM can be mm
 } | _PLAIN
 # Other names of these.

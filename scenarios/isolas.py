@@ -28,7 +28,7 @@ from rotor_ida import (
 )
 from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import panels, plot_branch, plot_curves, shared_legend
-from rotor_ida.schema import EXACT, SPECIAL
+from rotor_ida.schema import EXACT, SPECIAL, STABILITY
 
 ZETA = 0.07
 CASES = {0.5: (3.0, (3.0, 1.0, 0.0, 0.0)), 2.0: (2.0, (0.0, 0.0, 0.0, 0.0))}
@@ -82,7 +82,7 @@ def folds_of(isola: xr.Dataset) -> np.ndarray:
 
 def inside(isola: xr.Dataset, omega: float) -> xr.Dataset:
     """Return what a rotor does that is started beside the stable cycle of the sliver."""
-    stable = isola.where((isola.stability == 0) & (isola.omega < 0.5), drop=True)
+    stable = isola.where((isola.stability == STABILITY["stable"]) & (isola.omega < 0.5), drop=True)
     near = stable.isel(point=int(np.argmin(np.abs(stable.omega.values - omega))))
     rotor = Rotor(omega=omega, zeta=float(isola.zeta), delta0=float(isola.delta0))
     start = [float(near[name]) for name in ("x", "y", "vx", "vy")]

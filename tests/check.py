@@ -1,38 +1,69 @@
-"""The whole test command: style, types, layout, doctests and tests, one after the other."""
+"""The whole test command: style, types, layout, doctests and tests, with the time left."""
 
+import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 LINT_IMPORTS = "from importlinter.cli import lint_imports_command; lint_imports_command()"
 CLANG_FORMAT = "from clang_format import clang_format; clang_format()"
-# Those that are derived from the model say themselves that they are to be left as they are.
+# Derived files are formatted as they are written; they tell clang-format to leave them alone.
 C_SOURCES = sorted(str(path) for path in (ROOT / "rotor_ida" / "core").glob("*.[ch]"))
 SPELLED = [
     *("rotor_ida", "tests", "docs", "scenarios", "benchmarks"),
     *("README.md", "CHANGELOG.md", "CONTRIBUTING.md"),
 ]
-CHECKS = {
+# A few seconds each.
+FIRST = {
     "style": ["-m", "ruff", "check", "."],
     "format": ["-m", "ruff", "format", "--check", "."],
     "spelling": ["-m", "codespell_lib", *SPELLED],
     "C": ["-c", CLANG_FORMAT, "--dry-run", "--Werror", *C_SOURCES],
-    "types": ["-m", "mypy"],
-    "layout": ["-c", LINT_IMPORTS],
-    "tests": ["-m", "pytest", "-n", "auto", "--dist", "worksteal"],
 }
+# These run beside the tests, and their output follows that of the tests.
+BESIDE = {"types": ["-m", "mypy"], "layout": ["-c", LINT_IMPORTS]}
+TESTS = ["-m", "pytest", "-n", "auto", "--dist", "worksteal"]
+# pytest ends each line of dots with the part of the tests that is done.
+PART_DONE = re.compile(r"\[ *(\d+)%\]$")
+
+
+def started(arguments, **how):
+    """Start a check with this Python."""
+    return subprocess.Popen([sys.executable, *arguments], cwd=ROOT, text=True, **how)
 
 
 def run(name, arguments):
-    """Run one check with this Python and return whether it passed."""
+    """Run one check and return whether it passed."""
     print(f"== {name}", flush=True)
-    return subprocess.run([sys.executable, *arguments], cwd=ROOT, check=False).returncode == 0
+    return started(arguments).wait() == 0
+
+
+def run_tests():
+    """Run the tests, with the time left beside each line, and return whether they passed."""
+    print("== tests", flush=True)
+    began = time.monotonic()
+    with started(TESTS, stdout=subprocess.PIPE) as tests:
+        for line in tests.stdout:
+            shown = line.rstrip("\n")
+            if (part := PART_DONE.search(shown)) and 0 < int(part[1]) < 100:
+                left = (time.monotonic() - began) * (100 / int(part[1]) - 1)
+                shown += f" {left / 60:.0f} min left" if left >= 90 else f" {left:.0f} s left"
+            print(shown, flush=True)
+    return tests.returncode == 0
 
 
 def main():
     """Run every check, even after one has failed; exit 1 if one has."""
-    failed = [name for name, arguments in CHECKS.items() if not run(name, arguments)]
+    passed = {name: run(name, arguments) for name, arguments in FIRST.items()}
+    together = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    beside = {name: started(arguments, **together) for name, arguments in BESIDE.items()}
+    passed["tests"] = run_tests()
+    for name, check in beside.items():
+        print(f"== {name}", check.communicate()[0].rstrip(), sep="\n", flush=True)
+        passed[name] = check.returncode == 0
+    failed = [name for name, right in passed.items() if not right]
     print(f"== failed: {', '.join(failed)}" if failed else "== all passed", flush=True)
     return 1 if failed else 0
 

@@ -1,6 +1,16 @@
-"""Settings for all tests: no timed ones, and the same examples on every run."""
+"""Settings for all tests: no timed ones, the same examples on every run, no figure left open."""
 
+import sys
+
+import pytest
 from hypothesis import settings
 
 settings.register_profile("rotor_ida", deadline=None, derandomize=True)
 settings.load_profile("rotor_ida")
+
+
+@pytest.fixture(autouse=True)
+def _no_figure_left_open():
+    yield
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")

@@ -7,8 +7,17 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import Rotor, load, poincare_section, save
-from rotor_ida.schema import QUANTITIES, flags_of, labelled_dataset
+from rotor_ida import (
+    InputError,
+    Rotor,
+    basin_fractions,
+    decode_flags,
+    load,
+    poincare_section,
+    save,
+    synchronous_response,
+)
+from rotor_ida.schema import QUANTITIES, STABILITY, flags_of, labelled, labelled_dataset
 from tests.kinds import KINDS, REST
 
 RESULTS = {
@@ -99,3 +108,34 @@ def test_columns_of_different_length_are_refused() -> None:
         labelled_dataset(
             "whirls", {"amplitude": ("omega", [2.0, 3.0])}, {"omega": ("omega", [1.7])}
         )
+
+
+def test_flags_of_a_whole_result_become_words_on_axes_too():
+    found = basin_fractions(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=(-9, 9), y=(-9, 9), starts=9)
+    told = decode_flags(found)
+    assert told.kind.values.tolist() == ["synchronous", "synchronous"]
+    assert float(told.response_fraction.sel(response="synchronous")) == 1.0
+    assert told.amplitude.identical(found.amplitude)
+    assert not {"flag_values", "flag_meanings", "units"} & set(told.kind.attrs)
+    assert found.kind.dtype == np.int8
+
+
+def test_words_of_flags_choose_as_numbers_do():
+    found = synchronous_response(omega=[0.5, 1.7], zeta=0.07, delta0=0.0)
+    stable = decode_flags(found.stability) == "stable"
+    assert stable.dims == found.stability.dims
+    np.testing.assert_array_equal(stable, found.stability == STABILITY["stable"])
+
+
+def test_a_flag_without_a_value_has_no_word():
+    kinds = xr.DataArray(labelled("event_kind", "event", [1.0, np.nan, -1.0]))
+    assert decode_flags(kinds).values.tolist() == ["entry", "", "exit"]
+
+
+def test_numbers_without_words_are_refused():
+    with pytest.raises(InputError, match="flags must be one of -1, 1, got 7"):
+        decode_flags(xr.DataArray(labelled("event_kind", "event", [1, 7])))
+    with pytest.raises(InputError, match="must have flag_meanings"):
+        decode_flags(xr.DataArray([1.0]))
+    with pytest.raises(InputError, match="data must be a Dataset or DataArray, got list"):
+        decode_flags([1])

@@ -38,7 +38,7 @@ def link_names(app, doctree):
     """Make links of the public names that stand as code in prose."""
     for code in list(doctree.findall(nodes.literal)):
         is_link = isinstance(code.parent, nodes.reference | addnodes.pending_xref)
-        if not is_link and code.astext() not in WORDS and app.env.docname != "names":
+        if not is_link and code.astext() not in WORDS:
             code.replace_self(linked(code.deepcopy(), app.env.docname))
 
 

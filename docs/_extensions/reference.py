@@ -12,18 +12,42 @@ from rotor_ida import schema
 from rotor_ida.cli.program import application
 
 HERE = Path(__file__).parents[1]
+# The main functions by task. A public name that is in no list is shown under the last title.
+TASKS = {
+    "Describe a rotor": ["Rotor", "DimensionalRotor", "dimensional"],
+    "Simulate": ["simulate", "run_up", "run_ups", "contact_summary", "contact_forces", "rotating"],
+    "Exact responses": [
+        *("synchronous_response", "folds", "hopf_points", "backward_whirl", "impact", "rest"),
+    ],
+    "Steady states, sweeps and chaos": [
+        *("sweep", "compare", "bifurcation_diagram", "poincare_section", "lyapunov_exponent"),
+        "spectrum",
+    ],
+    "Limit cycles and branches": [
+        *("limit_cycle", "continue_cycle", "bifurcation_curve", "branches_through"),
+    ],
+    "Basins of attraction": [
+        *("basin", "basin_fractions", "continue_attractors", "touchdown_report"),
+    ],
+    "Probe signals": [
+        *("read_signals", "signals_of", "orders", "centre_line", "whirl_ratio", "full_spectrum"),
+        *("spectrogram", "spectral_lines", "filtered_orbit", "correct_probes", "subtract_runout"),
+    ],
+    "Fit a measurement": ["fit"],
+    "Archives and studies": ["save", "load", "open_archive", "status", "resume"],
+    "Errors and other names": [],
+}
 PARTS = {
-    "rotor_ida": "The main functions",
     "rotor_ida.closed_forms": "Closed forms",
-    "rotor_ida.plot": "Figures",
-    "rotor_ida.testing": "For tests of one's own",
+    "rotor_ida.plot": "Plots",
+    "rotor_ida.testing": "Tests of your own",
     "rotor_ida.paper.printed": "The paper's formulas, as printed",
 }
 HEAD = """Functions and classes
 =====================
 
-Every public name, from its docstring. Quantities are dimensionless where a docstring says ``[1]``;
-:doc:`/model` says by what they are divided.
+Find a function by its task; each links to its docstring with an example. Quantities are
+dimensionless where a docstring says ``[1]``; :doc:`/model` defines the units.
 
 """
 
@@ -31,12 +55,26 @@ Every public name, from its docstring. Quantities are dimensionless where a docs
 def write_names():
     """Write the page of names; autosummary makes a page of each."""
     text = HEAD
+    rest = set(listed("rotor_ida")).difference(*TASKS.values())
+    for title, names in TASKS.items():
+        text += section("rotor_ida", title, names or sorted(rest))
     for module, title in PARTS.items():
-        names = [f"   {name}" for name in public_names(module) if not name.isupper()]
-        text += f"{title}\n{'-' * len(title)}\n\n.. currentmodule:: {module}\n\n"
-        text += ".. autosummary::\n   :toctree: api\n   :template: name.rst\n\n"
-        text += "\n".join(names) + "\n\n"
+        text += section(module, title, listed(module))
     write(HERE / "functions.rst", text)
+
+
+def listed(module):
+    """Return the public names of a module that are not constants."""
+    return [name for name in public_names(module) if not name.isupper()]
+
+
+def section(module, title, names):
+    """Return one section of the page of names."""
+    lines = "\n".join(f"   {name}" for name in names)
+    return (
+        f"{title}\n{'-' * len(title)}\n\n.. currentmodule:: {module}\n\n"
+        f".. autosummary::\n   :toctree: api\n   :template: name.rst\n\n{lines}\n\n"
+    )
 
 
 def write_commands():
@@ -54,14 +92,8 @@ def write(path, text):
 
 
 def write_categories():
-    """Write the page of the words of categories, and the numbers that stand for them."""
-    lines = [
-        "# Categories",
-        "",
-        "Categories are small integers; `flag_values` and `flag_meanings` of a variable say so in",
-        "every dataset, and `rotor_ida.schema` has them as dictionaries.",
-        "",
-    ]
+    """Write the list of the words of categories, which the page on datasets includes."""
+    lines = []
     for name, flags in vars(schema).items():
         if name.isupper() and isinstance(flags, dict) and set(map(type, flags.values())) == {int}:
             words = ", ".join(f"{word} {number}" for word, number in flags.items())

@@ -13,7 +13,7 @@ from sphinx.errors import ExtensionError
 from sphinx_gallery.scrapers import figure_rst
 
 from rotor_ida.paper.gallery import caption_of, read_entries
-from rotor_ida.paper.reproduction import reproduce, scenario_scripts
+from rotor_ida.paper.reproduction import is_of_paper, reproduce, scenario_scripts
 
 HERE = Path(__file__).parents[1]
 RESULTS, SCRIPTS = HERE / "results", HERE / "scenario_scripts"
@@ -38,7 +38,7 @@ run_script(
 
 def write_scripts(app, _config):
     """Run what is not up to date, and write the sources of the gallery."""
-    if reproduce(RESULTS, quick=app.tags.has("quick")):
+    if reproduce(RESULTS, studies=True, quick=app.tags.has("quick")):
         raise ExtensionError("a scenario failed: see above")
     shutil.rmtree(SCRIPTS, ignore_errors=True)
     for folder, (title, words) in TITLES.items():
@@ -47,7 +47,7 @@ def write_scripts(app, _config):
         line = ("=" if not folder else "-") * len(title)
         (place / "GALLERY_HEADER.rst").write_text(f"{title}\n{line}\n\n{words}\n", encoding="utf-8")
     for name, script in scenario_scripts().items():
-        folder = SCRIPTS / ("paper" if name.startswith("fig") else "studies")
+        folder = SCRIPTS / ("paper" if is_of_paper(name) else "studies")
         text = gallery_source(name, script.read_text(encoding="utf-8"))
         (folder / f"{name}.py").write_text(text, encoding="utf-8")
 

@@ -73,16 +73,11 @@ print(f"events are timed to {float(in_si.event_time_error.max()):.1g} ms or bett
 # out it comes [m], the largest force [N], and much more. (Contact-free whirls come as a family, with centres
 # anywhere they have room, so that they have no one radius.)
 
-from rotor_ida import touchdown_report
+from rotor_ida import decode_flags, touchdown_report
 
 report = touchdown_report(machine, x=(-50e-6, 50e-6), y=(-50e-6, 50e-6), starts=200)
-from rotor_ida.schema import RESPONSE
-
-kinds = {number: word for word, number in RESPONSE.items()}
-columns = ["fraction", "radius_max", "largest_force"]
-table = report[columns].to_dataframe()[columns]
-table.insert(0, "kind", [kinds[int(kind)] for kind in report.kind])
-table
+columns = ["kind", "fraction", "radius_max", "largest_force"]
+decode_flags(report)[columns].to_dataframe()[columns]
 
 # %%
 # At which speeds it jumps
@@ -126,7 +121,7 @@ for number, clearance in enumerate(clearances):
     farthest = float(settled.radius_max)
     radius = 1e6 * farthest * machine.length_scale
     force = float(contact_force(farthest, float(settled.delta0))) * machine.force_scale
-    kind = kinds[int(settled.response)]
+    kind = decode_flags(settled.response).item()
     print(f"{clearance:4.0f} µm: {kind:13s} out to {radius:5.1f} µm, up to {force:.2f} N")
 
 # %%

@@ -80,14 +80,13 @@ figure
 # Followed over the speed, round folds and through grazes, until the branch closes or leaves the range.
 # The table of special points says where it folds, doubles its period or grazes.
 
-from rotor_ida import continue_cycle
+from rotor_ida import continue_cycle, decode_flags
 from rotor_ida.plot import panels, plot_branch
-from rotor_ida.schema import SPECIAL
 
 branch = continue_cycle(rotor, start=cycle, limits=(0.05, 5.0))
-names = {number: word for word, number in SPECIAL.items()}
-for kind, speed in zip(branch.special_kind.values, branch.special_value.values, strict=True):
-    print(f"{names[int(kind)]:16s} at omega = {speed:.10f}")
+kinds = decode_flags(branch.special_kind).values
+for kind, speed in zip(kinds, branch.special_value.values, strict=True):
+    print(f"{kind:16s} at omega = {speed:.10f}")
 
 # %%
 figure, (ax,) = panels(1, 1, width=6.4, height=3.6)
@@ -106,13 +105,11 @@ import numpy as np
 
 from rotor_ida import basin
 from rotor_ida.plot import plot_basin
-from rotor_ida.schema import RESPONSE
 
 axis = np.linspace(-15.0, 15.0, 121)
 found = basin(rotor, x=axis, y=axis)
-kinds = {number: word for word, number in RESPONSE.items()}
-for kind, fraction in zip(found.kind.values, found.fraction.values, strict=True):
-    print(f"{kinds[int(kind)]:13s} {fraction:.3f} of the starts")
+for kind, fraction in zip(decode_flags(found.kind).values, found.fraction.values, strict=True):
+    print(f"{kind:13s} {fraction:.3f} of the starts")
 print(
     f"{float(found.agreement):.0%} of {int(found.agreement_count)} labels found again are the same"
 )

@@ -83,7 +83,8 @@ def basin(
     Returns
     -------
     Dataset
-        On the two components that vary: ``label``, the number of the attractor, -1 where the end
+        On the two components that vary, the later one first, so that ``label.plot()`` draws y
+        upwards: ``label``, the number of the attractor, -1 where the end
         is not known, -2 where it was not computed; ``response``, its kind as a flag;
         ``settling_time`` [1]. On ``attractor``: ``kind``, ``amplitude``, ``phase_lag``,
         ``radius_min``, ``radius_max`` (NaN where they depend on the start); ``trapping``, whether
@@ -126,7 +127,7 @@ def basin(
     >>> axis = np.linspace(-15.0, 15.0, 24)
     >>> found = basin(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=axis, y=axis)
     >>> found.label.dims, found.amplitude.values.round(4)
-    (('x', 'y'), array([1.8796, 9.4872]))
+    (('y', 'x'), array([1.8796, 9.4872]))
     >>> int(found["count"].sum()), int(found.undecided_count)
     (576, 0)
     """

@@ -53,14 +53,19 @@ MOST_IN_ENTROPY = 1_000_000
 def basin_dataset(
     axes: Mapping[str, Values], fixed: Mapping[str, float], result: Labelled
 ) -> xr.Dataset:
-    """Return a grid of starts, row by row, over the two components that vary, with their ends."""
+    """Return what each start of a grid ends on, over the two components that vary.
+
+    The starts are numbered along the last component first. The dataset has that component first,
+    as xarray draws the first dimension upwards.
+    """
     attractors, shape = result.attractors, tuple(values.size for values in axes.values())
     labels, times = result.labels.reshape(shape), result.followed.times.reshape(shape)
     dims = tuple(axes)
+    upright = dims[::-1]
     variables = {
-        "label": _labels(labels, dims, len(attractors)),
-        "response": _responses(labels, dims, attractors, result.folder),
-        "settling_time": labelled("settling_time", dims, times),
+        "label": _labels(labels, dims, len(attractors)).transpose(*upright),
+        "response": _responses(labels, dims, attractors, result.folder).transpose(*upright),
+        "settling_time": labelled("settling_time", dims, times).transpose(*upright),
         **_attractor_table(labels, attractors),
         **_entropies(grid_entropy(labels, family_of(attractors))),
         **_agreement(result),

@@ -32,10 +32,10 @@ from rotor_ida.cli.variables import (
 )
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
-from rotor_ida.model.rotor import SPEED_UNITS
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, by_number, flags_of
+from rotor_ida.units import SPEED_UNITS
 
 EVENTS = Rows(
     title="Events", key="events", lead="event_time", prefix="event_",
@@ -173,6 +173,20 @@ def show_run(dataset: xr.Dataset, most: int | None) -> Description:
     return record, [pairs("Run", told), *parts]
 
 
+def show_run_up_summary(dataset: xr.Dataset, _most: int | None) -> Description:
+    """Return what a run-up comes to, the sentence first."""
+    record, _ = tabled(dataset, None)
+    scalars = scalars_of(dataset)
+    told: Record = {}
+    for name, value in scalars.items():
+        turns = in_rpm(dataset[name]) if name.endswith("_speed") else None
+        told[with_unit(dataset, name) if turns is None else f"{name} [rpm]"] = (
+            value if turns is None else float(turns)
+        )
+    sentence = str(dataset.attrs["sentence"])
+    return record, [sentence, pairs("Run-up", told)]
+
+
 def _change_of_speed(run: xr.Dataset) -> Record:
     """Return how the speed changed during a run, by names with units."""
     if "speed" not in run:
@@ -264,7 +278,9 @@ def show_attractors(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the attractors of a basin or of fractions, and what became of the starts."""
     record, parts = tabled(dataset, most, ATTRACTORS, SHARES)
     if "label" in dataset:
-        record["grid"] = {name: dataset.sizes[name] for name in dataset["label"].dims}
+        record["grid"] = {
+            name: dataset.sizes[name] for name in COMPONENTS if name in dataset["label"].dims
+        }
     return record, [*parts, pairs("Starts", scalars_of(dataset))]
 
 
@@ -419,7 +435,7 @@ def show_fit(dataset: xr.Dataset, most: int | None) -> Description:
     record, parts = tabled(dataset, most, FITTED)
     told = [f"{each}." for each in str(dataset.attrs["identifiability"]).split("; ")]
     summary: Record = {"machine": dataset.attrs["machine"], "windows": dataset.sizes["window"]}
-    summary |= {name: record[name] for name in (*OF_FIT, "remainder", "contact_times")
-                if name in record}  # fmt: skip
+    last = ("remainder", "contact_times", "columns", "notes")
+    summary |= {name: record[name] for name in (*OF_FIT, *last) if name in record}
     record |= summary | {"identifiability": told}
     return record, [pairs("Fit", summary), *parts, *told]

@@ -64,6 +64,9 @@ def show_signals(dataset: xr.Dataset, most: int | None) -> Description:
         with_unit(dataset, "t"): span(times, 6),
         "sampling rate" + _inverse_of(dataset["t"]): rate,
         **turning,
+        **{
+            name: str(dataset.attrs[name]) for name in ("columns", "notes") if name in dataset.attrs
+        },
     }
     unit = str(dataset["x"].attrs.get("units", "1"))
     title = "Displacements" if unit == "1" else f"Displacements [{unit}]"

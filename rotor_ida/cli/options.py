@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
-from rotor_ida import units
 from rotor_ida.checks import (
+    COMPONENTS,
     LARGEST_SEED,
     MOST_NUMBERS,
     MOST_SHOCKS,
@@ -20,18 +20,20 @@ from rotor_ida.checks import (
     State,
     check_axis,
 )
-from rotor_ida.cli import parsing
+from rotor_ida.cli import machines, parsing
+from rotor_ida.cli.machines import Units
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import (
-    DEFAULTS,
     MACHINE_PARAMETERS,
-    OF_ROTOR,
     OPTIONAL,
-    PARAMETERS,
     TABLE,
 )
+from rotor_ida.model.parameters import Parameter as Quantity
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import Backend, Flight, Method
+
+# Where a speed is needed, and none is looked at.
+ANY_SPEED = 1.0
 
 
 def check_varies(points: int) -> None:
@@ -44,20 +46,32 @@ def _number(text: str) -> Parameter:
     return Parameter(help=text, converter=parsing.converter(parsing.number))
 
 
-def _quantity(text: str, *allowed: str) -> Parameter:
+def _quantity(text: str, *allowed: str, name: str | None = None) -> Parameter:
     """Return an option for a number, which may have a unit as those that are allowed."""
     return Parameter(
-        help=text, metavar="VALUE", converter=parsing.converter(parsing.quantity, *allowed)
+        name=name,
+        help=text,
+        metavar="VALUE",
+        converter=parsing.converter(parsing.quantity, *allowed),
     )
 
 
-def _numbers(text: str) -> Parameter:
-    reading = parsing.converter(parsing.numbers)
+def _numbers(text: str, *allowed: str) -> Parameter:
+    reading = parsing.converter(parsing.numbers, *allowed)
     return Parameter(help=text, converter=reading, consume_multiple=True, negative=())
 
 
 def _several_numbers(text: str, words: str, *allowed: str) -> Parameter:
     reading = parsing.converter(parsing.several_numbers, *allowed)
+    return Parameter(help=text, metavar=words, converter=reading, negative=())
+
+
+def _limits(text: str, words: str) -> Parameter:
+    """Return an option for values of a parameter, whose unit depends on which it is."""
+    every = tuple({each.unit for each in TABLE if each.unit != "1"})
+    reading = parsing.converter(
+        lambda name, given: tuple(parsing.quantity(name, [word], *every) for word in given)
+    )
     return Parameter(help=text, metavar=words, converter=reading, negative=())
 
 
@@ -125,7 +139,11 @@ Seed = Annotated[int, _whole_number("Seed of the random numbers.", 0, LARGEST_SE
 
 Period = Annotated[
     float | None,
-    _number("About the period of a cycle that the start is close to, on the rotating axes."),
+    _quantity(
+        "About the period of a cycle that the start is close to, on the rotating axes; of a "
+        "machine in s.",
+        "s",
+    ),
 ]
 From = Annotated[
     Path | None,
@@ -139,10 +157,15 @@ SpecialNumber = Annotated[
 ]
 PointCount = Annotated[int, _whole_number("Largest number of points each way.", 2, MOST_NUMBERS)]
 Continued = Literal[
-    "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",
-    "disc_radius",
+    "omega", "zeta", "delta0", "speed", "damping", "clearance", "shaft_stiffness",
+    "contact_damping", "load", "friction", "disc_radius",
 ]  # fmt: skip
-OneParameter = Annotated[Continued, Parameter(help="What is varied.")]
+OneParameter = Annotated[
+    Continued,
+    Parameter(
+        help="What is varied; omega, zeta and delta0 of a machine are speed, damping, clearance."
+    ),
+]
 TwoParameters = Annotated[
     tuple[Continued, Continued],
     Parameter(
@@ -153,11 +176,14 @@ TwoParameters = Annotated[
     ),
 ]
 Limits = Annotated[
-    tuple[float, float], _several_numbers("Least and largest value of it.", "LOW HIGH")
+    tuple[float, float],
+    _limits(
+        "Least and largest value of it, of a machine in its SI unit or as 3000rpm.", "LOW HIGH"
+    ),
 ]
 TwoLimits = Annotated[
     tuple[float, float, float, float],
-    _several_numbers("Least and largest value of the one, and of the other.", "LOW HIGH LOW HIGH"),
+    _limits("Least and largest value of the one, and of the other.", "LOW HIGH LOW HIGH"),
 ]
 Way = Annotated[
     Literal["both", "forward", "backward"],
@@ -167,11 +193,18 @@ Bifurcation = Annotated[
     Literal["fold", "period_doubling", "torus"], Parameter(help="What is followed.")
 ]
 
-Duration = Annotated[float, _number("Time to simulate.")]
-ToSpeed = Annotated[float, _number("Speed at the end of the ramps.")]
+Duration = Annotated[float, _quantity("Time to simulate, of a machine in s.", "s")]
+ToSpeed = Annotated[
+    float,
+    _quantity("Speed at the end of the ramps, of a machine in rad/s or as 3000rpm.", "rad s-1"),
+]
 Rates = Annotated[
     list[float],
-    _numbers("Changes of the speed in a unit of time: numbers, or START:STOP:COUNT."),
+    _numbers(
+        "Changes of the speed in a unit of time, of a machine in rad/s2 or as 100rpm/s: numbers, "
+        "or START:STOP:COUNT.",
+        "rad s-2",
+    ),
 ]
 Phases = Annotated[
     list[float],
@@ -185,8 +218,12 @@ Phases = Annotated[
     ),
 ]
 Samples = Annotated[
-    int, _whole_number("Number of times at which the motion is kept.", 2, MOST_NUMBERS)
-]
+    int | None,
+    _whole_number(
+        "Number of times at which the motion is kept. Default: at least 32 in each revolution.",
+        2, MOST_NUMBERS,
+    ),
+]  # fmt: skip
 Rtol = Annotated[float, _number("Relative tolerance.")]
 Atol = Annotated[float, _number("Absolute tolerance.")]
 ContactMethod = Annotated[Method, Parameter(help="Solver of the contact.")]
@@ -201,9 +238,7 @@ Witness = Annotated[
 ]
 
 File = Annotated[Path, _path("An archive that this program wrote.", name="FILE")]
-FileToExplore = Annotated[
-    Path | None, _path("Archived run whose rotor and start are shown first.")
-]
+FileToExplore = Annotated[Path | None, _path("Archived run whose rotor and start are shown first.")]
 Port = Annotated[int, _whole_number("Port on this machine; 0 takes any that is free.", 0, 65_535)]
 NoBrowser = Annotated[bool, _flag("Print the address, and open no browser.")]
 Export = Annotated[
@@ -219,16 +254,17 @@ Study = Annotated[
 ]
 Out = Annotated[Path | None, _path("Write the result to this new netCDF file.")]
 Figure = Annotated[
-    Path | None, _path("Draw the result into NAME.png and NAME.svg; give NAME or either file.")
+    Path | None, _path("Draw the result into NAME.png and NAME.svg, or into NAME.pdf.")
 ]
 SignalFile = Annotated[
     Path,
     _path(
-        "An archive of a run, run-up or signals (.nc), or a measured file: text, .wav or .mat.",
+        "An archive of a run, run-up or signals (.nc), or a measured file: text, .wav, .mat, .h5, "
+        ".npz, .uff, .tdms, .lvm or .cfg with .dat.",
         name="FILE",
     ),
 ]
-NeededFigure = Annotated[Path, _path("Draw into NAME.png and NAME.svg; give NAME or either file.")]
+NeededFigure = Annotated[Path, _path("Draw into NAME.png and NAME.svg, or into NAME.pdf.")]
 PlotKind = Annotated[
     Literal[
         "bode", "polar", "orders", "orbit", "full-spectrum", "cascade", "spectrogram", "centreline",
@@ -286,49 +322,49 @@ Direction = Annotated[
 ]
 WithFolds = Annotated[bool, _flag("Also list the folds; alone if no --omega is given.")]
 Quick = Annotated[bool, _flag("Coarser and faster.")]
+Studies = Annotated[
+    bool, _flag("Run the studies as well as the figures of the paper.", name="--all")
+]
 Names = Annotated[
     list[str] | None,
     Parameter(
         help="Names of the scenarios to run, or how they begin.", consume_multiple=True, negative=()
     ),
 ]
+MachineFile = Annotated[
+    Path | None,
+    _path("A machine in SI units, as rotor-ida machine writes it; other options override it."),
+]
+MachineOut = Annotated[Path | None, _path("Write the machine to this new TOML file.")]
 AsJson = Annotated[bool, _flag("Print one JSON object, not tables.", name="--json")]
 Force = Annotated[bool, _flag("Replace files that are there.")]
 
 
-def _optional_number(text: str) -> Any:
-    return Annotated[float | None, _number(text)]
-
-
-def _optional_numbers(text: str) -> Any:
-    return Annotated[list[float] | None, _numbers(text)]
-
-
-# Of one rotor, and of the rotors of a study, whose speeds a list of folds can do without.
-ONE = {
-    name: Annotated[float, _number(each.help)] if each.needed else _optional_number(each.help)
-    for name, each in OF_ROTOR.items()
-}
-SEVERAL = {
-    name: Annotated[list[float], _numbers(each.axis_help)]
-    if each.needed
-    else _optional_numbers(each.axis_help)
-    for name, each in OF_ROTOR.items()
-}
-SEVERAL_OR_NO_SPEED = SEVERAL | {"omega": _optional_numbers(OF_ROTOR["omega"].axis_help)}
-# Of one rotor without dimensions or in SI units, or in an archive.
 # A contact's stiffness is in N/m where it is linear.
 OTHER_UNITS = {"contact_stiffness": ("N m-1",)}
-EITHER = {
+
+
+def _units_of(parameter: Quantity) -> tuple[str, ...]:
+    """Return the units in which an option takes a parameter of a machine."""
+    if parameter.unit == "1":
+        return ()
+    return parameter.unit, *OTHER_UNITS.get(parameter.name, ())
+
+
+# Of one rotor, and of several, without dimensions or in SI units, or in an archive.
+ONE = {
     each.name: Annotated[
         float | None,
-        _number(each.either_help)
-        if each.unit == "1"
-        else _quantity(each.either_help, each.unit, *OTHER_UNITS.get(each.name, ())),
+        _quantity(each.either_help, *_units_of(each))
+        if _units_of(each)
+        else _number(each.either_help),
     ]
     for each in TABLE
 }
-PERHAPS = {name: _optional_number(each.help) for name, each in OF_ROTOR.items()}
+SEVERAL = {
+    each.name: Annotated[list[float] | None, _numbers(each.either_axis_help, *_units_of(each))]
+    for each in TABLE
+}
 
 Group = TypeVar("Group", bound=type)
 
@@ -357,108 +393,103 @@ def with_parameters(
 
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
-@with_parameters(ONE, DEFAULTS)
+@with_parameters({**ONE, "machine": MachineFile}, dict.fromkeys([*ONE, "machine"]))
 class RotorOptions:
-    """One rotor."""
+    """One rotor, without dimensions or in SI units."""
 
-    in_si: ClassVar[bool] = False
+    if TYPE_CHECKING:
+        machine: Path | None
 
-    def rotor(self) -> Rotor:
-        """Return the rotor."""
-        return Rotor(**asdict(self))
+    @property
+    def in_si(self) -> bool:
+        """Whether it is in SI units."""
+        return self.machine is not None or bool(self.given.keys() & set(MACHINE_PARAMETERS))
+
+    @property
+    def given(self) -> dict[str, float]:
+        """The quantities that are given."""
+        return {name: getattr(self, name) for name in ONE if getattr(self, name) is not None}
+
+    def chosen(self, **known: float) -> Rotor | DimensionalRotor:
+        """Return the rotor of the two that is given in full, with what is known besides."""
+        return machines.chosen(self.given | known, self.machine, OPTIONAL)
+
+    def rotor_and_units(self) -> tuple[Rotor, Units]:
+        """Return the rotor without dimensions, and the units in which the command speaks."""
+        chosen = self.chosen()
+        return chosen if isinstance(chosen, Rotor) else chosen.rotor(), Units.of(chosen)
 
 
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
-@with_parameters(SEVERAL, dict.fromkeys(OPTIONAL))
+@with_parameters({**SEVERAL, "machine": MachineFile}, dict.fromkeys([*SEVERAL, "machine"]))
 class RotorsOptions:
     """The rotors of a study; without an optional parameter, all have its default."""
 
-    in_si: ClassVar[bool] = False
+    if TYPE_CHECKING:
+        machine: Path | None
 
-    def given(self) -> dict[str, Any]:
-        """Return what is given, by name; one value of an optional parameter is no axis."""
-        values = {name: each for name, each in asdict(self).items() if each is not None}
+    @property
+    def in_si(self) -> bool:
+        """Whether they are in SI units."""
+        return self.machine is not None or bool(self.values.keys() & set(MACHINE_PARAMETERS))
+
+    @property
+    def values(self) -> dict[str, list[float]]:
+        """The values of each quantity that is given."""
+        return {name: getattr(self, name) for name in SEVERAL if getattr(self, name) is not None}
+
+    def given_and_units(self, **known: list[float]) -> tuple[dict[str, Any], Units]:
+        """Return what is given without dimensions, and the units in which the command speaks.
+
+        One value of an optional parameter is no axis.
+        """
+        values, units = self.values | known, Units()
+        if self.machine is None:
+            machines.check_complete(values, OPTIONAL)
+        if self.in_si:
+            values, machine = machines.axes_of(values, self.machine)
+            units = Units(machine)
         return {
             name: each[0] if name in OPTIONAL and len(each) == 1 else each
             for name, each in values.items()
-        }
+        }, units
 
     def axes(self) -> list[list[float]]:
         """Return the values of each parameter that is given."""
-        return [each for each in asdict(self).values() if each is not None]
+        return list(self.values.values())
 
     def panels(self, over: str = "") -> int:
         """Return how many panels a figure over one of the parameters has."""
         return math.prod(
-            len(each) for name, each in asdict(self).items() if each is not None and name != over
+            len(each)
+            for name, each in self.values.items()
+            if machines.BECOMES.get(name, name) != over
         )
 
 
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
-@with_parameters(SEVERAL_OR_NO_SPEED, dict.fromkeys(("omega", *OPTIONAL)))
 class WhirlsOptions(RotorsOptions):
     """Rotors of which whirls or folds are listed."""
 
-    def without_load(self) -> dict[str, Any]:
-        """Return what is given, but for what exact whirls do not have."""
-        given = self.given()
+    @property
+    def has_speed(self) -> bool:
+        """Whether a speed is given."""
+        return self.machine is not None or bool({"omega", "speed"} & self.values.keys())
+
+    def without_load(self) -> tuple[dict[str, Any], Units]:
+        """Return what is given, but for what exact whirls do not have, and its units."""
+        any_speed = {} if self.has_speed else {"speed" if self.in_si else "omega": [ANY_SPEED]}
+        given, units = self.given_and_units(**any_speed)
+        if any_speed:
+            del given["omega"]
         if given.pop("load", 0.0) != 0.0:
             raise InputError("load must be 0 for exact whirls: under a load there are none")
         radii = given.pop("disc_radius", None)  # it moves none
         if radii is not None:
             check_axis("disc_radius", radii)
-        return given
-
-
-@Parameter(name="*")
-@dataclass(frozen=True, kw_only=True)
-@with_parameters(EITHER, dict.fromkeys(EITHER))
-class AnyRotorOptions:
-    """One rotor, without dimensions or in SI units."""
-
-    @property
-    def in_si(self) -> bool:
-        """Whether it is in SI units."""
-        return any(getattr(self, name) is not None for name in MACHINE_PARAMETERS)
-
-    def chosen(self, **known: float) -> Rotor | DimensionalRotor:
-        """Return the rotor of the two that is given in full, with what is known besides."""
-        every = asdict(self) | known
-        given = {name: value for name, value in every.items() if value is not None}
-        needed = given.keys() - set(OPTIONAL)
-        if needed == set(PARAMETERS):
-            return Rotor(**given)
-        if needed == set(MACHINE_PARAMETERS):
-            _check_contact_stiffness(given)
-            return DimensionalRotor(**given)
-        raise InputError(
-            f"a rotor must be given by {', '.join(PARAMETERS)}, or by "
-            f"{', '.join(MACHINE_PARAMETERS)}, got {', '.join(given) or 'none of them'}"
-        )
-
-
-def _check_contact_stiffness(given: Mapping[str, float]) -> None:
-    """Refuse a unit of the contact's stiffness that does not go with the contact's exponent."""
-    stiffness = given["contact_stiffness"]
-    if isinstance(stiffness, parsing.Quantity) and stiffness.word:
-        exponent = given.get("contact_exponent", DEFAULTS["contact_exponent"])
-        needed = "N/m" if exponent == 1.0 else f"N/m^{exponent:g}"
-        if units.dimension_of(stiffness.unit) != units.dimension_of(needed):
-            raise InputError(
-                f"the unit of contact_stiffness must be {units.usual(needed)} with "
-                f"contact_exponent {exponent:g}, got {stiffness.word!r}"
-            )
-
-
-def dimensionless_start(machine: Rotor | DimensionalRotor, start: State) -> State:
-    """Return a start without dimensions; of a machine it is given in metres and m/s."""
-    if isinstance(machine, Rotor):
-        return start
-    x, y, vx, vy = start
-    length, velocity = machine.length_scale, machine.velocity_scale
-    return x / length, y / length, vx / velocity, vy / velocity
+        return given, units
 
 
 @Parameter(name="*")
@@ -469,14 +500,14 @@ class ChangeOptions:
     to: Annotated[
         float | None,
         _quantity(
-            "Speed at the end of a ramp: with a mass in rad/s, or with its unit, as 3000rpm.",
+            "Speed at the end of a ramp: of a machine in rad/s, or with its unit, as 3000rpm.",
             "rad s-1",
         ),
     ] = None
     rate: Annotated[
         float | None,
         _quantity(
-            "Change of the speed in a unit of time, on a ramp: with a mass in rad/s2, or with "
+            "Change of the speed in a unit of time, on a ramp: of a machine in rad/s2, or with "
             "its unit, as 100rpm/s.",
             "rad s-2",
         ),
@@ -484,7 +515,7 @@ class ChangeOptions:
     speeds: Annotated[
         list[tuple[float, float]] | None,
         Parameter(
-            help="Speeds by time, linear in between, the first at time 0: with a mass in s and "
+            help="Speeds by time, linear in between, the first at time 0: of a machine in s and "
             "rad/s, or as 20:3000rpm.",
             metavar="TIME:SPEED",
             converter=parsing.converter(parsing.speeds),
@@ -496,7 +527,7 @@ class ChangeOptions:
     torque: Annotated[
         tuple[float, float] | None,
         _several_numbers(
-            "Torque of the drive at rest, and its fall with the speed: with a mass in N m, N m s.",
+            "Torque of the drive at rest, and its fall with the speed: of a machine in N m, N m s.",
             "TAU0 SLOPE",
             "N m",
             "N m s",
@@ -505,23 +536,47 @@ class ChangeOptions:
     inertia: Annotated[
         float | None,
         _quantity(
-            "Moment of inertia that a torque turns, over mass times eccentricity squared: with a "
-            "mass in kg m2.",
+            "Moment of inertia that a torque turns, over mass times eccentricity squared: of a "
+            "machine in kg m2.",
             "kg m2",
         ),
     ] = None
     duration: Annotated[
         float | None,
         _quantity(
-            "Time to simulate: a torque needs it, otherwise as long as the speed changes. With a "
-            "mass in s.",
+            "Time to simulate: a torque needs it, otherwise as long as the speed changes. Of a "
+            "machine in s.",
             "s",
         ),
     ] = None
 
+    ramp_time: Annotated[
+        float | None,
+        _quantity("Time of a ramp, in place of its rate: of a machine in s.", "s", name="--in"),
+    ] = None
+    begin: Annotated[
+        float | None,
+        _quantity(
+            "Speed at time 0: of a machine in rad/s or as 300rpm. Default: --omega or --speed; 0 "
+            "with a file of a machine.",
+            "rad s-1",
+            name="--from",
+        ),
+    ] = None
+
+    def beginning(self, rotor: RotorOptions) -> Rotor | DimensionalRotor:
+        """Return a rotor at the speed at which it begins: a file tells the running speed."""
+        speed, given = "speed" if rotor.in_si else "omega", rotor.given
+        if self.begin is None:
+            at_rest = rotor.machine is not None and speed not in given and self.speeds is None
+            return rotor.chosen(**({speed: 0.0} if at_rest else {}))
+        if speed in given:
+            raise InputError(f"{speed} must be left out with --from, got both")
+        return rotor.chosen(**{speed: self.begin})
+
     def of(self, machine: Rotor | DimensionalRotor) -> dict[str, Any]:
         """Return it as `run_up` takes it, without dimensions."""
-        given = asdict(self)
+        given = {name: each for name, each in asdict(self).items() if name != "begin"}
         if isinstance(machine, DimensionalRotor):
             return dict(machine.change_of_speed(**given))
         return given
@@ -587,6 +642,11 @@ class DrawnOptions:
     seed: Seed = 0
     rtol: Rtol = 1e-6
 
+    def of(self, units: Units) -> dict[str, Any]:
+        """Return it without dimensions."""
+        given = asdict(self)
+        return given | {name: units.component(name, given[name]) for name in COMPONENTS}
+
 
 def _named(text: str, words: str) -> Parameter:
     return Parameter(help=text, metavar=words, consume_multiple=True, negative=())
@@ -599,11 +659,15 @@ class ReadingOptions:
 
     columns: Annotated[
         list[str] | None,
-        _named("Columns of t, x, y and keyphasor or angle in a measured file.", "SIGNAL=COLUMN"),
+        _named(
+            "Columns of t, x, y and keyphasor, angle or speed in a measured file; by default "
+            "guessed from their names.",
+            "SIGNAL=COLUMN",
+        ),
     ] = None
     units: Annotated[
         list[str] | None,
-        _named("Units of the columns: s, ms, m, mm, um, mil, V, rad, deg.", "SIGNAL=UNIT"),
+        _named("Units of the columns: s, ms, m, mm, um, mil, V, rad, deg, rpm, Hz.", "SIGNAL=UNIT"),
     ] = None
     rate: Annotated[float | None, _number("Samples a second, of a file without times.")] = None
     probe_angles: Annotated[
@@ -613,6 +677,13 @@ class ReadingOptions:
     gains: Annotated[
         tuple[float, float] | None,
         _several_numbers("Reading over displacement of each probe.", "X Y"),
+    ] = None
+    sensitivity: Annotated[
+        str | None,
+        Parameter(
+            help="Volts over displacement of both probes, such as 200mV/mil or 7.87V/mm.",
+            metavar="VOLTS/LENGTH",
+        ),
     ] = None
     keyphasor: Annotated[
         Literal["auto", "signal", "times"] | None,

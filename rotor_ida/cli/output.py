@@ -20,11 +20,13 @@ from rotor_ida.errors import ArchiveError, InputError, RotorError, SimulationErr
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
 # What the result of a study is called in its folder.
 RESULT = "result.nc"
 OUT_ENDING = ".nc"
 PICTURES = (".png", ".svg")
+PDF = ".pdf"
 FORCED = "--force is given"
 
 
@@ -48,12 +50,25 @@ class Output:
             check_target("out", self.out, overwrite=self.force, permission=FORCED)
         if self.figure is not None:
             check_panels(panels)
-            if self.figure.suffix not in {"", *PICTURES} or self.figure.name in {"", ".."}:
+            if self.figure.suffix not in {"", *PICTURES, PDF} or self.figure.name in {"", ".."}:
                 word = shown(self.figure)
-                raise InputError(f"figure must be NAME, NAME.png or NAME.svg, got {word}")
-            for ending in PICTURES:
+                raise InputError(f"figure must be NAME, NAME.png, NAME.svg or NAME.pdf, got {word}")
+            for ending in _endings(self.figure):
                 picture = self.figure.with_suffix(ending)
                 check_target("figure", picture, overwrite=self.force, permission=FORCED)
+
+
+def _endings(figure: Path) -> tuple[str, ...]:
+    """Return the endings of the files that a figure is drawn into."""
+    return (PDF,) if figure.suffix == PDF else PICTURES
+
+
+def write_figure(drawn: Figure, figure: Path, *, overwrite: bool) -> list[Path]:
+    """Write what was drawn into the files that were asked for."""
+    from rotor_ida.plot import save_figure  # noqa: PLC0415 - only who draws needs it
+
+    formats = [ending[1:] for ending in _endings(figure)]
+    return save_figure(drawn, figure.with_suffix(""), overwrite=overwrite, formats=formats)
 
 
 def answer(
@@ -75,12 +90,13 @@ def answer(
             except (RotorError, OSError) as error:
                 failures.append(str(error))
     if output.figure is not None:
-        from rotor_ida.plot import save_figure  # noqa: PLC0415
+        from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
         from rotor_ida.plot.figures import figure_of  # noqa: PLC0415 - only who draws needs it
 
-        stem = output.figure.with_suffix("")
+        with without_pyplot():
+            drawn = figure_of(dataset)
         try:
-            files = save_figure(figure_of(dataset), stem, overwrite=output.force)
+            files = write_figure(drawn, output.figure, overwrite=output.force)
             written += [f"wrote {file}" for file in files]
         except OSError as error:
             failures.append(f"cannot write {output.figure}: {error.strerror or error}")
@@ -88,6 +104,15 @@ def answer(
     return Report(
         record=record, parts=[*parts, *written], as_json=output.as_json, trouble="; ".join(failures)
     )
+
+
+def summarised(summary: xr.Dataset, report: Report) -> Report:
+    """Return a report that begins with a summary of its result."""
+    from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+
+    record, parts = describe(summary)
+    told = {"summary": record | {"sentence": summary.attrs["sentence"]}}
+    return replace(report, record=told | dict(report.record), parts=[*parts, *report.parts])
 
 
 def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None) -> Report:

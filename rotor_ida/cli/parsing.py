@@ -148,8 +148,9 @@ def several_numbers(name: str, words: Sequence[str], *allowed: str) -> tuple[flo
     >>> several_numbers("torque", ["3 Nm", "0.5"], "N m", "N m s")
     (3.0, 0.5)
     """
-    by_place = [(unit,) for unit in allowed] or [()] * len(words)
-    return tuple(_one(name, word, *unit) for word, unit in zip(words, by_place, strict=True))
+    if not allowed:
+        return tuple(number(name, [word]) for word in words)
+    return tuple(quantity(name, [word], unit) for word, unit in zip(words, allowed, strict=True))
 
 
 class Quantity(float):
@@ -359,8 +360,8 @@ def _range(name: str, word: str, *allowed: str) -> list[float]:
         raise InputError(f"COUNT of {name} must lie from 2 to {LARGEST_RANGE}, got {count}")
     step = (last - first) / (count - 1)
     listed = [*(first + place * step for place in range(count - 1)), last]
-    units_given = isinstance(first, Quantity) and (first.word or last.word)
-    return [Quantity(each, word) for each in listed] if units_given else listed
+    has_unit = any(isinstance(end, Quantity) and end.word for end in (first, last))
+    return [Quantity(each, word) for each in listed] if has_unit else listed
 
 
 def _float(word: str) -> object:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, is_dataclass
+from dataclasses import is_dataclass
 from importlib.metadata import version
 from typing import Literal, TextIO, get_args, get_origin
 
@@ -40,6 +40,7 @@ from rotor_ida.cli.commands.cycles import continue_, curve, cycle
 from rotor_ida.cli.commands.doctor import doctor
 from rotor_ida.cli.commands.explore import explore
 from rotor_ida.cli.commands.fit import fit
+from rotor_ida.cli.commands.machine import machine
 from rotor_ida.cli.commands.plot import plot
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
 from rotor_ida.cli.parsing import as_given, readable, refuse_units
@@ -108,7 +109,7 @@ def application(console: Console) -> App:
         *(cycle, continue_, curve),
     )
     archived = (status, resume, compare, verify, show)
-    for command in (reproduce, *computing, explore, *archived, plot, fit, doctor):
+    for command in (reproduce, machine, *computing, explore, *archived, plot, fit, doctor):
         app.command(command)
     app.register_install_completion_command(
         help="Complete commands and options with the tab key, in bash, zsh or fish."
@@ -135,7 +136,7 @@ def _refuse_units(arguments: Mapping[str, object]) -> None:
     """Refuse units of numbers, wherever they stand, if the rotor has no dimensions."""
     values: dict[str, object] = {}
     for name, value in arguments.items():
-        values |= asdict(value) if is_dataclass(value) else {name: value}
+        values |= vars(value) if is_dataclass(value) else {name: value}
     if any(getattr(value, "in_si", None) is False for value in arguments.values()):
         refuse_units(values)
 

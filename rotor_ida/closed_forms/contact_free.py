@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import (
+    AT_REST,
     LARGEST_NUMBER,
     check_array,
     check_instance,
@@ -271,7 +272,9 @@ def touch_fading(rotor: Rotor) -> float:
     return 3.0 * math.pi / (16.0 * rotor.zeta) * width
 
 
-def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: float = 0.0) -> Values:
+def flight(
+    time: npt.ArrayLike, *, rotor: Rotor, start: object = AT_REST, start_time: float = 0.0
+) -> Values:
     """Return the motion inside the clearance, as if the ring were not there.
 
     Parameters
@@ -281,7 +284,7 @@ def flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, start_time: floa
     rotor : Rotor
         Parameters of the rotor; the clearance is not used.
     start : tuple of four floats
-        ``(x, y, vx, vy)`` at `start_time` [1].
+        ``(x, y, vx, vy)`` at `start_time` [1]; by default at rest on the axis.
     start_time : float
         Time of the start [1]: it sets the direction of the unbalance.
 

@@ -20,6 +20,7 @@ from scipy.special import wofz
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import (
+    AT_REST,
     LARGEST_NUMBER,
     check_array,
     check_between,
@@ -36,7 +37,9 @@ SMALLEST_RATE = 1e-12
 _APART = 1e-3
 
 
-def ramp_flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, rate: float) -> Values:
+def ramp_flight(
+    time: npt.ArrayLike, *, rotor: Rotor, start: object = AT_REST, rate: float
+) -> Values:
     """Return the motion inside the clearance on a ramp of the speed, as if there were no ring.
 
     Parameters
@@ -47,7 +50,7 @@ def ramp_flight(time: npt.ArrayLike, *, rotor: Rotor, start: object, rate: float
         The rotor, without a load; its ``omega`` is the speed at time 0, where the unbalance points
         along x. The clearance is not used.
     start : tuple of four floats
-        ``(x, y, vx, vy)`` at time 0 [1].
+        ``(x, y, vx, vy)`` at time 0 [1]; by default at rest on the axis.
     rate : float
         Change of the speed in a unit of time [1], negative in a run-down.
 

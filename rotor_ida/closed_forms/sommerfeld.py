@@ -188,9 +188,11 @@ def sommerfeld_curve(
 
     Examples
     --------
+    >>> from rotor_ida import decode_flags
     >>> curve = sommerfeld_curve(zeta=0.07, delta0=0.8, limits=(0.2, 3.0), inertia=20.0, slope=0.3)
     >>> drive = curve.torque + 0.3 * curve.omega
-    >>> round(float(drive.where(curve.driven_stability == 0).max()), 1)
+    >>> stable = decode_flags(curve.driven_stability) == "stable"
+    >>> round(float(drive.where(stable).max()), 1)
     42.8
     """
     moment = check_between("inertia", inertia, SMALLEST_INERTIA, LARGEST_INERTIA)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Stop, Values
+from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.core import sundials
 from rotor_ida.core.interface import (
     FULL,
@@ -102,6 +102,8 @@ class RunRequest:
         Where the unbalance is at time 0, if the speed changes [1].
     stop : ndarray of uint8, shape (1,)
         Anything but 0 asks the run to stop.
+    watch : list of callable, optional
+        Gets a function that returns how far the run is while it is followed [1].
     """
 
     rotor: Rotor
@@ -121,6 +123,7 @@ class RunRequest:
     pieces: Rows | None = None
     angle: float = 0.0
     stop: Stop | None = None
+    watch: Watch | None = None
 
     @property
     def columns(self) -> int:
@@ -276,6 +279,8 @@ def follow_run(request: RunRequest) -> RunResult:
         _Tables(request, room),
         None if request.bundle is None else request.bundle.copy(),
     )
+    if request.watch is not None:
+        request.watch.append(lambda: tables.run.time)  # which the core moves on
     status = core.core_run(byref(tables.run))
     while status in {FULL, FULL_INSIDE}:
         room *= 4

@@ -10,6 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import (
+    AT_REST,
     MOST_NUMBERS,
     check_choice,
     check_count,
@@ -45,7 +46,7 @@ MOST_POINTS_OF_BRANCH = 2000
 def bifurcation_curve(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike | xr.Dataset,
+    start: npt.ArrayLike | xr.Dataset = AT_REST,
     kind: Kind,
     parameters: tuple[str, str] = ("omega", "delta0"),
     limits: Mapping[str, tuple[float, float]] | Sequence[tuple[float, float]],
@@ -60,8 +61,8 @@ def bifurcation_curve(
         The rotor.
     start : array_like, shape (4,), or Dataset
         A special point of a branch of this kind, ``branch.isel(special=...)``; or a limit cycle, a
-        point of a branch, or a start ``(x, y, vx, vy)`` that leads to a cycle [1]: then the branch
-        over the first parameter is followed to the nearest one.
+        point of a branch, or a start ``(x, y, vx, vy)`` that leads to a cycle [1], by default at
+        rest on the axis: then the branch over the first parameter is followed to the nearest one.
     kind : {"fold", "period_doubling", "torus"}
         What to follow. A torus is born only with contact damping or a load.
     parameters : tuple of str

@@ -11,6 +11,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Arrays, Values
 from rotor_ida.checks import (
+    AT_REST,
     MOST_NUMBERS,
     check_choice,
     check_count,
@@ -65,7 +66,7 @@ FORM: Form[Arrays] = Form(
 def continue_cycle(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike | xr.Dataset,
+    start: npt.ArrayLike | xr.Dataset = AT_REST,
     parameter: Parameter = "omega",
     limits: tuple[float, float],
     direction: Direction = "both",
@@ -80,8 +81,9 @@ def continue_cycle(
     rotor : Rotor
         The rotor.
     start : array_like, shape (4,), or Dataset
-        A start ``(x, y, vx, vy)`` that leads to the cycle [1]; or what `limit_cycle` returned; or
-        one point of a branch, ``branch.isel(point=...)``; or one of its special points,
+        A start ``(x, y, vx, vy)`` that leads to the cycle [1], by default at rest on the axis; or
+        what `limit_cycle` returned; or one point of a branch, ``branch.isel(point=...)``; or one of
+        its special points,
         ``branch.isel(special=...)``: at a period doubling the branch of doubled cycles is followed.
     parameter : {"omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", \
             "friction", "disc_radius"}

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_instance
+from rotor_ida.checks import AT_REST, check_instance
 from rotor_ida.cycles.dataset import cycle_dataset
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.multipliers import is_stable
@@ -53,7 +53,7 @@ COME_BACK = 1e-6
 
 
 def limit_cycle(
-    rotor: Rotor, *, start: npt.ArrayLike | xr.Dataset, period: float | None = None
+    rotor: Rotor, *, start: npt.ArrayLike | xr.Dataset = AT_REST, period: float | None = None
 ) -> xr.Dataset:
     """Return the limit cycle that a start leads to, or that lies near a guess.
 
@@ -62,9 +62,10 @@ def limit_cycle(
     rotor : Rotor
         The rotor; it must turn and be damped.
     start : array_like, shape (4,), or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1]. One that comes back to itself to a part of 1e-3 is taken
-        for a guess of a cycle, stable or not; from any other the rotor is followed to its
-        attractor. Or another limit cycle, or one point of a branch, as a guess.
+        ``(x, y, vx, vy)`` at time 0 [1], by default at rest on the axis. One that comes back to
+        itself to a part of 1e-3 is taken for a guess of a cycle, stable or not; from any other the
+        rotor is followed to its attractor. Or another limit cycle, or one point of a branch, as a
+        guess.
     period : float, optional
         About the period of the cycle, or a multiple of it, from 1e-6 to 1e4 [1]: then Newton's
         method begins at the start itself. Under a load it is within a tenth of a revolution of a

@@ -23,6 +23,7 @@ from rotor_ida.explorer.responses import show_responses
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.plot import plot_machine, plot_run, save_figure
+from rotor_ida.plot.appearance import without_pyplot
 from rotor_ida.results.archive import save
 from rotor_ida.results.si_units import dimensional, is_in_si
 
@@ -161,7 +162,8 @@ def _contents(question: Question) -> bytes:
         if question.about == "nc":
             save(run, place.with_suffix(".nc"))
         else:
-            save_figure((plot_machine if is_in_si(run) else plot_run)(run), place)
+            with without_pyplot():
+                save_figure((plot_machine if is_in_si(run) else plot_run)(run), place)
         return place.with_suffix(f".{question.about}").read_bytes()
 
 

@@ -12,8 +12,9 @@ from rotor_ida.arrays import Arrays, Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import Answer, Measurement
+from rotor_ida.signals.guessing import columns_of, rate_in
 from rotor_ida.signals.orders import orders
-from rotor_ida.signals.reading import read_signals
+from rotor_ida.signals.reading import read_table, signals_in
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.spectra import full_spectrum, one_speed, spectrogram
 
@@ -26,7 +27,7 @@ PARTS = 256
 ORDERS = 5.0
 # What a page is sent of a long file: more cannot be told apart on a screen.
 MOST_ROWS, MOST_LINES, MOST_REVOLUTIONS = 240, 2**17, 2**18
-NO_ANGLE = "there is no column for keyphasor or angle, so neither speed nor phase is known"
+NO_ANGLE = "there is no column for keyphasor, angle or speed, so neither speed nor phase is known"
 
 
 def show_measured(measurement: Measurement) -> Iterator[Answer]:
@@ -34,27 +35,55 @@ def show_measured(measurement: Measurement) -> Iterator[Answer]:
     path = measurement.path
     assert path is not None
     try:
-        signals = read_signals(path, probe_angles=measurement.probe_angles, gains=measurement.gains)
-        record = record_of(signals)
+        table = read_table(path)
     except InputError as error:
-        raise InputError(str(error).replace(shown(path), shown(measurement.name))) from error
+        raise InputError(_renamed(str(error), measurement)) from error
+    facts: dict[str, object] = {
+        "name": measurement.name,
+        "names": [[name, column.unit] for name, column in table.columns.items()],
+        "units": dict(measurement.units),
+    }
+    try:
+        columns = columns_of(table, measurement.columns, timed=rate_in(table) is not None)
+        signals = signals_in(
+            table,
+            measurement.name,
+            columns=measurement.columns,
+            units=measurement.units,
+            probe_angles=measurement.probe_angles,
+            gains=measurement.gains,
+        )
+        record = record_of(signals)
+    except InputError as error:  # the user may name other columns
+        facts |= {
+            "columns": dict(measurement.columns),
+            "trouble": _renamed(str(error), measurement),
+        }
+        yield Answer("measured", facts, {})
+        return
     speed = one_speed(record)
     arrays: Arrays = {}
-    notes = [] if record.angles is not None else [NO_ANGLE]
+    notes = str(signals.attrs["notes"]).split("; ") if "notes" in signals.attrs else []
+    notes += [] if record.angles is not None else [NO_ANGLE]
     if record.angles is not None:
         arrays |= _unless_impossible(_order, signals, record, notes)
     varies = record.angles is not None and speed is None
     arrays |= _unless_impossible(_cascade if varies else _full, signals, record, notes)
-    facts = {
-        "name": measurement.name,
+    facts |= {
+        "columns": columns,
         "samples": signals.sizes["t"],
         "time": record.time,
         "length": record.length,
-        "by": next((name for name in ("keyphasor", "angle") if name in signals), ""),
+        "by": next((name for name in ("keyphasor", "angle", "speed") if name in columns), ""),
         "speed": speed,
         "notes": notes,
     }
     yield Answer("measured", facts, arrays)
+
+
+def _renamed(message: str, measurement: Measurement) -> str:
+    """Return a message with the name of the file that the page knows."""
+    return message.replace(shown(measurement.path), shown(measurement.name))
 
 
 def segment_for(rate: float, step: float) -> int:

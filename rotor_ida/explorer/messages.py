@@ -25,8 +25,10 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import KEYS, machine_from_data_sheet
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
-from rotor_ida.model.rotor import SPEED_UNITS, DimensionalRotor, Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.signals.reading import READERS
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
+from rotor_ida.units import SPEED_UNITS
 
 About = Literal[
     "motion", "run_up", "lines", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"
@@ -36,8 +38,6 @@ About = Literal[
 # them again, and the page with all it shows over the speed.
 FILES: tuple[About, ...] = ("nc", "png", "svg", "py", "sh", "html")
 
-# Endings by which a measured file is read as what it is, and not as text.
-ENDINGS = (".wav", ".mat")
 LARGEST_FILE = 2**28
 LONGEST_NAME = 255
 
@@ -123,6 +123,8 @@ class Measurement:
         Number of bytes of the file.
     probe_angles, gains : tuple of float
         As of `rotor_ida.read_signals`, which checks them.
+    columns, units : mapping of str to str
+        Those that the user chose on the page, as of `rotor_ida.read_signals`.
     path : Path, optional
         Where the file is kept until it is read.
     """
@@ -132,6 +134,8 @@ class Measurement:
     size: int
     probe_angles: tuple[float, float]
     gains: tuple[float, float]
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
     path: Path | None = None
     about: ClassVar[Literal["measured"]] = "measured"
     side: ClassVar[int] = 0
@@ -140,7 +144,7 @@ class Measurement:
     def ending(self) -> str:
         """The ending that the file is read by."""
         ending = Path(self.name).suffix.lower()
-        return ending if ending in ENDINGS else ".csv"
+        return ending if ending in READERS else ".csv"
 
     @property
     def ticket(self) -> dict[str, object]:
@@ -222,7 +226,8 @@ def _check_names(given: Mapping[str, object], names: list[str]) -> None:
 
 
 def _measurement(given: Mapping[str, Any]) -> Measurement:
-    _check_names(given, ["about", "gains", "name", "number", "probe_angles", "size"])
+    chosen = [name for name in ("columns", "units") if name in given]
+    _check_names(given, ["about", *chosen, "gains", "name", "number", "probe_angles", "size"])
     name = given["name"]
     if not isinstance(name, str) or len(name) > LONGEST_NAME:
         raise InputError(f"name must be the name of a file, got {shown(name)}")
@@ -232,7 +237,15 @@ def _measurement(given: Mapping[str, Any]) -> Measurement:
         size=check_count("size", given["size"], 0, LARGEST_FILE),
         probe_angles=_pair("probe_angles", given["probe_angles"]),
         gains=_pair("gains", given["gains"]),
+        **{each: _mapping(each, given[each]) for each in chosen},
     )
+
+
+def _mapping(name: str, given: object) -> dict[str, str]:
+    """Return words by words; `read_signals` checks which."""
+    if not isinstance(given, dict) or not all(isinstance(each, str) for each in given.values()):
+        raise InputError(f"{name} must be words by names of signals, got {shown(given)}")
+    return given
 
 
 def _data_sheet(given: Mapping[str, Any]) -> DataSheet:
@@ -263,9 +276,10 @@ def largest_speed(machine: DimensionalRotor) -> float:
 
     Examples
     --------
-    >>> largest_speed(DimensionalRotor(
+    >>> machine = DimensionalRotor(
     ...     mass=12.0, contact_stiffness=1e8, damping=416.0, eccentricity=1.7e-5,
-    ...     clearance=1.5e-4, speed=377.0, shaft_stiffness=4e6, contact_exponent=1.0)) * 30 / math.pi
+    ...     clearance=1.5e-4, speed=377.0, shaft_stiffness=4e6, contact_exponent=1.0)
+    >>> largest_speed(machine) * 30 / math.pi
     6000.0
     """
     critical = math.sqrt(machine.shaft_stiffness / machine.mass)

@@ -124,9 +124,7 @@ def duration_of(question: Question) -> float:
 
 
 def _samples_per_revolution(revolutions: int) -> int:
-    return max(
-        min(SAMPLES_PER_REVOLUTION, MOST_SAMPLES // revolutions), FEWEST_PER_REVOLUTION
-    )
+    return max(min(SAMPLES_PER_REVOLUTION, MOST_SAMPLES // revolutions), FEWEST_PER_REVOLUTION)
 
 
 def facts_of(question: Question) -> dict[str, object]:

@@ -39,7 +39,8 @@ def show_starts(question: Question) -> Iterator[Answer]:
             rotor, x=axis, y=axis, vx=question.start[2], vy=question.start[3],
             rtol=rtol, workers=1, executor="serial",
         )  # fmt: skip
-        yield _picture(question, basins["label"].values, _attractors(basins), finest=rtol is None)
+        labels = basins["label"].transpose("x", "y").values
+        yield _picture(question, labels, _attractors(basins), finest=rtol is None)
 
 
 def _first_look(question: Question) -> Answer:
@@ -62,7 +63,7 @@ def _picture(
     question: Question, labels: npt.NDArray[np.integer], attractors: list[dict[str, object]],
     *, finest: bool,
 ) -> Answer:  # fmt: skip
-    """Return the label of each start, and what the labels mean; negative ones are undecided."""
+    """Return the labels of the starts by (x, y), and what they mean; negative is undecided."""
     for number, each in enumerate(attractors):
         each["fraction"] = float((labels == number).mean())
     facts: dict[str, object] = {

@@ -64,6 +64,13 @@ def problem_of(
     if guess.clearance <= 0.0:
         raise InputError("machine must have a clearance above 0 for a fit, got 0.0")
     sought = _unknowns(unknown, guess, in_si=in_si)
+    if ANGLE not in [each.field for each in sought] and any(
+        each.attrs.get("angle_origin") == "unknown" for each in given
+    ):
+        raise InputError(
+            f"unknown must have {ANGLE} where the angle is integrated from a speed, as its origin "
+            f"is not known, got {shown(list(unknown))}"
+        )
     tracked = _checked_orders(orders)
     touches = {
         ENTRY: _by_record("entries", entries, len(given)),

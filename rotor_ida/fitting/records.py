@@ -13,10 +13,11 @@ from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import check_increasing, check_vector
 from rotor_ida.errors import InputError
 from rotor_ida.fitting.motion import Turning
-from rotor_ida.results.si_units import PREFIXES, UNITS
+from rotor_ida.results.si_units import UNITS
 from rotor_ida.signals.orders import revolutions_for
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.windows import Windows, windows_of
+from rotor_ida.units import PREFIXES
 
 # Whole orders up to this are fitted beside those that are asked for.
 BESIDE = 3

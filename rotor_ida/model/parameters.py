@@ -45,6 +45,8 @@ class Parameter:
         The value with which a rotor is the paper's.
     positive : bool
         Whether the quantity in SI units must be above zero.
+    sets_scales : bool
+        Whether the scales of a machine depend on it, so that its machines share no axis.
     smallest, largest : float
         Least value but zero, and largest value, of a rotor that is simulated [1].
     """
@@ -61,6 +63,7 @@ class Parameter:
     needed: bool = False
     default: float | None = 0.0
     positive: bool = False
+    sets_scales: bool = False
     # Less is lost in rounding, or of a clearance crossed in a time below the spacing of doubles;
     smallest: float = 1e-12
     # more leaves nothing for a tolerance to hold on to.
@@ -100,7 +103,18 @@ class Parameter:
             return self.help
         if not self.meaning or self.unit == "1":
             return self.si_help
-        return f"{_capital(self.si_meaning)}{self.note}: with a mass in {self.shown_unit}."
+        return f"{_capital(self.si_meaning)}{self.note}: of a machine in {self.shown_unit}."
+
+    @property
+    def either_axis_help(self) -> str:
+        """What the command line says of several numbers that may be given in either way."""
+        several = "numbers, or START:STOP:COUNT"
+        if not self.si_meaning:
+            return self.axis_help
+        if self.meaning:
+            unit = "" if self.unit == "1" else f", of a machine in {self.shown_unit}"
+            return f"{_capital(self.plural)}{unit}: {several}."
+        return self.si_help if self.sets_scales else f"{self.si_help[:-1]}: {several}."
 
 
 def _capital(words: str) -> str:
@@ -123,12 +137,12 @@ TABLE = (
         meaning="radial clearance over eccentricity", label="clearance", plural="clearances",
     ),
     Parameter(
-        name="mass", si_symbol="m", unit="kg", needed=True, default=None, positive=True,
-        si_meaning="mass of the disc",
+        name="mass", si_symbol="m", unit="kg", needed=True, default=None,
+        positive=True, sets_scales=True, si_meaning="mass of the disc",
     ),
     Parameter(
         name="contact_stiffness", si_symbol="k", unit="N m-1.5", needed=True, default=None,
-        positive=True, si_meaning="stiffness of the contact",
+        positive=True, sets_scales=True, si_meaning="stiffness of the contact",
         note="; of a linear one in N/m",
     ),
     Parameter(
@@ -136,7 +150,8 @@ TABLE = (
         si_meaning="viscous damping",
     ),
     Parameter(
-        name="eccentricity", si_symbol="D", unit="m", needed=True, default=None, positive=True,
+        name="eccentricity", si_symbol="D", unit="m", needed=True, default=None,
+        positive=True, sets_scales=True,
         si_meaning="distance of the mass centre from the disc centre",
     ),
     Parameter(
@@ -157,7 +172,7 @@ TABLE = (
         name="contact_exponent", symbol="n", default=EXPONENTS[0],
         meaning="exponent of the contact force", note=": 1.5 by Hertz, or 1",
         label="exponent of the contact", plural="exponents of the contact force, 1.5 by Hertz or 1",
-        si_meaning="exponent of the contact force", si_symbol="n",
+        si_meaning="exponent of the contact force", sets_scales=True, si_symbol="n",
     ),
     Parameter(
         name="contact_damping", symbol="c",

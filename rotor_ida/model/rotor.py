@@ -180,6 +180,7 @@ class ChangeOfSpeed(TypedDict, total=False):
 
     to: float
     rate: float
+    ramp_time: float
     speeds: npt.NDArray[np.float64]
     torque: npt.NDArray[np.float64]
     inertia: float
@@ -347,6 +348,7 @@ class DimensionalRotor:
         *,
         to: float | None = None,
         rate: float | None = None,
+        ramp_time: float | None = None,
         speeds: Sequence[tuple[float, float]] | npt.ArrayLike | None = None,
         torque: tuple[float, float] | npt.ArrayLike | None = None,
         inertia: float | None = None,
@@ -361,6 +363,8 @@ class DimensionalRotor:
             Speed at the end of a ramp [unit].
         rate : float, optional
             Change of the speed in a second [unit/s], negative in a run-down.
+        ramp_time : float, optional
+            Time of the ramp [s], in place of the rate.
         speeds : sequence of (float, float), optional
             Pairs of time [s] and speed [unit].
         torque : tuple of float, optional
@@ -407,6 +411,8 @@ class DimensionalRotor:
             found["rate"] = check_real("rate", rate) * speed * time
             if to is not None:
                 _check_way(self.speed / a_second, to, rate, unit)
+        if ramp_time is not None:
+            found["ramp_time"] = check_positive("ramp_time", ramp_time) / time
         if speeds is not None:
             table = check_array("speeds", speeds)
             if table.ndim != 2 or table.shape[1] != 2:

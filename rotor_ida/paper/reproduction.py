@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import sys
+import time
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
@@ -21,20 +22,28 @@ from rotor_ida.results.files import check_path
 
 # One scenario draws while the other computes.
 AT_ONCE = 2
-# These take longest and begin first, so that none of them is left alone at the end.
-LONGEST = (
-    "fig07_basins",
-    "fig10_11_amplitude",
-    "bifurcation_diagram",
-    "isolas",
-    "doubling_cascade",
-    "beyond_the_curve",
-    "atlas",
-)
+# How the names of the scenarios begin that compute what the paper has; the others are studies.
+OF_PAPER = ("fig", "dimensional_example", "general_solution")
+# Relative durations of those that take longest. They begin first, so that none of them is left
+# alone at the end; any other counts as 1.
+DURATIONS = {
+    "fig07_basins": 10.0,
+    "fig10_11_amplitude": 8.0,
+    "bifurcation_diagram": 10.0,
+    "isolas": 10.0,
+    "doubling_cascade": 10.0,
+    "beyond_the_curve": 10.0,
+    "atlas": 10.0,
+}
+
+
+def is_of_paper(name: str) -> bool:
+    """Return whether a scenario computes what the paper has, rather than a study of ours."""
+    return name.startswith(OF_PAPER)
 
 
 def scenario_scripts() -> dict[str, Path]:
-    """Return the scenario scripts by name: those installed, or those of the clone.
+    """Return the scenario scripts by name, those of the paper first.
 
     Examples
     --------
@@ -45,8 +54,7 @@ def scenario_scripts() -> dict[str, Path]:
     for folder in (package / "scenarios", package.parent / "scenarios"):
         scripts = {script.stem: script for script in folder.glob("[!_]*.py")}
         if scripts:
-            # the paper's figures come before our studies
-            names = sorted(scripts, key=lambda name: (not name.startswith("fig"), name))
+            names = sorted(scripts, key=lambda name: (not is_of_paper(name), name))
             return {name: scripts[name] for name in names}
     return {}
 
@@ -55,6 +63,7 @@ def reproduce(
     folder: str | os.PathLike[str],
     *,
     quick: bool = False,
+    studies: bool = False,
     only: Sequence[str] | None = None,
     workers: int | None = None,
     force: bool = False,
@@ -67,8 +76,11 @@ def reproduce(
         Where the scenarios' folders and ``index.html`` go; made if it is not there.
     quick : bool
         Whether coarse versions will do.
+    studies : bool
+        Whether to run the studies too, not the paper's figures alone.
     only : sequence of str, optional
-        Names of the scenarios to run, or how they begin, such as ``fig06``; by default all.
+        Names of the scenarios to run, or how they begin, such as ``fig06``, be they of the paper
+        or studies.
     workers : int, optional
         Number of processes of each; by default one for each core.
     force : bool
@@ -93,7 +105,7 @@ def reproduce(
     digest beside the results says from which script, sources, versions and options they came.
     """
     scripts = scenario_scripts()
-    chosen = _chosen(scripts, only)
+    chosen = _chosen(scripts, only, studies=studies)
     root = _root(folder)
     processes = count_workers(workers)
     given = ["--quick"] if quick else []
@@ -111,13 +123,15 @@ def reproduce(
     # a quick sweep is over before further processes have started
     each = max(1, processes // at_once) if quick else processes
     command = ["--out", str(root), "--workers", str(each), "--force", *given]
-    order = sorted(due, key=lambda name: name not in LONGEST)
+    order = sorted(due, key=lambda name: -DURATIONS.get(name, 1.0))
     ends = run_scripts({name: chosen[name] for name in order}, command, root=root, at_once=at_once)
     failed = []
+    left, began = list(due), time.monotonic()
     with closing(ends):
-        for number, ended in enumerate(ends, start=1):
-            _report(ended, f"{number}/{len(due)}")
+        for ended in ends:
             name = ended.name
+            left.remove(name)
+            _report(ended, f"{len(due) - len(left)}/{len(due)}", _time_left(due, left, began))
             shutil.copyfile(chosen[name], folders[name] / chosen[name].name)
             freshness.record(folders[name], "" if ended.status else origins[name])
             if ended.status:
@@ -141,22 +155,33 @@ def _root(folder: str | os.PathLike[str]) -> Path:
     return root
 
 
-def _report(ended: Ended, count: str) -> None:
-    """Print what a script printed, and how it ended."""
+def _time_left(due: Sequence[str], left: Sequence[str], began: float) -> str:
+    """Return how long the scenarios that are left will take; nothing after the last."""
+    if not left:
+        return ""
+    whole, rest = (sum(DURATIONS.get(name, 1.0) for name in names) for names in (due, left))
+    seconds = (time.monotonic() - began) * rest / (whole - rest)
+    return f", {seconds / 60.0:.0f} min left" if seconds >= 90.0 else f", {seconds:.0f} s left"
+
+
+def _report(ended: Ended, count: str, left: str) -> None:
+    """Print what a script printed, how it ended, and how long the others will take."""
     print(ended.printed, end="", flush=True)
     took = f"{ended.seconds:.0f} s"
     if ended.status:
         words = f"{ended.name} failed after {took} with exit status {ended.status}"
         print(words, file=sys.stderr)
     else:
-        print(f"[{count}] {ended.name} done in {took}", flush=True)
+        print(f"[{count}] {ended.name} done in {took}{left}", flush=True)
 
 
-def _chosen(scripts: Mapping[str, Path], only: Sequence[str] | None) -> dict[str, Path]:
+def _chosen(
+    scripts: Mapping[str, Path], only: Sequence[str] | None, *, studies: bool
+) -> dict[str, Path]:
     if not scripts:
         raise InputError("no scenario scripts were found beside the package")
     if only is None:
-        return dict(scripts)
+        return {name: path for name, path in scripts.items() if studies or is_of_paper(name)}
     chosen: set[str] = set()
     for word in [only] if isinstance(only, str) else list(only):
         matching = {name for name in scripts if _names(word, name)}

@@ -18,6 +18,7 @@ from rotor_ida.paper.gallery import Entry, add_entry
 from rotor_ida.parallel import count_workers
 from rotor_ida.parallel.progress import progress_bar
 from rotor_ida.plot import save_figure
+from rotor_ida.plot.appearance import without_pyplot
 from rotor_ida.results.archive import save
 
 __all__ = ["Settings", "check_folder", "progress_bar", "run_script", "scientific"]
@@ -137,7 +138,8 @@ def run_script(
         check_folder(folder, force=force)
         settings = Settings(folder, quick, count_workers(workers), force)
         folder.mkdir(parents=True, exist_ok=True)
-        scenario(settings)
+        with without_pyplot():
+            scenario(settings)
         print(f"written to {folder}")
 
     app = App(name=name, help=description, help_format="markdown", version_flags=())

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import Future, wait
 
 import numpy as np
 
 from rotor_ida.arrays import Stop
 from rotor_ida.parallel.jobs import Result
 
+# How often the one who waits is told, in seconds.
+TOLD_EVERY = 0.2
 
-def interruptible(work: Callable[[Stop], Result]) -> Result:
+
+def interruptible(
+    work: Callable[[Stop], Result], *, told: Callable[[], None] | None = None
+) -> Result:
     """Return the result of `work`; stop it if an exception arrives meanwhile.
 
     Python runs the handlers of signals in its main thread only, and not while that runs compiled
@@ -23,6 +28,8 @@ def interruptible(work: Callable[[Stop], Result]) -> Result:
     ----------
     work : callable
         Called with an array that holds 0 until it should stop.
+    told : callable, optional
+        Called every now and then until the work is done, to tell how far it is.
 
     Examples
     --------
@@ -43,6 +50,8 @@ def interruptible(work: Callable[[Stop], Result]) -> Result:
     thread = threading.Thread(target=fulfil)
     try:
         thread.start()
+        while told is not None and not wait([future], TOLD_EVERY).done:
+            told()
         return future.result()
     finally:
         stop[0] = 1

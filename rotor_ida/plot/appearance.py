@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from contextvars import ContextVar
+from typing import Any, Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -13,6 +14,7 @@ import numpy.typing as npt
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import LayoutEngine
 from matplotlib.legend import Legend
 from matplotlib.transforms import ScaledTranslation
 
@@ -100,7 +102,11 @@ _SETTINGS: Any = {
     "savefig.facecolor": "white",
     "svg.hashsalt": "rotor_ida",
     "svg.fonttype": "path",
+    # journals refuse the default, type 3
+    "pdf.fonttype": 42,
 }
+# Whether pyplot knows new figures; a thread of the explorer or a worker answers for itself.
+_KNOWN_TO_PYPLOT: ContextVar[bool] = ContextVar("known_to_pyplot", default=True)
 
 
 @contextmanager
@@ -117,6 +123,30 @@ def style() -> Iterator[None]:
         mpl.rcdefaults()
         mpl.rcParams.update(_SETTINGS)
         yield
+
+
+@contextmanager
+def without_pyplot() -> Iterator[None]:
+    """Make figures that pyplot does not know while the context lasts.
+
+    Whoever writes figures to files draws within it: no display is needed, and none stays open.
+    """
+    token = _KNOWN_TO_PYPLOT.set(False)
+    try:
+        yield
+    finally:
+        _KNOWN_TO_PYPLOT.reset(token)
+
+
+def new_figure(
+    width: float, height: float, *, layout: LayoutEngine | Literal["constrained"] = "constrained"
+) -> Figure:
+    """Return an empty figure, which ``plt.show`` and ``plt.savefig`` know, of a size [inch]."""
+    if not _KNOWN_TO_PYPLOT.get():
+        return Figure(figsize=(width, height), layout=layout)
+    from matplotlib import pyplot  # noqa: PLC0415 - chooses a backend, which is for who draws
+
+    return pyplot.figure(figsize=(width, height), layout=layout)
 
 
 def panels(
@@ -149,7 +179,7 @@ def panels(
     check_count("rows", rows)
     check_count("columns", columns)
     with style():
-        figure = Figure(figsize=(width, height), layout="constrained")
+        figure = new_figure(width, height)
         grid = figure.subplots(rows, columns, sharex=shared, sharey=shared, squeeze=False)
         axes = list(grid.ravel())
         _letter(axes)
@@ -189,7 +219,7 @@ def mixed_panels(
         if not 0 <= place < number:
             raise InputError(f"solid must hold numbers of panels below {number}, got {place!r}")
     with style():
-        figure = Figure(figsize=(width, height), layout="constrained")
+        figure = new_figure(width, height)
         kinds = ["3d" if place in solid else None for place in range(number)]
         axes = [
             figure.add_subplot(rows, columns, place, projection=kind)
@@ -272,7 +302,7 @@ def drawing(ax: Axes | None, *, width: float = 5.0, height: float = 3.6) -> Iter
     """Draw in the style of this package on `ax`, or on the axes of a new figure."""
     with style():
         if ax is None:
-            ax = Figure(figsize=(width, height), layout="constrained").subplots()
+            ax = new_figure(width, height).subplots()
         if not isinstance(ax, Axes):
             raise InputError(f"ax must be matplotlib Axes, got {type(ax).__name__}")
         yield ax
@@ -283,7 +313,7 @@ def solid_drawing(ax: Axes | None) -> Iterator[Any]:
     """Draw in the style of this package on three-dimensional axes, by default of a new figure."""
     with style():
         if ax is None:
-            figure = Figure(figsize=(4.2, 3.6), layout="constrained")
+            figure = new_figure(4.2, 3.6)
             ax = figure.add_subplot(projection="3d")
         if getattr(ax, "name", "") != "3d":
             raise InputError(

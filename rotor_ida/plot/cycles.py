@@ -27,6 +27,7 @@ from rotor_ida.plot.appearance import (
     draw_ring,
     drawing,
     legend_below,
+    new_figure,
     style,
 )
 from rotor_ida.plot.datasets import check_dataset, clearance_of, one_value
@@ -78,7 +79,7 @@ def cycle_figure(cycle: xr.Dataset) -> Figure:
     """
     cycle = _checked_cycle(cycle, CYCLE)
     with style():
-        figure = Figure(figsize=(7.2, 5.4), layout="constrained")
+        figure = new_figure(7.2, 5.4)
         grid = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
         orbit = plot_cycle(cycle, ax=figure.add_subplot(grid[:, 0]))
         plot_multipliers(cycle, ax=figure.add_subplot(grid[0, 1]))

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import BLUE, INK, ORANGE, drawing, own_legend, style
+from rotor_ida.plot.appearance import BLUE, INK, ORANGE, drawing, new_figure, own_legend, style
 from rotor_ida.plot.datasets import check_dataset
 from rotor_ida.plot.labels import LABELS, label_axis, label_of
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
@@ -67,7 +67,7 @@ def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
     dataset = check_dataset("dataset", dataset, NEEDED)
     rows = 4 if "measured_time" in dataset.variables else 3
     with style():
-        figure = Figure(figsize=(6.0, 1.4 + 1.55 * rows), layout="constrained")
+        figure = new_figure(6.0, 1.4 + 1.55 * rows)
         heights = [1.6, 1.2, 1.0, 1.0][:rows]
         axes = list(np.atleast_1d(figure.subplots(rows, 1, height_ratios=heights)))
     for ax in axes[1:3]:
@@ -110,9 +110,7 @@ def plot_fit(
     one, units, over = _order_of(dataset, order)
     with style():
         if axes is None:
-            axes = list(
-                Figure(figsize=(5.0, 4.4), layout="constrained").subplots(2, 1, sharex=True)
-            )
+            axes = list(new_figure(5.0, 4.4).subplots(2, 1, sharex=True))
         for number in np.unique(one["record"].values):
             windows = one["record"].values == number
             part = one.isel(window=windows)

@@ -31,6 +31,7 @@ from rotor_ida.plot.appearance import (
     drawing,
     finish_solid,
     legend_below,
+    new_figure,
     say_in_middle,
     shared_legend,
     solid_drawing,
@@ -105,7 +106,7 @@ def plot_run(run: xr.Dataset) -> Figure:
     rows = 5 if rubs else 4
     with style():
         layout = ConstrainedLayoutEngine(h_pad=0.03, hspace=0.0)
-        figure = Figure(figsize=(7.2, 1.2 * rows), layout=layout)
+        figure = new_figure(7.2, 1.2 * rows, layout=layout)
         grid = figure.add_gridspec(rows, 2, width_ratios=(1.0, 1.0))
         first = figure.add_subplot(grid[0, 0])
         history = [first]
@@ -255,7 +256,7 @@ def plot_machine(run: xr.Dataset) -> Figure:
         raise InputError("run must be in SI units: rotor_ida.dimensional makes it so")
     ring, path = clearance_of(run), path_of(run)
     with style():
-        figure = Figure(figsize=(7.2, 3.9), layout="constrained")
+        figure = new_figure(7.2, 3.9)
         grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.25))
         orbit, history = figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1])
         force = figure.add_subplot(grid[1, 1], sharex=history)

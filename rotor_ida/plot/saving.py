@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
+from rotor_ida.checks import check_choice
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.plot.appearance import style
 from rotor_ida.results.files import already_there, check_path, check_target, written_whole
@@ -20,34 +23,46 @@ from rotor_ida.results.files import already_there, check_path, check_target, wri
 _METADATA: dict[str, dict[str, None]] = {
     "png": {"Software": None},
     "svg": {"Date": None, "Creator": None},
+    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+}
+_CANVASES: dict[str, Callable[[Figure], FigureCanvasBase]] = {
+    "png": FigureCanvasAgg,
+    "svg": FigureCanvasSVG,
+    "pdf": FigureCanvasPdf,
 }
 _DOTS_PER_INCH = 200
 
 
 def save_figure(
-    figure: Figure, stem: str | os.PathLike[str], *, overwrite: bool = False
+    figure: Figure,
+    stem: str | os.PathLike[str],
+    *,
+    overwrite: bool = False,
+    formats: str | Sequence[str] = ("png", "svg"),
 ) -> list[Path]:
-    """Write a figure as PNG (200 dots per inch) and SVG.
+    """Write a figure as PNG (200 dots per inch), SVG or PDF.
 
     Parameters
     ----------
     figure : Figure
         The figure.
     stem : path-like
-        Where to write, without the endings ``.png`` and ``.svg``. The folder must exist.
+        Where to write, without an ending such as ``.png``. The folder must exist.
     overwrite : bool
         Whether files that are there may be replaced.
+    formats : {"png", "svg", "pdf"} or sequence of these
+        What to write; by default a PNG and an SVG.
 
     Returns
     -------
     list of Path
-        The two files.
+        The files.
 
     Raises
     ------
     InputError
-        If the folder does not exist or cannot be written to, or a file is there and `overwrite` is
-        false.
+        If the folder does not exist or cannot be written to, a file is there and `overwrite` is
+        false, or a format is none of these.
     ArchiveError
         If the system does not let the files be written: a full disk, for example.
 
@@ -59,13 +74,17 @@ def save_figure(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     [path.name for path in save_figure(figure, folder + "/empty")]
     ['empty.png', 'empty.svg']
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [path.name for path in save_figure(figure, folder + "/empty", formats="pdf")]
+    ['empty.pdf']
     """
     if not isinstance(figure, Figure):
         raise InputError(f"figure must be a matplotlib Figure, got {type(figure).__name__}")
     start = check_path("stem", stem)
+    endings = [check_choice("formats", each, tuple(_METADATA)) for each in _listed(formats)]
     paths = [
         check_target("stem", start.parent / f"{start.name}.{ending}", overwrite=overwrite)
-        for ending in _METADATA
+        for ending in endings
     ]
     with style(), _settled_layout(figure):
         for path in paths:
@@ -77,6 +96,10 @@ def save_figure(
             except OSError as error:
                 raise ArchiveError(f"cannot write {path}: {error.strerror or error}") from error
     return paths
+
+
+def _listed(formats: str | Sequence[str]) -> Sequence[str]:
+    return [formats] if isinstance(formats, str) else formats
 
 
 @contextmanager
@@ -109,10 +132,9 @@ def _round_positions(figure: Figure) -> None:
 
 def _draw(figure: Figure, path: Path) -> None:
     ending = path.suffix[1:]
-    canvas = FigureCanvasAgg if ending == "png" else FigureCanvasSVG
     before = figure.canvas
     try:
-        canvas(figure).print_figure(
+        _CANVASES[ending](figure).print_figure(
             path, format=ending, dpi=_DOTS_PER_INCH, metadata=_METADATA[ending]
         )
     finally:

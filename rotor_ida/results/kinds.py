@@ -193,6 +193,10 @@ KINDS = {
         Kind(
             name="late_jumps", meaning="late jumps", shown=f"{_SHOWN}:FOLDS", drawn=_WHIRLS,
         ),
+        Kind(
+            name="run_up_summary", meaning="summary of a run-up",
+            variables=("smallest_gap", "ending"), shown=f"{_SHOWN}:show_run_up_summary",
+        ),
         Kind(name="contact_summary", meaning="summary of contacts"),
         Kind(name="contact_forces", meaning="contact forces"),
         Kind(name="spectrum", meaning="spectrum of a run"),

@@ -24,6 +24,8 @@ import math
 import os
 import tomllib
 
+import numpy as np
+
 from rotor_ida.checks import check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import MILLIMETRE, check_keys, machine_from_data_sheet
@@ -135,8 +137,15 @@ def machine_text(machine: DimensionalRotor) -> str:
         if name == "contact_stiffness" and machine.contact_exponent == 1.0:
             unit = "N/m"
         told = f"{unit}: {parameter.si_meaning}" if unit != "1" else parameter.si_meaning
-        lines.append(f"{name} = {value!r}  # {told}{more.get(name, '')}")
+        lines.append(f"{name} = {_number(value)}  # {told}{more.get(name, '')}")
     return "\n".join(lines) + "\n"
+
+
+def _number(value: float) -> str:
+    """Return a number that is read to the same bits."""
+    if 1e-3 <= value < 1e5:
+        return repr(value)
+    return np.format_float_scientific(value, trim="0", exp_digits=1)
 
 
 def _in_other_words(machine: DimensionalRotor) -> dict[str, str]:

@@ -251,7 +251,7 @@ def _parts(kind: str) -> dict[str, float]:
         return {base: 1.0}
     if kind == "speed":
         return {unit: 1.0 / each for unit, each in OF_SPEED.items()}
-    return {prefix + base: 10.0**-power for prefix, power in PREFIXES.items()}
+    return {prefix + base: parts for prefix, parts in PREFIXES.items()}
 
 
 def _checked(kind: str, unit: str) -> str:

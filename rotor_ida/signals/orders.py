@@ -94,7 +94,7 @@ def orders(
     >>> abs(found.forward_phase_lag - exact.phase_lag).item() < 1e-6
     True
     """
-    asked = _checked(orders)
+    asked = check_orders(orders)
     part = check_nonnegative("overlap", overlap, MOST_OVERLAP)
     record = record_of(signals)
     length = revolutions_for(asked, revolutions)
@@ -253,7 +253,7 @@ def window_coordinates(windows: Windows) -> dict[str, Column]:
     }
 
 
-def _checked(orders: npt.ArrayLike) -> Values:
+def check_orders(orders: npt.ArrayLike) -> Values:
     """Return orders that can be tracked."""
     asked = check_vector("orders", orders, largest=LARGEST_ORDER)
     if (asked <= 0.0).any():

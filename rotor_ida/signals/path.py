@@ -19,10 +19,9 @@ from rotor_ida.model.equations import rotated
 from rotor_ida.results.run import check_run, rotor_of
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import MODE, flags_of, labelled, words_of
+from rotor_ida.signals.sampling import check_sampling, run_angles
 
-# Between outputs the motion is the cubic that has its velocities too, but only where they lie
-# closer than this part of a revolution; farther apart it would be an invention.
-SMOOTH_BELOW = 0.2
+# Between outputs, which lie close together, the motion is the cubic that has its velocities too.
 POINTS_A_REVOLUTION = 90
 # How a motion goes on after events that tell it; after the others it slips.
 AFTER = {"exit": "flight", "roll": "rolling", "release": "loose"}
@@ -68,10 +67,11 @@ def path_of(run: xr.Dataset) -> Path:
     table[:, 2:] *= scale_of(run, "length") / (scale_of(run, "time") * scale_of(run, "velocity"))
     times, first = np.unique(times, return_index=True)
     states = table[first]
+    z, velocities = states[:, 0] + 1j * states[:, 1], states[:, 2] + 1j * states[:, 3]
+    check_sampling("run", times, z, velocities, _angles(run, times, first))
     steps = np.diff(times)
     revolutions = max(1.0, largest_speed(run)) / (2.0 * math.pi * scale_of(run, "time"))
     points = np.clip(np.ceil(steps * revolutions * POINTS_A_REVOLUTION), 1, None).astype(int)
-    points[steps * revolutions > SMOOTH_BELOW] = 1
     step = np.repeat(np.arange(steps.size), points)
     part = (np.arange(step.size) - np.repeat(np.cumsum(points) - points, points) + 1) / points[step]
     time = np.append(times[:1], times[step] + part * steps[step])
@@ -81,6 +81,13 @@ def path_of(run: xr.Dataset) -> Path:
     radius = np.hypot(x, y)
     outwards = np.divide(x * vx + y * vy, radius, out=np.zeros_like(radius), where=radius > 0.0)
     return Path(time, x, y, _in_contact(run, time), outwards, _modes(run, time))
+
+
+def _angles(run: xr.Dataset, times: Values, first: npt.NDArray[np.intp]) -> Values | None:
+    """Return the angle of the rotor at samples and events, in the sequence of the path."""
+    if "event_angle" in run.variables:
+        return np.append(run["angle"].values, run["event_angle"].values)[first]
+    return run_angles(run, times)
 
 
 def _cubic(part: Values, step: Values, before: Values, after: Values) -> tuple[Values, Values]:

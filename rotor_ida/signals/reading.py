@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import os
-import struct
-import warnings
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -25,24 +24,18 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.results.files import check_path
 from rotor_ida.schema import labelled, labelled_dataset
-from rotor_ida.signals.columns import Column, Table, Unit, known_units, unit_called
+from rotor_ida.signals.files.arrays import read_hdf5, read_matlab, read_npz
+from rotor_ida.signals.files.columns import Table, Unit, known_units, unit_called
+from rotor_ida.signals.files.labview import read_labview
+from rotor_ida.signals.files.recorders import read_comtrade, read_tdms, read_uff, read_wav
+from rotor_ida.signals.files.text import read_text
+from rotor_ida.signals.guessing import KIND, columns_of, count_left_out, rate_in, unit_of
 from rotor_ida.signals.keyphasor import check_pulses, pulses_in, with_lost_pulses
-from rotor_ida.signals.matlab import read_matlab
 from rotor_ida.signals.probes import displacements
 from rotor_ida.signals.record import FEWEST_SAMPLES
-from rotor_ida.signals.text import read_text
 
 Keyphasor = Literal["auto", "signal", "times"]
 
-# Names by which a column is guessed, in lower case.
-GUESSES = {
-    "t": ("t", "time", "times", "zeit", "seconds"),
-    "x": ("x", "probe x", "x probe", "probe_x", "probe 1", "probe1", "horizontal", "ch1", "1"),
-    "y": ("y", "probe y", "y probe", "probe_y", "probe 2", "probe2", "vertical", "ch2", "2"),
-    "keyphasor": ("keyphasor", "key", "kph", "kp", "tacho", "tachometer", "trigger", "pulses", "3"),
-    "angle": ("angle", "theta", "phase", "shaft angle", "shaft_angle"),
-}
-KIND = {"t": "time", "x": "length", "y": "length", "keyphasor": "time", "angle": "angle"}
 # Samples a second.
 RATES = (1e-9, 1e12)
 # A step that is so much longer than the usual one is a gap.
@@ -53,6 +46,20 @@ CLIPPED = 4
 # not so to this part of a step anyway.
 ROUNDED, EVEN = 0.6, 1e-3
 MOST_DECIMALS = 12
+# What an angle spans that is counted from 0 to one revolution, with some room.
+TURN = 6.5
+# Readers by ending; anything else is text.
+READERS: Mapping[str, Callable[[Path], Table]] = {
+    ".wav": read_wav,
+    ".mat": read_matlab,
+    **dict.fromkeys((".h5", ".hdf5", ".hdf"), read_hdf5),
+    ".npz": read_npz,
+    **dict.fromkeys((".uff", ".unv", ".uf"), read_uff),
+    ".tdms": read_tdms,
+    ".lvm": read_labview,
+    **dict.fromkeys((".cfg", ".dat"), read_comtrade),
+}
+_SENSITIVITY = re.compile(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(m?V)\s*/\s*(\S+)\s*")
 
 
 def read_signals(
@@ -61,32 +68,39 @@ def read_signals(
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     rate: float | None = None,
-    probe_angles: npt.ArrayLike = (0.0, 90.0),
+    probe_angles: npt.ArrayLike | None = None,
     gains: npt.ArrayLike = (1.0, 1.0),
+    sensitivity: str | None = None,
     keyphasor: Keyphasor = "auto",
     pulses_per_revolution: int = 1,
     accept_clipped: bool = False,
     fill_pulses: bool = False,
 ) -> xr.Dataset:
-    """Read the signals of two probes and a keyphasor from a CSV, WAV or MATLAB file.
+    """Read the signals of two probes and a keyphasor, or a speed, from a measured file.
 
     Parameters
     ----------
     path : path
-        Text with columns of numbers, a sound file (``.wav``) or a MATLAB file (``.mat``).
+        A table in text, or a file of a recorder, read by its ending: WAV, MATLAB, HDF5, NumPy
+        (.npz), UFF 58 and 58b, TDMS, LabVIEW (.lvm), COMTRADE (.cfg and .dat).
     columns : mapping of str to str, optional
-        The names in the file of ``t``, ``x``, ``y`` and ``keyphasor`` or ``angle``, such as
-        ``{"x": "Probe A"}``. Columns without names, and channels, are called by number from "1".
-        What is not given is guessed; the attribute ``columns`` says what was taken.
+        The names in the file of ``t``, ``x``, ``y`` and of ``keyphasor``, ``angle`` or ``speed``,
+        such as ``{"x": "Probe A"}``. Columns without names, and channels, are called by number from
+        "1". The others are guessed from their names; the attribute ``columns`` lists all.
     units : mapping of str to str, optional
-        Units by the same names: s, ms, us, min; m, mm, um, nm, in, mil, V, mV; rad, deg, rev. By
-        default what the head of the file has in brackets; otherwise numbers stay as they are.
+        Units by the same names: s, ms, us, min; m, mm, um, nm, in, mil, V, mV; rad, deg, rev;
+        rad/s, rpm, Hz. By default those in the file, or at the end of a name as in ``probe_A_um``;
+        otherwise numbers stay as they are.
     rate : float, optional
         Samples a second, for a file without times.
-    probe_angles : array_like, shape (2,)
-        Where the probes are, from the x axis in the sense of the rotation [degree].
+    probe_angles : array_like, shape (2,), optional
+        Angles of the probes from the x axis in the sense of the rotation [degree]; 0 and 90 by
+        default.
     gains : array_like, shape (2,)
         Reading over displacement of each probe.
+    sensitivity : str, optional
+        Reading in volts over displacement of both probes, such as ``"200 mV/mil"`` or
+        ``"7.87 V/mm"``. Displacements then have the unit of length in it.
     keyphasor : {"auto", "signal", "times"}
         Whether the keyphasor was sampled with the probes or is a list of times of its pulses;
         by default times if there are fewer of them than samples.
@@ -99,19 +113,23 @@ def read_signals(
     Returns
     -------
     Dataset
-        ``x y`` on ``t``, in s and um, mm or what else was told, and ``angle`` on ``t`` [rad] or
-        times of pulses, ``keyphasor`` on ``pulse``; to be saved and loaded as any result.
+        ``x y`` on ``t``, in s and um, mm or another unit given, and ``angle`` on ``t`` [rad] or
+        times of pulses, ``keyphasor`` on ``pulse``; to be saved and loaded as any result. The
+        attribute ``notes`` lists what was assumed.
 
     Raises
     ------
     InputError
-        In one line: if the file or a column is missing, a number is, times have a gap, a probe is
-        clipped, or the keyphasor loses pulses, and where.
+        In one line: if the file is damaged, a column is missing or could be one of several, a
+        number is missing, times have a gap, a probe is clipped, or the keyphasor loses pulses,
+        and where.
 
     Notes
     -----
     A pulse of a sampled keyphasor is where the signal passes half its height, interpolated between
-    two samples.
+    two samples. A speed in place of a keyphasor is integrated to the angle by the trapezoidal rule:
+    amplitudes of orders are right, but phase lags count from the first sample and drift with
+    the error of the speed.
 
     Examples
     --------
@@ -127,6 +145,38 @@ def read_signals(
     ('t=t x=x y=y angle=angle (guessed: t x y angle)', 'um')
     """
     file = check_path("path", path)
+    return signals_in(
+        read_table(file),
+        file.name,
+        columns=columns,
+        units=units,
+        rate=rate,
+        probe_angles=probe_angles,
+        gains=gains,
+        sensitivity=sensitivity,
+        keyphasor=keyphasor,
+        pulses_per_revolution=pulses_per_revolution,
+        accept_clipped=accept_clipped,
+        fill_pulses=fill_pulses,
+    )
+
+
+def signals_in(
+    table: Table,
+    name: str,
+    *,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    rate: float | None = None,
+    probe_angles: npt.ArrayLike | None = None,
+    gains: npt.ArrayLike = (1.0, 1.0),
+    sensitivity: str | None = None,
+    keyphasor: Keyphasor = "auto",
+    pulses_per_revolution: int = 1,
+    accept_clipped: bool = False,
+    fill_pulses: bool = False,
+) -> xr.Dataset:
+    """Return the signals in the columns of a file of some name, as `read_signals`."""
     check_choice("keyphasor", keyphasor, ("auto", "signal", "times"))
     per_revolution = check_count("pulses_per_revolution", pulses_per_revolution, 1, 10_000)
     check_flag("accept_clipped", accept_clipped)
@@ -134,18 +184,28 @@ def read_signals(
     told, given = _words("columns", columns), _words("units", units)
     if rate is not None:
         rate = check_between("rate", rate, *RATES)
-    table = _read_table(file)
-    names = _names(table, told)
-    found = {name: _converted(name, column, table, given) for name, column in names.items()}
+    only_rate = rate_in(table)
+    names = columns_of(table, told, timed=rate is not None or only_rate is not None)
+    notes = []
+    if rate is None and "t" not in names and only_rate is not None:
+        rate = check_between(only_rate[0], only_rate[1], *RATES)
+        notes.append(f"times follow from the {rate:g} samples a second in {only_rate[0]}")
+    if count := count_left_out(table, names):
+        notes.append(f"column {count} counts samples and is left out")
+    found = {each: _converted(each, names, table, given) for each in names}
+    if sensitivity is not None:
+        for each in ("x", "y"):
+            found[each] = _displaced(each, *found[each], sensitivity)
     times, time = _times(found, rate, table, names)
     length = _check_probes(found, times, accept_clipped)
+    if probe_angles is None:
+        notes.append("probes are taken to be at 0 and 90 degrees, as no probe_angles are given")
+        probe_angles = (0.0, 90.0)
     z = displacements(found["x"][0] + 1j * found["y"][0], probe_angles, gains)
-    guessed = [name for name in names if name not in told]
     attributes: dict[str, object] = {
         "source": "measured signals",
-        "file": file.name,
-        "columns": " ".join(f"{name}={column}" for name, column in names.items())
-        + (f" (guessed: {' '.join(guessed)})" if guessed else ""),
+        "file": name,
+        "columns": _listed(names, told),
         "probe_angles": check_array("probe_angles", probe_angles),
         "gains": check_array("gains", gains),
     }
@@ -153,47 +213,42 @@ def read_signals(
         attributes["times"] = "evenly spaced, to the digits that the file has of them"
     variables = {"x": _labelled("x", "t", z.real, length), "y": _labelled("y", "t", z.imag, length)}
     if "angle" in found:
-        variables["angle"] = labelled("angle", "t", _angle(found["angle"][0], times))
+        angles = _angle(found["angle"], times)
+        variables["angle"] = labelled("angle", "t", angles)
     elif "keyphasor" in found:
         pulses = _pulses(found["keyphasor"], times, keyphasor, fill_pulses)
         variables["keyphasor"] = _labelled("keyphasor", "pulse", pulses, time)
         attributes["pulses_per_revolution"] = per_revolution
+    elif "speed" in found:
+        variables["angle"] = labelled("angle", "t", _integrated(found["speed"], times, time))
+        attributes["angle_origin"] = "unknown"
+        notes.append(
+            "the angle is integrated from the speed: phase lags have no known origin, and drift "
+            "with the error of the speed"
+        )
+    if notes:
+        attributes["notes"] = "; ".join(notes)
     coordinates = {"t": _labelled("t", "t", times, time)}
     return labelled_dataset(
         "Signals of two probes", variables, coordinates, attributes, kind="signals"
     )
 
 
-def _read_table(path: Path) -> Table:
-    """Return the columns of a file by their names, each with its unit, empty where not told."""
+def _listed(names: Mapping[str, str], told: Mapping[str, str]) -> str:
+    """Return which column each signal is, and which of them were guessed."""
+    guessed = [name for name in names if name not in told]
+    pairs = " ".join(f"{name}={column}" for name, column in names.items())
+    return pairs + (f" (guessed: {' '.join(guessed)})" if guessed else "")
+
+
+def read_table(path: Path) -> Table:
+    """Return the columns of a file by their names, each with its unit, empty where not given."""
     if not path.is_file():
         raise InputError(f"path must be a file that exists, got {shown(path)}")
-    readers = {".wav": _read_wav, ".mat": read_matlab}
     try:
-        return readers.get(path.suffix.lower(), read_text)(path)
+        return READERS.get(path.suffix.lower(), read_text)(path)
     except OSError as error:
         raise InputError(f"{shown(path)} cannot be read: {error.strerror or error}") from error
-
-
-def _read_wav(path: Path) -> Table:
-    """Return the channels of a sound file, numbered from 1, and ``t``; whole numbers as of 1."""
-    from scipy.io import wavfile  # noqa: PLC0415 - takes long to import
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", wavfile.WavFileWarning)
-            rate, samples = wavfile.read(path)
-    except (ValueError, EOFError, struct.error, UnboundLocalError) as error:
-        raise InputError(f"{shown(path)} must be a WAV file: {error}") from error
-    table = np.asarray(samples, dtype=np.float64).reshape(len(samples), -1)
-    if samples.dtype == np.uint8:
-        table = (table - 128.0) / 128.0
-    elif samples.dtype.kind == "i":
-        table = table / 2.0 ** (8 * samples.dtype.itemsize - 1)
-    columns = {"t": Column(np.arange(len(table)) / rate, "s")}
-    for number, channel in enumerate(table.T, 1):
-        columns[str(number)] = Column(np.ascontiguousarray(channel))
-    return Table(columns, lambda name, row: f"{columns[name].values[row]} in sample {row + 1}")
 
 
 def _words(name: str, given: object) -> dict[str, str]:
@@ -205,45 +260,15 @@ def _words(name: str, given: object) -> dict[str, str]:
     ):
         raise InputError(f"{name} must be a mapping such as {{'x': '...'}}, got {shown(given)}")
     for key in given:
-        check_choice(f"a name in {name}", key, tuple(GUESSES))
+        check_choice(f"a name in {name}", key, tuple(KIND))
     return dict(given)
 
 
-def _names(table: Table, told: Mapping[str, str]) -> dict[str, str]:
-    """Return the column of each signal, as told or guessed."""
-    for name, column in told.items():
-        if column not in table.columns:
-            raise InputError(
-                f"the file must have the column {shown(column)} for {name}, got "
-                f"{shown(table.listed())}"
-            )
-    free = {each.lower().strip(): each for each in table.columns if each not in told.values()}
-    names: dict[str, str] = {}
-    for name, guesses in _guesses(table).items():
-        found = told.get(name) or next((free[each] for each in guesses if each in free), None)
-        if found is not None:
-            names[name] = found
-        elif name in ("x", "y"):
-            raise InputError(
-                f"the file must have a column for {name}; name it in columns, got "
-                f"{shown(table.listed())}"
-            )
-    if "angle" in names and "keyphasor" in names:
-        names.pop("keyphasor" if "angle" in told or "keyphasor" not in told else "angle")
-    return names
-
-
-def _guesses(table: Table) -> dict[str, tuple[str, ...]]:
-    """Return names to guess by: in a file without any the columns are t, x, y, keyphasor."""
-    if "t" not in table.columns and all(name.isdigit() for name in table.columns):
-        return {"t": ("1",), "x": ("2",), "y": ("3",), "keyphasor": ("4",), "angle": ()}
-    return GUESSES
-
-
 def _converted(
-    name: str, column: str, table: Table, units: Mapping[str, str]
+    name: str, columns: Mapping[str, str], table: Table, units: Mapping[str, str]
 ) -> tuple[Values, str]:
-    """Return a column in s, radians or a unit of length, and its unit."""
+    """Return a column in s, radians, radians a second or a unit of length, and its unit."""
+    column = columns[name]
     values = table.columns[column].values
     if name == "keyphasor":
         values = _without_end(values)
@@ -254,7 +279,7 @@ def _converted(
             f"column {shown(column)} must hold finite numbers, got "
             f"{table.cell(column, int(missing[0]))}{more}"
         )
-    unit = _unit_of(name, column, table, units)
+    unit = _unit_of(name, columns, table, units)
     return values * unit.factor if unit.factor != 1.0 else values, unit.plain
 
 
@@ -264,19 +289,35 @@ def _without_end(values: Values) -> Values:
     return values[: known[-1] + 1] if known.size else values
 
 
-def _unit_of(name: str, column: str, table: Table, units: Mapping[str, str]) -> Unit:
+def _unit_of(name: str, columns: Mapping[str, str], table: Table, units: Mapping[str, str]) -> Unit:
     """Return the unit of a column, as told or as the file has it."""
-    written = table.columns[column].unit
+    written = unit_of(name, columns, table)
     unit = unit_called(units.get(name, written))
     if name == "keyphasor" and name not in units and (unit is None or unit.kind != "time"):
         unit = unit_called("")  # the height of its pulses does not count
-    if unit is None or unit.kind not in (KIND[name], "any"):
-        place = "" if name in units else f" in the column {shown(column)}; say it in units"
+    allowed = (KIND[name],) if name == "speed" else (KIND[name], "any")
+    if unit is None or unit.kind not in allowed:
+        place = "" if name in units else f" in the column {shown(columns[name])}; say it in units"
         raise InputError(
             f"the unit of {name} must be one of {known_units(KIND[name])}, got "
             f"{shown(units.get(name, written))}{place}"
         )
     return unit
+
+
+def _displaced(name: str, values: Values, unit: str, sensitivity: str) -> tuple[Values, str]:
+    """Return displacements of readings in V or mV."""
+    if unit not in ("V", "mV"):
+        raise InputError(f"sensitivity must be of readings in V or mV, got {name} in {unit}")
+    found = _SENSITIVITY.fullmatch(sensitivity) if isinstance(sensitivity, str) else None
+    length = unit_called(found[3]) if found else None
+    if found is None or length is None or length.kind != "length" or float(found[1]) <= 0.0:
+        raise InputError(
+            f"sensitivity must be such as '200 mV/mil' or '7.87 V/mm', got {shown(sensitivity)}"
+        )
+    volts = {"V": 1.0, "mV": 1e-3}
+    per_length = float(found[1]) * volts[found[2]] / length.factor
+    return values * volts[unit] / per_length, length.plain
 
 
 def _times(
@@ -382,16 +423,40 @@ def _clipped_at(values: Values) -> int | None:
     return None
 
 
-def _angle(angles: Values, times: Values) -> Values:
+def _angle(column: tuple[Values, str], times: Values) -> Values:
     """Return a measured angle that grows, also where it was counted from 0 to one revolution."""
+    angles, unit = column
     if angles.size != times.size:
         raise InputError(f"angle must have one number for each t, got {angles.size}")
     if not (np.diff(angles) >= 0.0).all():
+        turn = float(np.ptp(angles))
+        if unit == "1" and turn > TURN:
+            raise InputError(
+                f"the unit of angle must be told in units, as it spans {turn:.6g} and falls: one "
+                f"of {known_units('angle')}, got none"
+            )
         angles = np.unwrap(angles)
     falls = np.flatnonzero(np.diff(angles) < 0.0)
     if falls.size:
         raise InputError(f"angle must never fall, but does after t {times[falls[0]]:.6g}")
     return angles
+
+
+def _integrated(column: tuple[Values, str], times: Values, time: str) -> Values:
+    """Return the angle of the rotor, 0 at the first sample, by the trapezoidal rule."""
+    speeds, _ = column
+    if time != "s":
+        raise InputError("t must have a unit beside a speed; say it in units, got none")
+    if speeds.size != times.size:
+        raise InputError(f"speed must have one number for each t, got {speeds.size}")
+    if not (speeds >= 0.0).all() or not speeds.any():
+        at = int(speeds.argmin())
+        raise InputError(
+            f"speed must be positive, or 0 at times, got {speeds[at]:.6g} rad/s at t "
+            f"{times[at]:.6g}"
+        )
+    steps = 0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times)
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _pulses(column: tuple[Values, str], times: Values, kind: str, fill: bool) -> Values:

@@ -16,6 +16,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.schema import QUANTITIES, Column, labelled, labelled_dataset, origin_of
 from rotor_ida.signals.keyphasor import angles_by_pulses
+from rotor_ida.signals.sampling import check_sampling, run_angles, velocities_of
 
 FEWEST_SAMPLES = 16
 # Times that were written with few digits are still equally spaced: of a step.
@@ -179,11 +180,14 @@ def record_of(signals: object, name: str = "signals") -> Record:
         at = times[~np.isfinite(z)][0]
         raise InputError(f"{name} must hold finite x and y, got {z[~np.isfinite(z)][0]} at t {at}")
     within, angles = _angles(given, times, name)
+    velocities = velocities_of(given)
     if within.sum() < FEWEST_SAMPLES:
         raise InputError(
             f"{name} must hold at least {FEWEST_SAMPLES} samples between the pulses of the "
             f"keyphasor, got {within.sum()}"
         )
+    seen = None if velocities is None else velocities[within]
+    check_sampling(name, times[within], z[within], seen, angles)
     return Record(
         times[within],
         z[within],
@@ -215,7 +219,4 @@ def _angles(
             at = times[wrong[0]] if wrong.size else times[0]
             raise InputError(f"angle of {name} must be on t and never fall, but does at t {at:.6g}")
         return everywhere, angles
-    if "omega" in given.variables and not given["omega"].ndim:
-        scale = float(given.attrs.get("time_scale", 1.0))
-        return everywhere, float(given["omega"]) / scale * times
-    return everywhere, None
+    return everywhere, run_angles(given, times)

@@ -15,6 +15,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.results.run import check_one_speed, check_run, parameter_coordinates, rotor_of
 from rotor_ida.schema import Column, labelled_dataset, origin_of
 from rotor_ida.signals.record import FEWEST_SAMPLES, Record, equal_step, record_of
+from rotor_ida.signals.sampling import check_run_sampling
 from rotor_ida.signals.windows import MOST_OVERLAP
 
 Window = Literal["flattop", "hann", "boxcar"]
@@ -51,8 +52,7 @@ def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
     Raises
     ------
     InputError
-        If the dataset is no run, its samples are not equally spaced, too few, or two or fewer
-        a revolution.
+        If the dataset is no run, or its samples are not equally spaced, too few, or too far apart.
 
     Notes
     -----
@@ -85,11 +85,7 @@ def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
     rotor = rotor_of(run)
     times = run["t"].values
     step = equal_step(times, "run", ROUNDING)
-    if rotor.omega * step >= math.pi:
-        raise InputError(
-            "run must hold more than two samples a revolution, got "
-            f"{2.0 * math.pi / (rotor.omega * step):.3g}"
-        )
+    check_run_sampling(run)
     frequency, height = lines_of(run["x"].values + 1j * run["y"].values, step, window)
     coordinates = parameter_coordinates(rotor) | {"frequency": ("frequency", frequency)}
     if rotor.omega > 0.0:
@@ -146,7 +142,7 @@ def full_spectrum(
     Raises
     ------
     InputError
-        If the samples are not equally spaced, or too few.
+        If the samples are not equally spaced, too few, or too far apart.
 
     Notes
     -----
@@ -233,7 +229,7 @@ def spectrogram(
     Raises
     ------
     InputError
-        If the samples are not equally spaced, or too few.
+        If the samples are not equally spaced, too few, or too far apart.
 
     Notes
     -----

@@ -24,7 +24,7 @@ from types import SimpleNamespace
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import ROUNDING, Stop, Values
+from rotor_ida.arrays import ROUNDING, Stop, Values, Watch
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.modes import Moment, accelerations
@@ -74,7 +74,12 @@ class EventErrors:
 
 
 def estimate_event_errors(
-    orbit: Orbit, start: State, *, slack: float = 0.0, stop: Stop | None = None
+    orbit: Orbit,
+    start: State,
+    *,
+    slack: float = 0.0,
+    stop: Stop | None = None,
+    watch: Watch | None = None,
 ) -> EventErrors:
     """Estimate the error of an orbit by simulating it again.
 
@@ -84,7 +89,7 @@ def estimate_event_errors(
         The orbit.
     start : tuple of float
         Its start ``(x, y, vx, vy)``, fixed frame [1].
-    slack, stop
+    slack, stop, watch
         As for `run`.
     """
     rotor, options, scale = orbit.rotor, orbit.options, APART
@@ -101,7 +106,7 @@ def estimate_event_errors(
     try:
         other = run(
             rotor, start, orbit.duration, thinned.times, options, slack=2.0 * slack,
-            scale=scale, stop=stop, profile=profile,
+            scale=scale, stop=stop, profile=profile, watch=watch,
         )  # fmt: skip
     except SimulationError as error:
         return EventErrors(np.full(orbit.event_times.size, np.inf), error.time)

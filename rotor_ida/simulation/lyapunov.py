@@ -11,6 +11,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
+    AT_REST,
     MOST_NUMBERS,
     State,
     check_choice,
@@ -55,7 +56,7 @@ LONGEST = SPAN * MOST_NUMBERS
 def lyapunov_exponent(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike,
+    start: npt.ArrayLike = AT_REST,
     transient: float = 500.0,
     duration: float = 5000.0,
     batches: int = BATCHES,
@@ -69,7 +70,7 @@ def lyapunov_exponent(
     rotor : Rotor
         The rotor.
     start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1].
+        ``(x, y, vx, vy)`` at time 0 [1]; by default at rest on the axis.
     transient : float
         Time to settle before the mean is taken [1], at most 5 million; the tangent vectors turn
         into their directions in it too.

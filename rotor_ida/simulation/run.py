@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rotor_ida.arrays import Stop, Values
+from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import State
 from rotor_ida.core.interface import DONE, IN_CONTACT, UNBALANCED, message_of
 from rotor_ida.core.runs import Rows, RunRequest, RunResult, follow_run
@@ -31,6 +31,7 @@ def run(
     extrema: bool = False,
     stop: Stop | None = None,
     profile: SpeedProfile | None = None,
+    watch: Watch | None = None,
 ) -> Orbit:
     """Simulate a rotor from `start` at time 0 over `duration`.
 
@@ -57,6 +58,8 @@ def run(
         Asks a run in compiled code to stop as soon as it holds anything but 0.
     profile : SpeedProfile, optional
         How the speed changes, if it does.
+    watch : list of callable, optional
+        Gets a function that returns how far a run in compiled code is [1].
 
     Raises
     ------
@@ -89,6 +92,7 @@ def run(
         events=True,
         extrema=extrema,
         stop=stop,
+        watch=watch,
     )
     orbit = _compiled(request, sample_times, options, profile)
     check_orbit(orbit)

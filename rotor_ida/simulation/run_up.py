@@ -5,25 +5,30 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Watch
 from rotor_ida.checks import (
+    AT_REST,
     check_array,
     check_between,
     check_duration,
     check_instance,
     check_nonnegative,
+    check_positive,
+    check_progress,
     check_real,
     check_state,
     shown,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.parallel import Progress, Stop, interruptible
 from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import (
@@ -35,14 +40,15 @@ from rotor_ida.simulation.options import (
 )
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
-from rotor_ida.simulation.simulate import END_SLACK, MOST_SLACK, sample_times
+from rotor_ida.simulation.sampling import FEWEST, sample_times
+from rotor_ida.simulation.simulate import END_SLACK, MOST_SLACK
 from rotor_ida.simulation.spin import SpeedProfile, driven, through
 
 # The disc is often 10^5 eccentricities wide, and its inertia goes with the square of that.
 SMALLEST_DRIVE, LARGEST_DRIVE = 1e-12, 1e15
 # More of them, of the spin or of a motion at the reference frequency, take an hour or more.
 MOST_RADIANS = {"python": 1e7, "compiled": 1e8}
-WAYS = "by to and rate, by speeds, or by torque and inertia"
+WAYS = "by to and rate or ramp_time, by speeds, or by torque and inertia"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,39 +59,52 @@ class _SpeedChange:
     profile: SpeedProfile
     changes: dict[str, object]
 
+    @property
+    def largest_speed(self) -> float:
+        """The largest speed that is prescribed: where a torque drives it, that at time 0."""
+        if self.profile.is_driven:
+            return self.rotor.omega
+        ends = np.array(self.profile.ends)
+        speeds = self.profile.spins_at(ends, np.empty((ends.size, 0)))["speed"]
+        return max(self.rotor.omega, float(speeds.max()))
+
 
 def run_up(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike,
+    start: npt.ArrayLike = AT_REST,
     to: float | None = None,
     rate: float | None = None,
+    ramp_time: float | None = None,
     speeds: Sequence[tuple[float, float]] | npt.ArrayLike | None = None,
     torque: tuple[float, float] | npt.ArrayLike | None = None,
     inertia: float | None = None,
     duration: float | None = None,
-    samples: int | npt.ArrayLike = 1001,
+    samples: int | npt.ArrayLike | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-12,
     method: Method = "adams",
     backend: Backend = "auto",
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Simulate a rotor whose speed changes, with every event found by root finding.
 
-    The speed changes in one of three ways: at a constant `rate` up or down `to` another speed; as
-    `speeds` has it, linear from one time to the next; or as a `torque` turns the `inertia` of the
-    rotor, against damping, shaft and ring.
+    The speed changes in one of three ways: at a constant `rate`, or in a `ramp_time`, up or down
+    `to` another speed; as `speeds` has it, linear from one time to the next; or as a `torque` turns
+    the `inertia` of the rotor, against damping, shaft and ring.
 
     Parameters
     ----------
     rotor : Rotor
         The rotor: its ``omega`` is the speed at time 0, where the unbalance points along x.
     start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1].
+        ``(x, y, vx, vy)`` at time 0 [1]; by default at rest on the axis.
     to : float
         Speed at the end of a ramp [1].
     rate : float
         Change of the speed in a unit of time [1], negative in a run-down.
+    ramp_time : float
+        Time of the ramp [1], in place of the rate.
     speeds : sequence of (float, float)
         Pairs of time and speed [1], with times that increase from 0. The first speed is the one
         that counts at time 0, whatever the rotor's is.
@@ -96,9 +115,10 @@ def run_up(
     duration : float, optional
         Time to simulate [1]. A torque needs one; otherwise it is what the change of the speed
         takes, and beyond that the last speed is held.
-    samples : int or array_like, shape (n,)
+    samples : int or array_like, shape (n,), optional
         Number of equally spaced times at which the motion is reported, both ends included, or the
-        times themselves, increasing [1].
+        times themselves, increasing [1]. By default so many as `simulate` takes at the largest
+        speed of the run; that of a torque is found by a first run.
     rtol, atol : float
         Relative and absolute tolerance [1], as of `simulate`.
     method : {"adams", "bdf", "ida", "taylor"}
@@ -107,6 +127,8 @@ def run_up(
         core, and by the method itself in the reference.
     backend : {"auto", "python", "compiled"}
         As of `simulate`.
+    progress : callable, optional
+        Called now and then with the percentage that is done, and 100.
 
     Returns
     -------
@@ -154,28 +176,53 @@ def run_up(
     array([0.2     , 0.622213, 0.626802, 0.790485, 0.867413])
     """
     check_instance("rotor", rotor, Rotor)
+    check_progress(progress)
     first = check_state("start", start)
     options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
+    if ramp_time is not None:
+        rate = _rate_of(rotor, to, rate, ramp_time)
     given = {"to": to, "rate": rate, "speeds": speeds, "torque": torque, "inertia": inertia}
     change = _speed_change_of(
         rotor, {name: each for name, each in given.items() if each is not None}, duration, options
     )
     check_can_be_followed(change.rotor, first)
     end = change.profile.ends[-1]
-    times = sample_times(samples, end)
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
 
-    def run_twice(stop: Stop | None = None) -> tuple[Orbit, EventErrors]:
-        orbit = run(
-            change.rotor, first, end, times, options, slack=slack, stop=stop, profile=change.profile
-        )
-        return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop)
+    watch: Watch = []
 
-    orbit, errors = interruptible(run_twice)
+    def sampled(samples: object, fastest: float, stop: Stop | None) -> Orbit:
+        return run(
+            change.rotor, first, end, sample_times(samples, end, change.rotor, fastest), options,
+            slack=slack, stop=stop, profile=change.profile, watch=watch,
+        )  # fmt: skip
+
+    def run_twice(stop: Stop | None = None) -> tuple[Orbit, EventErrors]:
+        fastest = change.largest_speed
+        if samples is None and change.profile.is_driven:  # how fast it turns is not known before
+            fastest = max(fastest, float(np.max(sampled(FEWEST, fastest, stop).speeds)))
+            watch.clear()
+        orbit = sampled(samples, fastest, stop)
+        return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop, watch=watch)
+
+    def tell(progress: Progress) -> None:
+        progress(int(50.0 * sum(done() for done in watch) / end), 100)
+
+    told = None if progress is None else partial(tell, progress)
+    orbit, errors = interruptible(run_twice, told=told)
     return run_dataset(orbit, first, errors, change.changes)
 
 
 # ---- How the speed is to change ----
+
+
+def _rate_of(rotor: Rotor, to: object, rate: object, ramp_time: object) -> float:
+    """Return the rate of a ramp that takes some time, or raise `InputError`."""
+    if rate is not None:
+        raise InputError(f"rate must be left out with ramp_time, got {shown(rate)}")
+    if to is None:
+        raise InputError("to must be given with ramp_time, got None")
+    return (_checked_speed("to", to) - rotor.omega) / check_positive("ramp_time", ramp_time)
 
 
 def _speed_change_of(
@@ -197,17 +244,14 @@ def _speed_change_of(
         change = _piece_by_piece(rotor, given["speeds"], duration)
     else:
         change = _by_ramp(rotor, given["to"], given["rate"], duration)
-    _check_can_wait(change.rotor.omega, change.profile, options.backend)
+    _check_can_wait(change, options.backend)
     return change
 
 
-def _check_can_wait(omega: float, profile: SpeedProfile, backend: str) -> None:
+def _check_can_wait(change: _SpeedChange, backend: str) -> None:
     """Raise `InputError` for a run-up that would take an hour or so."""
-    ends = np.array(profile.ends)
-    fastest = max(omega, 1.0)
-    if not profile.is_driven:
-        fastest = max(fastest, profile.spins_at(ends, np.empty((ends.size, 0)))["speed"].max())
-    end, longest = profile.ends[-1], MOST_RADIANS[backend] / fastest
+    end = change.profile.ends[-1]
+    longest = MOST_RADIANS[backend] / max(change.largest_speed, 1.0)
     if end > longest:
         raise InputError(
             f"the duration of a run-up must be at most {longest:g} with backend {backend!r}, which "
@@ -217,9 +261,9 @@ def _check_can_wait(omega: float, profile: SpeedProfile, backend: str) -> None:
 
 def ramp_of(rotor: Rotor, to: float, rate: float, backend: Backend = "compiled") -> SpeedProfile:
     """Return the profile of a ramp from the rotor's speed, or raise `InputError`."""
-    profile = _by_ramp(rotor, to, rate, None).profile
-    _check_can_wait(rotor.omega, profile, backend)
-    return profile
+    change = _by_ramp(rotor, to, rate, None)
+    _check_can_wait(change, backend)
+    return change.profile
 
 
 def _by_ramp(rotor: Rotor, to: object, rate: object, duration: float | None) -> _SpeedChange:

@@ -11,6 +11,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
+    AT_REST,
     State,
     check_choice,
     check_count,
@@ -43,7 +44,7 @@ NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 def poincare_section(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike,
+    start: npt.ArrayLike = AT_REST,
     revolutions: int,
     skip: int = 0,
     at: At = "revolution",
@@ -59,7 +60,7 @@ def poincare_section(
     rotor : Rotor
         The rotor; it must turn.
     start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1].
+        ``(x, y, vx, vy)`` at time 0 [1]; by default at rest on the axis.
     revolutions : int
         Number of revolutions in the section, at most 10 million.
     skip : int

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
 from rotor_ida.checks import (
-    check_axis,
-    check_count,
+    AT_REST,
     check_duration,
-    check_increasing,
     check_instance,
     check_state,
-    is_scalar,
 )
-from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop, interruptible
 from rotor_ida.simulation.dataset import run_dataset
@@ -24,6 +18,7 @@ from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
+from rotor_ida.simulation.sampling import sample_times
 
 # An event so many tolerances behind the end of a run may as well lie at it, and belongs to it.
 END_SLACK = 100.0
@@ -35,9 +30,9 @@ SOON_PASSED = 1e4
 def simulate(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike,
+    start: npt.ArrayLike = AT_REST,
     duration: float,
-    samples: int | npt.ArrayLike = 1001,
+    samples: int | npt.ArrayLike | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-12,
     method: Method = "adams",
@@ -51,13 +46,16 @@ def simulate(
     rotor : Rotor
         The rotor.
     start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1].
+        ``(x, y, vx, vy)`` at time 0 [1]; by default at rest on the axis.
     duration : float
         Time to simulate [1], as long as the spacing of doubles at its end is below
         ``1e-6/max(omega, 1)``.
-    samples : int or array_like, shape (n,)
+    samples : int or array_like, shape (n,), optional
         Number of equally spaced times at which the motion is reported, both ends included, at
-        most 10 million, or the times themselves, increasing [1].
+        most 10 million, or the times themselves, increasing [1]. By default at least 1001, with at
+        least 32 in each revolution and each period of the shaft, ``2 pi/sqrt(kappa)``, and 8 in a
+        period of the contact, ``2 pi/sqrt(1 + kappa)``; where these are more than 2 million,
+        `samples` must be given.
     rtol, atol : float
         Relative and absolute tolerance [1].
     method : {"adams", "bdf", "ida", "taylor"}
@@ -120,7 +118,7 @@ def simulate(
     first = check_state("start", start)
     check_can_be_followed(rotor, first)
     end = check_duration("duration", duration, rotor.omega)
-    times = sample_times(samples, end)
+    times = sample_times(samples, end, rotor, rotor.omega)
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
 
@@ -133,15 +131,3 @@ def simulate(
     soon = options.method == "taylor" and rate * end + times.size <= SOON_PASSED
     orbit, errors = run_twice() if soon else interruptible(run_twice)
     return run_dataset(orbit, first, errors)
-
-
-def sample_times(samples: object, duration: float) -> Values:
-    """Return the times to report, from a number of them or from themselves."""
-    if is_scalar("samples", samples):
-        return np.linspace(0.0, duration, check_count("samples", samples, minimum=2))
-    times = check_increasing("samples", check_axis("samples", samples))
-    if times[-1] > duration:
-        raise InputError(
-            f"samples must lie from 0 to the duration {duration!r}, got {float(times[-1])!r}"
-        )
-    return times

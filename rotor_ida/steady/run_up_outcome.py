@@ -219,8 +219,35 @@ def _farthest(orbit: Orbit, start: State) -> tuple[float, float]:
 
 def _settled(run_up: RunUp, orbit: Orbit, summary: RampSummary, stop: Stop) -> Outcome:
     """Return what a rotor settles on at the last speed."""
-    rotor, options = replace(run_up.rotor, omega=run_up.to), run_up.options
-    state = _on_rotating_axes(run_up, orbit.end, stop)
+    rotor = replace(run_up.rotor, omega=run_up.to)
+    return ending_at(rotor, orbit.end, run_up.end_angle, run_up.options, stop, summary)
+
+
+def ending_at(
+    rotor: Rotor,
+    end: Values,
+    angle: float,
+    options: Options,
+    stop: Stop,
+    summary: RampSummary | None = None,
+) -> Outcome:
+    """Return how a run-up ends: what its rotor settles on once the last speed is held.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor at its last speed.
+    end : ndarray, shape (4,)
+        Its state at the end of the run-up, fixed frame [1].
+    angle : float
+        Angle of the unbalance there [rad].
+    options, stop
+        How to simulate.
+    summary : RampSummary, optional
+        What has happened until then, for the outcome.
+    """
+    summary = summary or RampSummary()
+    state = _on_rotating_axes(rotor, end, angle, options, stop)
     settled = follow_to_steady_state(rotor, state, options, stop=stop)
     if settled.response == FAILED:
         return failed(settled.message, summary)
@@ -233,22 +260,22 @@ def _settled(run_up: RunUp, orbit: Orbit, summary: RampSummary, stop: Stop) -> O
     return Outcome(ending, settled.response, summary, settled.features)
 
 
-def _on_rotating_axes(run_up: RunUp, end: Values, stop: Stop) -> State:
+def _on_rotating_axes(
+    rotor: Rotor, end: Values, angle: float, options: Options, stop: Stop
+) -> State:
     """Return the state at the end of a ramp, or soon after, on axes along the unbalance.
 
     Under a load these must point along the fixed ones: the last speed is kept until they do.
     """
-    angle = run_up.end_angle
-    if run_up.to == 0.0:  # what does not turn pulls nowhere
+    if rotor.omega == 0.0:  # what does not turn pulls nowhere
         angle = 0.0
-    elif run_up.rotor.load > 0.0:
-        time = (-angle) % math.tau / run_up.to
-        rotor = replace(run_up.rotor, omega=run_up.to)
+    elif rotor.load > 0.0:
+        time = (-angle) % math.tau / rotor.omega
         x, y, vx, vy = end.tolist()
         if time > 0.0:
-            course = SpeedProfile((time,), (Ramp(0.0, angle, run_up.to, 0.0),))
+            course = SpeedProfile((time,), (Ramp(0.0, angle, rotor.omega, 0.0),))
             end = run(
-                rotor, (x, y, vx, vy), time, _NO_TIMES, run_up.options, stop=stop, profile=course
+                rotor, (x, y, vx, vy), time, _NO_TIMES, options, stop=stop, profile=course
             ).end
         angle = 0.0
     x, y, vx, vy = rotated(end, np.float64(-angle)).tolist()

@@ -306,6 +306,8 @@ def _points(name: str, again: xr.Dataset, archived: xr.Dataset) -> Verdict:
         sizes = {dim: size for dim, size in again.sizes.items() if archived.sizes.get(dim) != size}
         trouble = f"made again, it has {sizes}, archived {dict(archived.sizes)}"
     else:
+        # earlier versions wrote labels the other way round
+        archived = archived.transpose(*again[name].dims, ...)
         differs = again[name].values != archived[name].values
         differing = int(differs.sum())
         numbers = [each for each in OF_MOTION if each in archived]

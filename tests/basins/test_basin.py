@@ -67,7 +67,7 @@ def test_a_start_lands_where_its_coordinates_say():
     """A component of each pair varies; the labels are those of the starts one by one."""
     rows, columns = np.array([-3.0, 0.5, 9.0]), np.array([-4.0, 6.0])
     found = basin(FIGURE_7, x=1.0, y=rows, vx=columns, vy=-2.0)
-    assert found.label.dims == ("y", "vx")
+    assert found.label.dims == found.response.dims == found.settling_time.dims == ("vx", "y")
     assert (float(found.x), float(found.vy)) == (1.0, -2.0)
     for y in rows:
         for vx in columns:
@@ -121,7 +121,7 @@ def test_starts_lost_with_their_worker_are_not_computed(monkeypatch, figure_7):
     monkeypatch.setattr(following, "SMALLEST_BATCH", 64)
     monkeypatch.setattr(following, "run_all", loses_the_second)
     found = basin(FIGURE_7, x=AXIS, y=AXIS)
-    missing = (found.label == FATE["not_computed"]).values.ravel()
+    missing = (found.label.transpose("x", "y") == FATE["not_computed"]).values.ravel()
     assert np.flatnonzero(missing).tolist() == list(range(64, 128))
     assert found.attrs["not_computed_reason"] == "its worker died"
     assert found.label.where(found.label != FATE["not_computed"], figure_7.label).equals(
@@ -134,6 +134,12 @@ def test_it_can_be_kept(figure_7, tmp_path):
     kept = load(tmp_path / "basin.nc")
     assert kept.label.equals(figure_7.label)
     assert kept.label.dtype == np.int16
+
+
+def test_xarray_draws_it_with_y_upwards(figure_7):
+    mesh = figure_7.label.plot()
+    assert mesh.axes.get_xlabel().startswith("horizontal displacement")
+    assert mesh.axes.get_ylabel().startswith("vertical displacement")
 
 
 def test_a_rotor_that_does_not_turn_comes_to_rest():

@@ -67,7 +67,7 @@ def test_too_few_starts_have_no_boxes():
 def test_grids_and_samples_say_it():
     rotor, axis = Rotor(omega=1.7, zeta=0.07, delta0=0.0), np.linspace(-15, 15, 30)
     grid = basin(rotor, x=axis, y=axis)
-    expected = grid_entropy(grid.label.values)
+    expected = grid_entropy(grid.label.transpose("x", "y").values)
     assert (float(grid.basin_entropy), float(grid.boundary_entropy)) == expected
     sample = basin_fractions(rotor, x=(-15, 15), y=(-15, 15), starts=900)
     assert float(sample.basin_entropy) == pytest.approx(expected[0], abs=0.1)

@@ -213,9 +213,12 @@ MISTAKES = [
     (simulate(figure="taken.png"), "figure must not exist unless --force is given"),
     (simulate(figure="taken.svg"), "figure must not exist unless --force is given"),
     (simulate(figure="taken"), "figure must not exist unless --force is given"),
-    (simulate(figure=".."), "figure must be NAME, NAME.png or NAME.svg, got '..'"),
+    (simulate(figure=".."), "figure must be NAME, NAME.png, NAME.svg or NAME.pdf, got '..'"),
     (simulate(figure="nowhere/run.png"), "figure must be in a folder that exists"),
-    (simulate(figure="run.gif"), "figure must be NAME, NAME.png or NAME.svg, got 'run.gif'"),
+    (
+        simulate(figure="run.gif"),
+        "figure must be NAME, NAME.png, NAME.svg or NAME.pdf, got 'run.gif'",
+    ),
     (
         "response --omega 1 --zeta 0:1:4 --delta0 0:1:4 --figure a.png",
         "at most 12 combinations of zeta, delta0 and what else varies, got 16",
@@ -238,7 +241,10 @@ MISTAKES = [
     ("plot {run}", "--kind must be given a value"),
     ("plot {run} --kind orbit", "--figure must be given a value"),
     ("plot {run} --kind pie --figure a", "kind must be one of 'bode', 'polar', 'orders', 'orbit'"),
-    ("plot {run} --kind orbit --figure a.gif", "figure must be NAME, NAME.png or NAME.svg"),
+    (
+        "plot {run} --kind orbit --figure a.gif",
+        "figure must be NAME, NAME.png, NAME.svg or NAME.pdf",
+    ),
     ("plot {run} --kind orbit --figure taken", "figure must not exist unless --force is given"),
     ("plot {run} --kind orbit --figure nowhere/a", "figure must be in a folder that exists"),
     ("plot {run} --kind orbit --figure a --order 2", "order must be left out with --kind orbit"),

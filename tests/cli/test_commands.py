@@ -96,6 +96,21 @@ def test_a_figure_is_named_by_either_file_or_without_ending(program: Program, na
     assert {path.name for path in Path().iterdir()} == {"motion.png", "motion.svg"}
 
 
+def test_a_figure_is_a_pdf_where_its_name_is_one(program: Program):
+    answer = program("simulate", *RUN, "--figure", "motion.pdf")
+    assert "wrote motion.pdf" in answer.out
+    assert [path.name for path in Path().iterdir()] == ["motion.pdf"]
+    assert Path("motion.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_commands_leave_no_figure_open(program: Program):
+    from matplotlib import pyplot
+
+    assert program("simulate", *RUN, "--figure", "motion.png", "--out", "run.nc").status == 0
+    assert program("plot", "run.nc", "--kind", "orbit", "--figure", "orbit.pdf").status == 0
+    assert pyplot.get_fignums() == []
+
+
 def test_a_file_is_replaced_only_by_force(program: Program):
     Path("run.nc").write_text("mine")
     refused = program("simulate", *RUN, "--out", "run.nc")
@@ -312,7 +327,7 @@ def test_reproduce_passes_its_options_on(
     monkeypatch.setattr("rotor_ida.paper.reproduction.reproduce", reproduce)
     answer = program("reproduce", "--out", "x", "--quick", "--only", "a", "b", "--workers", 3)
     assert (answer.status, answer.out, answer.err) == (status, "", "going on\n")
-    options = {"quick": True, "only": ["a", "b"], "workers": 3, "force": False}
+    options = {"quick": True, "studies": False, "only": ["a", "b"], "workers": 3, "force": False}
     assert calls == [(Path("x"), options)]
 
 

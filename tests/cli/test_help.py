@@ -33,6 +33,7 @@ Program = Callable[..., Any]
 COMMANDS = [
     *(
         "reproduce",
+        "machine",
         "simulate",
         "run-up",
         "run-ups",

@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 
 import rotor_ida
-from rotor_ida.cli.options import AnyRotorOptions, RotorsOptions
+from rotor_ida.cli.machines import Units
+from rotor_ida.cli.options import RotorOptions, RotorsOptions
 from rotor_ida.model.parameters import FRICTIONLESS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 
@@ -69,16 +70,16 @@ def test_the_defaults_are_not_told(program: Program):
 
 
 def test_a_rotor_is_given_in_full_in_one_of_two_ways():
-    assert AnyRotorOptions(**ROTOR).chosen() == Rotor(**ROTOR)
-    assert AnyRotorOptions(**IN_SI_UNITS).chosen() == DimensionalRotor(**IN_SI_UNITS)
-    assert AnyRotorOptions(**ROTOR, **BEYOND).chosen() == Rotor(**ROTOR, **BEYOND)
+    assert RotorOptions(**ROTOR).chosen() == Rotor(**ROTOR)
+    assert RotorOptions(**IN_SI_UNITS).chosen() == DimensionalRotor(**IN_SI_UNITS)
+    assert RotorOptions(**ROTOR, **BEYOND).chosen() == Rotor(**ROTOR, **BEYOND)
     rubbing = {"friction": 0.2, "disc_radius": 1e-5}
-    assert AnyRotorOptions(**ROTOR, **rubbing).chosen() == Rotor(**ROTOR, **rubbing)
-    assert AnyRotorOptions(**IN_SI_UNITS, **rubbing).chosen() == DimensionalRotor(
+    assert RotorOptions(**ROTOR, **rubbing).chosen() == Rotor(**ROTOR, **rubbing)
+    assert RotorOptions(**IN_SI_UNITS, **rubbing).chosen() == DimensionalRotor(
         **IN_SI_UNITS, **rubbing
     )
     whole = IN_SI_UNITS | BEYOND_IN_SI
-    assert AnyRotorOptions(**whole).chosen() == DimensionalRotor(**whole)
+    assert RotorOptions(**whole).chosen() == DimensionalRotor(**whole)
 
 
 MISTAKES = [
@@ -236,10 +237,9 @@ def test_under_a_load_a_cycle_with_a_period_of_its_own_is_not_followed(
 
 def test_a_sweep_that_is_given_nothing_of_it_is_of_the_papers_rotor():
     papers = {"omega": [1.2, 1.3], "zeta": [0.07], "delta0": [0.5]}
-    assert RotorsOptions(**papers).given() == papers
-    assert RotorsOptions(**papers, load=[0.1], shaft_stiffness=[0.0, 0.5]).given() == {
-        **papers, "load": 0.1, "shaft_stiffness": [0.0, 0.5],
-    }  # fmt: skip
+    assert RotorsOptions(**papers).given_and_units() == (papers, Units())
+    given, _ = RotorsOptions(**papers, load=[0.1], shaft_stiffness=[0.0, 0.5]).given_and_units()
+    assert given == {**papers, "load": 0.1, "shaft_stiffness": [0.0, 0.5]}
 
 
 @pytest.fixture(scope="module")

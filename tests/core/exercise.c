@@ -447,7 +447,7 @@ static void runs_with_all_observers(void)
                 run.slack = kind == 3 ? 1e-8 : 0.0;
                 run.rtol = kind == 4 ? 1e-15 : 1e-9;
                 run.exact_flight = kind < 5;
-                stop_after(100000);
+                stop_after(30000);
                 const int status = followed(run, kind == 2 ? nothing : everything);
                 const int fair = number < SOUND_STARTS && ROTORS[i].omega < 100.0
                                  && ROTORS[i].load < 100.0 && !stop;
@@ -466,7 +466,7 @@ static int releases_in_rooms_that_are_too_small(void)
     for (int number = 0; number < 8; number++) {
         const double start[4] = {2.0 + number, 0.1, number % 2 ? -9.0 : 3.0, 1.0};
         for (int64_t size = 0; size < 9; size++) {
-            stop_after(400000);
+            stop_after(100000);
             const struct run run = run_of(ROTORS[ROTOR_COUNT - 1 - number % 5], start, 9.0);
             full_inside += followed(run, (struct room){3, size, 40, 40, ALONE}) == FULL_INSIDE;
         }
@@ -480,7 +480,7 @@ static void runs_in_rooms_that_are_too_small(void)
     int full_inside = 0;
     for (int i = 0; i < ROTOR_COUNT; i++) {
         for (int64_t size = 0; size < 7; size++) {
-            stop_after(400000);
+            stop_after(100000);
             const struct run run = run_of(ROTORS[i], start, 20.0);
             full_inside += followed(run, (struct room){size, size, 400, 0, 0}) == FULL_INSIDE;
             followed(run, (struct room){size, size, size, size, 0});
@@ -530,7 +530,7 @@ static void runs_of_odd_lengths(void)
     double start[4] = {0.0};
     struct run run = run_of(ROTORS[0], start, 9.0);
     require(core_run(&run) == STOPPED, "a run that was asked to stop went on");
-    stop_after(100000);
+    stop_after(30000);
     run = run_of(ROTORS[0], start, 1e12);
     require(core_run(&run) == STOPPED, "a long run did not stop");
     run = run_of(ROTORS[0], start, 9.0);

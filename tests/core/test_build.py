@@ -16,6 +16,7 @@ from rotor_ida.core.identity import MODELS
 from rotor_ida.model import writing
 
 ROOT = Path(__file__).parents[2]
+CORE = ROOT / "rotor_ida" / "core"
 ANY = next(filter(shutil.which, ("cc", "gcc", "clang")), "")
 needs_compiler = pytest.mark.skipif(not ANY, reason="no C compiler is installed")
 
@@ -26,28 +27,38 @@ def hatch_build() -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_no_source_gives_rise_to_a_warning(
-    hatch_build: dict[str, Any], tmp_path: Path, compiler: str
-) -> None:
+def test_no_source_gives_rise_to_a_warning(hatch_build: dict[str, Any], compiler: str) -> None:
+    """At no level; those that need an optimiser are seen where the sanitizers are."""
     if shutil.which(compiler) is None:
         pytest.skip(f"{compiler} is not installed")
-    made = hatch_build["build"]([compiler], out=tmp_path, warnings=True)
-    assert sorted(tmp_path.iterdir()) == sorted(made)
-    assert len(made) == len(MODELS) * len(hatch_build["levels"]())
+    sources = [path.name for path in sorted(CORE.glob("*.c")) if path.stem != "build"]
+    for level, model in product(hatch_build["levels"](), MODELS):
+        flags = hatch_build["flags"]([compiler], level, model=model, warnings=True)
+        command = [compiler, *flags, "-fsyntax-only", *sources]
+        ended = subprocess.run(command, cwd=CORE, capture_output=True, check=False, text=True)
+        assert (ended.returncode, ended.stderr) == (0, "")
 
 
 @needs_compiler
-def test_what_is_up_to_date_is_kept(tmp_path: Path) -> None:
+def test_only_what_is_not_up_to_date_is_compiled(
+    hatch_build: dict[str, Any], tmp_path: Path
+) -> None:
     def built(*words: str) -> subprocess.CompletedProcess[str]:
         # a process of its own each time, as the system keeps what is loaded
         command = [sys.executable, ROOT / "hatch_build.py", "--out", tmp_path, "--compiler", *words]
         return subprocess.run(command, capture_output=True, check=False, text=True)
 
-    first, *rest = built(ANY).stdout.split()
-    assert sorted([first, *rest]) == sorted(str(path) for path in tmp_path.iterdir())
+    for path in CORE.glob("*.so"):  # what this compiler made of these sources stays
+        shutil.copy(path, tmp_path)
+    built(ANY)
+    here = sorted(tmp_path.iterdir())
     assert built(ANY).stdout.startswith("nothing to compile:")
-    Path(first).write_bytes(b"of another platform")
-    assert built(ANY).stdout.split() == [first]
+    absent, damaged = here[0], here[1]
+    absent.unlink()
+    damaged.write_bytes(b"of another platform")
+    assert sorted(built(ANY).stdout.split()) == [str(absent), str(damaged)]
+    assert sorted(tmp_path.iterdir()) == here
+    assert len(here) == len(MODELS) * len(hatch_build["levels"]())
     # with warnings, what is up to date is compiled as well
     assert "cannot be compiled by false" in built("false", "--warnings").stderr
 

@@ -140,7 +140,9 @@ def test_the_basin_is_that_of_basin(page):
     reach, count = page.facts("basin")["reach"], page.facts("basin")["count"]
     axis = reach * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
     found = basin(FIRST, x=axis, y=axis, workers=1, executor="serial")
-    np.testing.assert_array_equal(page.array("basin", "label"), found.label.values.ravel())
+    np.testing.assert_array_equal(
+        page.array("basin", "label"), found.label.transpose("x", "y").values.ravel()
+    )
     shares = [each["fraction"] for each in page.facts("basin")["attractors"]]
     np.testing.assert_allclose(shares, found.fraction.values)
 

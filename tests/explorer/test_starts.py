@@ -37,9 +37,10 @@ def pictures() -> list[Message]:
 def library_basin(asking: Question, count: int, rtol: float | None) -> xr.Dataset:
     axis = asking.reach * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
     _, _, vx, vy = asking.start
-    return rotor_ida.basin(
+    found = rotor_ida.basin(
         asking.rotor, x=axis, y=axis, vx=vx, vy=vy, rtol=rtol, workers=1, executor="serial"
     )
+    return found.transpose("x", "y", ...)  # the order of the page
 
 
 def labels_of(picture: Message) -> np.ndarray:

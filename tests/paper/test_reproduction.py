@@ -1,3 +1,5 @@
+import re
+
 import pytest
 
 from rotor_ida import InputError, load
@@ -51,10 +53,24 @@ def test_scenarios_of_the_clone_are_found():
     assert scenario_scripts()["fig10_11_amplitude"].is_file()
 
 
+def test_the_papers_figures_are_run_and_studies_on_request(light, tmp_path, monkeypatch, capfd):
+    monkeypatch.setattr(reproduction, "OF_PAPER", ("c_", "a_"))
+    light["b_fails"].write_text(LIGHT)
+    assert reproduce(tmp_path / "results", workers=1) == 0
+    shown = capfd.readouterr().out
+    assert re.findall(r"\[(./2)\] (._works) done in \d+ s(, \d+ s left)?", shown)[0][0] == "1/2"
+    assert "b_fails" not in shown
+    assert shown.count(" s left") == 1
+    assert reproduce(tmp_path / "results", studies=True, workers=1) == 0
+    shown = capfd.readouterr().out
+    assert "up to date: a_works, c_works" in shown
+    assert "[1/1] b_fails done" in shown
+
+
 def test_goes_on_when_one_fails_and_says_which(scripts, tmp_path, capfd):
     out = tmp_path / "results"
     scripts["c_works"].write_text(LIGHT)
-    assert reproduce(out, quick=True, workers=2) == 1
+    assert reproduce(out, studies=True, quick=True, workers=2) == 1
     assert load(out / "a_works" / "found.nc").sizes["omega"] == 2
     assert (out / "c_works" / "found.txt").is_file()
     shown = capfd.readouterr()
@@ -134,7 +150,7 @@ def test_a_file_is_no_folder_for_results(light, tmp_path):
     (tmp_path / "taken").write_text("mine")
     for place in ("taken", "taken/deeper"):
         with pytest.raises(InputError, match=f"out must be a folder, got '.*{place}'"):
-            reproduce(tmp_path / place, workers=1)
+            reproduce(tmp_path / place, studies=True, workers=1)
 
 
 def test_results_that_are_there_are_not_touched(scripts, tmp_path):
@@ -142,7 +158,7 @@ def test_results_that_are_there_are_not_touched(scripts, tmp_path):
     kept.parent.mkdir(parents=True)
     kept.write_text("mine")
     with pytest.raises(InputError, match="c_works' holds results already"):
-        reproduce(tmp_path / "results", workers=1)
+        reproduce(tmp_path / "results", studies=True, workers=1)
     assert kept.read_text() == "mine"
     assert not (tmp_path / "results" / "a_works").exists()
     assert reproduce(tmp_path / "results", only=["c_works"], workers=1, force=True) == 0

@@ -34,6 +34,15 @@ def test_each_start_has_the_colour_of_its_attractor(figure_7):
     assert colours_at(ax, figure_7, 10.0, 0.0) == faces[1]
 
 
+def test_a_basin_written_before_with_x_first_looks_the_same(figure_7):
+    earlier = figure_7.transpose("x", "y", ...)
+    assert earlier.label.dims == ("x", "y")
+    for place in ((0.0, 0.0), (10.0, 0.0), (0.0, 10.0), (-7.0, 3.0)):
+        assert colours_at(plot_basin(earlier), earlier, *place) == colours_at(
+            plot_basin(figure_7), figure_7, *place
+        )
+
+
 def changed(name, place, value):
     """Return what changes one value of a basin."""
 

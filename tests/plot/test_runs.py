@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from rotor_ida.plot import (
     plot_orbit,
     plot_rotating_orbit,
     plot_run,
+    plot_trace,
 )
 from rotor_ida.plot.labels import LABELS, label_of
 from rotor_ida.signals.path import path_of
@@ -78,9 +81,14 @@ def test_points_between_outputs_lie_on_the_motion(run):
     assert np.abs(error).max() < 2e-3
 
 
-def test_sparse_outputs_are_not_smoothed(run):
-    sparse = run.isel(t=slice(None, None, 50), event=slice(0, 0))
-    assert path_of(sparse).time.size == sparse.sizes["t"]
+@pytest.mark.parametrize("draw", [plot_run, plot_orbit, plot_trace, plot_rotating_orbit])
+def test_a_run_of_too_few_samples_is_refused_with_the_number_that_would_do(run, draw):
+    sparse = run.isel(t=slice(None, None, 13), event=slice(0, 0))
+    with pytest.raises(InputError, match="more than 4 samples in each revolution, got 2") as no:
+        draw(sparse)
+    rotor, start = Rotor(omega=1.7, zeta=0.07, delta0=0.5), (0.0, 0.0, 0.0, 0.0)
+    enough = int(re.search(r"(\d+) samples in all would do", str(no.value))[1])
+    draw(simulate(rotor, start=start, duration=20.0, samples=enough))
 
 
 def test_run_without_contact_says_so():

@@ -1,3 +1,4 @@
+import os
 import subprocess
 import sys
 
@@ -5,7 +6,15 @@ import matplotlib as mpl
 import pytest
 
 from rotor_ida import InputError
-from rotor_ida.plot import panels, plot_amplitude, plot_run, save_figure, shared_legend, style
+from rotor_ida.plot import (
+    panels,
+    plot_amplitude,
+    plot_history,
+    plot_run,
+    save_figure,
+    shared_legend,
+    style,
+)
 
 
 def test_figures_are_the_same_to_the_byte(tmp_path, run, exact, fold_points, simulated):
@@ -101,3 +110,63 @@ def test_plots_need_no_solver():
     )
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert shown.stdout.strip() == "[]"
+
+
+def test_a_pdf_is_the_same_to_the_byte_in_another_process(tmp_path):
+    code = (
+        "import sys; from rotor_ida.closed_forms import response_curve\n"
+        "from rotor_ida.plot import plot_amplitude, save_figure\n"
+        "ax = plot_amplitude(response_curve(zeta=0.07, delta0=0.5, limits=(1.0, 2.0)))\n"
+        "save_figure(ax.figure, sys.argv[1], formats='pdf')\n"
+    )
+    for seed in "12":
+        command = [sys.executable, "-c", code, str(tmp_path / seed)]
+        subprocess.run(command, env={**os.environ, "PYTHONHASHSEED": seed}, check=True)
+    first, second = ((tmp_path / f"{seed}.pdf").read_bytes() for seed in "12")
+    assert first == second
+    assert first.startswith(b"%PDF")
+    assert b"CreationDate" not in first
+
+
+def test_formats_are_those_asked_for(tmp_path):
+    figure, _ = panels(1, 1, width=1.0, height=1.0)
+    written = save_figure(figure, tmp_path / "one", formats=("pdf", "png"))
+    assert [path.name for path in written] == ["one.pdf", "one.png"]
+    with pytest.raises(InputError, match="formats must be one of 'png', 'svg', 'pdf', got 'gif'"):
+        save_figure(figure, tmp_path / "two", formats="gif")
+
+
+@pytest.mark.parametrize(
+    "draw", [plot_run, lambda run: plot_history(run, "x"), lambda run: panels(1, 1)]
+)
+def test_pyplot_knows_a_figure_that_a_user_makes(run, draw):
+    from matplotlib import pyplot
+
+    draw(run)
+    assert len(pyplot.get_fignums()) == 1
+    assert pyplot.gcf().axes
+
+
+def test_pyplot_saves_a_figure_in_its_own_style(tmp_path, run):
+    from matplotlib import pyplot
+
+    ax = plot_history(run, "x")
+    with mpl.rc_context({"xtick.labelsize": 30.0, "font.family": "monospace"}):
+        pyplot.savefig(tmp_path / "by_pyplot.pdf")
+    assert (tmp_path / "by_pyplot.pdf").stat().st_size > 5000
+    for text in (ax.xaxis.label, *ax.get_xticklabels()):
+        assert text.get_fontfamily() == ["STIXGeneral"]
+    assert ax.get_xticklabels()[0].get_fontsize() == 9.0
+
+
+def test_what_the_package_writes_stays_unknown_to_pyplot():
+    code = (
+        "import sys; from rotor_ida.closed_forms import response_curve\n"
+        "from rotor_ida.plot import panels\n"
+        "from rotor_ida.plot.appearance import without_pyplot\n"
+        "with without_pyplot(): panels(1, 1)\n"
+        "print('matplotlib.pyplot' in sys.modules)\n"
+        "panels(1, 1); print('matplotlib.pyplot' in sys.modules)\n"
+    )
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert shown.stdout.split() == ["False", "True"]

@@ -132,3 +132,37 @@ def test_a_sampled_pulse_is_found_to_a_fraction_of_a_sample(sense, part):
     found = pulses_in(times, -18.0 + sense * 5.0 * height)
     exact = (np.arange(1, 51) - 0.5 - rise / 2.0) / 50.3
     np.testing.assert_allclose(found, exact, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_pulses_between_two_samples_are_put_on_a_smooth_course(seed):
+    """A run-up to 100 revolutions a second at 2000 samples: 20 of them in a revolution, at last."""
+    times = np.arange(40_001) / 2000.0
+    turns = 2.5 * (times + 0.4) ** 2 + 0.1 * seed
+    found = pulses_in(times, 5.0 * (turns % 1.0 < 0.1))
+    whole = np.arange(np.ceil(turns[0]), np.floor(turns[-1]) + 1)
+    exact = np.sqrt((whole - 0.1 * seed) / 2.5) - 0.4
+    seen = (np.searchsorted(times, exact) - 0.5) / 2000.0
+    fast = exact > 4.0
+    before, after = (2000.0 * np.std((each - exact)[fast]) for each in (seen, found))
+    assert before > 0.28  # of a step: an even scatter has 0.289
+    assert after < 0.08
+    # and from pulse to pulse it is smooth
+    rough = [np.std(np.diff(each - exact, 2)[fast[2:]]) for each in (seen, found)]
+    assert rough[1] < 0.05 * rough[0]
+
+
+def test_a_course_that_is_no_polynomial_is_kept():
+    """The speed swings by 10 % within 8 revolutions, which a cubic through 17 pulses would miss."""
+    times = np.arange(40_001) / 2000.0
+    turns = 20.0 * times + 0.127 * np.sin(2.0 * np.pi * 2.5 * times)
+    found = pulses_in(times, 5.0 * (turns % 1.0 < 0.1))
+    exact = np.interp(np.arange(1.0, found.size + 1.0), turns, times)
+    assert 2000.0 * np.abs(found - exact).max() < 0.9
+
+
+def test_pulses_with_a_slope_stay_where_they_are():
+    times = np.arange(2000) / 200.0
+    height = np.clip(2.0 - 6.0 * np.abs((4.0 * times + 0.5) % 1.0 - 0.5), 0.0, 1.0)
+    found = pulses_in(times, height)
+    np.testing.assert_allclose(np.diff(found), 0.25, atol=1e-9)

@@ -145,6 +145,70 @@ def test_columns_of_one_name_are_told_apart_by_number(tmp_path):
     check(found)
 
 
+COUNT = np.arange(1.0, TIMES.size + 1.0)
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_first_column_that_counts_samples_is_not_the_time(first, tmp_path):
+    columns = (COUNT - 1 + first, TIMES, X, Y, (TURN * TIMES + 0.01) % (2.0 * math.pi) < 0.5)
+    table = "\n".join(
+        ",".join([f"{row[0]:.0f}", *(f"{cell:.9f}" for cell in row[1:])])
+        for row in zip(*columns, strict=True)
+    )
+    found = read(tmp_path, table)
+    np.testing.assert_allclose(found.t, TIMES, atol=1e-9)
+    np.testing.assert_allclose(found.y, Y, atol=1e-8)
+    assert found.attrs["notes"].startswith("column 1 counts samples and is left out")
+    assert found.attrs["columns"] == "t=2 x=3 y=4 keyphasor=5 (guessed: t x y keyphasor)"
+
+
+def test_a_count_of_samples_without_times_is_refused_unless_told_or_a_rate_given(tmp_path):
+    table = text_of(columns=(COUNT, X, Y))
+    with pytest.raises(InputError, match=r"column 1 counts samples \(0, 1, 2 ...\); name t in"):
+        read(tmp_path, table)
+    by_rate = read(tmp_path, table, rate=2000.0)
+    np.testing.assert_allclose(by_rate.t, TIMES, atol=1e-12)
+    np.testing.assert_allclose(by_rate.x, X, atol=1e-8)
+    told = read(tmp_path, table, columns={"t": "1"}, units={"t": "ms"})
+    np.testing.assert_allclose(told.t, 1e-3 * COUNT, atol=1e-12)
+
+
+COMMAS = {
+    "thousands or decimals": (
+        "t;x;y\n" + "\n".join(f"{n};1,{n + 100};2,{n + 100}" for n in range(1, 30)),
+        "must show whether its commas are decimal or between thousands, got '1,101' in line 2",
+    ),
+    "decimals between commas": (
+        "\n".join(f"0,{n:03d},1,{n % 7:03d},2,{n % 5:03d}" for n in range(200)),
+        "must not have decimal commas between columns that are parted by commas, got '0,000' in "
+        "line 1",
+    ),
+    "thousands and decimals": (
+        "t;x;y\n" + "\n".join(f"{n}.0;1,234.5;{n % 7}.25" for n in range(30)),
+        "column 'x' must hold finite numbers, got '1,234.5' in line 2",
+    ),
+    "points between thousands": (
+        "t;x;y\n" + "\n".join(f"{n},0;1.234,5;{n % 7},25" for n in range(30)),
+        "column 'x' must hold finite numbers, got '1.234,5' in line 2",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", COMMAS)
+def test_commas_that_may_be_several_things_are_refused_with_line_and_value(kind, tmp_path):
+    text, told = COMMAS[kind]
+    with pytest.raises(InputError, match=re.escape(told)):
+        read(tmp_path, text)
+
+
+def test_one_number_that_is_no_group_of_thousands_shows_decimal_commas(tmp_path):
+    rows = [f"{n};{n % 7},250;{1 + n % 5},500" for n in range(1, 40)]
+    found = read(tmp_path, "t;x;y\n" + "\n".join([*rows, "40;0,250;1,500"]))
+    assert found.x.values[0] == 1.25
+    with pytest.raises(InputError, match="between thousands, got '1,250' in line 2"):
+        read(tmp_path, "t;x;y\n" + "\n".join(row.replace(";0,250", ";7,250") for row in rows))
+
+
 def changed(row, column, cell):
     """Return the table with another cell in a row, from 0."""
     lines = BODY.splitlines()
@@ -177,7 +241,8 @@ ODD = {
                                "got 'furlong' in the column 'x'; say it in units"),
     "two units": (HEAD.replace("x [um]", "x [mm]") + BODY,
                   "x and y must be in one unit, got mm and um"),
-    "bytes": ("\0\1\2\3" * 100, "must be text, a .wav or a .mat file, got other bytes"),
+    "bytes": ("\0\1\2\3" * 100,
+              "must be text, got other bytes; files of recorders are known by their endings"),
 }  # fmt: skip
 
 
@@ -230,7 +295,9 @@ def test_matrices_and_structures_of_matlab(tmp_path):
 
 def test_what_a_matlab_file_holds_is_listed(tmp_path):
     savemat(tmp_path / "a.mat", {"voltages": X, "note": "of a machine"})
-    with pytest.raises(InputError, match=r"column for x; .*got 'voltages; and note \(text\)'"):
+    with pytest.raises(
+        InputError, match=r"column for x and y; .*got 'voltages; and note \(text\)'"
+    ):
         read_signals(tmp_path / "a.mat")
     savemat(tmp_path / "b.mat", {"note": "of a machine"})
     with pytest.raises(InputError, match=r"must hold vectors or matrices of numbers, got 'note"):

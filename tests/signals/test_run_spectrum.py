@@ -83,7 +83,7 @@ def test_bad_input_is_refused():
         spectrum(signal(z, TIMES**1.01))
     with pytest.raises(InputError, match="at least 16 samples, got 8"):
         spectrum(signal(z[:8], TIMES[:8]))
-    with pytest.raises(InputError, match=r"more than two samples a revolution, got 1\.6"):
+    with pytest.raises(InputError, match=r"more than 2 samples in each revolution, got 1\.6"):
         spectrum(signal(z[::40], TIMES[::40]))
     with pytest.raises(InputError, match="window must be one of 'flattop', 'hann', 'boxcar'"):
         spectrum(signal(z, TIMES), window="kaiser")

@@ -167,6 +167,15 @@ def test_a_result_of_many_points_is_made_again_to_the_bit(tmp_path, kind):
     assert (found["agrees"], found["differing"], found["largest_difference"]) == (True, 0, 0.0)
 
 
+def test_a_basin_written_before_with_the_first_component_first_verifies(tmp_path):
+    found = RESULTS["basin"]()
+    assert found.label.dims == ("vx", "y")
+    earlier = load(save(found.transpose("y", "vx", ...), tmp_path / "earlier.nc"))
+    assert earlier.label.dims == ("y", "vx")
+    told = differences(rerun(earlier, workers=1), earlier)
+    assert (told["agrees"], told["differing"]) == (True, 0)
+
+
 @pytest.mark.parametrize(
     ("kind", "forge", "trouble"),
     [

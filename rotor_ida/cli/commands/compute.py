@@ -8,7 +8,8 @@ from pathlib import Path
 import rotor_ida
 from rotor_ida.checks import AT_REST
 from rotor_ida.cli import options
-from rotor_ida.cli.output import Output, answer, answer_whole, working
+from rotor_ida.cli.machines import Units
+from rotor_ida.cli.output import Output, answer, answer_whole, summarised, working
 from rotor_ida.cli.parsing import MOST_POINTS, check_points
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError
@@ -20,10 +21,10 @@ MOST_ROWS = 1000
 
 def simulate(
     *,
-    rotor: options.RotorOptions,
+    rotor: options.RotorOptions = options.RotorOptions(),
     duration: options.Duration,
     start: options.Start = AT_REST,
-    samples: options.Samples = 1001,
+    samples: options.Samples = None,
     solver: options.SolverOptions = options.SolverOptions(),
     output: Output = Output(),
 ) -> Report:
@@ -39,23 +40,24 @@ def simulate(
         rotor-ida simulate --omega 1.2 --zeta 0.07 --delta0 0.5 --duration 20 \
             --start 3 0 0 -1 --figure motion
     """
+    chosen, units = rotor.rotor_and_units()
     output.check()
     run = rotor_ida.simulate(
-        rotor.rotor(),
-        start=start,
-        duration=duration,
+        chosen,
+        start=units.start(start),
+        duration=units.time(duration),
         samples=samples,
         **asdict(solver),
     )
-    return answer(run, output, most=FIRST_ROWS)
+    return answer(units.shown(run), output, most=FIRST_ROWS)
 
 
 def run_up(
     *,
-    rotor: options.AnyRotorOptions = options.AnyRotorOptions(),
+    rotor: options.RotorOptions = options.RotorOptions(),
     change: options.ChangeOptions = options.ChangeOptions(),
     start: options.Start = AT_REST,
-    samples: options.Samples = 1001,
+    samples: options.Samples = None,
     solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),
     output: Output = Output(),
 ) -> Report:
@@ -78,22 +80,26 @@ def run_up(
             --eccentricity 1e-5 --clearance 2e-5 --speed 300rpm --to 3000rpm \
             --rate 9000rpm/s
     """
-    chosen = rotor.chosen()
+    chosen = change.beginning(rotor)
+    units = Units.of(chosen)
     output.check()
-    run = rotor_ida.run_up(
-        chosen if isinstance(chosen, Rotor) else chosen.rotor(),
-        start=options.dimensionless_start(chosen, start),
-        **change.of(chosen),
-        samples=samples,
-        **asdict(solver),
-    )
-    shown = run if isinstance(chosen, Rotor) else rotor_ida.dimensional(run, chosen)
-    return answer(shown, output, most=FIRST_ROWS)
+    with working("run-up [%]") as progress:
+        run = rotor_ida.run_up(
+            chosen if isinstance(chosen, Rotor) else chosen.rotor(),
+            start=units.start(start),
+            **change.of(chosen),
+            samples=samples,
+            **asdict(solver),
+            progress=progress,
+        )
+        shown = units.shown(run)
+        found = rotor_ida.summary(shown)
+    return summarised(found, answer(shown, output, most=FIRST_ROWS))
 
 
 def response(
     *,
-    rotors: options.WhirlsOptions,
+    rotors: options.WhirlsOptions = options.WhirlsOptions(),
     folds: options.WithFolds = False,
     output: Output = Output(),
 ) -> Report:
@@ -106,29 +112,28 @@ def response(
         rotor-ida response --omega 0.5:3:251 --zeta 0.07 --delta0 0 2 \
             --out whirls.nc --figure whirls.png
     """
-    given = rotors.given()
-    if "omega" not in given and not folds:
+    if not rotors.has_speed and not folds:
         raise InputError("omega must hold at least one number, got none")
-    if "omega" not in given and output.figure is not None:
+    if not rotors.has_speed and output.figure is not None:
         raise InputError("figure must be of whirls: give --omega")
     check_points(*rotors.axes())
     output.check(panels=rotors.panels(over="omega"))
-    given = rotors.without_load()
+    given, units = rotors.without_load()
     of_folds = {name: each for name, each in given.items()
                 if name not in {"omega", "contact_damping"}}  # fmt: skip
     found = rotor_ida.folds(**of_folds) if folds else None
     if "omega" not in given:
         assert found is not None
-        return answer(found, output, most=MOST_ROWS)
+        return answer(units.shown(found), output, most=MOST_ROWS)
     whirls = rotor_ida.synchronous_response(**given)
     if found is not None:
         whirls = whirls.assign({name: found[name] for name in ("fold_omega", "fold_amplitude")})
-    return answer(whirls, output, most=MOST_ROWS)
+    return answer(units.shown(whirls), output, most=MOST_ROWS)
 
 
 def sweep(
     *,
-    rotors: options.RotorsOptions,
+    rotors: options.RotorsOptions = options.RotorsOptions(),
     start: options.Starts = [AT_REST],  # noqa: B006 - never changed
     direction: options.Direction = None,
     jobs: options.JobOptions = options.JobOptions(),
@@ -150,22 +155,24 @@ def sweep(
     """
     check_points(*rotors.axes(), start, in_study=study is not None)
     output.check(panels=rotors.panels(over="omega"))
+    given, units = rotors.given_and_units()
+    units.keep(study)
     with working("sweep", study) as progress:
         dataset = rotor_ida.sweep(
-            **rotors.given(),
-            starts=start,
+            **given,
+            starts=list(map(units.start, start)),
             direction=direction,
             **asdict(solver),
             **jobs.on_every_core(),
             study=study,
             progress=progress,
         )
-        return answer_whole(dataset, output, study)
+        return answer_whole(units.shown(dataset), output, study)
 
 
 def run_ups(
     *,
-    rotors: options.RotorsOptions,
+    rotors: options.RotorsOptions = options.RotorsOptions(),
     to: options.ToSpeed,
     rate: options.Rates,
     phase: options.Phases = [0.0],  # noqa: B006 - never changed
@@ -190,24 +197,26 @@ def run_ups(
     """
     check_points(*rotors.axes(), rate, phase, start, in_study=study is not None)
     output.check(panels=rotors.panels())
+    given, units = rotors.given_and_units()
+    units.keep(study)
     with working("run-ups", study) as progress:
         dataset = rotor_ida.run_ups(
-            **rotors.given(),
-            to=to,
-            rate=rate,
+            **given,
+            to=units.speed(to),
+            rate=list(map(units.rate, rate)),
             phase=phase,
-            starts=start,
+            starts=list(map(units.start, start)),
             **asdict(solver),
             **jobs.on_every_core(),
             study=study,
             progress=progress,
         )
-        return answer_whole(dataset, output, study)
+        return answer_whole(units.shown(dataset), output, study)
 
 
 def basin(
     *,
-    rotor: options.RotorOptions,
+    rotor: options.RotorOptions = options.RotorOptions(),
     x: options.Component,
     y: options.Component,
     vx: options.Component = 0.0,
@@ -229,24 +238,26 @@ def basin(
     axes = [part for part in (x, y, vx, vy) if isinstance(part, list)]
     check_points(*axes, in_study=study is not None)
     output.check()
+    chosen, units = rotor.rotor_and_units()
+    units.keep(study)
     with working("basin", study) as progress:
         dataset = rotor_ida.basin(
-            rotor.rotor(),
-            x=x,
-            y=y,
-            vx=vx,
-            vy=vy,
+            chosen,
+            x=units.component("x", x),
+            y=units.component("y", y),
+            vx=units.component("vx", vx),
+            vy=units.component("vy", vy),
             rtol=rtol,
             **asdict(jobs),
             study=study,
             progress=progress,
         )
-        return answer_whole(dataset, output, study)
+        return answer_whole(units.shown(dataset), output, study)
 
 
 def fractions(
     *,
-    rotor: options.RotorOptions,
+    rotor: options.RotorOptions = options.RotorOptions(),
     x: options.Range,
     y: options.Range,
     vx: options.Range = 0.0,
@@ -271,13 +282,15 @@ def fractions(
     output.check()
     if study is None and starts > MOST_POINTS:
         raise InputError(f"starts must be at most {MOST_POINTS} without --study, got {starts}")
+    chosen, units = rotor.rotor_and_units()
+    units.keep(study)
     with working("fractions", study) as progress:
         dataset = rotor_ida.basin_fractions(
-            rotor.rotor(),
-            x=x,
-            y=y,
-            vx=vx,
-            vy=vy,
+            chosen,
+            x=units.component("x", x),
+            y=units.component("y", y),
+            vx=units.component("vx", vx),
+            vy=units.component("vy", vy),
             starts=starts,
             seed=seed,
             rtol=rtol,
@@ -285,12 +298,12 @@ def fractions(
             study=study,
             progress=progress,
         )
-        return answer_whole(dataset, output, study)
+        return answer_whole(units.shown(dataset), output, study)
 
 
 def atlas(
     *,
-    rotors: options.RotorsOptions,
+    rotors: options.RotorsOptions = options.RotorsOptions(),
     drawn: options.DrawnOptions = options.DrawnOptions(),
     shocks: options.ShockCount = 0,
     jobs: options.JobOptions = options.JobOptions(),
@@ -307,21 +320,23 @@ def atlas(
     output.check()
     if output.figure is not None:
         options.check_varies(rotors.panels())
+    given, units = rotors.given_and_units()
+    units.keep(study)
     with working("atlas", study) as progress:
         dataset = rotor_ida.continue_attractors(
-            **rotors.given(),
-            **asdict(drawn),
+            **given,
+            **drawn.of(units),
             shocks=shocks,
             **asdict(jobs),
             study=study,
             progress=progress,
         )
-        return answer_whole(dataset, output, study)
+        return answer_whole(units.shown(dataset), output, study)
 
 
 def touchdown(
     *,
-    rotor: options.AnyRotorOptions = options.AnyRotorOptions(),
+    rotor: options.RotorOptions = options.RotorOptions(),
     drawn: options.DrawnOptions = options.DrawnOptions(),
     shocks: options.ShockCount = 4096,
     output: Output = Output(),
@@ -349,17 +364,20 @@ def reproduce(
     *,
     out: options.Results = Path("results"),
     quick: options.Quick = False,
+    studies: options.Studies = False,
     only: options.Names = None,
     workers: options.Workers = None,
     force: options.Force = False,
 ) -> int:
-    """Compute every figure of the paper and every study again, on a page index.html.
+    """Compute the figures of the paper, and on request all studies, on a page index.html.
 
-    What is up to date is left alone; one that fails does not stop the others. One of them, coarse
-    but quick, named in full or by how it begins:
+    Only what is out of date is computed. A scenario that fails does not stop the others. To run one
+    of them in a coarse version, give its name or the beginning of it:
 
         rotor-ida reproduce --only fig06_jumps --quick --out results
     """
     from rotor_ida.paper import reproduction  # noqa: PLC0415 - heavy, and not for --help
 
-    return reproduction.reproduce(out, quick=quick, only=only, workers=workers, force=force)
+    return reproduction.reproduce(
+        out, quick=quick, studies=studies, only=only, workers=workers, force=force
+    )

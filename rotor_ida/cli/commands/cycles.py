@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cyclopts import Parameter
@@ -11,15 +10,11 @@ from cyclopts import Parameter
 import rotor_ida
 from rotor_ida.checks import AT_REST, COMPONENTS, State, shown
 from rotor_ida.cli import options
+from rotor_ida.cli.machines import Units, plain
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.parameters import (
-    ALL_PARAMETERS,
-    DEFAULTS,
-    OPTIONAL,
-    PARAMETERS,
-)
+from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
 
 if TYPE_CHECKING:
@@ -31,8 +26,7 @@ SOURCES = ("cycle", "branch", "curve")
 
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
-@options.with_parameters(options.PERHAPS, dict.fromkeys(PARAMETERS) | DEFAULTS)
-class Origin:
+class Origin(options.RotorOptions):
     """Where a branch or a curve begins: at a start of a rotor, or at a cycle in an archive."""
 
     start: options.StartOrNone = None
@@ -44,11 +38,8 @@ class Origin:
     def check(self) -> None:
         """Refuse options that do not go together."""
         of_file = [name for name in ("point", "special") if getattr(self, name) is not None]
-        of_start = [
-            name
-            for name in (*PARAMETERS, "start", "period", *OPTIONAL)
-            if getattr(self, name) != DEFAULTS.get(name)
-        ]
+        of_start = [*self.given, *(name for name in ("machine", "start", "period")
+                                   if getattr(self, name) is not None)]  # fmt: skip
         if self.from_ is not None:
             if of_start:
                 raise InputError(f"{of_start[0]} must be left out with --from")
@@ -57,27 +48,28 @@ class Origin:
             return
         if of_file:
             raise InputError(f"{of_file[0]} must be left out without --from")
-        missing = [name for name in PARAMETERS if getattr(self, name) is None]
-        if missing:
-            raise InputError(f"{missing[0]} must be given, or a file with --from")
+        if not (self.given or self.machine):
+            raise InputError("a rotor must be given, or a file with --from")
 
-    def guess(self, *, curve_kind: str | None = None) -> tuple[Rotor, State | xr.Dataset]:
-        """Return rotor and start of what is to be followed.
+    def guess(self, *, curve_kind: str | None = None) -> tuple[Rotor, State | xr.Dataset, Units]:
+        """Return rotor and start of what is to be followed, and the units of the command.
 
         A point of a bifurcation curve of `curve_kind` is a start of just that bifurcation.
         """
         if self.from_ is not None:
-            return _in_archive(self.from_, self.point, self.special, curve_kind)
-        rotor = Rotor(**{name: getattr(self, name) for name in ALL_PARAMETERS})
-        start = self.start or AT_REST
+            dataset, units = plain(read(self.from_))
+            rotor, found = _in_archive(dataset, self, curve_kind)
+            return rotor, found, units
+        rotor, units = self.rotor_and_units()
+        start = units.start(self.start or AT_REST)
         if self.period is None:
-            return rotor, start
-        return rotor, _closed(rotor, start, self.period)
+            return rotor, start, units
+        return rotor, _closed(rotor, start, units.time(self.period)), units
 
 
 def cycle(
     *,
-    rotor: options.RotorOptions,
+    rotor: options.RotorOptions = options.RotorOptions(),
     start: options.Start = AT_REST,
     period: options.Period = None,
     output: Output = Output(),
@@ -94,12 +86,13 @@ def cycle(
             --start 2.6 0.75 0.66 -1.65 --period 4.5
     """
     output.check()
-    chosen = rotor.rotor()
+    chosen, units = rotor.rotor_and_units()
     with working("cycle"):
         if period is None:
-            found = rotor_ida.limit_cycle(chosen, start=start)
+            found = rotor_ida.limit_cycle(chosen, start=units.start(start))
         else:
-            found = _closed(chosen, start, period)
+            found = _closed(chosen, units.start(start), units.time(period))
+    found = units.shown(found)
     if found["period"].notnull() or output.figure is None:
         return answer(found, output, most=FIRST_ROWS)
     report = answer(found, replace(output, figure=None), most=FIRST_ROWS)
@@ -127,18 +120,19 @@ def continue_(
     origin.check()
     output.check()
     with working("points", study) as progress:
-        rotor, start = origin.guess()
+        rotor, start, units = origin.guess()
+        low, high = units.values(parameter, limits)
         branch = rotor_ida.continue_cycle(
             rotor,
             start=start,
-            parameter=parameter,
-            limits=limits,
+            parameter=units.parameter(parameter),
+            limits=(low, high),
             direction=direction,
             points=points,
             study=study,
             progress=progress,
         )
-        return answer_whole(branch, output, study)
+        return answer_whole(units.shown(branch), output, study)
 
 
 def curve(
@@ -159,19 +153,21 @@ def curve(
     """
     origin.check()
     output.check()
-    low, high, second_low, second_high = limits
+    first, second = parameters
     with working("points") as progress:
-        rotor, start = origin.guess(curve_kind=kind)
+        rotor, start, units = origin.guess(curve_kind=kind)
+        low, high = units.values(first, limits[:2])
+        second_low, second_high = units.values(second, limits[2:])
         found = rotor_ida.bifurcation_curve(
             rotor,
             start=start,
             kind=kind,
-            parameters=parameters,
+            parameters=(units.parameter(first), units.parameter(second)),
             limits=((low, high), (second_low, second_high)),
             points=points,
             progress=progress,
         )
-        return answer(found, output)
+        return answer(units.shown(found), output)
 
 
 def _closed(rotor: Rotor, start: State, period: float) -> xr.Dataset:
@@ -183,19 +179,17 @@ def _closed(rotor: Rotor, start: State, period: float) -> xr.Dataset:
 
 
 def _in_archive(
-    file: Path, point: int | None, special: int | None, curve_kind: str | None
+    dataset: xr.Dataset, origin: Origin, curve_kind: str | None
 ) -> tuple[Rotor, xr.Dataset]:
     """Return the cycle in an archive, or that at one point of a branch or curve, and its rotor."""
     from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - heavy, and not for --help
 
-    dataset = read(file)
+    file, point, special = origin.from_, origin.point, origin.special
     kind = kind_of(dataset)
     if kind not in SOURCES:
         raise InputError(
             f"from must be a cycle, a branch or a curve, got {shown(file)}, of the kind {kind}"
         )
-    if "time_scale" in dataset.attrs:
-        raise InputError(f"from must be dimensionless, got {shown(file)} in SI units")
     if kind != "cycle":
         dataset = _at(dataset, kind, point, special)
     elif point is not None or special is not None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Mapping
-from dataclasses import asdict
 from importlib.util import find_spec
 from pathlib import Path
 
 from rotor_ida.checks import AT_REST, COMPONENTS, State, shown
 from rotor_ida.cli import options
+from rotor_ida.cli.machines import Units, plain
 from rotor_ida.cli.output import FORCED, read, working
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import MOST_REVOLUTIONS, largest_speed
@@ -27,7 +27,7 @@ PAGE = ".html"
 def explore(
     file: options.FileToExplore = None,
     *,
-    machine: options.AnyRotorOptions = options.AnyRotorOptions(),
+    rotor: options.RotorOptions = options.RotorOptions(),
     start: options.StartOrNone = None,
     port: options.Port = 8765,
     no_browser: options.NoBrowser = False,
@@ -56,7 +56,7 @@ def explore(
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2 --export page.html \
             --speeds 1.9:2.1:3
     """
-    chosen, first, revolutions = _beginning(machine, start, file)
+    chosen, first, revolutions = _beginning(rotor, start, file)
     if export is not None:
         return _export(export, chosen, first, revolutions, speeds, force)
     if speeds is not None:
@@ -73,33 +73,29 @@ def explore(
 
 
 def _beginning(
-    machine: options.AnyRotorOptions, start: State | None, file: Path | None
+    rotor: options.RotorOptions, start: State | None, file: Path | None
 ) -> tuple[Rotor | DimensionalRotor, State, int]:
     """Return the machine, the start and the revolutions that are shown first."""
-    given = any(value is not None for value in asdict(machine).values())
+    given = rotor.machine is not None or bool(rotor.given)
     if file is None:
-        chosen = machine.chosen() if given else FIRST
-        begun = options.dimensionless_start(chosen, start or AT_REST)
-        rotor = chosen if isinstance(chosen, Rotor) else chosen.rotor()
-        check_can_be_followed(rotor, begun)
+        chosen = rotor.chosen() if given else FIRST
+        begun = Units.of(chosen).start(start or AT_REST)
+        check_can_be_followed(chosen if isinstance(chosen, Rotor) else chosen.rotor(), begun)
         return chosen, begun, REVOLUTIONS
     if given or start is not None:
         raise InputError("file must be given alone: it has a rotor and a start of its own")
-    from rotor_ida.results import si_units  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.results.run import check_one_speed, rotor_of  # noqa: PLC0415
+    from rotor_ida.results.run import check_one_speed, rotor_of  # noqa: PLC0415 - heavy, and not for --help
 
-    run = read(file)
-    if "event_time" not in run or "duration" not in run.attrs:
+    archived = read(file)
+    if "event_time" not in archived or "duration" not in archived.attrs:
         raise InputError(f"file must be a run that simulate wrote, got {shown(file)}")
+    run, units = plain(archived)
     check_one_speed(run, "the explorer")
-    machine_in_si = si_units.machine_of(run)
-    if si_units.is_in_si(run) and machine_in_si is None:
-        raise InputError(f"file must tell its machine if it is in SI units, got {shown(file)}")
-    run = si_units.dimensionless(run)
-    rotor = rotor_of(run)
+    found = rotor_of(run)
     x, y, vx, vy = map(float, run.attrs["start"])
-    turns = float(run.attrs["duration"]) * (rotor.omega or 1.0) / (2.0 * math.pi)
-    return machine_in_si or rotor, (x, y, vx, vy), min(max(round(turns), 1), MOST_REVOLUTIONS)
+    turns = float(run.attrs["duration"]) * (found.omega or 1.0) / (2.0 * math.pi)
+    revolutions = min(max(round(turns), 1), MOST_REVOLUTIONS)
+    return units.machine or found, (x, y, vx, vy), revolutions
 
 
 def _state(

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import rotor_ida
 from rotor_ida.cli import options
-from rotor_ida.cli.commands.plot import signals_in
+from rotor_ida.cli.commands.plot import OF_FILE, signals_in
 from rotor_ida.cli.output import Output, answer
 from rotor_ida.cli.report import Report
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# The speed of a machine is measured: what it is given here is not looked at.
-ANY_SPEED = 1.0
-
 
 def fit(
     *files: options.SignalFile,
     unknown: options.Unknowns,
-    rotor: options.AnyRotorOptions = options.AnyRotorOptions(),
+    rotor: options.RotorOptions = options.RotorOptions(),
     orders: options.Orders = None,
     start: options.StartOrNone = None,
     entries: options.ContactTimes = None,
@@ -47,11 +43,11 @@ def fit(
             --unknown eccentricity unbalance_angle
     """
     output.check()
-    given = asdict(rotor)
+    given = rotor.given  # the speed is measured, and not looked at
     known = {
-        speed: ANY_SPEED
+        speed: options.ANY_SPEED
         for speed, other in (("omega", "zeta"), ("speed", "mass"))
-        if given[speed] is None and given[other] is not None
+        if speed not in given and other in given
     }
     chosen = rotor.chosen(**known)
     signals: list[xr.Dataset] = [signals_in(each, reading, times) for each in files]
@@ -66,4 +62,7 @@ def fit(
         time_error=time_error,
         noise=noise,
     )
+    for name in OF_FILE:
+        if told := dict.fromkeys(str(each.attrs[name]) for each in signals if name in each.attrs):
+            found.attrs[name] = "; ".join(told)
     return answer(found, output)

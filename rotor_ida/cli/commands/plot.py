@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING, Any
 import rotor_ida
 from rotor_ida.checks import shown
 from rotor_ida.cli import options
-from rotor_ida.cli.output import OUT_ENDING, Output, read
+from rotor_ida.cli.output import OUT_ENDING, Output, read, write_figure
 from rotor_ida.cli.report import Report, pairs
 from rotor_ida.errors import InputError, RotorError
 
 if TYPE_CHECKING:
     import xarray as xr
 
+# Attributes of measured signals that tell how the file was understood.
+OF_FILE = ("columns", "notes")
 FUNCTIONS = {
     "bode": "plot_bode",
     "polar": "plot_polar",
@@ -57,10 +59,14 @@ def plot(
 
         rotor-ida plot run_up.nc --kind cascade --figure cascade.png
 
-    Of probes at 45 and 135 degrees, from a table with columns of other names:
+    From a table of two probes at 45 and 135 degrees, whose columns are guessed from their names
+    (time_s, probe_A_um, Speed [rpm], ...):
 
-        rotor-ida plot probes.csv --kind orbit --figure orbit --columns x=A y=B \
-            --units x=um y=um --probe-angles 45 135 --times 0.5 1
+        rotor-ida plot probes.csv --kind orbit --figure orbit --probe-angles 45 135 --times 0.5 1
+
+    From one whose columns have other names:
+
+        rotor-ida plot probes.csv --kind orbit --figure orbit --columns x=A y=B --units x=um y=um
     """
     Output(figure=figure, force=force).check()
     given = {
@@ -74,18 +80,19 @@ def plot(
 
         chosen["beneath"] = exact_beneath(dataset, kind)
     from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
+    from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
 
-    drawn = getattr(plots, FUNCTIONS[kind])(dataset, **chosen)
+    with without_pyplot():
+        drawn = getattr(plots, FUNCTIONS[kind])(dataset, **chosen)
     ax = drawn[0] if isinstance(drawn, list) else drawn
     written, trouble = [], ""
     try:
-        files = plots.save_figure(ax.figure, figure.with_suffix(""), overwrite=force)
+        files = write_figure(ax.figure, figure, overwrite=force)
         written = [str(path) for path in files]
     except (RotorError, OSError) as error:
         trouble = str(error)
     record: dict[str, object] = {"file": str(file), "kind": kind, "samples": dataset.sizes["t"]}
-    if "columns" in dataset.attrs:
-        record["columns"] = str(dataset.attrs["columns"])
+    record |= {name: str(dataset.attrs[name]) for name in OF_FILE if name in dataset.attrs}
     return Report(
         record={**record, "written": written},
         parts=[pairs("Plot", record), *(f"wrote {path}" for path in written)],

@@ -36,6 +36,7 @@ from rotor_ida.schema import flags_of
 from rotor_ida.signals.orders import centre_line
 from rotor_ida.signals.path import path_of
 from rotor_ida.signals.record import Record, record_of
+from rotor_ida.signals.sampling import check_run_sampling
 
 # The orbit is left blank for this part of a revolution before each pulse.
 BLANK = 0.03
@@ -217,6 +218,7 @@ def plot_trace(
     given = check_dataset("signals", signals, ("t", "x", "y"))
     if not names or any(name not in TRACES for name in names):
         raise InputError(f"names must be of {', '.join(TRACES)}, got {names!r}")
+    check_run_sampling(given)
     times, z = given["t"].values, given["x"].values + 1j * given["y"].values
     units = units_of(given, "x", "t")
     exact = traces_of(beneath, given, units)

@@ -10,21 +10,34 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_choice, check_positive
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import drawing, legend_below, look, own_legend, style
+from rotor_ida.plot.appearance import (
+    drawing,
+    legend_below,
+    look,
+    new_figure,
+    own_legend,
+    style,
+)
 from rotor_ida.plot.datasets import check_dataset
 from rotor_ida.plot.labels import LABELS, label_axis, label_of
 from rotor_ida.plot.signals.beneath import Beneath, Response, responses_of
 from rotor_ida.plot.signals.speeds import legs_of, mark_speeds, title_of_signals
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
+from rotor_ida.signals.orders import check_orders, revolutions_for
 from rotor_ida.signals.orders import orders as tracked
+from rotor_ida.signals.record import record_of
 
 SENSES = ("forward", "backward")
+# From one window to the next a vector jumps by more than that part of the largest amplitude, and
+# so many times the median of the steps round it.
+JUMP, UNUSUAL, NEIGHBOURS = 0.1, 5.0, 33
+# A curve has so many windows at least, unless they are of the longest; and their revolutions.
+WINDOWS, LONGEST = 250, 8
 
 
 class OneOrder(NamedTuple):
@@ -52,7 +65,8 @@ def plot_bode(
     Parameters
     ----------
     signals : Dataset
-        Signals, a run or run-up, or what `rotor_ida.orders` made of one.
+        Signals, a run or run-up, or what `rotor_ida.orders` made of one. Signals of more than 500
+        revolutions are tracked in windows of up to 8, as many as leave 250 windows.
     order : float
         Multiple of the speed [1].
     sense : {"forward", "backward"}
@@ -74,7 +88,8 @@ def plot_bode(
     Notes
     -----
     The phase is a lag: of the whirl behind the mark of the shaft, which for a run is the unbalance;
-    0 below and 180° above a resonance.
+    0 below and 180° above a resonance. Where the whirl jumps the line is broken, and a window that
+    spans a jump is left out.
 
     Examples
     --------
@@ -90,15 +105,16 @@ def plot_bode(
     speeds, amplitude = one.speeds, one.amplitude
     with style():
         upper, lower = _pair_of(axes)
-        angles, breaks = unwound(one.lag, amplitude)
+        angles, wraps = unwound(one.lag, amplitude)
+        jumps = jumps_of(amplitude, one.lag)
         for response in one.exact:
             response.draw_amplitude(upper)
             response.draw_phase(lower, around=float(np.nanmedian(angles)))
         for part, words, colour, dashes in legs_of(speeds.values, one.words):
-            upper.plot(speeds[part], amplitude[part], color=colour, ls=dashes, lw=1.1, label=words,
-                       zorder=3.2)  # fmt: skip
-            lower.plot(*_broken(speeds.values, angles, breaks, part), color=colour, ls=dashes,
-                       lw=1.1, zorder=3.2)  # fmt: skip
+            upper.plot(*_broken(speeds.values, amplitude, jumps, part), color=colour, ls=dashes,
+                       lw=1.1, label=words, zorder=3.2)  # fmt: skip
+            lower.plot(*_broken(speeds.values, angles, jumps | wraps, part), color=colour,
+                       ls=dashes, lw=1.1, zorder=3.2)  # fmt: skip
         label_axis(upper.yaxis, "whirl_amplitude", one.units.lengths(amplitude))
         _label_degrees(lower)
         for ax in (upper, lower):
@@ -145,7 +161,7 @@ def plot_polar(
     """
     one = _one_order(signals, order, sense, beneath)
     speeds, amplitude, lag = one.speeds, one.amplitude, one.lag
-    apart = 0.06 * float(amplitude.max())
+    apart, jumps = 0.1 * float(amplitude.max()), jumps_of(amplitude, lag)
     with style():
         polar = _polar_axes(ax)
         polar.set_theta_direction(-1)
@@ -153,8 +169,8 @@ def plot_polar(
         for response in one.exact:
             response.draw_polar(polar)
         for part, words, colour, dashes in legs_of(speeds.values, one.words):
-            polar.plot(lag[part], amplitude[part], color=colour, ls=dashes, lw=1.1, label=words,
-                       zorder=3.2)  # fmt: skip
+            polar.plot(*_broken(lag, amplitude, jumps, part), color=colour, ls=dashes, lw=1.1,
+                       label=words, zorder=3.2)  # fmt: skip
             z = amplitude[part] * np.exp(1j * lag[part])
             mark_speeds(polar, z, speeds[part], colour, apart=apart)
         polar.set_rlim(0.0, 1.08 * float(amplitude.max()))
@@ -229,9 +245,18 @@ def plot_orders(
 
 
 def tracks_of(signals: xr.Dataset, orders: npt.ArrayLike) -> xr.Dataset:
-    """Return orders, tracked if they are not yet."""
+    """Return orders, tracked if they are not yet.
+
+    Of a long record in windows of several revolutions: what is no whole order leaves less in them.
+    """
     given = check_dataset("signals", signals, ())
-    return given if "forward_whirl_amplitude" in given.variables else tracked(given, orders)
+    if "forward_whirl_amplitude" in given.variables:
+        return given
+    angles = record_of(given).known_angles()
+    revolutions = float(angles[-1] - angles[0]) / (2.0 * math.pi)
+    length = min(int(revolutions / WINDOWS), LONGEST)
+    shortest = revolutions_for(check_orders(orders), None)
+    return tracked(given, orders, revolutions=max(length, shortest))
 
 
 def order_words(order: float) -> str:
@@ -256,6 +281,25 @@ def unwound(lag: Values, amplitude: Values) -> tuple[Values, npt.NDArray[np.bool
     mean = math.degrees(np.angle((amplitude * np.exp(1j * lag)).sum())) % 360.0
     angles = mean + (np.degrees(lag) - mean + 180.0) % 360.0 - 180.0
     return angles, np.append(False, np.abs(np.diff(angles)) > 180.0)
+
+
+def jumps_of(amplitude: Values, lag: Values) -> npt.NDArray[np.bool_]:
+    """Return before which windows the whirl, as a vector, jumps.
+
+    A window that spans a jump lies between two: it is a mean of two motions, and neither.
+
+    Examples
+    --------
+    >>> one = np.array([1.0, 1.1, 1.2, 1.3, 1.4, 0.9, 0.3, 0.3, 0.3, 0.3])
+    >>> np.flatnonzero(jumps_of(one, np.zeros(10)))
+    array([5, 6])
+    """
+    from scipy.ndimage import median_filter  # noqa: PLC0415 - takes long to import
+
+    steps = np.abs(np.diff(amplitude * np.exp(-1j * lag)))
+    usual = median_filter(steps, size=min(NEIGHBOURS, steps.size), mode="nearest")
+    least = np.maximum(JUMP * amplitude.max(initial=0.0), UNUSUAL * usual)
+    return np.append(False, steps > least)
 
 
 def _one_order(signals: xr.Dataset, order: float, sense: str, beneath: Beneath) -> OneOrder:
@@ -330,7 +374,7 @@ def _label_degrees(ax: Axes) -> None:
 
 def _pair_of(axes: Sequence[Axes] | None) -> tuple[Axes, Axes]:
     if axes is None:
-        figure = Figure(figsize=(5.4, 5.0), layout="constrained")
+        figure = new_figure(5.4, 5.0)
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.6, 1.0))
         return upper, lower
     given = list(axes)
@@ -341,7 +385,7 @@ def _pair_of(axes: Sequence[Axes] | None) -> tuple[Axes, Axes]:
 
 def _polar_axes(ax: Axes | None) -> Any:
     if ax is None:
-        return Figure(figsize=(4.6, 5.6), layout="constrained").add_subplot(projection="polar")
+        return new_figure(4.6, 5.6).add_subplot(projection="polar")
     if getattr(ax, "name", "") != "polar":
         raise InputError("ax must be polar: figure.add_subplot(projection='polar') makes it")
     return ax

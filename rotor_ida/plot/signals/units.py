@@ -12,9 +12,8 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor import SPEED_UNITS
-from rotor_ida.results.si_units import PREFIXES
 from rotor_ida.signals.spectra import STEADY
+from rotor_ida.units import PREFIXES, SPEED_UNITS
 
 LENGTH = re.compile(r"^([pnumkM]?)m$")
 RATE = re.compile(r"^([pnumkM]?)s-1$")

@@ -33,6 +33,11 @@ _SIGNATURES = {
         *(_Status, _Id, ctypes.c_int, ctypes.c_int),
         *(ctypes.c_void_p, _Visitor, ctypes.c_void_p),
     ),
+    "H5Literate_by_name2": (
+        *(_Status, _Id, ctypes.c_char_p, ctypes.c_int, ctypes.c_int),
+        *(ctypes.c_void_p, _Visitor, ctypes.c_void_p, _Id),
+    ),
+    "H5Oexists_by_name": (ctypes.c_int, _Id, ctypes.c_char_p, _Id),
     "H5Dopen2": (_Id, _Id, ctypes.c_char_p, _Id),
     "H5Dget_create_plist": (_Id, _Id),
     "H5Dclose": (_Status, _Id),
@@ -42,6 +47,9 @@ _SIGNATURES = {
 }
 _HARD_LINK = 0
 _BY_NAME, _NATIVE_ORDER = 0, 2
+_NO_VARIABLE = "which is not a variable or is damaged"
+# Parts of a file of others, and groups within groups.
+_MOST_PARTS, _DEEPEST = 20_000, 32
 _OWN_LAYOUTS = range(3)  # compact, contiguous, chunked; then comes virtual
 
 
@@ -78,10 +86,59 @@ def what_is_no_variable(path: Path) -> str:
     return ""
 
 
+def what_is_not_own(path: Path) -> str:
+    """Return which part of the HDF5 file at `path`, in groups too, is a link or in another file.
+
+    As `what_is_no_variable`, for files of others: groups and types are as good as variables. Groups
+    that hold one another would crash netCDF, and so are refused by their depth.
+    """
+    hdf5 = _hdf5()
+    if hdf5 is None:
+        return ""
+    file = hdf5.H5Fopen(os.fsencode(path), 0, 0)
+    try:
+        if file < 0:
+            raise OSError("HDF5 cannot open it")
+        waiting, seen = [b"/"], 0
+        while waiting:
+            group = waiting.pop()
+            for name, kind in _links_in(hdf5, file, group).items():
+                whole = group.rstrip(b"/") + b"/" + name
+                shown = ascii(whole.decode(errors="replace"))
+                seen += 1
+                if seen > _MOST_PARTS or whole.count(b"/") > _DEEPEST:
+                    return f"more than {_MOST_PARTS} parts, or one of them nested over {_DEEPEST}"
+                if kind != _HARD_LINK:
+                    return f"{shown}, which is a link"
+                if hdf5.H5Oexists_by_name(file, whole, 0) <= 0:
+                    return f"{shown}, which is damaged"
+                reason = _outside_storage(hdf5, file, whole)
+                if reason == _NO_VARIABLE:
+                    waiting.append(whole)
+                elif reason:
+                    return f"{shown}, {reason}"
+    finally:
+        if file >= 0:
+            hdf5.H5Fclose(file)
+    return ""
+
+
+def _links_in(hdf5: ctypes.CDLL, file: int, group: bytes) -> dict[bytes, int]:
+    """Return the kinds of links in a group by name; of what is no group, nothing."""
+    kinds: dict[bytes, int] = {}
+
+    def note(_group: int, name: bytes, kind: ctypes._Pointer[ctypes.c_int], _data: object) -> int:
+        kinds[name] = kind[0]
+        return 0
+
+    hdf5.H5Literate_by_name2(file, group, _BY_NAME, _NATIVE_ORDER, None, _Visitor(note), None, 0)
+    return kinds
+
+
 def _outside_storage(hdf5: ctypes.CDLL, file: int, name: bytes) -> str:
     dataset = hdf5.H5Dopen2(file, name, 0)
     if dataset < 0:
-        return "which is not a variable or is damaged"
+        return _NO_VARIABLE
     creation = hdf5.H5Dget_create_plist(dataset)
     try:
         files, layout = hdf5.H5Pget_external_count(creation), hdf5.H5Pget_layout(creation)

@@ -32,6 +32,8 @@ from rotor_ida.results.studies.database import (
 )
 
 LOCK = "study.lock"
+# The machine of a study whose results are in SI units.
+MACHINE_FILE = "machine.toml"
 # Who only asks whether the lock is held holds it for an instant.
 _PATIENCE = 1.0  # seconds
 _READ_ONLY = {errno.EROFS, errno.EACCES, errno.EPERM}
@@ -215,7 +217,7 @@ def _check_new(place: Path) -> None:
         raise InputError(f"study must be a folder, got the file {str(nearest)!r}")
     if (place / FILE).exists():  # what is done can be read even where nothing can be written
         return
-    if place.is_dir() and any(each.name != LOCK for each in place.iterdir()):
+    if place.is_dir() and any(each.name not in {LOCK, MACHINE_FILE} for each in place.iterdir()):
         raise InputError(f"study must be a new, an empty or a study's folder, got {str(place)!r}")
     if not os.access(nearest, os.W_OK):
         raise InputError(f"study must be in a folder that can be written to, got {str(place)!r}")

@@ -147,6 +147,33 @@ def test_bode_lies_on_the_exact_curve_below_the_jump(up, exact):
     np.testing.assert_allclose(np.sin(np.radians(lags.get_ydata())), sine, atol=0.02)
 
 
+@pytest.mark.parametrize("lag", [0.3, 2.8])
+def test_a_jump_breaks_the_lines_and_a_window_that_spans_it_is_left_out(up, lag):
+    tracks = orders(up).isel(window=slice(0, 60))
+    smooth = 1.0 + 0.01 * np.arange(60)
+    smooth[40:] = 0.2
+    smooth[40] = 0.9  # half of the window before the jump, half of it behind
+    tracks["forward_whirl_amplitude"][:, 0] = smooth
+    tracks["forward_phase_lag"][:, 0] = np.where(smooth > 1.0, 0.1, lag)
+    speeds = tracks.speed.values
+    upper, lower = plot_bode(tracks)
+    polar = plot_polar(tracks)
+    for line in (upper.get_lines()[0], lower.get_lines()[0]):
+        across, up_to = line.get_data()
+        drawn = np.isfinite(across) & np.isfinite(up_to)
+        np.testing.assert_array_equal(across[drawn], np.delete(speeds, 40))
+        assert np.isnan(across[39:43]).any()  # no line leads over it
+    radii = polar.get_lines()[0].get_data()[1]
+    assert 0.9 not in radii
+    assert np.isnan(radii).any()
+
+
+def test_a_resonance_that_is_passed_in_few_windows_is_one_line(up):
+    fast = run_up(Rotor(omega=0.3, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), to=1.6, rate=0.02)
+    for line in (ax.get_lines()[0] for ax in plot_bode(fast)):
+        assert np.isfinite(line.get_data()).all()
+
+
 def test_stable_and_unstable_whirls_and_hopf_points_are_told_apart(up):
     damped = up.assign_coords(contact_damping=0.1)
     speeds = [1.2, 1.7]

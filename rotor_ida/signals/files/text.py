@@ -15,17 +15,17 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.signals.columns import Column, Table, unit_called
+from rotor_ida.signals.files.columns import Column, Table, name_and_unit, unit_called
 
-# Lines before the numbers in which instruments tell about themselves.
+# Lines before the numbers in which instruments describe themselves.
 MOST_HEAD = 200
 COMMENTS = ("#", "%", "//")
 # What stands where a number is missing.
 MISSING = {"", "-", "--", "---", "na", "n/a", "#n/a", "null", "none"}
-_BRACKETS = re.compile(
-    r"^(.*?)\s*(?:\[\s*(?P<square>[^\]]*?)\s*\]|\(\s*(?P<round>[^)]*?)\s*\))\s*$"
-)
-_SLASH = re.compile(r"^(.+?)\s*/\s*(\S+)$")
+# What may be a decimal comma or one between thousands: 1,234 but not 0,234 nor 1,23.
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
+# Digits that follow a decimal comma rather than stand alone: 05 but not 0 nor 5.
+_FRACTION = re.compile(r"0\d+")
 
 
 @dataclass(frozen=True)
@@ -44,19 +44,20 @@ class Layout:
 
     def number(self, cell: str) -> float:
         """Return the number in a cell, NaN if it holds none."""
-        return _number(cell.replace(",", ".") if self.decimal_comma else cell)
+        return number_in(cell.replace(",", ".") if self.decimal_comma else cell)
 
 
 def read_text(path: Path) -> Table:
     """Return the columns of a text."""
-    lines = _lines(path)
+    lines = lines_of(path)
     layout = _layout(lines, path)
     names, units = _names(lines[: layout.first], layout, path)
     rows = [
-        number
-        for number in range(layout.first, len(lines))
-        if (line := lines[number].lstrip()) and not line.startswith(COMMENTS)
+        row
+        for row in range(layout.first, len(lines))
+        if (line := lines[row].lstrip()) and not line.startswith(COMMENTS)
     ]
+    _check_commas(lines, rows, layout, path)
     numbers = _numbers([lines[row] for row in rows], rows, layout, path)
 
     def cell(name: str, row: int) -> str:
@@ -72,13 +73,16 @@ def read_text(path: Path) -> Table:
     )
 
 
-def _lines(path: Path) -> list[str]:
-    """Return the lines of a text in UTF-8, UTF-16 with its mark, or Latin-1."""
+def lines_of(path: Path) -> list[str]:
+    """Return the lines of a text in UTF-8, UTF-16 with its mark, or Latin-1; at least one."""
     held = path.read_bytes()
     if held.startswith((b"\xff\xfe", b"\xfe\xff")):
         text = held.decode("utf-16", errors="replace")
     elif b"\0" in held[:4096]:
-        raise InputError(f"{shown(path)} must be text, a .wav or a .mat file, got other bytes")
+        raise InputError(
+            f"{shown(path)} must be text, got other bytes; files of recorders are known by their "
+            "endings"
+        )
     else:
         try:
             text = held.decode("utf-8-sig")
@@ -127,11 +131,42 @@ def _layout_from(
         len(each) == len(cells) - 1 or (len(each) == len(cells) and not each[-1]) for each in head
     )
     plain = [cell for line in lines[first : first + MOST_HEAD] for cell in _cells(line, separator)]
-    point = any("." in cell and not math.isnan(_number(cell)) for cell in plain)
+    point = any("." in cell and not math.isnan(number_in(cell)) for cell in plain)
     comma = any(
         "," in line and (separator != "," or '"' in line) for line in lines[first:]
     ) and not point  # fmt: skip
     return Layout(separator, first, len(cells) - ended, comma)
+
+
+def _check_commas(lines: Sequence[str], rows: Sequence[int], layout: Layout, path: Path) -> None:
+    """Raise `InputError` if commas may be decimal ones or something else."""
+    if layout.decimal_comma:
+        first = ""
+        for row in rows:
+            for cell in layout.cells(lines[row]) if "," in lines[row] else ():
+                if "," in cell and not _GROUPED.fullmatch(cell):
+                    return
+                if not first and "," in cell:
+                    first = f"{shown(cell)} in line {row + 1}"
+        if first:
+            raise InputError(
+                f"{shown(path)} must show whether its commas are decimal or between thousands, "
+                f"got {first} and no other kind of number; write decimal points"
+            )
+    elif layout.separator == "," and not layout.width % 2:
+        begin = [(row, layout.cells(lines[row])) for row in rows[:MOST_HEAD]]
+        cells = [cell for _, each in begin for cell in each]
+        padded = [any(_FRACTION.fullmatch(cell) for cell in cells[side::2]) for side in (0, 1)]
+        if padded == [False, True] and not any("." in cell for cell in cells):
+            row, first_cells = next(
+                (row, each) for row, each in begin if any(map(_FRACTION.fullmatch, each))
+            )
+            place = next(n for n, cell in enumerate(first_cells) if _FRACTION.fullmatch(cell))
+            raise InputError(
+                f"{shown(path)} must not have decimal commas between columns that are parted by "
+                f"commas, got {shown(','.join(first_cells[place - 1 : place + 1]))} in line "
+                f"{row + 1}; write decimal points, or part the columns by semicolons"
+            )
 
 
 def _numbers(body: Sequence[str], rows: Sequence[int], layout: Layout, path: Path) -> Values:
@@ -177,10 +212,10 @@ def _names(head: Sequence[str], layout: Layout, path: Path) -> tuple[list[str], 
         units = [cell.strip("[]() ") for cell in fitting.pop()]
     names = list(fitting[-1]) if fitting else [""] * layout.width
     for place, name in enumerate(names):
-        names[place], unit = _name_and_unit(name)
+        names[place], unit = name_and_unit(name)
         names[place] = names[place] or str(place + 1)
         units[place] = unit or units[place]
-    return _told_apart(names), units
+    return told_apart(names), units
 
 
 def _are_units(cells: Sequence[str]) -> bool:
@@ -191,18 +226,7 @@ def _are_units(cells: Sequence[str]) -> bool:
     return (first is not None and first.kind == "time") or 2 * len(known) > sum(map(bool, bare))
 
 
-def _name_and_unit(name: str) -> tuple[str, str]:
-    """Return a name less the unit in it: ``x [um]``, ``x (um)`` or ``x/um``."""
-    if found := _BRACKETS.match(name):
-        square, round_ = found["square"], found["round"]
-        if square is not None or unit_called(round_) is not None:
-            return found[1], square if square is not None else round_
-    if (found := _SLASH.match(name)) and unit_called(found[2]) is not None:
-        return found[1], found[2]
-    return name, ""
-
-
-def _told_apart(names: Sequence[str]) -> list[str]:
+def told_apart(names: Sequence[str]) -> list[str]:
     """Return names of which those that are alike are numbered: ``x (1)`` and ``x (2)``."""
     count, seen = Counter(names), Counter[str]()
     apart = []
@@ -228,11 +252,11 @@ def _kind(cell: str) -> str:
     """Return whether a cell holds a number, with point or comma, none, or a word."""
     if cell.lower() in MISSING:
         return "none"
-    return "word" if math.isnan(_number(cell.replace(",", "."))) and cell.lower() != "nan" else (
+    return "word" if math.isnan(number_in(cell.replace(",", "."))) and cell.lower() != "nan" else (
         "number")  # fmt: skip
 
 
-def _number(cell: str) -> float:
+def number_in(cell: str) -> float:
     """Return a number, NaN if a cell holds none."""
     try:
         return float(cell)

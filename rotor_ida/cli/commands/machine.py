@@ -1,0 +1,141 @@
+"""The command machine: from a data sheet to a file that the option --machine reads."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from rotor_ida.checks import shown
+from rotor_ida.cli import machines, options, parsing
+from rotor_ida.cli.output import FORCED
+from rotor_ida.cli.report import Report, pairs
+from rotor_ida.errors import InputError
+from rotor_ida.model.data_sheet import MILLIMETRE, check_keys, implausible
+from rotor_ida.model.rotor import DimensionalRotor
+from rotor_ida.units import SPEED_UNITS
+
+ENDING = ".toml"
+
+
+def _word(_name: str, words: list[str]) -> str:
+    """Return a word as it is: a data sheet is read in one place, with its units."""
+    return words[0]
+
+
+def _quantity(text: str, metavar: str) -> Any:
+    return Annotated[
+        str | None, Parameter(help=text, metavar=metavar, converter=parsing.converter(_word))
+    ]
+
+
+# What each option of a data sheet says, with an example of its value.
+SHEET = {
+    "mass": ("Mass of the disc.", "12kg"),
+    "shaft_stiffness": ("Stiffness of the shaft at the disc.", "4e6N/m"),
+    "critical_speed": ("Or the critical speed, sqrt(stiffness/mass).", "5500rpm"),
+    "damping_ratio": ("Damping ratio of the critical speed, c/(2 sqrt(k m)).", "3%"),
+    "damping": ("Or the damping coefficient c.", "416Ns/m"),
+    "clearance": ("Radial clearance.", "150um"),
+    "eccentricity": ("Distance of the mass centre from the disc centre.", "17um"),
+    "unbalance": ("Or the unbalance, mass times eccentricity.", "200gmm"),
+    "balance_grade": ("Or the balance quality grade of ISO 21940, with its speed.", "G6.3"),
+    "balance_speed": ("Speed to which the balance grade belongs.", "3600rpm"),
+    "speed": ("Running speed.", "3600rpm"),
+    "friction": ("Coefficient of friction in the contact.", "0.12"),
+    "disc_radius": ("Radius of the disc, which friction needs.", "60mm"),
+    "contact_stiffness": (
+        "Stiffness of the contact: in N/m of a linear contact, in N/m^1.5 by Hertz.", "1e8N/m",
+    ),
+    "contact_exponent": ("Exponent of the contact force; default: as the unit says.", "1|1.5"),
+    "contact_damping": ("Coefficient of Hunt and Crossley.", "1s/m"),
+    "load": ("Static load, downwards, or the word weight.", "100N"),
+}  # fmt: skip
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+@options.with_parameters(
+    {name: _quantity(*told) for name, told in SHEET.items()}, dict.fromkeys(SHEET)
+)
+class SheetOptions:
+    """What a data sheet says."""
+
+    def given(self) -> dict[str, str]:
+        """Return what is given."""
+        return {name: getattr(self, name) for name in SHEET if getattr(self, name) is not None}
+
+
+def machine(
+    *,
+    sheet: SheetOptions = SheetOptions(),
+    out: options.MachineOut = None,
+    as_json: options.AsJson = False,
+    force: options.Force = False,
+) -> Report:
+    r"""Write the file of a machine from its data sheet, for the option --machine.
+
+    A pump rotor balanced to G6.3, which may rub on a ring:
+
+        rotor-ida machine --mass 12kg --shaft-stiffness 4e6N/m \
+            --damping-ratio 3% --clearance 150um --balance-grade G6.3 \
+            --balance-speed 3600rpm --speed 3600rpm --friction 0.12 \
+            --disc-radius 60mm --contact-stiffness 1e8N/m --out pump.toml
+
+    Numbers without a unit are in SI units. Without --out it shows what it would write.
+    """
+    given = sheet.given()
+    check_keys(given, "machine")
+    found = machines.of_sheet(given, None)
+    from rotor_ida.results.machine_file import machine_text, save_machine  # noqa: PLC0415
+
+    facts, warnings = _facts(found), implausible(found)
+    parts = [pairs("Machine", facts), *(f"warning: {each}" for each in warnings)]
+    if out is None:
+        parts += ["", machine_text(found).rstrip()]
+    else:
+        save_machine(found, _checked(out, force), overwrite=force)
+        parts.append(f"wrote {out}")
+    record = {"machine": found.given, "facts": facts, "warnings": warnings}
+    return Report(record=record, parts=parts, as_json=as_json)
+
+
+def _checked(out: Path, force: bool) -> Path:
+    from rotor_ida.results.files import check_target  # noqa: PLC0415 - takes a moment
+
+    if out.suffix != ENDING:
+        raise InputError(f"out must end in {ENDING}, got {shown(out)}")
+    return check_target("out", out, overwrite=force, permission=FORCED)
+
+
+def _facts(machine: DimensionalRotor) -> dict[str, object]:
+    """Return what an engineer knows a machine by, and its dimensionless numbers."""
+    rpm, rotor = SPEED_UNITS["rpm"], machine.rotor()
+    grade = machine.eccentricity * machine.speed / MILLIMETRE
+    told = {
+        "running speed [rpm]": machine.speed / rpm,
+        "critical speed [rpm]": machine.critical_speed / rpm or math.nan,
+        "damping ratio of the critical speed": machine.damping_ratio,
+        "eccentricity [um]": machine.eccentricity * 1e6,
+        "unbalance [g mm]": machine.mass * machine.eccentricity * 1e6,
+        "balance grade at the running speed [mm/s]": grade,
+        "clearance [um]": machine.clearance * 1e6,
+        "clearance over eccentricity": rotor.delta0,
+        "amplitude at the critical speed without contact [um]": _resonance(machine),
+        "reference frequency [rad/s]": machine.reference_frequency,
+    }
+    digits = {name: _rounded(value) for name, value in told.items()}
+    return digits | {name: _rounded(value) for name, value in rotor.given.items()}
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.6g}")
+
+
+def _resonance(machine: DimensionalRotor) -> float:
+    """Return the amplitude of the whirl at the critical speed, were there no ring [um]."""
+    ratio = machine.damping_ratio
+    return machine.eccentricity * 1e6 / (2.0 * ratio) if ratio > 0.0 else math.nan

@@ -1,0 +1,201 @@
+"""Machines on the command line: their files, and the units in which a command speaks of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+from rotor_ida.checks import State, shown
+from rotor_ida.cli.parsing import Quantity
+from rotor_ida.errors import InputError
+from rotor_ida.model.data_sheet import check_keys, in_si, machine_from_data_sheet, overridden
+from rotor_ida.model.parameters import MACHINE_PARAMETERS, OF_MACHINE, PARAMETERS
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# The dimensionless parameter that each quantity of a machine becomes; others keep their name.
+BECOMES = {"speed": "omega", "damping": "zeta", "clearance": "delta0"}
+
+IS_OF_MACHINE = {new: old for old, new in BECOMES.items()}
+# A number, the numbers of an axis, or the two ends of a range.
+Component = TypeVar("Component", float, list[float] | float, tuple[float, float] | float)
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """The units in which a command takes and gives numbers: SI for a machine, or none."""
+
+    machine: DimensionalRotor | None = None
+
+    @classmethod
+    def of(cls, chosen: Rotor | DimensionalRotor) -> Units:
+        """Return the units in which a rotor is given."""
+        return cls(chosen if isinstance(chosen, DimensionalRotor) else None)
+
+    def start(self, start: State) -> State:
+        """Return a start in m and m/s without dimensions."""
+        if self.machine is None:
+            return start
+        x, y, vx, vy = start
+        length, velocity = self.machine.length_scale, self.machine.velocity_scale
+        return x / length, y / length, vx / velocity, vy / velocity
+
+    def component(self, name: str, value: Component) -> Component:
+        """Return a component of starts, a number or several, without dimensions."""
+        if self.machine is None:
+            return value
+        speeds = name.startswith("v")
+        scale = self.machine.velocity_scale if speeds else self.machine.length_scale
+        if isinstance(value, list):
+            return [each / scale for each in value]
+        if isinstance(value, tuple):
+            return (value[0] / scale, value[1] / scale)
+        return value / scale
+
+    def time(self, time: float) -> float:
+        """Return a time in s without dimensions."""
+        return time if self.machine is None else time / self.machine.time_scale
+
+    def speed(self, speed: float) -> float:
+        """Return a speed in rad/s without dimensions."""
+        return speed if self.machine is None else speed / self.machine.reference_frequency
+
+    def rate(self, rate: float) -> float:
+        """Return a change of the speed in rad/s2 without dimensions."""
+        return self.speed(rate) / self.time(1.0)
+
+    def parameter(self, name: str) -> str:
+        """Return the dimensionless parameter that a name stands for."""
+        if self.machine is None and name in BECOMES:
+            raise InputError(
+                f"{name} is of a machine: of a dimensionless rotor give {BECOMES[name]}"
+            )
+        return BECOMES.get(name, name)
+
+    def values(self, name: str, values: Sequence[float]) -> tuple[float, ...]:
+        """Return values of a parameter, of a machine in its SI unit, without dimensions."""
+        if self.machine is None:
+            return tuple(values)
+        given = IS_OF_MACHINE.get(name, name)
+        words = [each.word or float(each) if isinstance(each, Quantity) else each
+                 for each in values]  # fmt: skip
+        numbers = [in_si(given, each, OF_MACHINE[given].unit) for each in words]
+        return tuple(
+            getattr(replace(self.machine, **{given: each}).rotor(), self.parameter(name))
+            for each in numbers
+        )
+
+    def shown(self, dataset: xr.Dataset) -> xr.Dataset:
+        """Return a dimensionless result in these units."""
+        if self.machine is None:
+            return dataset
+        from rotor_ida.results.si_units import dimensional  # noqa: PLC0415 - heavy
+
+        return dimensional(dataset, self.machine)
+
+    def keep(self, study: Path | None) -> None:
+        """Write the machine into the folder of a study, so that it goes on in these units."""
+        if study is None or self.machine is None:
+            return
+        from rotor_ida.results.machine_file import load_machine, save_machine  # noqa: PLC0415
+        from rotor_ida.results.studies.store import MACHINE_FILE  # noqa: PLC0415
+
+        place = study / MACHINE_FILE
+        if place.exists():
+            if load_machine(place) != self.machine:
+                raise InputError(f"study must be of this machine, got {shown(study)} of another")
+            return
+        study.mkdir(parents=True, exist_ok=True)
+        save_machine(self.machine, place)
+
+
+def kept(study: Path) -> Units:
+    """Return the units in which a study was begun."""
+    from rotor_ida.results.machine_file import load_machine  # noqa: PLC0415 - not for --help
+    from rotor_ida.results.studies.store import MACHINE_FILE  # noqa: PLC0415
+
+    place = study / MACHINE_FILE
+    return Units(load_machine(place)) if place.is_file() else Units()
+
+
+def plain(dataset: xr.Dataset) -> tuple[xr.Dataset, Units]:
+    """Return an archived result without dimensions, and the units that it was in."""
+    from rotor_ida.results.si_units import dimensionless, machine_of  # noqa: PLC0415 - heavy
+
+    return dimensionless(dataset), Units(machine_of(dataset))
+
+
+def words_of(given: Mapping[str, object]) -> dict[str, object]:
+    """Return quantities as they were given, each with its unit if it has one."""
+    return {
+        name: each.word if isinstance(each, Quantity) and each.word else each
+        for name, each in given.items()
+    }
+
+
+def sheet_of(given: Mapping[str, object], file: Path | None) -> dict[str, object]:
+    """Return the data sheet that options give, over those of a file."""
+    given = words_of(given)
+    if file is None:
+        return dict(given)
+    from rotor_ida.results.machine_file import read_data_sheet  # noqa: PLC0415 - not for --help
+
+    dimensionless = [name for name in PARAMETERS if name in given]
+    if dimensionless:
+        raise InputError(f"{dimensionless[0]} must be left out with a machine: it has no dimension")
+    sheet = overridden(read_data_sheet(file), given)
+    check_keys(sheet, str(file))
+    return sheet
+
+
+def chosen(
+    given: Mapping[str, object], file: Path | None, optional: Sequence[str]
+) -> Rotor | DimensionalRotor:
+    """Return the rotor that is given, without dimensions or as a machine."""
+    if file is None:
+        check_complete(given, optional)
+        if "omega" in given:
+            return Rotor(**given)  # type: ignore[arg-type]
+    return of_sheet(sheet_of(given, file), file)
+
+
+def check_complete(given: Mapping[str, object], optional: Sequence[str]) -> None:
+    """Refuse a rotor of which something is missing, or that is given in both ways."""
+    if given.keys() - set(optional) not in (set(PARAMETERS), set(MACHINE_PARAMETERS)):
+        raise InputError(
+            f"a rotor must be given by {', '.join(PARAMETERS)}, or by "
+            f"{', '.join(MACHINE_PARAMETERS)}, or by a file with --machine, got "
+            f"{', '.join(given) or 'none of them'}"
+        )
+
+
+def of_sheet(sheet: Mapping[str, object], file: Path | None) -> DimensionalRotor:
+    """Return the machine of a data sheet; a mistake in a file names the file."""
+    try:
+        return machine_from_data_sheet(**sheet)  # type: ignore[arg-type]
+    except InputError as error:
+        raise InputError(str(error) if file is None else f"{file}: {error}") from error
+
+
+def axes_of(
+    given: Mapping[str, Sequence[float]], file: Path | None
+) -> tuple[dict[str, list[float]], DimensionalRotor]:
+    """Return the dimensionless parameters of several machines, and the first of these machines."""
+    several = {name: each for name, each in given.items() if len(each) > 1}
+    for name, values in several.items():
+        if OF_MACHINE[name].sets_scales:
+            raise InputError(
+                f"{name} must be one number, as it sets the scales of all machines, got "
+                f"{len(values)}"
+            )
+    sheet = sheet_of({name: each[0] for name, each in given.items()}, file)
+    machine = of_sheet(sheet, file)
+    units = Units(machine)
+    found: dict[str, list[float]] = {name: [v] for name, v in machine.rotor().given.items()}
+    for name, values in several.items():
+        found[BECOMES.get(name, name)] = list(units.values(name, values))
+    return found, machine

@@ -1,0 +1,126 @@
+"""Results joined along a parameter, with the tables of events that belong to them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.checks import check_instance, shown
+from rotor_ida.errors import InputError
+from rotor_ida.schema import flags_of
+
+# The attribute of a variable that counts rows of a table, one stretch of rows for each value.
+COUNTS = "sample_dimension"
+
+
+def concat(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
+    """Join results along a dimension, tables of events included.
+
+    Parameters
+    ----------
+    datasets : sequence of Dataset
+        Results of one kind: sweeps over different speeds, whirls, runs, and so on.
+    dim : str
+        The dimension: one that all have, such as the ``omega`` of sweeps, or the name of a scalar
+        coordinate that differs, such as the ``omega`` of runs, which becomes one.
+
+    Returns
+    -------
+    Dataset
+        As from `xarray.concat` with ``join="outer"``: where a result has no value, such as the
+        third whirl where there is one, it is NaN, or ``absent``. Two sweeps become the sweep over
+        both. Rows of events that are not in one table, as of runs, are padded with NaN, flags too.
+        Attributes that differ are dropped.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to join, or `dim` is none of all of them, or results with tables of
+        events differ in their other dimensions.
+
+    Notes
+    -----
+    `xarray.concat` joins what has no table of events, and sweeps without theirs:
+    ``sweep.drop_dims("event")``.
+
+    Examples
+    --------
+    >>> from rotor_ida import sweep
+    >>> first, second = (sweep(omega=omega, zeta=0.07, delta0=2.0) for omega in ([1.0, 1.5], [2.0]))
+    >>> both = concat([first, second], "omega")
+    >>> both.response.sizes["omega"], int(both.event_count.sum()) == both.sizes["event"]
+    (3, True)
+    """
+    given = [check_instance("datasets", each, xr.Dataset) for each in datasets]
+    if not given:
+        raise InputError("datasets must hold at least one, got none")
+    for each in given:
+        if dim not in each.variables:
+            raise InputError(f"dim must be in all datasets, got {shown(dim)}, which one lacks")
+    tables = {
+        name: str(variable.attrs[COUNTS])
+        for name, variable in given[0].data_vars.items()
+        if COUNTS in variable.attrs
+    }
+    for counts in tables:
+        _check_one_grid([each[counts] for each in given], dim)
+    result = _joined([each.drop_dims(tables.values()) for each in given], dim)
+    for counts, table in tables.items():
+        rows = _rows([each[counts] for each in given], dim)
+        for name, variable in given[0].data_vars.items():
+            if table in variable.dims:
+                values = np.concatenate([each[name].values for each in given])
+                result[name] = xr.Variable(variable.dims, values[rows], variable.attrs)
+    return result
+
+
+def _check_one_grid(counts: Sequence[xr.DataArray], dim: str) -> None:
+    """Refuse results with tables whose other dimensions differ: rows would belong to no run."""
+    try:
+        xr.align(*counts, join="exact", exclude=[dim])
+    except ValueError as error:
+        raise InputError(
+            f"datasets with {counts[0].name} must have the same coordinates besides {dim}: {error}"
+        ) from None
+
+
+def _joined(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
+    """Join datasets without tables that several runs share."""
+    sizes = [dict(each.sizes) for each in datasets]
+    # what has neither numbers nor one size is padded by its place
+    uneven = {
+        str(name)
+        for name in datasets[0].dims
+        if name not in datasets[0].coords and len({each.get(name) for each in sizes}) > 1
+    }
+    numbered = [
+        each.assign_coords({name: np.arange(each.sizes[name]) for name in uneven})
+        for each in datasets
+    ]
+    fills = {name: _missing(variable) for name, variable in datasets[0].data_vars.items()}
+    return xr.concat(
+        numbered, dim, join="outer", coords="minimal", compat="override", data_vars="all",
+        combine_attrs="drop_conflicts", fill_value=fills,
+    ).drop_vars(uneven)  # fmt: skip
+
+
+def _missing(variable: xr.DataArray) -> float:
+    """Return what says that there is no value: absent, or no, where flags have such a word."""
+    flags = flags_of(variable) if "flag_meanings" in variable.attrs else {}
+    return flags.get("absent", flags.get("no", np.nan))
+
+
+def _rows(counts: Sequence[xr.DataArray], dim: str) -> npt.NDArray[np.int64]:
+    """Return which rows of the tables, one behind the other, the joined table has in order."""
+    ends = np.cumsum(np.concatenate([each.values.ravel() for each in counts]))
+    of_each = np.split(ends, np.cumsum([each.size for each in counts])[:-1])
+    numbered = [
+        xr.Dataset({"count": each, "end": each.copy(data=own.reshape(each.shape))})
+        for each, own in zip(counts, of_each, strict=True)
+    ]
+    joined = xr.concat(numbered, dim, join="exact", coords="minimal", compat="override")
+    order = zip(joined["count"].values.flat, joined["end"].values.flat, strict=True)
+    return np.concatenate([np.arange(end - count, end) for count, end in order])

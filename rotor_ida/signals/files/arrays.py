@@ -1,0 +1,215 @@
+"""Files of named arrays, nested or not: MATLAB (.mat), HDF5 (.h5, .hdf5) and NumPy (.npz)."""
+
+from __future__ import annotations
+
+import math
+import warnings
+import zipfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rotor_ida.checks import shown
+from rotor_ida.errors import InputError
+from rotor_ida.results.archive.library import LOCK, what_is_not_own
+from rotor_ida.signals.files.columns import Column, Table, check_size, one_line
+
+MOST_COLUMNS = 1000
+# Structures within structures.
+DEEPEST = 32
+# The most by which deflate shortens, and what a small file may hold anyway.
+LARGEST_COMPRESSION, SMALLEST_ALLOWANCE = 1032, 2**20
+_NO_NUMBERS = {"c": "complex numbers", "U": "text", "S": "text", "V": "a table or an object"}
+
+
+def read_matlab(path: Path) -> Table:
+    """Return the columns of a MATLAB file: ``t``, ``data(:,2)``, ``rec.x``."""
+    from scipy.io import loadmat, whosmat  # noqa: PLC0415 - takes long to import
+
+    try:
+        declared = sum(math.prod(map(float, shape)) for _, shape, _ in whosmat(path))
+        check_size(path, declared, possible=_possible(path))
+        held: Mapping[str, object] = loadmat(path, struct_as_record=False)
+    except NotImplementedError:  # version 7.3, which is HDF5
+        held = _in_hdf5(path, "a MATLAB file that can be read, save it with -v7")
+    except (InputError, OSError):
+        raise
+    except Exception as error:
+        raise InputError(f"{shown(path)} must be a MATLAB file: {one_line(error)}") from error
+    return _table(path, {name: value for name, value in held.items() if name[:2] != "__"})
+
+
+def read_hdf5(path: Path) -> Table:
+    """Return the columns of an HDF5 file: datasets by their names, ``group.x`` in groups."""
+    return _table(path, _in_hdf5(path, "an HDF5 file that can be read"))
+
+
+def read_npz(path: Path) -> Table:
+    """Return the columns of a file of `numpy.savez`; nothing in it is run."""
+    held: dict[str, object] = {}
+    try:
+        with zipfile.ZipFile(path) as archive:
+            members = [each for each in archive.infolist() if each.filename.endswith(".npy")]
+            check_size(path, sum(each.file_size for each in members), possible=_possible(path))
+            for member in members:
+                held[member.filename.removesuffix(".npy")] = _member(archive, member)
+    except (InputError, OSError):
+        raise
+    except Exception as error:
+        raise InputError(f"{shown(path)} must be an .npz file: {one_line(error)}") from error
+    return _table(path, held)
+
+
+def _member(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> object:
+    """Return an array of a file of NumPy; what it says of its size is checked before."""
+    with archive.open(member) as file:
+        version = np.lib.format.read_magic(file)
+        header = {(1, 0): np.lib.format.read_array_header_1_0}.get(
+            version, np.lib.format.read_array_header_2_0
+        )
+        shape, _, kind = header(file)
+    if kind.hasobject:
+        return "objects"
+    if math.prod(map(float, shape)) * kind.itemsize > member.file_size:
+        raise ValueError(f"{member.filename} declares the shape {shape}, but is shorter")
+    with archive.open(member) as file:
+        found: np.ndarray = np.lib.format.read_array(file, allow_pickle=False)
+    return {name: found[name] for name in kind.names} if kind.names else found
+
+
+def _possible(path: Path) -> float:
+    """Return how many numbers a compressed file can hold."""
+    return LARGEST_COMPRESSION * path.stat().st_size + SMALLEST_ALLOWANCE
+
+
+def _in_hdf5(path: Path, kind: str) -> dict[str, object]:
+    """Return what an HDF5 file holds, by groups."""
+    from netCDF4 import Dataset  # noqa: PLC0415 - takes long to import
+
+    with LOCK, warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of types that are not understood, and left out
+        try:
+            if other := what_is_not_own(path):
+                raise InputError(f"{shown(path)} must hold its own data, got {other}")
+            with Dataset(path) as file:
+                file.set_auto_maskandscale(False)
+                declared = sum(math.prod(map(float, each.shape)) for each in _all_in(file))
+                check_size(path, declared, possible=_possible(path))
+                return _group(file)
+        except (OSError, RuntimeError, ValueError) as error:
+            if isinstance(error, InputError):
+                raise
+            raise InputError(f"{shown(path)} must be {kind}: {one_line(error)}") from error
+
+
+def _all_in(group: Any) -> Iterator[Any]:
+    """Yield the variables of a group and of those within."""
+    yield from group.variables.values()
+    for within in group.groups.values():
+        yield from _all_in(within)
+
+
+def _group(group: Any) -> dict[str, object]:
+    """Return the variables of a group, with those of structures within."""
+    held: dict[str, object] = {}
+    for name, variable in group.variables.items():
+        matlab = getattr(variable, "MATLAB_class", "")
+        if matlab in ("char", "cell", "struct", "function_handle"):
+            held[name] = matlab
+            continue
+        values = np.asarray(variable[...])
+        unit = next(
+            (
+                text
+                for each in ("units", "unit", "Units", "Unit")
+                if isinstance(text := getattr(variable, each, None), str)
+            ),
+            "",
+        )
+        if values.dtype.names:
+            held[name] = {field: values[field] for field in values.dtype.names}
+        else:  # MATLAB counts dimensions from the other end
+            held[name] = Column(values.T if matlab else values, unit)
+    for name, within in group.groups.items():
+        if not name.startswith("#"):
+            held[name] = _group(within)
+    return held
+
+
+def _table(path: Path, held: Mapping[str, object]) -> Table:
+    """Return vectors and matrices of numbers as columns, and single numbers beside them."""
+    columns: dict[str, Column] = {}
+    rest: list[str] = []
+    scalars: dict[str, float] = {}
+    for name, value in held.items():
+        for each, found in _within(name, value):
+            if isinstance(found, Column):
+                columns[each] = found
+            elif isinstance(found, float):
+                scalars[each] = found
+                rest.append(f"{each} (a number)")
+            else:
+                rest.append(f"{each} ({found})")
+    if not columns:
+        raise InputError(
+            f"{shown(path)} must hold vectors or matrices of numbers, got "
+            + (shown(", ".join(rest)) if rest else "nothing")
+        )
+    matrices = {name.split("(")[0] for name in columns}
+    if len(matrices) == 1 and len(columns) > 1:  # one matrix, whose columns have no names
+        columns = {str(number): column for number, column in enumerate(columns.values(), 1)}
+    return Table(
+        columns,
+        lambda name, row: f"{columns[name].values[row]} in row {row + 1}",
+        ", ".join(rest),
+        scalars,
+    )
+
+
+def _within(
+    name: str, value: object, unit: str = "", depth: int = 0
+) -> Iterator[tuple[str, Column | float | str]]:
+    """Yield vectors of numbers by the names that MATLAB would give them, and what else there is."""
+    if depth > DEEPEST:
+        raise InputError(f"structures must be nested at most {DEEPEST} deep, got {shown(name)}")
+    if isinstance(value, Column):
+        yield from _within(name, value.values, value.unit, depth)
+    elif isinstance(value, Mapping):
+        for field, held in value.items():
+            yield from _within(f"{name}.{field}", held, unit, depth + 1)
+    elif hasattr(value, "_fieldnames"):
+        fields = {each: getattr(value, each) for each in value._fieldnames}
+        yield from _within(name, fields, unit, depth)
+    elif isinstance(value, str):
+        yield name, value
+    elif not isinstance(value, np.ndarray):
+        yield name, f"a {type(value).__name__}"
+    elif value.dtype.kind in "biuf":
+        yield from _vectors(name, value, unit)
+    elif value.dtype == object and value.size == 1:
+        yield from _within(name, value.ravel()[0], unit, depth + 1)
+    elif value.dtype == object and value.size <= MOST_COLUMNS:
+        for number, held in enumerate(value.ravel(order="F"), 1):
+            yield from _within(f"{name}({number})", held, unit, depth + 1)
+    else:
+        yield name, _NO_NUMBERS.get(value.dtype.kind, f"of type {value.dtype}")
+
+
+def _vectors(name: str, value: np.ndarray, unit: str) -> Iterator[tuple[str, Column | float | str]]:
+    """Yield a number, a vector, or the vectors of a matrix along its longer side."""
+    held = np.squeeze(value).astype(np.float64, copy=False)
+    if held.ndim == 0 and held.size:
+        yield name, float(held)
+    elif not held.size:
+        yield name, "empty"
+    elif held.ndim == 1:
+        yield name, Column(np.ascontiguousarray(held), unit)
+    elif held.ndim == 2 and min(held.shape) <= MOST_COLUMNS:
+        tall = held.shape[0] >= held.shape[1]
+        for number, vector in enumerate(held.T if tall else held, 1):
+            each = f"{name}(:,{number})" if tall else f"{name}({number},:)"
+            yield each, Column(np.ascontiguousarray(vector), unit)
+    else:
+        yield name, f"an array of {' x '.join(map(str, held.shape))}"

@@ -1,0 +1,236 @@
+"""Files of recorders, each read by the library for its format: WAV, UFF, TDMS and COMTRADE."""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import shown
+from rotor_ida.errors import InputError
+from rotor_ida.signals.files.columns import Column, Table, check_size, one_line
+from rotor_ida.signals.files.text import read_text, told_apart
+
+TIME_RESPONSE = 1  # of functions in UFF
+TIME = 17  # of abscissae in UFF
+SINGLE, DOUBLE = 2, 4  # of real ordinates in UFF
+# Axes of a response in UFF.
+DIRECTIONS = {0: "", 1: " x", 2: " y", 3: " z", -1: " -x", -2: " -y", -3: " -z"}
+# Unset labels in UFF.
+UNNAMED = {"", "none", "null"}
+# What begins and ends a set in UFF.
+_TAG = re.compile(rb"    -1(?: {74})?(?=[\r\n]|\Z)")
+# Bytes of an analogue channel in COMTRADE, by format.
+BYTES = {"BINARY": 2, "BINARY32": 4, "FLOAT32": 4}
+STATUS_BITS = 16
+
+
+def read_wav(path: Path) -> Table:
+    """Return the channels of a sound file, numbered from 1, and ``t``; whole numbers as of 1."""
+    from scipy.io import wavfile  # noqa: PLC0415 - takes long to import
+
+    with _understood(path, "a WAV file"):
+        rate, samples = wavfile.read(path)
+    table = np.asarray(samples, dtype=np.float64).reshape(len(samples), -1)
+    if samples.dtype == np.uint8:
+        table = (table - 128.0) / 128.0
+    elif samples.dtype.kind == "i":
+        table = table / 2.0 ** (8 * samples.dtype.itemsize - 1)
+    columns = {"t": Column(np.arange(len(table)) / rate, "s")}
+    for number, channel in enumerate(table.T, 1):
+        columns[str(number)] = Column(np.ascontiguousarray(channel))
+    return _sampled(columns)
+
+
+def read_uff(path: Path) -> Table:
+    """Return the time responses of a universal file (58 and 58b), and their times ``t``."""
+    pyuff = _library("pyuff", "UFF", "pyuff")
+    tags = len(_TAG.findall(path.read_bytes()))
+    with _understood(path, "a universal file (UFF)"):
+        file = pyuff.UFF(str(path))
+        kinds = [int(each) for each in file.get_set_types()]
+        sets = [file.read_sets(number) for number, kind in enumerate(kinds) if kind == 58]
+    if tags % 2 or not kinds:
+        raise InputError(f"{shown(path)} must be a universal file (UFF) to its end, got a part")
+    responses = [each for each in sets if _is_response(each)]
+    if not responses:
+        raise InputError(
+            f"{shown(path)} must hold time responses (set 58 or 58b), got the sets {kinds}"
+        )
+    times = np.asarray(responses[0]["x"], dtype=np.float64)
+    names = told_apart([_response_name(each) for each in responses])
+    columns = {"t": Column(times, _label(responses[0], "abscissa_axis_units_lab") or "s")}
+    rest = [f"set of function {each['func_type']}" for each in sets if not _is_response(each)]
+    for name, each in zip(names, responses, strict=True):
+        values = np.asarray(each["data"], dtype=np.float64)[: int(each["num_pts"])]
+        if values.size < int(each["num_pts"]):
+            raise InputError(
+                f"{shown(path)} must hold the {each['num_pts']} points that its set {name} "
+                f"declares, got {values.size}"
+            )
+        columns[name] = Column(values, _label(each, "ordinate_axis_units_lab"))
+        if not np.array_equal(np.asarray(each["x"])[: values.size], times[: values.size]):
+            raise InputError(f"the sets of {shown(path)} must have the same times, {name} has not")
+    columns["t"] = Column(times[: next(iter(responses))["num_pts"]], columns["t"].unit)
+    return _sampled(columns, ", ".join(rest))
+
+
+def _is_response(dataset: dict[str, Any]) -> bool:
+    """Return whether a set is a real function of time."""
+    over_time = dataset["func_type"] == TIME_RESPONSE or dataset["abscissa_spec_data_type"] == TIME
+    return over_time and dataset["ord_data_type"] in (SINGLE, DOUBLE)
+
+
+def _response_name(dataset: dict[str, Any]) -> str:
+    """Return the title of a response, or else its node and direction: ``node 3 x``."""
+    title = _label(dataset, "id1")
+    return title or f"node {dataset['rsp_node']}{DIRECTIONS.get(dataset['rsp_dir'], '')}"
+
+
+def _label(dataset: dict[str, Any], name: str) -> str:
+    """Return a label of a set, empty if it is not set."""
+    label = str(dataset.get(name, "")).strip()
+    return "" if label.lower() in UNNAMED else label
+
+
+def read_tdms(path: Path) -> Table:
+    """Return the channels of a TDMS file, ``group.channel`` if there are several groups."""
+    nptdms = _library("nptdms", "TDMS", "npTDMS")
+    # it writes its warnings to the terminal
+    import_module("nptdms.log").log_manager.set_level("CRITICAL")
+    # of a file that it opened itself and does not understand it leaves the handle open
+    with (
+        _understood(path, "a TDMS file"),
+        path.open("rb") as held,
+        nptdms.TdmsFile.open(held) as file,
+    ):
+        channels = [each for group in file.groups() for each in group.channels() if len(each)]
+        check_size(path, sum(map(len, channels)), possible=8.0 * path.stat().st_size)
+        if file.file_status.incomplete_final_segment:
+            raise InputError(f"{shown(path)} must be a whole TDMS file, got one that ends early")
+        several = len({each.group_name for each in channels}) > 1
+        columns: dict[str, Column] = {}
+        rest: list[str] = []
+        # channels of another rate than the longest one's have other times
+        channels.sort(key=len, reverse=True)
+        step = channels[0].properties.get("wf_increment") if channels else None
+        for channel in channels:
+            name = f"{channel.group_name}.{channel.name}" if several else channel.name
+            values = _as_numbers(channel[:])
+            if values is None:
+                rest.append(f"{name} (no numbers)")
+            elif channel.properties.get("wf_increment", step) != step:
+                rest.append(f"{name} (of another rate)")
+            else:
+                unit = channel.properties.get("unit_string") or channel.properties.get(
+                    "NI_UnitDescription", ""
+                )
+                is_date = np.asarray(channel[:1]).dtype.kind == "M"
+                columns[name] = Column(values, "s" if is_date else str(unit))
+        if step and channels and "t" not in columns:
+            columns = {"t": Column(channels[0].time_track(), "s"), **columns}
+    if not columns:
+        raise InputError(f"{shown(path)} must hold channels of numbers, got {rest or 'none'}")
+    return _sampled(columns, ", ".join(rest))
+
+
+def _as_numbers(values: Any) -> Values | None:
+    """Return numbers as they are, and dates in seconds since the first; None of anything else."""
+    values = np.asarray(values)
+    if values.dtype.kind == "M":
+        return np.asarray((values - values[0]) / np.timedelta64(1, "ns") * 1e-9, dtype=np.float64)
+    return values.astype(np.float64) if values.dtype.kind in "biuf" else None
+
+
+def read_comtrade(path: Path) -> Table:
+    """Return the channels of a COMTRADE record, a pair of files .cfg and .dat, and ``t``."""
+    head, data = _pair_of(path)
+    if head is None and path.suffix.lower() == ".dat":
+        return read_text(path)  # many tables are called so
+    if head is None or data is None:
+        other = ".dat" if head else ".cfg"
+        raise InputError(f"{shown(path)} must have the {other} of its COMTRADE record beside it")
+    comtrade = _library("comtrade", "COMTRADE", "comtrade")
+    kind = "a COMTRADE record"
+    with _understood(path, kind):
+        cfg = comtrade.Cfg(ignore_warnings=True)
+        cfg.load(str(head))
+        rows, whole = int(cfg.sample_rates[-1][1]), _rows_in(data, cfg)
+    if rows > whole:
+        raise InputError(
+            f"{shown(data)} must hold the {rows} samples that {shown(head.name)} declares, got "
+            f"{whole}"
+        )
+    with _understood(path, kind):
+        record = comtrade.Comtrade(
+            use_numpy_arrays=True, use_double_precision=True, ignore_warnings=True
+        )
+        record.load(str(head), str(data))
+        times = np.asarray(record.time, dtype=np.float64)
+        channels = [*record.cfg.analog_channels, *record.cfg.status_channels]
+        names = told_apart(["t", *(each.name.strip() or f"{each.n}" for each in channels)])
+        units = [str(getattr(each, "uu", "")).strip() for each in channels]
+        columns = {names[0]: Column(times, "s")}
+        values = [*record.analog, *record.status]
+        for name, each, unit in zip(names[1:], values, units, strict=True):
+            columns[name] = Column(np.asarray(each, dtype=np.float64), unit)
+    return _sampled(columns)
+
+
+def _pair_of(path: Path) -> tuple[Path | None, Path | None]:
+    """Return the .cfg and the .dat of a record, in whichever case they are written."""
+    beside = {
+        each.suffix.lower(): each
+        for ending in (".cfg", ".dat")
+        for each in (path.with_suffix(ending), path.with_suffix(ending.upper()))
+        if each.is_file()
+    }
+    return beside.get(".cfg"), beside.get(".dat")
+
+
+def _rows_in(data: Path, cfg: Any) -> int:
+    """Return how many samples a .dat holds."""
+    if cfg.ft.upper() not in BYTES:
+        with data.open("rb") as file:
+            return sum(1 for line in file if line.strip(b"\r\n\x1a \t"))
+    status = 2 * math.ceil(cfg.status_count / STATUS_BITS)
+    row = 8 + BYTES[cfg.ft.upper()] * int(cfg.analog_count) + status
+    return int(data.stat().st_size // row)
+
+
+def _sampled(columns: dict[str, Column], rest: str = "") -> Table:
+    """Return columns of which a cell is a sample."""
+    return Table(
+        columns, lambda name, row: f"{columns[name].values[row]} in sample {row + 1}", rest
+    )
+
+
+def _library(module: str, kind: str, package: str) -> Any:
+    """Return a library, or raise `InputError` with how to install it."""
+    try:
+        return import_module(module)
+    except ImportError:
+        raise InputError(
+            f"reading {kind} files needs {package}: pip install 'rotor-ida[signals]'"
+        ) from None
+
+
+@contextmanager
+def _understood(path: Path, kind: str) -> Iterator[None]:
+    """Turn whatever a library raises of a damaged file into one line."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except (InputError, OSError):
+        raise
+    except Exception as error:
+        raise InputError(f"{shown(path)} must be {kind}: {one_line(error)}") from error

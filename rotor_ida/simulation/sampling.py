@@ -1,0 +1,75 @@
+"""The times at which a run is reported: given, so many, or chosen by the revolution."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import (
+    SAMPLES_A_REVOLUTION,
+    check_axis,
+    check_count,
+    check_increasing,
+    is_scalar,
+)
+from rotor_ida.errors import InputError
+from rotor_ida.model.rotor import Rotor
+
+# In a period of the contact: enough for dry whip, which turns so fast at most.
+SAMPLES_A_CONTACT = 8
+# A short run is drawn from so many.
+FEWEST = 1001
+# The first limit on memory: some 160 MB in a run, and as much again while it is made.
+MOST_CHOSEN = 2_000_000
+
+
+def sample_times(samples: object, duration: float, rotor: Rotor, fastest: float) -> Values:
+    """Return the times to report: from themselves, from their number, or by the revolution.
+
+    Parameters
+    ----------
+    samples : int, array_like or None
+        The times, their number, or None.
+    duration : float
+        The end of the run [1].
+    rotor : Rotor
+        The rotor.
+    fastest : float
+        The largest speed of the run [1].
+
+    Examples
+    --------
+    >>> rotor = Rotor(omega=2.0, zeta=0.1, delta0=1.0)
+    >>> sample_times(None, 1000.0, rotor, 2.0).size  # 318.3 revolutions
+    10187
+    >>> sample_times(None, 10.0, rotor, 2.0).size, sample_times(3, 10.0, rotor, 2.0).size
+    (1001, 3)
+    """
+    if samples is None:
+        return np.linspace(0.0, duration, _chosen(duration, rotor, fastest))
+    if is_scalar("samples", samples):
+        return np.linspace(0.0, duration, check_count("samples", samples, minimum=2))
+    times = check_increasing("samples", check_axis("samples", samples))
+    if times[-1] > duration:
+        raise InputError(
+            f"samples must lie from 0 to the duration {duration!r}, got {float(times[-1])!r}"
+        )
+    return times
+
+
+def _chosen(duration: float, rotor: Rotor, fastest: float) -> int:
+    """Return how many samples resolve the revolutions, the shaft and the contact."""
+    shaft = math.sqrt(rotor.shaft_stiffness)
+    on_the_ring = math.sqrt(1.0 + rotor.shaft_stiffness)
+    rate = max(
+        SAMPLES_A_REVOLUTION * max(fastest, shaft), SAMPLES_A_CONTACT * on_the_ring
+    ) / (2.0 * math.pi)  # fmt: skip
+    count = math.ceil(rate * duration) + 1
+    if count > MOST_CHOSEN:
+        raise InputError(
+            f"samples must be given for a run of which {SAMPLES_A_REVOLUTION} in each revolution "
+            f"are more than {MOST_CHOSEN}, here {count}: their number, or times, got None"
+        )
+    return max(count, FEWEST)

@@ -1,0 +1,270 @@
+"""What a run-up comes to: where it touches, how hard, and how it ends, in a row and a sentence.
+
+read the facts of the run-up: touches, largest radius and force, first roll;
+hold the last speed and follow the rotor to its steady state, as `run_ups` does;
+say both in words, and whether the model still holds.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import COMPONENTS, check_instance
+from rotor_ida.errors import InputError
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.parallel import interruptible
+from rotor_ida.results.run import check_run, rotor_of
+from rotor_ida.results.si_units import dimensional, dimensionless, is_in_si, machine_of
+from rotor_ida.schema import (
+    ENDING,
+    EVENT_KIND,
+    MODE,
+    OF_FRICTION_EVENT_KIND,
+    RESPONSE,
+    Column,
+    labelled_dataset,
+    origin_of,
+)
+from rotor_ida.simulation.options import Options
+from rotor_ida.steady.grid import EXPECTED, reason_of
+from rotor_ida.steady.response import CONTACT_FREE
+from rotor_ida.steady.run_up_outcome import FAILED, RUB, WHIP, Outcome, ending_at, failed
+from rotor_ida.units import SPEED_UNITS
+
+NEEDED = ("t", "speed", "angle", *COMPONENTS, "event_speed", "peak_force", "peak_time")
+# Attributes of a run-up that its summary does without.
+OF_CHANGE = ("to", "rate", "speeds", "torque", "inertia")
+# An indentation beyond this part of the disc's radius is not small, as every contact law assumes.
+SMALL_INDENTATION = 0.1
+# The last sample may be this far from the end, in parts of the duration.
+AT_END = 1e-9
+RUBS = {
+    "synchronous": "full annular rub, forwards with the unbalance",
+    "full_contact": "full annular rub, with a radius that pulsates",
+    "bouncing": "intermittent rub, in and out of contact",
+    "quasi_periodic": "rub that never repeats itself",
+    "chaotic": "chaotic rub",
+    "rolling": "backward rub, rolling on the ring by turns",
+}
+
+
+def summary(run: xr.Dataset) -> xr.Dataset:
+    """Summarise a run-up: first touch, largest radius and force, first roll, and how it ends.
+
+    Parameters
+    ----------
+    run : Dataset
+        A run of `rotor_ida.run_up`, dimensionless or in SI units.
+
+    Returns
+    -------
+    Dataset
+        Scalars, in the units of the run: ``first_touch_speed``, ``last_exit_speed``,
+        ``largest_radius``, ``largest_radius_speed``, ``smallest_gap`` (clearance less the largest
+        radius, negative in contact), ``largest_force``, ``largest_force_speed``,
+        ``contact_count``, ``contact_time``, with friction ``first_roll_speed``, and as flags
+        ``ending`` (``contact_free``, ``rub``, ``whip``, ``unresolved`` or ``failed``) and
+        ``response``: what the rotor settles on once the last speed is held, as of `run_ups`.
+        Speeds of what did not happen are NaN. The attribute ``sentence`` says it in words.
+
+    Raises
+    ------
+    InputError
+        If the dataset is no run-up, or was not sampled at its end.
+
+    Notes
+    -----
+    Without a contact the largest radius is that of the samples. The sentence says so where
+    the contact law ceases to hold: where the indentation exceeds a tenth of the disc's radius, or,
+    of a machine in SI units, the clearance.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, run_up
+    >>> rotor = Rotor(omega=0.2, zeta=0.1, delta0=8.0, shaft_stiffness=1.0)
+    >>> found = summary(run_up(rotor, start=(0, 0, 0, 0), to=2.0, rate=0.01))
+    >>> print(found.attrs["sentence"])
+    No rub: closest to the ring at a speed of 1.149, where 3.11 of the clearance of 8 are left. Held
+    at a speed of 2 it stays off the ring.
+    """
+    machine = None
+    plain = check_instance("run", run, xr.Dataset)
+    if is_in_si(plain):
+        machine, plain = machine_of(plain), dimensionless(plain)
+        if machine is None:
+            raise InputError("run must tell its machine, got one in SI units that does not")
+    if "event_speed" not in plain:
+        raise InputError("run must be a run of run_up, whose speed changes")
+    check_run(plain, NEEDED)
+    rotor = rotor_of(plain)
+    facts, ended = _facts(plain, rotor), _ending(plain, rotor)
+    values = facts | {"ending": ENDING[ended.ending], "response": RESPONSE[ended.response]}
+    columns: dict[str, Column] = {name: ((), value) for name, value in values.items()}
+    coordinates = {name: plain[name].variable for name in rotor.given}
+    attributes = {name: each for name, each in origin_of(plain).items() if name not in OF_CHANGE}
+    attributes["sentence"] = _in_words(facts, ended, rotor, float(plain["speed"][-1]), machine)
+    found = labelled_dataset(
+        "Summary of a run-up", columns, coordinates, attributes, kind="run_up_summary"
+    )
+    return found if machine is None else dimensional(found, machine)
+
+
+def _facts(run: xr.Dataset, rotor: Rotor) -> dict[str, float]:
+    """Return what happens while the speed changes."""
+    times = np.concatenate([run["t"].values, run["event_time"].values])
+    order = np.argsort(times, kind="stable")
+    speeds = np.concatenate([run["speed"].values, run["event_speed"].values])[order]
+    starts = bool(run["starts_in_contact"])
+
+    def speed_at(time: float) -> float:
+        return float(np.interp(time, times[order], speeds))
+
+    def speed_of(kind: int, which: int) -> float:
+        found = run["event_speed"].values[run["event_kind"].values == kind]
+        return float(found[which]) if found.size else math.nan
+
+    forces, peaks = run["peak_force"].values, run["peak_time"].values
+    radii = np.hypot(run["x"].values, run["y"].values)
+    place = int(radii.argmax())
+    radius, farthest = float(radii[place]), float(run["t"].values[place])
+    if forces.size:
+        deepest = int(run["peak_indentation"].values.argmax())
+        radius = rotor.delta0 + float(run["peak_indentation"].values[deepest])
+        farthest = float(peaks[deepest])
+    hardest = int(forces.argmax()) if forces.size else -1
+    entry = run["entry_time"].fillna(0.0).values
+    leaving = run["exit_time"].fillna(float(run["t"][-1])).values
+    facts = {
+        "first_touch_speed": rotor.omega if starts else speed_of(EVENT_KIND["entry"], 0),
+        "last_exit_speed": speed_of(EVENT_KIND["exit"], -1),
+        "largest_radius": radius,
+        "largest_radius_speed": speed_at(farthest),
+        "smallest_gap": rotor.delta0 - radius,
+        "largest_force": float(forces[hardest]) if forces.size else 0.0,
+        "largest_force_speed": speed_at(float(peaks[hardest])) if forces.size else math.nan,
+        "contact_count": forces.size,
+        "contact_time": float((leaving - entry).sum()),
+    }
+    if rotor.friction > 0.0:
+        rolls = "mode" in run and int(run["mode"][0]) == MODE["rolling"]
+        first = rotor.omega if rolls else speed_of(OF_FRICTION_EVENT_KIND["roll"], 0)
+        facts["first_roll_speed"] = first
+    return facts
+
+
+def _ending(run: xr.Dataset, rotor: Rotor) -> Outcome:
+    """Return what the rotor settles on once the last speed is held."""
+    last, duration = run.isel(t=-1), float(run.attrs["duration"])
+    if not math.isclose(float(last["t"]), duration, rel_tol=AT_END):
+        raise InputError(
+            f"run must be sampled at its end {duration:g}, got the last sample at "
+            f"{float(last['t']):g}"
+        )
+    state: Values = np.array([float(last[name]) for name in COMPONENTS])
+    options = Options(
+        rtol=float(run.attrs["rtol"]), atol=float(run.attrs["atol"]), method=run.attrs["method"]
+    )
+    held = replace(rotor, omega=float(last["speed"]))
+    angle = float(last["angle"])
+    try:
+        return interruptible(lambda stop: ending_at(held, state, angle, options, stop))
+    except EXPECTED as error:
+        return failed(reason_of(error))
+
+
+# ---- In words ----
+
+
+def _in_words(
+    facts: dict[str, float],
+    ended: Outcome,
+    rotor: Rotor,
+    last: float,
+    machine: DimensionalRotor | None,
+) -> str:
+    """Return a summary in sentences, the verdict first."""
+    held = f"Held at {_speed(last, machine)} it"
+    sentences = [_contact_in_words(facts, ended, rotor, machine)]
+    if facts["contact_count"] and "first_roll_speed" in facts:
+        rolls = facts["first_roll_speed"]
+        sentences.append(
+            "The disc never rolls on the ring."
+            if math.isnan(rolls)
+            else f"The disc first rolls on the ring at {_speed(rolls, machine)}."
+        )
+    if ended.ending == CONTACT_FREE:
+        sentences.append(f"{held} {'runs clear of' if facts['contact_count'] else 'stays off'} "
+                         "the ring.")  # fmt: skip
+    elif ended.ending == WHIP:
+        sentences.append(
+            f"{held} stays in dry whip: it whirls backwards, rolling on the ring, driven by "
+            "friction and not by the unbalance, until the speed is brought down."
+        )
+    elif ended.ending == RUB:
+        sentences.append(f"{held} keeps rubbing: {RUBS[ended.response]}.")
+    elif ended.ending == FAILED:
+        sentences.append(f"{held} could not be followed: {ended.message}.")
+    else:
+        sentences.append(f"{held} had not settled when following ended.")
+    beyond = _beyond_model(-facts["smallest_gap"], rotor, machine)
+    return " ".join([*sentences, beyond]).rstrip()
+
+
+def _contact_in_words(
+    facts: dict[str, float], ended: Outcome, rotor: Rotor, machine: DimensionalRotor | None
+) -> str:
+    """Return the verdict, and how close to the ring or how hard on it the rotor comes."""
+    if not facts["contact_count"]:
+        gap, clearance = _length(facts["smallest_gap"], machine), _length(rotor.delta0, machine)
+        return (
+            f"No rub: closest to the ring at {_speed(facts['largest_radius_speed'], machine)}, "
+            f"where {gap} of the clearance of {clearance} are left."
+        )
+    verdicts = {CONTACT_FREE: "Rub on the way, none at the end", WHIP: "Dry whip"}
+    return (
+        f"{verdicts.get(ended.ending, 'Rub')}: it first touches the ring at "
+        f"{_speed(facts['first_touch_speed'], machine)}, and presses up to "
+        f"{_length(-facts['smallest_gap'], machine)} into it, with up to "
+        f"{_force(facts['largest_force'], machine)} at "
+        f"{_speed(facts['largest_force_speed'], machine)}."
+    )
+
+
+def _beyond_model(indentation: float, rotor: Rotor, machine: DimensionalRotor | None) -> str:
+    """Return a warning where the indentation is larger than the contact law can mean."""
+    radius, bounds = rotor.disc_radius, []
+    if radius is not None and indentation > SMALL_INDENTATION * radius:
+        bounds.append("a tenth of the disc's radius")
+    if machine is not None and indentation > rotor.delta0 > 0.0:
+        bounds.append("the clearance")
+    if not bounds:
+        return ""
+    return (
+        f"Beyond the model: an indentation of {_length(indentation, machine)} is more than "
+        f"{' and '.join(bounds)}; take the force as too large to bear, not as a number."
+    )
+
+
+def _speed(speed: float, machine: DimensionalRotor | None) -> str:
+    if machine is None:
+        return f"a speed of {speed:.4g}"
+    return f"{speed * machine.reference_frequency / SPEED_UNITS['rpm']:,.0f} rpm"
+
+
+def _length(length: float, machine: DimensionalRotor | None) -> str:
+    if machine is None:
+        return f"{length:.3g}"
+    metres = length * machine.length_scale
+    return f"{metres * 1e3:.3g} mm" if abs(metres) >= 1e-3 else f"{metres * 1e6:.3g} um"
+
+
+def _force(force: float, machine: DimensionalRotor | None) -> str:
+    if machine is None:
+        return f"a force of {force:.3g}"
+    newtons = force * machine.force_scale
+    return f"{newtons / 1e3:.3g} kN" if newtons >= 1e3 else f"{newtons:.3g} N"

@@ -1,0 +1,74 @@
+"""Results joined along a parameter are the results over both."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rotor_ida import (
+    InputError,
+    Rotor,
+    bifurcation_diagram,
+    concat,
+    simulate,
+    sweep,
+    synchronous_response,
+)
+from rotor_ida.verification.verify import differences, rerun
+
+OTHERS = {"zeta": 0.07, "delta0": [2.0, 1.0]}
+
+
+@pytest.mark.parametrize(
+    ("compute", "given"),
+    [(sweep, OTHERS), (synchronous_response, OTHERS | {"delta0": 0.5}),
+     (bifurcation_diagram, OTHERS | {"starts": 2})],
+)  # fmt: skip
+def test_two_ranges_of_speed_become_the_result_over_both(compute, given):
+    parts = [compute(omega=omega, **given) for omega in ([1.0, 1.5], [2.0])]
+    whole = compute(omega=[1.0, 1.5, 2.0], **given)
+    xr.testing.assert_identical(concat(parts, "omega"), whole)
+
+
+def test_a_table_of_events_follows_its_runs_along_an_inner_dimension():
+    parts = [sweep(omega=[1.0, 2.0], zeta=zeta, delta0=2.0) for zeta in ([0.07, 0.1], [0.2])]
+    whole = sweep(omega=[1.0, 2.0], zeta=[0.07, 0.1, 0.2], delta0=2.0)
+    xr.testing.assert_identical(concat(parts, "zeta"), whole)
+
+
+def test_a_joined_sweep_verifies():
+    joined = concat([sweep(omega=[omega], zeta=0.3, delta0=0.5) for omega in (1.0, 1.5)], "omega")
+    assert differences(rerun(joined, workers=1), joined)["agrees"] is True
+
+
+def test_xarray_joins_sweeps_without_their_events():
+    parts = [sweep(omega=omega, **OTHERS) for omega in ([1.0, 1.5], [2.0])]
+    whole = sweep(omega=[1.0, 1.5, 2.0], **OTHERS)
+    joined = xr.concat([each.drop_dims("event") for each in parts], dim="omega")
+    xr.testing.assert_identical(joined, whole.drop_dims("event"))
+
+
+def test_runs_become_one_dataset_over_a_parameter():
+    runs = [
+        simulate(Rotor(omega=omega, zeta=0.07, delta0=0.5), duration=20.0, samples=101)
+        for omega in (1.7, 1.9)
+    ]
+    events = [run.sizes["event"] for run in runs]
+    joined = concat(runs, "omega")
+    assert dict(joined.sizes) == {"omega": 2, "t": 101, "event": max(events), "contact": 3}
+    for run in runs:
+        own = joined.sel(omega=run.omega)
+        np.testing.assert_array_equal(own.x, run.x)
+        np.testing.assert_array_equal(own.event_time.dropna("event"), run.event_time)
+    assert "omega" not in joined.attrs
+    assert joined.attrs["duration"] == 20.0
+
+
+def test_what_does_not_fit_together_is_refused():
+    one = sweep(omega=1.0, zeta=0.07, delta0=2.0)
+    with pytest.raises(InputError, match="dim must be in all datasets, got 'speed'"):
+        concat([one, one], "speed")
+    with pytest.raises(InputError, match="datasets must hold at least one, got none"):
+        concat([], "omega")
+    other = sweep(omega=1.5, zeta=0.1, delta0=2.0)
+    with pytest.raises(InputError, match="must have the same coordinates besides omega"):
+        concat([one, other], "omega")
