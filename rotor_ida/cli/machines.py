@@ -81,13 +81,19 @@ class Units:
         if self.machine is None:
             return tuple(values)
         given = IS_OF_MACHINE.get(name, name)
-        words = [each.word or float(each) if isinstance(each, Quantity) else each
-                 for each in values]  # fmt: skip
-        numbers = [in_si(given, each, OF_MACHINE[given].unit) for each in words]
         return tuple(
             getattr(replace(self.machine, **{given: each}).rotor(), self.parameter(name))
-            for each in numbers
+            for each in map(float, values)
         )
+
+    def limits(self, name: str, values: Sequence[float]) -> tuple[float, ...]:
+        """Return limits of a parameter without dimensions; their units must be those of it."""
+        if self.machine is not None:
+            given = IS_OF_MACHINE.get(name, name)
+            for each in values:
+                if isinstance(each, Quantity) and each.word:
+                    in_si(given, each.word, OF_MACHINE[given].unit)
+        return self.values(name, values)
 
     def shown(self, dataset: xr.Dataset) -> xr.Dataset:
         """Return a dimensionless result in these units."""
@@ -129,19 +135,12 @@ def plain(dataset: xr.Dataset) -> tuple[xr.Dataset, Units]:
     return dimensionless(dataset), Units(machine_of(dataset))
 
 
-def words_of(given: Mapping[str, object]) -> dict[str, object]:
-    """Return quantities as they were given, each with its unit if it has one."""
-    return {
-        name: each.word if isinstance(each, Quantity) and each.word else each
-        for name, each in given.items()
-    }
-
-
 def sheet_of(given: Mapping[str, object], file: Path | None) -> dict[str, object]:
     """Return the data sheet that options give, over those of a file."""
-    given = words_of(given)
+    given = {name: float(each) if isinstance(each, float) else each
+             for name, each in given.items()} | _with_its_unit(given)  # fmt: skip
     if file is None:
-        return dict(given)
+        return given
     from rotor_ida.results.machine_file import read_data_sheet  # noqa: PLC0415 - not for --help
 
     dimensionless = [name for name in PARAMETERS if name in given]
@@ -150,6 +149,14 @@ def sheet_of(given: Mapping[str, object], file: Path | None) -> dict[str, object
     sheet = overridden(read_data_sheet(file), given)
     check_keys(sheet, str(file))
     return sheet
+
+
+def _with_its_unit(given: Mapping[str, object]) -> dict[str, object]:
+    """Return the stiffness of the contact as it was given: its unit tells the law of contact."""
+    stiffness = given.get("contact_stiffness")
+    if isinstance(stiffness, Quantity) and stiffness.word:
+        return {"contact_stiffness": stiffness.word}
+    return {}
 
 
 def chosen(

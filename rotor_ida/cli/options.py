@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
@@ -46,7 +46,7 @@ def _number(text: str) -> Parameter:
     return Parameter(help=text, converter=parsing.converter(parsing.number))
 
 
-def _quantity(text: str, *allowed: str, name: str | None = None) -> Parameter:
+def _quantity(text: str, *allowed: str, name: str | Sequence[str] | None = None) -> Parameter:
     """Return an option for a number, which may have a unit as those that are allowed."""
     return Parameter(
         name=name,
@@ -552,7 +552,11 @@ class ChangeOptions:
 
     ramp_time: Annotated[
         float | None,
-        _quantity("Time of a ramp, in place of its rate: of a machine in s.", "s", name="--in"),
+        _quantity(
+            "Time of a ramp, in place of its rate: of a machine in s.",
+            "s",
+            name=("--ramp-time", "--in"),
+        ),
     ] = None
     begin: Annotated[
         float | None,

@@ -19,6 +19,7 @@ from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.plot.datasets import parameters_in, rotors_in
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
+from rotor_ida.results.si_units import in_units_of, si_of
 
 # Up to so many speeds of a table of whirls are marked.
 FEW_SPEEDS = 30
@@ -41,7 +42,24 @@ def figure_of(dataset: xr.Dataset) -> Figure:
             f"got {kind!r}"
         )
     made: Axes | Figure = loaded(drawn)(dataset)
-    return made if isinstance(made, Figure) else cast(Figure, made.figure)
+    figure = made if isinstance(made, Figure) else cast(Figure, made.figure)
+    _add_rpm(figure, dataset)
+    return figure
+
+
+def _add_rpm(figure: Figure, dataset: xr.Dataset) -> None:
+    """Tell the speeds of a machine in rpm, above each axis that has them dimensionless."""
+    known = si_of(dataset, "omega")
+    if known is None:
+        return
+    factor = known[1]
+    with plot.style():
+        for ax in figure.axes:
+            if ax.get_xlabel() == LABELS["omega"]:
+                above = ax.secondary_xaxis(
+                    "top", functions=(lambda omega: omega * factor, lambda rpm: rpm / factor)
+                )
+                above.set_xlabel("spin speed [rpm]")
 
 
 def figure_of_whirls(dataset: xr.Dataset) -> Figure:
@@ -52,7 +70,9 @@ def figure_of_whirls(dataset: xr.Dataset) -> Figure:
     figure, axes = plot.panels(rows, columns, width=2.4 + 2.4 * columns, height=1.6 + 2.0 * rows)
     for ax, part in zip(axes, parts, strict=False):
         few = "branch" in part.dims and part.sizes["omega"] <= FEW_SPEEDS
-        curve, fold_points, hopf = _exact_beside(part)
+        curve, fold_points, hopf = (
+            each if each is None else in_units_of(each, dataset) for each in _exact_beside(part)
+        )
         plot.plot_amplitude(
             curve,
             whirls=part if few else None,

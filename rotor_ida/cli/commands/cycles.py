@@ -121,7 +121,7 @@ def continue_(
     output.check()
     with working("points", study) as progress:
         rotor, start, units = origin.guess()
-        low, high = units.values(parameter, limits)
+        low, high = units.limits(parameter, limits)
         branch = rotor_ida.continue_cycle(
             rotor,
             start=start,
@@ -156,8 +156,8 @@ def curve(
     first, second = parameters
     with working("points") as progress:
         rotor, start, units = origin.guess(curve_kind=kind)
-        low, high = units.values(first, limits[:2])
-        second_low, second_high = units.values(second, limits[2:])
+        low, high = units.limits(first, limits[:2])
+        second_low, second_high = units.limits(second, limits[2:])
         found = rotor_ida.bifurcation_curve(
             rotor,
             start=start,
