@@ -104,9 +104,7 @@ found = basin(rotor, x=axis, y=axis)
 kinds = {number: word for word, number in RESPONSE.items()}
 for kind, fraction in zip(found.kind.values, found.fraction.values, strict=True):
     print(f"{kinds[int(kind)]:13s} {fraction:.3f} of the starts")
-print(
-    f"{float(found.agreement):.0%} of {int(found.agreement_count)} repeated labels are the same"
-)
+print(f"{float(found.agreement):.0%} of {int(found.agreement_count)} repeated labels are the same")
 
 # %%
 figure, (ax,) = panels(1, 1, width=5.2, height=4.6)

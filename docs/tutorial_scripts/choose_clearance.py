@@ -115,7 +115,9 @@ for number, clearance in enumerate(clearances):
     radius = 1e6 * farthest * machine.length_scale
     force = float(contact_force(farthest, float(settled.delta0))) * machine.force_scale
     kind = kinds[int(settled.response)]
-    print(f"{clearance:4.0f} µm: {kind:13s} radius up to {radius:5.1f} µm, force up to {force:.2f} N")
+    print(
+        f"{clearance:4.0f} µm: {kind:13s} radius up to {radius:5.1f} µm, force up to {force:.2f} N"
+    )
 
 # %%
 # More clearance does not always mean less force: at this speed a small clearance makes a rotor bounce that would whirl steadily

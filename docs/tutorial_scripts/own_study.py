@@ -99,7 +99,10 @@ from rotor_ida import folds
 ends = folds(zeta=0.07, delta0=0.5, friction=frictions).fold_omega.squeeze()
 for friction in frictions:
     speeds_of_folds = ends.sel(friction=friction).values
-    print(f"friction {friction:4.2f}:", ", ".join(f"{each:.3f}" for each in speeds_of_folds[np.isfinite(speeds_of_folds)]))
+    print(
+        f"friction {friction:4.2f}:",
+        ", ".join(f"{each:.3f}" for each in speeds_of_folds[np.isfinite(speeds_of_folds)]),
+    )
 
 # %%
 # Keep it

@@ -120,9 +120,7 @@ with style():
         lw=1.0,
         label="run-up, 3000 rpm/s",
     )
-    ax.plot(
-        speeds[[0, -1]], [60, 60], "o", color="#bd1f01", ms=4, label="first touch, last exit"
-    )
+    ax.plot(speeds[[0, -1]], [60, 60], "o", color="#bd1f01", ms=4, label="first touch, last exit")
     ax.axvline(fold, color="0.5", lw=0.8)
     ax.text(fold - 80, 8, "fold", color="0.4", ha="right")
     ax.set(xlabel="speed [rpm]", ylabel="radius [µm]", xlim=(1500, 10_000), ylim=(0, 250))
@@ -208,7 +206,9 @@ figure
 for stall in driven:
     left = stall * (1 - omega / no_load) - needed
     meets = stable & (force > 0.0) & (left < 0.0)
-    where = f"stays at about {omega[meets].min() / rpm:.0f} rpm" if meets.any() else "passes the fold"
+    where = (
+        f"stays at about {omega[meets].min() / rpm:.0f} rpm" if meets.any() else "passes the fold"
+    )
     print(f"motor of {stall:.0f} N m: {where}")
 
 # %%
