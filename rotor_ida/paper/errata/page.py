@@ -95,7 +95,8 @@ ROWS = (
         "none in closed form: the equation is nonlinear, and solutions do not add up; λ is defined "
         "in three ways, ε not at all, and +θ should be −θ",
         "ω = 1.7 from (10, 0, 0, 0): off by {printed:.2f} at t = 5, by more than 1 from t = "
-        "{printed_from:.2f} on; with the signs corrected by {mended:.2f}, from {mended_from:.2f} on",
+        "{printed_from:.2f} on; with the signs corrected by {mended:.2f}, from {mended_from:.2f} "
+        "on",
         numbers.transient,
     ),
     Row(
