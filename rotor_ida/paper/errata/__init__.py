@@ -1,4 +1,4 @@
-"""Where the paper is wrong, with the numbers that show it: what makes ``docs/errata.md``.
+"""Errors of the paper, with the numbers that show them: the source of ``docs/errata.md``.
 
 ``python -m rotor_ida.paper.errata FILE`` writes the page.
 """

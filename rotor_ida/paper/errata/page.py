@@ -1,4 +1,4 @@
-"""The page of errata: what is printed, what is right, and how it shows."""
+"""The page of errata: each error, its correction, and the numbers that show it."""
 
 from __future__ import annotations
 
@@ -7,17 +7,25 @@ from dataclasses import dataclass
 
 from rotor_ida.paper.errata import numbers
 
-_HEAD = """# Where the paper is wrong
+_HEAD = """# Errata of the paper
 
-"Analytical Nonlinear Response for a Rotor with the Hertz Contact and Clearance", Mechanika 25(6),
-2019. The program computes the right form; the printed formulas are in
-`rotor_ida.paper.printed`, and the scenarios show them beside the right ones. D is the eccentricity,
-which the paper calls Δ; where nothing else is said, ζ = 0.07.
+Look up each error in "Analytical Nonlinear Response for a Rotor with the Hertz Contact and
+Clearance", Mechanika 25(6), 2019, with its correction and the numbers that show it. The program
+uses the corrected formulas. The printed ones are in `rotor_ida.paper.printed`, and the gallery
+shows both:
 
-This page is made by `python -m rotor_ida.paper.errata docs/errata.md`, which computes its numbers
-anew; a test holds it to them.
+    >>> from rotor_ida import synchronous_response
+    >>> from rotor_ida.paper.printed import amplitudes_18
+    >>> amplitudes_18(omega=1.7, zeta=0.07).round(5)
+    array([2.52403])
+    >>> synchronous_response(omega=1.7, zeta=0.07, delta0=0.0).amplitude.values.ravel()[:3].round(5)
+    array([1.87963, 6.19321, 9.48721])
 
-| place | printed | right | how it shows |
+D is the eccentricity, which the paper calls Δ. Unless stated otherwise, ζ = 0.07.
+`python -m rotor_ida.paper.errata docs/errata.md` computes these numbers and writes this page; a
+test compares the two.
+
+| place | printed | correct | evidence |
 |---|---|---|---|
 """
 
@@ -87,7 +95,8 @@ ROWS = (
         "none in closed form: the equation is nonlinear, and solutions do not add up; λ is defined "
         "in three ways, ε not at all, and +θ should be −θ",
         "ω = 1.7 from (10, 0, 0, 0): off by {printed:.2f} at t = 5, by more than 1 from t = "
-        "{printed_from:.2f} on; with the signs mended by {mended:.2f}, from {mended_from:.2f} on",
+        "{printed_from:.2f} on; with the signs corrected by {mended:.2f}, from {mended_from:.2f} "
+        "on",
         numbers.transient,
     ),
     Row(
