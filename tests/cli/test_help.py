@@ -114,21 +114,9 @@ FORBIDDEN = r"\bSay\b|\btold\b|\bholds\b|hangs on|one that suits\.|without it|\b
 def test_help_is_in_plain_imperative_english(program: Program, command: str):
     listed = program(command, "--help").out
     assert not re.search(FORBIDDEN, listed)
-    first = listed.split("\n\n")[1].split()[0]
-    assert first in {"Simulate", "List", "Compute", "Estimate", "Continue", "Report", "Reproduce",
-                     "Describe", "Open", "Fit", "Plot", "Show", "Compare", "Recompute", "Check"}  # fmt: skip
-
-
-def test_the_version_is_told(program: Program):
-    assert program("--version").out.strip() == "0.1.0"
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_has_an_example(program: Program, command: str):
-    answer = program(command, "--help")
-    assert (answer.status, answer.err) == (0, "")
-    assert all(words[0] == command for words in examples(answer.out))
-    assert examples(answer.out)
+    verbs = "Simulate List Compute Estimate Continue Report Reproduce Describe Open Fit Plot Show"
+    others = "Compare Recompute Check"
+    assert listed.split("\n\n")[1].split()[0] in f"{verbs} {others}".split()
 
 
 def write_probes(path: Path) -> None:
