@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rotor_ida.checks import State, listed, shown
 from rotor_ida.cli.parsing import Quantity, refuse_units
@@ -70,7 +70,7 @@ class Units:
         """Return a change of the speed in rad/s2 without dimensions."""
         return self.speed(rate) / self.time(1.0)
 
-    def parameter(self, name: str) -> str:
+    def parameter(self, name: str) -> Any:
         """Return the dimensionless parameter that a name stands for."""
         if self.machine is None and name in BECOMES:
             raise InputError(

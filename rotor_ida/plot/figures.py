@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import cast
 
 import numpy as np
@@ -57,7 +58,8 @@ def _add_rpm(figure: Figure, dataset: xr.Dataset) -> None:
         for ax in figure.axes:
             if ax.get_xlabel() == LABELS["omega"]:
                 above = ax.secondary_xaxis(
-                    "top", functions=(lambda omega: omega * factor, lambda rpm: rpm / factor)
+                    "top",
+                    functions=(partial(np.multiply, factor), partial(np.multiply, 1.0 / factor)),
                 )
                 above.set_xlabel("spin speed [rpm]")
 

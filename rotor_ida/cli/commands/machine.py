@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
+from rich.console import RenderableType
 
 from rotor_ida.checks import shown
 from rotor_ida.cli import machines, options, parsing
@@ -95,7 +96,10 @@ def machine(
     from rotor_ida.results.machine_file import machine_text, save_machine  # noqa: PLC0415
 
     facts, warnings = _facts(found), implausible(found)
-    parts = [pairs("Machine", facts), *(f"warning: {each}" for each in warnings)]
+    parts: list[RenderableType] = [
+        pairs("Machine", facts),
+        *(f"warning: {each}" for each in warnings),
+    ]
     if out is None:
         parts += ["", machine_text(found).rstrip()]
     else:
@@ -113,7 +117,7 @@ def _checked(out: Path, force: bool) -> Path:
     return check_target("out", out, overwrite=force, permission=FORCED)
 
 
-def _facts(machine: DimensionalRotor) -> dict[str, object]:
+def _facts(machine: DimensionalRotor) -> dict[str, float]:
     """Return what an engineer knows a machine by, and its dimensionless numbers."""
     rpm, rotor = SPEED_UNITS["rpm"], machine.rotor()
     grade = machine.eccentricity * machine.speed / MILLIMETRE
