@@ -57,7 +57,7 @@ MISTAKES = [
     ("--port http", "port must be a whole number, got 'http'"),
     ("--port 80.5", "port must be a whole number"),
     ("--omega 2", "zeta and delta0 must be given with omega"),
-    ("--omega 2 --zeta 0.07 --delta0 2 --mass 1", "without dimensions or in SI units, got omega and mass"),
+    ("--omega 2 --zeta 0.07 --delta0 2 --mass 1", "in SI units, got omega and mass"),
     ("--load 1 --shaft-stiffness 2", "omega, zeta and delta0 must be given, or a machine"),
     ("--omega 2 --zeta 0.07 --delta0 2 --contact-exponent 2", "contact_exponent must be 1.5 or 1"),
     ("--omega 2 --zeta 0.07 --delta0 2 --load -1", "load must be zero or positive, got -1.0"),
