@@ -74,7 +74,7 @@ class Units:
         """Return the dimensionless parameter that a name stands for."""
         if self.machine is None and name in BECOMES:
             raise InputError(
-                f"{name} is of a machine: of a dimensionless rotor give {BECOMES[name]}"
+                f"parameter must be {BECOMES[name]} for a dimensionless rotor, got {name!r}"
             )
         return BECOMES.get(name, name)
 

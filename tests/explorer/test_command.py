@@ -56,13 +56,13 @@ MISTAKES = [
     ("--port -1", "port must be at least 0, got -1"),
     ("--port http", "port must be a whole number, got 'http'"),
     ("--port 80.5", "port must be a whole number"),
-    ("--omega 2", "a rotor must be given by omega, zeta, delta0, or by mass"),
-    ("--omega 2 --zeta 0.07 --delta0 2 --mass 1", "a rotor must be given by"),
-    ("--load 1 --shaft-stiffness 2", "clearance, speed, got shaft_stiffness, load"),
+    ("--omega 2", "zeta and delta0 must be given with omega"),
+    ("--omega 2 --zeta 0.07 --delta0 2 --mass 1", "in SI units, got omega and mass"),
+    ("--load 1 --shaft-stiffness 2", "omega, zeta and delta0 must be given, or a machine"),
     ("--omega 2 --zeta 0.07 --delta0 2 --contact-exponent 2", "contact_exponent must be 1.5 or 1"),
     ("--omega 2 --zeta 0.07 --delta0 2 --load -1", "load must be zero or positive, got -1.0"),
     ("--omega 2 --zeta 0.07 --delta0 0 --contact-damping 1", "contact_damping must be 0 without"),
-    ("--mass 4 --speed 100", "a rotor must be given by"),
+    ("--mass 4 --speed 100", "eccentricity and clearance must be given with mass and speed"),
     ("--omega nan --zeta 0.07 --delta0 2", "omega must be a finite real number, got nan"),
     ("--omega -1 --zeta 0.07 --delta0 2", "omega must be zero or positive, got -1.0"),
     ("--omega 2e6 --zeta 0.07 --delta0 2", "omega must be at most 1e+06 to be simulated"),
@@ -89,8 +89,6 @@ def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rotor = rotor_ida.Rotor(**ROTOR)
     run = rotor_ida.simulate(rotor, start=(0.5, 0, 0, 1), duration=40.0)
     rotor_ida.save(run, folder / "run.nc")
-    in_si = rotor_ida.dimensional(run, rotor_ida.DimensionalRotor(**MACHINE))
-    rotor_ida.save(in_si, folder / "in_si.nc")
     rotor_ida.save(rotor_ida.folds(zeta=0.07, delta0=0.5), folder / "folds.nc")
     (folder / "text.nc").write_text("no archive")
     (folder / "empty.nc").write_bytes(b"")
@@ -100,7 +98,7 @@ def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("folds", "file must be a run that simulate wrote, got"),
+        ("folds", "file must be an archive of a run, got"),
         ("text", "text.nc"),
         ("empty", "empty.nc"),
     ],
