@@ -18,6 +18,7 @@ from rotor_ida.cli.variables import (
     Rows,
     Sheet,
     attributes_of,
+    headed,
     names_on,
     parameters_in,
     rows_of,
@@ -33,7 +34,7 @@ from rotor_ida.cli.variables import (
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
-from rotor_ida.results.si_units import in_rpm
+from rotor_ida.results.si_units import in_rpm, si_of
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, by_number, flags_of
 from rotor_ida.units import SPEED_UNITS
 
@@ -116,7 +117,7 @@ DONE_TO_MACHINE = (
     *("largest_force", "mean_force", "contacts_per_revolution", "contact_fraction"),
     *("dissipation_per_revolution", "contact_loss_per_revolution"),
     *("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction"),
-    *("whirl_ratio", "whirl_direction"),
+    *("whirl_over_spin", "whirl_sense", "side_line_over_spin", "whirl_ratio", "whirl_direction"),
     *("radius_min", "radius_max", "excursion", "period", "lifetime", "trapping"),
     *("velocity_shock_bound", "displacement_shock_bound"),
 )
@@ -247,8 +248,11 @@ def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
         row["largest_force"] = force
     said = [name for name in parts if any(row[name] != 0.0 for row in fractions)]
     columns = ["rate", *varied, *said, *(f"{name}_error" for name in said), "largest_force"]
-    title = f"How run-ups to {float(dataset['to']):.6g} end"
-    ends = rows_table(title, fractions, columns, MOST_FRACTIONS, digits=6)
+    unit, factor = si_of(dataset, "to") or ("to []", 1.0)
+    last = f"{float(dataset['to']) * factor:.6g} {unit[4:-1]}".rstrip()
+    shown = headed(dataset, fractions, columns)
+    heads = list(shown[0])
+    ends = rows_table(f"How run-ups to {last} end", shown, heads, MOST_FRACTIONS, digits=6)
     record |= {"to": float(dataset["to"]), "starts": rows_of(dataset, STARTS)}
     record["fractions"] = fractions
     return record, [*ends, *tables]
@@ -271,7 +275,11 @@ def _kinds(dataset: xr.Dataset) -> list[Record]:
 
 def _ranges(dataset: xr.Dataset, names: Sequence[str], here: xr.DataArray) -> Record:
     """Return the range of each variable over the points where something holds."""
-    return {name: span(spread_on(dataset, name, here).values[here.values], 6) for name in names}
+    found: Record = {}
+    for name in names:
+        label, factor = si_of(dataset, name) or (name, 1.0)
+        found[label] = span(factor * spread_on(dataset, name, here).values[here.values], 6)
+    return found
 
 
 def show_attractors(dataset: xr.Dataset, most: int | None) -> Description:
@@ -393,7 +401,8 @@ def show_cycle(dataset: xr.Dataset, most: int | None) -> Description:
     record["parameters"] = parameters
     record["lines"] = rows_of(dataset, STRONGEST_LINES.names)  # to programs by frequency
     if dataset["period"].isnull():
-        return record, [pairs("No limit cycle", {**parameters, "response": record["response"]})]
+        told = with_units(dataset, {**parameters, "response": record["response"]})
+        return record, [pairs("No limit cycle", told)]
     told = with_units(dataset, parameters | scalars_of(dataset))
     return record, [pairs("Limit cycle", told), *parts]
 

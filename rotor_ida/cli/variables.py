@@ -14,7 +14,7 @@ from rich.console import RenderableType
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.results.kinds import kind_of
-from rotor_ida.results.si_units import in_rpm
+from rotor_ida.results.si_units import in_rpm, si_of
 from rotor_ida.schema import NO_YES, RESULT_KIND, flags_of, words_of
 
 Record = dict[str, object]
@@ -173,6 +173,9 @@ def headed(dataset: xr.Dataset, rows: Sequence[Record], names: Sequence[str]) ->
     columns: dict[str, list[object]] = {}
     for name in names:
         values = [row[name] for row in rows]
+        if (known := si_of(dataset, name)) is not None:
+            columns[known[0]] = _times(known[1], values)
+            continue
         columns[with_unit(dataset, name)] = values
         turns = in_rpm(xr.DataArray(values, attrs=dataset[name].attrs)) if name in SPEEDS else None
         if turns is not None:
@@ -181,8 +184,22 @@ def headed(dataset: xr.Dataset, rows: Sequence[Record], names: Sequence[str]) ->
 
 
 def with_units(dataset: xr.Dataset, entries: Record) -> Record:
-    """Return values of variables by their names with units."""
-    return {with_unit(dataset, name): value for name, value in entries.items()}
+    """Return values of variables by their names with units; parameters of machines in SI units."""
+    told: Record = {}
+    for name, value in entries.items():
+        known = si_of(dataset, name)
+        if known is None:
+            told[with_unit(dataset, name)] = value
+        else:
+            told[known[0]] = _times(known[1], value)
+    return told
+
+
+def _times(factor: float, value: Any) -> Any:
+    """Return numbers by a factor, also those in lists; what is no number stays."""
+    if isinstance(value, list):
+        return [_times(factor, each) for each in value]
+    return value * factor if isinstance(value, float) else value
 
 
 def scalars_of(dataset: xr.Dataset) -> Record:

@@ -12,16 +12,16 @@ from rotor_ida.model.rotor import SPEED_UNITS, DimensionalRotor, Rotor
 KINDS = {
     "contact_free": "a contact-free whirl: it stays inside the clearance",
     "synchronous": "a synchronous whirl in contact: it turns with the unbalance at constant radius",
-    "bouncing": "a bouncing limit cycle (intermittent rub): it enters and leaves contact for ever",
+    "bouncing": "a bouncing limit cycle (intermittent rub): it enters and leaves contact again and again",
     "full_contact": "a limit cycle in full contact (full annular rub): its radius pulsates",
-    "rolling": "dry whip: it whirls backwards, and rolls on the ring again and again",
+    "rolling": "dry whip: it rolls backwards on the stator",
     "touching": "a contact-free whirl, through ever slighter touches",
-    "quasi_periodic": "a torus: it never repeats itself, and neighbouring motions do not part",
+    "quasi_periodic": "a torus: it never repeats itself, and neighbouring motions stay together",
     "chaotic": "chaos: it never repeats itself, and neighbouring motions part",
-    "unresolved": "nothing that could be told: it was followed for as long as is allowed",
+    "unresolved": "no known kind of motion within the longest time that is simulated",
 }
-NO_CURVE = "Under a load nothing stands still on the turning axes: no exact curve."
-HELD = "the contact-free whirl, the only one that the shaft allows: it stays inside the clearance"
+NO_CURVE = "Under a static load there is no synchronous whirl, so no exact curve."
+HELD = "the contact-free whirl, which is the only one with a shaft: it stays inside the clearance"
 # A rotor at rest is at the centre, when it is so much closer to it than the mass centre is to the
 # centre of the disc.
 CENTRE = 1e-6
@@ -37,9 +37,9 @@ PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "
 def words_of_run(machine: Rotor | DimensionalRotor, facts: Mapping[str, float]) -> list[str]:
     """Return what a run does over its last half, in sentences."""
     if not facts["contacts_in_all"]:
-        return ["It never touches the ring."]
+        return ["It never touches the stator."]
     if facts["contact_fraction"] == 0.0:
-        return ["It has touched the ring, and no longer does."]
+        return ["It has touched the stator, and no longer does."]
     peak = _force(machine, facts["largest_force"])
     damped = [*_damped(machine, facts), *_rubbing(machine, facts)]
     if facts["contact_fraction"] >= 1.0:
@@ -182,8 +182,8 @@ def words_of_transient(
     Examples
     --------
     >>> words_of_transient(Rotor(omega=2.0, zeta=0.01, delta0=1.0), 2.0, 188.5, 17_000.0)
-    'The run that is drawn is not there yet: it ends at t = 188.5 (60 revolutions), and the rotor
-    was found settled at t = 17000 (5,411 revolutions).'
+    'The run that is drawn has not settled: it ends at t = 188.5 (60 revolutions), and the rotor
+    had settled at t = 17000 (5,411 revolutions).'
     """
 
     def moment(time: float) -> str:
@@ -191,8 +191,8 @@ def words_of_transient(
         return _time(machine, time) + (f" ({turns:,.0f} revolutions)" if omega else "")
 
     return (
-        f"The run that is drawn is not there yet: it ends at t = {moment(drawn)}, and the rotor "
-        f"was found settled at t = {moment(settled)}."
+        f"The run that is drawn has not settled: it ends at t = {moment(drawn)}, and the rotor "
+        f"had settled at t = {moment(settled)}."
     )
 
 
@@ -220,7 +220,7 @@ def words_of_whip(
     'Without unbalance dry whip begins at a speed of 0.3148.'
     """
     if not math.isnan(whip):
-        grown = "any backward whirl on the ring"
+        grown = "any backward whirl on the stator"
         if not math.isnan(saddle):
             grown = f"a backward whirl beyond {_length(machine, saddle)}"
         return (
@@ -235,9 +235,9 @@ def words_of_whip(
 def _at_rest(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
     """Return where a rotor without spin comes to rest."""
     if facts["response"] == "synchronous":
-        return ["It comes to rest on the ring.", _radii(machine, facts), _contact(machine, facts)]
+        return ["It comes to rest on the stator.", _radii(machine, facts), _contact(machine, facts)]
     if facts["radius_max"] < CENTRE:
-        return ["It comes to rest at the centre of the ring."]
+        return ["It comes to rest at the centre of the stator."]
     return ["It comes to rest inside the clearance.", _radii(machine, facts)]
 
 
@@ -252,7 +252,7 @@ def _damped(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list
         if math.isnan(each) or facts["contact_fraction"] < 1.0 or _is_steady(facts):
             return []
         return [f"The contact loses {_energy(machine, each)} a revolution."]
-    loose = ", and lets go before the rotor has left the ring" if facts["releases"] else ""
+    loose = ", and lets go before the rotor has left the stator" if facts["releases"] else ""
     return [f"A contact loses {_energy(machine, loss)} in the mean{loose}."]
 
 
@@ -294,14 +294,14 @@ def _radii(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> str:
     if facts["response"] == "contact_free":
         gap = _length(machine, max(facts["rotor"]["delta0"] - facts["radius_max"], 0.0))
         radius = f"is {high}" if low == high else f"goes from {low} to {high}"
-        return f"Its radius {radius}, and leaves a gap of {gap} to the ring."
+        return f"Its radius {radius}, and leaves a gap of {gap} to the stator."
     period = facts.get("period", math.nan)
     again = ""
     if not math.isnan(period) and machine.load > 0.0:
         turns = round(period * facts["rotor"]["omega"] / (2.0 * math.pi))
         again = f", and repeats every {f'{turns} revolutions' if turns > 1 else 'revolution'}"
     elif not math.isnan(period):
-        again = f", and repeats every {_time(machine, period)} as the unbalance sees it"
+        again = f", and repeats every {_time(machine, period)} on axes that rotate with the unbalance"
     return f"Its radius goes from {low} to {high}{again}."
 
 
@@ -309,11 +309,11 @@ def _contact(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> str
     peak = _force(machine, facts["largest_force"])
     if facts["contact_fraction"] >= 1.0:
         steady = facts["response"] == "synchronous"
-        return f"It presses on the ring with {peak}." if steady else f"Peak force {peak}."
+        return f"It presses on the stator with {peak}." if steady else f"Peak force {peak}."
     each, share = facts["contacts_per_revolution"], 100.0 * facts["contact_fraction"]
     often = "once" if f"{each:.4g}" == "1" else f"{each:.4g} times"
     return (
-        f"It touches the ring {often} a revolution, {share:.3g} % of the time, with a "
+        f"It touches the stator {often} a revolution, {share:.3g} % of the time, with a "
         f"peak force of {peak}."
     )
 

@@ -16,11 +16,10 @@ from rotor_ida.checks import check_panels
 from rotor_ida.closed_forms import folds, hopf_points, response_curve
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
-from rotor_ida.plot.datasets import parameters_in, rotors_in, units_in
+from rotor_ida.plot.datasets import parameters_in, rotors_in
 from rotor_ida.plot.labels import label_parameter
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
-from rotor_ida.results.si_units import dimensional, machine_of
-from rotor_ida.schema import QUANTITIES
+from rotor_ida.results.si_units import in_units_of
 
 # Up to so many speeds of a table of whirls are marked.
 FEW_SPEEDS = 30
@@ -83,18 +82,7 @@ def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
     curve = response_curve(**given, limits=_limits_of(part))
     has_hopf_points = given.get("friction") or given.get("contact_damping")
     exact = [curve, folds(**given), hopf_points(**given) if has_hopf_points else None]
-    machine = machine_of(part)
-    if machine is None:
-        return tuple(exact)
-    length = next(
-        units_in(variable)
-        for name, variable in part.variables.items()
-        if str(name) in QUANTITIES and QUANTITIES[str(name)].scale == "length"
-    )
-    units = {"length": length}
-    return tuple(
-        each if each is None else dimensional(each, machine, units=units) for each in exact
-    )
+    return tuple(each if each is None else in_units_of(each, part) for each in exact)
 
 
 def figure_of_atlas(dataset: xr.Dataset) -> Figure:

@@ -32,6 +32,8 @@ MACHINE, EXACT = "machine_", "dimensionless"
 # What a result is computed from again, to the last bit; longer axes are divided by their scale.
 INPUTS = (*COMPONENTS, *(f"start_{name}" for name in COMPONENTS), "to", "rate")
 LONGEST_INPUT = 4096
+# Speeds that results tell over the reference frequency, also in SI units.
+SPEEDS = ("omega", "fold_omega", "hopf_omega", "jump_omega", "birth_omega", "cusp_omega")
 
 
 def dimensional(
@@ -183,6 +185,65 @@ def machine_of(dataset: xr.Dataset) -> DimensionalRotor | None:
         return DimensionalRotor(**{name: float(value) for name, value in told.items()})
     except (TypeError, ValueError) as error:  # not what `dimensional` writes
         raise InputError(f"the dataset does not tell its machine: {error}") from error
+
+
+def in_units_of(dataset: xr.Dataset, other: xr.Dataset) -> xr.Dataset:
+    """Return a dimensionless result in the units of another, which may have none.
+
+    Examples
+    --------
+    >>> from rotor_ida import simulate
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
+    >>> run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=20.0)
+    >>> shown = dimensional(run, machine, units={"length": "um"})
+    >>> in_units_of(run, shown).identical(shown), in_units_of(run, run) is run
+    (True, True)
+    """
+    machine = machine_of(other)
+    if machine is None:
+        return dataset
+    units = {}
+    for name, variable in other.variables.items():
+        quantity = QUANTITIES.get(str(name))
+        if quantity is not None and quantity.scale:
+            units[quantity.scale] = str(variable.attrs["units"])
+    return dimensional(dataset, machine, units=units)
+
+
+def si_of(dataset: xr.Dataset, name: str) -> tuple[str, float] | None:
+    """Return what a parameter of a result is called in SI units, and its unit in that.
+
+    None for what has no unit, and for a result that does not tell its machine. Speeds are in rpm.
+
+    Examples
+    --------
+    >>> from rotor_ida import sweep
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
+    >>> swept = dimensional(sweep(omega=1.2, zeta=0.07, delta0=2.0), machine)
+    >>> si_of(swept, "delta0"), si_of(swept, "friction")
+    (('clearance [m]', 1e-06), None)
+    """
+    machine = machine_of(dataset)
+    if machine is None:
+        return None
+    speed = machine.reference_frequency / SPEED_UNITS["rpm"]
+    rate = machine.reference_frequency
+    damping = 2.0 * machine.mass * rate
+    scales = {
+        **{each: (f"{each.removesuffix('omega')}speed [rpm]", speed) for each in SPEEDS},
+        "to": ("to [rpm]", speed),
+        "rate": ("rate [rpm/s]", speed * rate),
+        "zeta": ("damping [N s/m]", damping),
+        "delta0": ("clearance [m]", machine.length_scale),
+        "shaft_stiffness": ("shaft stiffness [N/m]", machine.mass * rate**2),
+        "contact_damping": ("contact damping [s/m]", 1.0 / machine.velocity_scale),
+        "load": ("load [N]", machine.force_scale),
+        "disc_radius": ("disc radius [m]", machine.length_scale),
+    }
+    found = scales.get(name)
+    return None if found is None else (found[0].replace("_", " "), found[1])
 
 
 def scale_of(dataset: xr.Dataset, kind: str) -> float:

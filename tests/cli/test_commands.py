@@ -394,7 +394,8 @@ def test_touchdown_is_a_table_with_units(program: Program):
     ("words", "said"),
     [
         (("--omega", 2), "a rotor must be given by omega, zeta, delta0, or by mass, "
-         "contact_stiffness, damping, eccentricity, clearance, speed, got omega"),
+         "contact_stiffness, damping, eccentricity, clearance, speed, or by a file with --machine, "
+             "got omega"),
         ((*MACHINE, "--zeta", 0.1), "got zeta, mass, "),
         ((), "got none of them"),
         (MACHINE, "x, y, vx or vy must be a range, got numbers for 1000 starts"),

@@ -380,7 +380,7 @@ def test_releases_and_presses_are_counted_and_drawn_with_contact_damping_alone(p
 def test_under_a_load_there_is_a_reason_in_place_of_the_curve(page, address):
     page = with_machine(page, address, load=0.5, shaft_stiffness=0.25)
     key = page.find("#response-key").text
-    assert key.startswith("Under a load nothing stands still on the turning axes: no exact curve.")
+    assert key.startswith("Under a static load there is no synchronous whirl, so no exact curve.")
     assert "whirl" not in key
     assert page.array("curve", "omega").size == 0
 

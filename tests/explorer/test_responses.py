@@ -263,7 +263,7 @@ def test_without_spin_the_rotor_comes_to_rest():
     assert settled.facts["radius_min"] == settled.facts["radius_max"] == resting
     assert settled.facts["words"] == [
         "It comes to rest inside the clearance.",
-        f"Its radius is {resting:.4g}, and leaves a gap of {2.0 - resting:.4g} to the ring.",
+        f"Its radius is {resting:.4g}, and leaves a gap of {2.0 - resting:.4g} to the stator.",
     ]
 
 
@@ -274,7 +274,7 @@ def test_a_run_that_ends_before_the_rotor_has_settled_is_told_to():
     (facts,) = (each.facts for each in answer_to(slow) if each.part == "settled")
     settled = float(swept(slow)["window_start"].item())
     assert settled > 10_000.0
-    assert f"found settled at t = {settled:.0f}" in facts["words"][-1]
+    assert f"had settled at t = {settled:.0f}" in facts["words"][-1]
     assert "ends at t = 125.7 (60 revolutions)" in facts["words"][-1]
 
 

@@ -31,8 +31,8 @@ DAMPED = {"loss_per_contact": 0.25, "releases": 0.0}
     [
         ({"contacts_per_revolution": 1.0}, "half: 1 contact a revolution, in contact 25 %"),
         ({}, "0.4 contacts a revolution, in contact 25 % of the time, peak force 0.5."),
-        ({"contacts_in_all": 0.0}, "It never touches the ring."),
-        ({"contact_fraction": 0.0}, "It has touched the ring, and no longer does."),
+        ({"contacts_in_all": 0.0}, "It never touches the stator."),
+        ({"contact_fraction": 0.0}, "It has touched the stator, and no longer does."),
         ({"contact_fraction": 1.0}, "always in contact, with a force of up to 0.5."),
         ({"contacts_per_revolution": float("nan")}, "half: in contact 25 % of the time"),
     ],
@@ -70,7 +70,7 @@ FREE = {
 
 def test_a_whirl_off_the_axis_has_its_radii_and_the_gap_that_is_left():
     text = " ".join(words_of_response(PLAIN, FREE))
-    assert "Its radius goes from 0.227 to 1.773, and leaves a gap of 0.227 to the ring." in text
+    assert "Its radius goes from 0.227 to 1.773, and leaves a gap of 0.227 to the stator." in text
     text = " ".join(words_of_response(IN_SI, FREE))
     assert "Its radius goes from 227 nm to 1.773 µm, and leaves a gap of 227 nm" in text
 
@@ -78,17 +78,17 @@ def test_a_whirl_off_the_axis_has_its_radii_and_the_gap_that_is_left():
 def test_a_whirl_on_the_axis_has_one_radius():
     told = FREE | {"radius_min": 1.0 - 1e-13, "radius_max": 1.0 + 1e-13}
     text = " ".join(words_of_response(PLAIN, told))
-    assert "Its radius is 1, and leaves a gap of 1 to the ring." in text
+    assert "Its radius is 1, and leaves a gap of 1 to the stator." in text
 
 
 def test_a_rotor_without_spin_comes_to_rest():
     told = FREE | {"rotor": ROTOR | {"omega": 0.0}, "radius_min": 1.5, "radius_max": 1.5}
     assert words_of_response(PLAIN, told) == [
         "It comes to rest inside the clearance.",
-        "Its radius is 1.5, and leaves a gap of 0.5 to the ring.",
+        "Its radius is 1.5, and leaves a gap of 0.5 to the stator.",
     ]
     (sentence,) = words_of_response(PLAIN, told | {"radius_max": 1e-9})
-    assert sentence == "It comes to rest at the centre of the ring."
+    assert sentence == "It comes to rest at the centre of the stator."
 
 
 def test_words_of_a_run_that_ends_too_early_are_in_the_units_of_the_machine():
@@ -103,10 +103,10 @@ def test_what_contact_damping_takes_is_told_in_units_of_energy():
     assert loss == "A contact loses 0.25 in the mean."
     _, loss = words_of_run(machine, RUN | DAMPED | {"releases": 3.0})
     assert loss == (
-        "A contact loses 250 nJ in the mean, and lets go before the rotor has left the ring."
+        "A contact loses 250 nJ in the mean, and lets go before the rotor has left the stator."
     )
     touched = words_of_response(PLAIN, CYCLE | {"contacts_per_revolution": 1.0})[-1]
-    assert touched.startswith("It touches the ring once a revolution")
+    assert touched.startswith("It touches the stator once a revolution")
     assert words_of_response(PLAIN, CYCLE | DAMPED)[-1] == "A contact loses 0.25 in the mean."
     (sentence,) = words_of_run(PLAIN, RUN | DAMPED | {"loss_per_contact": float("nan")})
     assert "half" in sentence  # no contact has ended
@@ -143,9 +143,9 @@ def test_under_a_load_a_rotor_comes_to_rest_on_the_ring_or_hangs_in_the_clearanc
         "rotor": still,
     }  # fmt: skip
     assert words_of_response(Rotor(**still), lying) == [
-        "It comes to rest on the ring.",
+        "It comes to rest on the stator.",
         "Its radius is 2.25.",
-        "It presses on the ring with 0.125.",
+        "It presses on the stator with 0.125.",
     ]
     held = still | {"omega": 2.0, "shaft_stiffness": 0.25}
     told = words_of_response(Rotor(**held), FREE | {"rotor": held})
@@ -211,7 +211,7 @@ def test_dry_whip_is_told_in_the_units_of_the_machine():
     assert "dry whip would have a radius of 5 µm, and a backward whirl beyond 3.25 µm" in (
         words_of_whip(IN_SI, 3.25, 5.0, 0.25)
     )
-    assert "any backward whirl on the ring would grow" in words_of_whip(PLAIN, math.nan, 5.0, 0.0)
+    assert "any backward whirl on the stator would grow" in words_of_whip(PLAIN, math.nan, 5.0, 0.0)
     assert words_of_whip(IN_SI, math.nan, math.nan, 0.25) == (
         "Without unbalance dry whip begins at a speed of 1,194 rpm."
     )

@@ -405,7 +405,8 @@ def test_a_torque_that_lets_the_speed_fall_through_zero_ends_the_run():
 RAMP = {"to": 2.0, "rate": 0.1}
 POWER = {"torque": (1.0, 0.1), "inertia": 2.0, "duration": 10.0}
 MISTAKES = {
-    "the speed must change in one way, by to and rate, by speeds, or by torque and inertia, got "
+    "the speed must change in one way, by to and rate or ramp_time, by speeds, or by torque and "
+    "inertia, got "
     "none of them": {},
     "got to, rate, torque, inertia": RAMP | POWER,
     "the speed must change in one way, .*, got rate, torque": {"rate": 0.1, "torque": (1.0, 0.1)},

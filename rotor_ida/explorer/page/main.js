@@ -390,7 +390,8 @@ function eventsOf(motion) {
     const count = kinds.reduce((sum, kind) => sum + (kind === wanted), 0);
     return `${count || "no"} ${count === 1 ? one : many}`;
   };
-  let text = kinds.length ? `${counted(EVENTS.entry, "entry", "entries")} and ${counted(EVENTS.exit, "exit", "exits")}` : "no entries and exits";
+  if (!kinds.length) return "No contact events";
+  let text = `${counted(EVENTS.entry, "entry", "entries")} and ${counted(EVENTS.exit, "exit", "exits")}`;
   if (kinds.some((kind) => kind === EVENTS.press || kind === EVENTS.release)) text += `, ${counted(EVENTS.release, "release", "releases")} and ${counted(EVENTS.press, "press", "presses")}`;
   if (motion.facts.rotor.friction) {
     text += `; ${counted(EVENTS.roll, "roll", "rolls")}, ${counted(EVENTS.slip, "slip", "slips")} and ${counted(EVENTS.reverse, "reverse", "reverses")}`;

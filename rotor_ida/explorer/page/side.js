@@ -294,7 +294,7 @@ export class Side {
     this.#line(pen, t, 1e9);
   }
 
-  /** Return the distance from the axis at an event: the ring's, but inside it for the others. */
+  /** Return the distance from the axis at an event: the stator's, but inside it for the others. */
   #radiusOf(event) {
     const { event_kind: kinds, event_radius: radii } = this.motion.arrays;
     return this.length.factor * (Math.abs(kinds[event]) === 1 ? this.motion.facts.rotor.delta0 : radii[event]);
@@ -581,7 +581,7 @@ export class Side {
     const number = (value) => `${told(value * factor)}${unit ? ` ${unit}` : ""}`;
     const radii = `radius from ${number(ending.radius_min)} to ${number(ending.radius_max)}`;
     const rolls = ending.rolling_fraction > 0 ? `, rolling ${told(100 * ending.rolling_fraction, 3)} % of the time in contact` : "";
-    this.orbit.say(`Orbit on fixed axes: ${radii}, ring at ${number(rotor.delta0)}${rolls}.`);
+    this.orbit.say(`Orbit on fixed axes: ${radii}, stator at ${number(rotor.delta0)}${rolls}.`);
     this.turning.say(`Orbit on axes that turn with the unbalance: ${radii}.`);
     this.radius.say(`Radius over time: over the last half from ${number(ending.radius_min)} to ${number(ending.radius_max)}.`);
     this.force.say(`Contact force over time: up to ${told(ending.largest_force * this.forceUnit.factor)} ${this.forceUnit.unit} over the last half.`);

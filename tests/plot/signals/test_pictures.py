@@ -168,6 +168,12 @@ def test_a_jump_breaks_the_lines_and_a_window_that_spans_it_is_left_out(up, lag)
     assert np.isnan(radii).any()
 
 
+def test_one_window_is_drawn(up):
+    one = orders(up).isel(window=slice(3, 4))
+    assert len(plot_bode(one)[0].get_lines()[0].get_xdata()) == 1
+    plot_polar(one)
+
+
 def test_a_resonance_that_is_passed_in_few_windows_is_one_line(up):
     fast = run_up(Rotor(omega=0.3, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), to=1.6, rate=0.02)
     for line in (ax.get_lines()[0] for ax in plot_bode(fast)):
