@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from rotor_ida.arrays import Values
 from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.plot.datasets import hold_units, one_value, units_in
 from rotor_ida.results.si_units import in_rpm, scale_of
@@ -191,7 +191,7 @@ class _ScaledLocator(MaxNLocator):
         super().__init__(nbins="auto", steps=[1, 2, 2.5, 5, 10])
         self.factor = factor
 
-    def tick_values(self, vmin: float, vmax: float) -> Values:
+    def tick_values(self, vmin: float, vmax: float) -> Any:
         """Return the places of the ticks, as drawn."""
         return np.asarray(super().tick_values(vmin * self.factor, vmax * self.factor)) / self.factor
 
