@@ -25,7 +25,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.results.files import check_path
 from rotor_ida.schema import labelled, labelled_dataset
 from rotor_ida.signals.files.arrays import read_hdf5, read_matlab, read_npz
-from rotor_ida.signals.files.columns import Table, Unit, known_units, unit_called
+from rotor_ida.signals.files.columns import ENDINGS, Table, Unit, known_units, unit_called
 from rotor_ida.signals.files.labview import read_labview
 from rotor_ida.signals.files.recorders import read_comtrade, read_tdms, read_uff, read_wav
 from rotor_ida.signals.files.text import read_text
@@ -48,16 +48,15 @@ ROUNDED, EVEN = 0.6, 1e-3
 MOST_DECIMALS = 12
 # What an angle spans that is counted from 0 to one revolution, with some room.
 TURN = 6.5
-# Readers by ending; anything else is text.
 READERS: Mapping[str, Callable[[Path], Table]] = {
-    ".wav": read_wav,
-    ".mat": read_matlab,
-    **dict.fromkeys((".h5", ".hdf5", ".hdf"), read_hdf5),
-    ".npz": read_npz,
-    **dict.fromkeys((".uff", ".unv", ".uf"), read_uff),
-    ".tdms": read_tdms,
-    ".lvm": read_labview,
-    **dict.fromkeys((".cfg", ".dat"), read_comtrade),
+    "wav": read_wav,
+    "matlab": read_matlab,
+    "hdf5": read_hdf5,
+    "npz": read_npz,
+    "uff": read_uff,
+    "tdms": read_tdms,
+    "labview": read_labview,
+    "comtrade": read_comtrade,
 }
 _SENSITIVITY = re.compile(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(m?V)\s*/\s*(\S+)\s*")
 
@@ -245,8 +244,10 @@ def read_table(path: Path) -> Table:
     """Return the columns of a file by their names, each with its unit, empty where not given."""
     if not path.is_file():
         raise InputError(f"path must be a file that exists, got {shown(path)}")
+    ending = path.suffix.lower()
+    reader = next((READERS[kind] for kind, each in ENDINGS.items() if ending in each), read_text)
     try:
-        return READERS.get(path.suffix.lower(), read_text)(path)
+        return reader(path)
     except OSError as error:
         raise InputError(f"{shown(path)} cannot be read: {error.strerror or error}") from error
 

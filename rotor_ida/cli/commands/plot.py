@@ -66,7 +66,7 @@ def plot(
 
     From one whose columns have other names:
 
-        rotor-ida plot probes.csv --kind orbit --figure orbit --columns x=A y=B --units x=um y=um
+        rotor-ida plot probes.csv --kind orbit --figure named --columns x=A y=B --units x=um y=um
     """
     Output(figure=figure, force=force).check()
     given = {
