@@ -46,6 +46,10 @@ CLIPPED = 4
 # not so to this part of a step anyway.
 ROUNDED, EVEN = 0.6, 1e-3
 MOST_DECIMALS = 12
+INTEGRATED = (
+    "the angle is integrated from the speed: phase lags have no known origin, and drift with the "
+    "error of the speed"
+)
 # What an angle spans that is counted from 0 to one revolution, with some room.
 TURN = 6.5
 READERS: Mapping[str, Callable[[Path], Table]] = {
@@ -183,12 +187,12 @@ def signals_in(
     told, given = _words("columns", columns), _words("units", units)
     if rate is not None:
         rate = check_between("rate", rate, *RATES)
-    only_rate = rate_in(table)
-    names = columns_of(table, told, timed=rate is not None or only_rate is not None)
+    own_rate = rate_in(table)
+    names = columns_of(table, told, timed=rate is not None or own_rate is not None)
     notes = []
-    if rate is None and "t" not in names and only_rate is not None:
-        rate = check_between(only_rate[0], only_rate[1], *RATES)
-        notes.append(f"times follow from the {rate:g} samples a second in {only_rate[0]}")
+    if rate is None and "t" not in names and own_rate is not None:
+        rate = check_between(own_rate[0], own_rate[1], *RATES)
+        notes.append(f"times follow from the {rate:g} samples a second in {own_rate[0]}")
     if count := count_left_out(table, names):
         notes.append(f"column {count} counts samples and is left out")
     found = {each: _converted(each, names, table, given) for each in names}
@@ -210,27 +214,36 @@ def signals_in(
     }
     if rate is None and not np.array_equal(times, found["t"][0]):
         attributes["times"] = "evenly spaced, to the digits that the file has of them"
-    variables = {"x": _labelled("x", "t", z.real, length), "y": _labelled("y", "t", z.imag, length)}
-    if "angle" in found:
-        angles = _angle(found["angle"], times)
-        variables["angle"] = labelled("angle", "t", angles)
-    elif "keyphasor" in found:
-        pulses = _pulses(found["keyphasor"], times, keyphasor, fill_pulses)
-        variables["keyphasor"] = _labelled("keyphasor", "pulse", pulses, time)
+    if "keyphasor" in found:
         attributes["pulses_per_revolution"] = per_revolution
     elif "speed" in found:
-        variables["angle"] = labelled("angle", "t", _integrated(found["speed"], times, time))
         attributes["angle_origin"] = "unknown"
-        notes.append(
-            "the angle is integrated from the speed: phase lags have no known origin, and drift "
-            "with the error of the speed"
-        )
+        notes.append(INTEGRATED)
     if notes:
         attributes["notes"] = "; ".join(notes)
+    variables = {
+        "x": _labelled("x", "t", z.real, length),
+        "y": _labelled("y", "t", z.imag, length),
+        **_rotation(found, times, time, keyphasor, fill_pulses),
+    }
     coordinates = {"t": _labelled("t", "t", times, time)}
     return labelled_dataset(
         "Signals of two probes", variables, coordinates, attributes, kind="signals"
     )
+
+
+def _rotation(
+    found: Mapping[str, tuple[Values, str]], times: Values, time: str, keyphasor: str, fill: bool
+) -> dict[str, xr.Variable]:
+    """Return the angle of the rotor, or the pulses of its keyphasor, whichever a file has."""
+    if "angle" in found:
+        return {"angle": labelled("angle", "t", _angle(found["angle"], times))}
+    if "keyphasor" in found:
+        pulses = _pulses(found["keyphasor"], times, keyphasor, fill)
+        return {"keyphasor": _labelled("keyphasor", "pulse", pulses, time)}
+    if "speed" in found:
+        return {"angle": labelled("angle", "t", _integrated(found["speed"], times, time))}
+    return {}
 
 
 def _listed(names: Mapping[str, str], told: Mapping[str, str]) -> str:
