@@ -26,7 +26,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import KEYS, machine_from_data_sheet
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.signals.reading import READERS
+from rotor_ida.signals.files.columns import ENDINGS
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
 from rotor_ida.units import SPEED_UNITS
 
@@ -144,7 +144,7 @@ class Measurement:
     def ending(self) -> str:
         """The ending that the file is read by."""
         ending = Path(self.name).suffix.lower()
-        return ending if ending in READERS else ".csv"
+        return ending if any(ending in each for each in ENDINGS.values()) else ".csv"
 
     @property
     def ticket(self) -> dict[str, object]:

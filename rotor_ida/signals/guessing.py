@@ -150,9 +150,15 @@ def columns_of(table: Table, told: Mapping[str, str], *, timed: bool) -> dict[st
     names = [name_of(name, column.unit) for name, column in table.columns.items()]
     free = [name for name in names if name.column not in told.values()]
     found = dict(told)
-    if "t" not in found and not timed:
-        found |= _surest("t", free, table)
+    if "t" not in found:
+        try:
+            found |= _surest("t", free, table)
+        except InputError:
+            if not timed:
+                raise
     found |= _angle_in(free, told, table)
+    for signal in [each for each in ANGLES if each in found][1:]:
+        del found[signal]  # one of them serves
     found |= _probes_in(names, found, table)
     return {signal: found[signal] for signal in KIND if signal in found}
 

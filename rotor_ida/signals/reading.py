@@ -25,7 +25,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.results.files import check_path
 from rotor_ida.schema import labelled, labelled_dataset
 from rotor_ida.signals.files.arrays import read_hdf5, read_matlab, read_npz
-from rotor_ida.signals.files.columns import Table, Unit, known_units, unit_called
+from rotor_ida.signals.files.columns import ENDINGS, Table, Unit, known_units, unit_called
 from rotor_ida.signals.files.labview import read_labview
 from rotor_ida.signals.files.recorders import read_comtrade, read_tdms, read_uff, read_wav
 from rotor_ida.signals.files.text import read_text
@@ -46,18 +46,21 @@ CLIPPED = 4
 # not so to this part of a step anyway.
 ROUNDED, EVEN = 0.6, 1e-3
 MOST_DECIMALS = 12
+INTEGRATED = (
+    "the angle is integrated from the speed: phase lags have no known origin, and drift with the "
+    "error of the speed"
+)
 # What an angle spans that is counted from 0 to one revolution, with some room.
 TURN = 6.5
-# Readers by ending; anything else is text.
 READERS: Mapping[str, Callable[[Path], Table]] = {
-    ".wav": read_wav,
-    ".mat": read_matlab,
-    **dict.fromkeys((".h5", ".hdf5", ".hdf"), read_hdf5),
-    ".npz": read_npz,
-    **dict.fromkeys((".uff", ".unv", ".uf"), read_uff),
-    ".tdms": read_tdms,
-    ".lvm": read_labview,
-    **dict.fromkeys((".cfg", ".dat"), read_comtrade),
+    "wav": read_wav,
+    "matlab": read_matlab,
+    "hdf5": read_hdf5,
+    "npz": read_npz,
+    "uff": read_uff,
+    "tdms": read_tdms,
+    "labview": read_labview,
+    "comtrade": read_comtrade,
 }
 _SENSITIVITY = re.compile(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(m?V)\s*/\s*(\S+)\s*")
 
@@ -184,12 +187,12 @@ def signals_in(
     told, given = _words("columns", columns), _words("units", units)
     if rate is not None:
         rate = check_between("rate", rate, *RATES)
-    only_rate = rate_in(table)
-    names = columns_of(table, told, timed=rate is not None or only_rate is not None)
+    own_rate = rate_in(table)
+    names = columns_of(table, told, timed=rate is not None or own_rate is not None)
     notes = []
-    if rate is None and "t" not in names and only_rate is not None:
-        rate = check_between(only_rate[0], only_rate[1], *RATES)
-        notes.append(f"times follow from the {rate:g} samples a second in {only_rate[0]}")
+    if rate is None and "t" not in names and own_rate is not None:
+        rate = check_between(own_rate[0], own_rate[1], *RATES)
+        notes.append(f"times follow from the {rate:g} samples a second in {own_rate[0]}")
     if count := count_left_out(table, names):
         notes.append(f"column {count} counts samples and is left out")
     found = {each: _converted(each, names, table, given) for each in names}
@@ -211,27 +214,36 @@ def signals_in(
     }
     if rate is None and not np.array_equal(times, found["t"][0]):
         attributes["times"] = "evenly spaced, to the digits that the file has of them"
-    variables = {"x": _labelled("x", "t", z.real, length), "y": _labelled("y", "t", z.imag, length)}
-    if "angle" in found:
-        angles = _angle(found["angle"], times)
-        variables["angle"] = labelled("angle", "t", angles)
-    elif "keyphasor" in found:
-        pulses = _pulses(found["keyphasor"], times, keyphasor, fill_pulses)
-        variables["keyphasor"] = _labelled("keyphasor", "pulse", pulses, time)
+    if "keyphasor" in found:
         attributes["pulses_per_revolution"] = per_revolution
     elif "speed" in found:
-        variables["angle"] = labelled("angle", "t", _integrated(found["speed"], times, time))
         attributes["angle_origin"] = "unknown"
-        notes.append(
-            "the angle is integrated from the speed: phase lags have no known origin, and drift "
-            "with the error of the speed"
-        )
+        notes.append(INTEGRATED)
     if notes:
         attributes["notes"] = "; ".join(notes)
+    variables = {
+        "x": _labelled("x", "t", z.real, length),
+        "y": _labelled("y", "t", z.imag, length),
+        **_rotation(found, times, time, keyphasor, fill_pulses),
+    }
     coordinates = {"t": _labelled("t", "t", times, time)}
     return labelled_dataset(
         "Signals of two probes", variables, coordinates, attributes, kind="signals"
     )
+
+
+def _rotation(
+    found: Mapping[str, tuple[Values, str]], times: Values, time: str, keyphasor: str, fill: bool
+) -> dict[str, xr.Variable]:
+    """Return the angle of the rotor, or the pulses of its keyphasor, whichever a file has."""
+    if "angle" in found:
+        return {"angle": labelled("angle", "t", _angle(found["angle"], times))}
+    if "keyphasor" in found:
+        pulses = _pulses(found["keyphasor"], times, keyphasor, fill)
+        return {"keyphasor": _labelled("keyphasor", "pulse", pulses, time)}
+    if "speed" in found:
+        return {"angle": labelled("angle", "t", _integrated(found["speed"], times, time))}
+    return {}
 
 
 def _listed(names: Mapping[str, str], told: Mapping[str, str]) -> str:
@@ -245,8 +257,10 @@ def read_table(path: Path) -> Table:
     """Return the columns of a file by their names, each with its unit, empty where not given."""
     if not path.is_file():
         raise InputError(f"path must be a file that exists, got {shown(path)}")
+    ending = path.suffix.lower()
+    reader = next((READERS[kind] for kind, each in ENDINGS.items() if ending in each), read_text)
     try:
-        return READERS.get(path.suffix.lower(), read_text)(path)
+        return reader(path)
     except OSError as error:
         raise InputError(f"{shown(path)} cannot be read: {error.strerror or error}") from error
 

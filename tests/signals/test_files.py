@@ -435,3 +435,10 @@ def test_a_library_that_is_not_installed_is_named(
     monkeypatch.setitem(sys.modules, module, None)
     message = refused(tmp_path / f"a.{ending}")
     assert message.endswith(f"files needs {package}: pip install 'rotor-ida[signals]'")
+
+
+def test_a_column_of_times_counts_more_than_a_sampling_rate(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", t_s=TIMES, x_um=Z.real, y_um=Z.imag, fs=17.0)
+    found = read_signals(tmp_path / "a.npz")
+    check(found)
+    assert "samples a second" not in found.attrs["notes"]

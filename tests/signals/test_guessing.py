@@ -89,6 +89,12 @@ def test_one_probe_that_is_named_leads_to_the_other() -> None:
     assert found == {"t": "t", "x": "probe_B_x", "y": "probe_B_y", "speed": "speed_rpm"}
 
 
+def test_of_an_angle_and_a_keyphasor_that_are_named_the_angle_serves() -> None:
+    told = {"keyphasor": "key", "angle": "theta"}
+    found = columns_of(table_of("t; x; y; key; theta"), told, timed=False)
+    assert found == {"t": "t", "x": "x", "y": "y", "angle": "theta"}
+
+
 SUFFIXES = {
     ("t", "time_s"): "s", ("t", "t ms"): "ms", ("t", "us"): "us", ("t", "Time [min]"): "min",
     ("x", "x_um"): "um", ("x", "probe A µm"): "µm", ("x", "gap_mil"): "mil", ("x", "x_V"): "V",
@@ -147,7 +153,7 @@ def test_pictures_of_an_integrated_speed_show_no_mark_of_a_keyphasor(tmp_path: P
     for signals, has_mark in ((found, False), (marked, True)):
         labels = [line.get_label() for line in plot_orbit(signals).get_lines()]
         assert ("pulse of the keyphasor" in labels) == has_mark
-        assert plot_bode(signals)[1].get_ylabel().endswith("origin unknown") != has_mark
+        assert plot_bode(signals)[1].get_ylabel().endswith("(origin unknown)") != has_mark
 
 
 def test_a_fit_to_an_integrated_speed_needs_the_angle_of_the_unbalance(tmp_path: Path) -> None:

@@ -72,7 +72,7 @@ def plot(
 
     From one whose columns have other names:
 
-        rotor-ida plot probes.csv --kind orbit --figure orbit --columns x=A y=B --units x=um y=um
+        rotor-ida plot probes.csv --kind orbit --figure named --columns x=A y=B --units x=um y=um
     """
     given = {
         "order": order, "orders": orders, "sense": sense, "over": over, "span": span,

@@ -118,7 +118,7 @@ def plot_bode(
         label_axis(upper.yaxis, "whirl_amplitude", one.units.lengths(amplitude))
         _label_degrees(lower)
         if integrated(signals.attrs):
-            lower.set_ylabel(f"{lower.get_ylabel()}, origin unknown")
+            lower.set_ylabel(f"{lower.get_ylabel()}\n(origin unknown)")
         for ax in (upper, lower):
             label_axis(ax.xaxis, "speed", speeds)
             _speed_limits(ax, speeds.values)

@@ -13,6 +13,17 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 
+# Endings by which a file is read as what it is; any other file is text.
+ENDINGS = {
+    "wav": (".wav",),
+    "matlab": (".mat",),
+    "hdf5": (".h5", ".hdf5", ".hdf"),
+    "npz": (".npz",),
+    "uff": (".uff", ".unv", ".uf"),
+    "tdms": (".tdms",),
+    "labview": (".lvm",),
+    "comtrade": (".cfg", ".dat"),
+}
 # Numbers that are read from one file: 2 GiB of them.
 MOST_NUMBERS = 2**28
 _BRACKETS = re.compile(
