@@ -15,6 +15,7 @@ from rotor_ida.checks import (
     check_between,
     check_state,
     check_vector,
+    did_you_mean,
     shown,
 )
 from rotor_ida.errors import InputError
@@ -106,7 +107,10 @@ def _unknowns(unknown: object, machine: DimensionalRotor, *, in_si: bool) -> lis
         raise InputError(f"unknown must be a list of names, of {allowed}, got {shown(unknown)}")
     wrong = [each for each in names if not isinstance(each, str) or each not in known]
     if wrong or not names:
-        raise InputError(f"unknown must be of {allowed}, got {shown(wrong[0] if wrong else names)}")
+        meant = did_you_mean(wrong[0], known) if wrong else ""
+        raise InputError(
+            f"unknown must be of {allowed}, got {shown(wrong[0] if wrong else names)}{meant}"
+        )
     if len(set(names)) < len(names):
         raise InputError(f"unknown must name each once, got {shown(names)}")
     if "friction" in names and not machine.disc_radius:

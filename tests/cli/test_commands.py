@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 from collections.abc import Callable
@@ -45,6 +46,32 @@ def test_simulate_prints_json_in_full_precision(program: Program, run: xr.Datase
     for name in ("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force"):
         np.testing.assert_array_equal(column(record["contacts"], name), run[name].values)
     assert record["method"]["rtol"] == 1e-10
+
+
+def test_the_csv_of_a_run_has_its_numbers_to_the_last_bit(program: Program, run: xr.Dataset):
+    answer = program("simulate", *RUN, "--csv", "run.csv")
+    assert (answer.status, answer.err) == (0, "")
+    assert "wrote run.event.csv" in answer.out
+    with Path("run.event.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["event_time"]) for row in rows] == run["event_time"].values.tolist()
+    again = program("simulate", *RUN, "--csv", "run.csv")
+    assert (again.status, again.out) == (2, "")
+    assert program("simulate", *RUN, "--csv", "run.csv", "--force").status == 0
+
+
+@pytest.mark.parametrize("name", ["whirl", "backward-whirl"])
+def test_backward_whirls_are_those_of_the_library(program: Program, name: str):
+    rotor = rotor_ida.Rotor(omega=0.63, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+    words = ("--omega", 0.63, "--zeta", 0.1, "--delta0", 1, "--friction", 0.2, "--disc-radius", 10)
+    answer = program(name, *words, "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record, found = json.loads(answer.out), rotor_ida.backward_whirl(rotor)
+    assert record["birth_omega"] == found["birth_omega"].item()
+    (rows,) = (each for each in record.values() if isinstance(each, list) and "kind" in each[0])
+    assert column(rows, "amplitude") == found["amplitude"].values.tolist()
+    assert [row["kind"] for row in rows] == ["slipping", "rolling"]
+    assert program(name, *words[:-2]).status == 2
 
 
 def test_a_contact_without_exit_is_null_in_json(program: Program):

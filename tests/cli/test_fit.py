@@ -80,6 +80,7 @@ def test_contact_times_are_taken(program: Program, folder: Path):
     ("words", "told"),
     [
         (("--unknown", "weight"), "unknown must be of zeta, delta0"),
+        (("--unknown", "zetaa"), "got 'zetaa'; did you mean 'zeta'?"),
         (("--unknown", "zeta", "--entries", "20"), "time_error must be given with entries"),
         (("--unknown", "zeta", "--time-error", "0.1"), "entries or exits must be given"),
         (("--unknown", "zeta", "--noise", "-1"), "noise must be positive, got -1"),

@@ -83,10 +83,13 @@ def test_a_rotor_is_given_in_full_in_one_of_two_ways():
 
 
 MISTAKES = [
-    ({"omega": 1.2, "shaft_stiffness": 0.25}, "got omega, shaft_stiffness"),
-    ({**ROTOR, "mass": 4.0, "load": 1.0}, "got omega, zeta, delta0, mass, load"),
-    (BEYOND, "got shaft_stiffness, contact_exponent, contact_damping, load"),
-    ({**IN_SI_UNITS, **BEYOND_IN_SI, "delta0": 0.5}, "got delta0, mass, "),
+    ({"omega": 1.2, "shaft_stiffness": 0.25}, "zeta and delta0 must be given with omega"),
+    ({**ROTOR, "mass": 4.0, "load": 1.0}, "without dimensions or in SI units, got omega and mass"),
+    (BEYOND, "omega, zeta and delta0 must be given, or a machine in SI units"),
+    (
+        {**IN_SI_UNITS, **BEYOND_IN_SI, "delta0": 0.5},
+        "without dimensions or in SI units, got delta0 and mass",
+    ),
     ({**IN_SI_UNITS, "contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
     ({**IN_SI_UNITS, "load": -1.0}, "load must be zero or positive, got -1.0"),
     ({**ROTOR, "delta0": 0.0, "contact_damping": 1.0}, "contact_damping must be 0 without"),
