@@ -232,8 +232,8 @@ def _flight(dataset: xr.Dataset, record: Record, rotor: Rotor) -> xr.Dataset:
     seen = slice(before.size, int(touches[0]) if touches.size else whole.size)
     if seen.stop - seen.start < 2:
         raise InputError(
-            "times must begin before the first touch, where the exact trace of a run-up ends, "
-            f"got {record.times[0]:g}"
+            "exact must be left out: the exact trace of a run-up ends at the first touch, and "
+            f"these times begin after it, at {record.times[0]:g}"
         )
     columns = {"x": ("t", x[seen]), "y": ("t", y[seen])}
     return labelled_dataset(

@@ -59,7 +59,7 @@ class Rotor:
     friction : float
         Coefficient mu of Coulomb friction in the contact [1].
     disc_radius : float, optional
-        Radius rho of the disc over eccentricity [1], which friction needs; without friction it is
+        Radius rho of the disc over eccentricity [1], required with friction; without friction it is
         kept and changes nothing.
 
     Raises
@@ -217,7 +217,7 @@ class DimensionalRotor:
     friction : float
         Coefficient of Coulomb friction in the contact [1].
     disc_radius : float, optional
-        Radius of the disc, R [m], which friction needs.
+        Radius of the disc, R [m], required with friction.
 
     Raises
     ------

@@ -109,7 +109,7 @@ def test_a_run_up_flies_exactly_until_its_first_touch_and_no_further():
     end = flight.t.values[-1]
     assert 0.0 < run.event_time.values[0] - end <= float(np.diff(run.t.values[:2])[0])
     np.testing.assert_allclose(flight.x, run.x.sel(t=flight.t), atol=1e-9)
-    with pytest.raises(InputError, match="until the first touch only"):
+    with pytest.raises(InputError, match="ends at the first touch, and these times begin after"):
         exact_beneath(run.sel(t=slice(2.0 * end, None)), "trace")
 
 

@@ -64,7 +64,7 @@ PUMP = DimensionalRotor(
 
 
 def test_a_pump_of_grade_2_5_does_not_rub():
-    """At resonance e/(2 zeta sqrt(1 - zeta^2)) = 110 um of 150; a run-up of 20 s stays below."""
+    """At resonance e/(2 zeta sqrt(1 - zeta^2)) = 110 um of 150; in 20 s it stays below that."""
     run = run_up(PUMP.rotor(), start=REST, **PUMP.change_of_speed(to=6000, ramp_time=20.0,
                  unit="rpm"))  # fmt: skip
     found = summary(dimensional(run, PUMP))
