@@ -359,7 +359,7 @@ def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
         record["smallest_shocks"] = list(shocks.values())
         parts += rows_table("Smallest shocks", told, list(told[0]) if told else [], most, digits=5)
     machine = {name: scalars[name] for name in OF_MACHINE if name in scalars}
-    return record, [*parts, pairs("Machine", machine)]
+    return record, [*parts, pairs("Machine", with_units(dataset, machine))]
 
 
 def _shocks(dataset: xr.Dataset) -> dict[tuple[int, int], Record]:

@@ -210,6 +210,8 @@ def run_up(
 
     told = None if progress is None else partial(tell, progress)
     orbit, errors = interruptible(run_twice, told=told)
+    if progress is not None:
+        progress(100, 100)
     return run_dataset(orbit, first, errors, change.changes)
 
 

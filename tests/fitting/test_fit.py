@@ -212,8 +212,8 @@ def test_a_model_that_lacks_something_leaves_more_than_noise(up):
     # as one would state them who takes what is left for the noise
     as_noise = fit(seen, stiff, ["zeta"], noise=wider * NOISE)
     assert as_noise.attrs["remainder"].startswith("what is left is noise")
-    assert float(found.standard_error) == pytest.approx(float(as_noise.standard_error), rel=1e-3)
-    part = 100.0 * float(found.standard_error / found.estimate)
+    assert found.standard_error.item() == pytest.approx(as_noise.standard_error.item(), rel=1e-3)
+    part = 100.0 * (found.standard_error / found.estimate).item()
     assert found.attrs["identifiability"] == f"zeta is known to {part:.2g} %"
 
 
