@@ -848,7 +848,7 @@ def test_the_page_is_recorded_at_the_press_of_a_button(page):
     page.type("#revolutions", 5)
     page.settle()
     page.find('[data-file="html"]').click()
-    page.until("document.getElementById('connection').textContent.startsWith('Recording')")
+    page.until("document.getElementById('connection').textContent.startsWith('Saving the page')")
     page.find("#slider-delta0").send_keys(Keys.ARROW_RIGHT)
     page.settle("settled")  # the sliders are answered meanwhile
     place = page.driver.folder / "run.html"
