@@ -39,10 +39,10 @@ def linked_elsewhere(site):
 def missing():
     """Return in one line what keeps the site from being built, or an empty text."""
     try:
-        import sphinx_design  # noqa: F401, PLC0415 - these may be what is missing
-        from rotor_ida.core.library import build_info  # noqa: PLC0415
+        from rotor_ida.core.library import build_info  # noqa: PLC0415 - any of these may be missing
 
         build_info()
+        import sphinx_design  # noqa: F401, PLC0415
     except ImportError as error:  # an InstallationError is one
         cure = "" if "run: " in str(error) else "; run: pip install -e '.[docs]'"
         return f"the site cannot be built: {error}{cure}"

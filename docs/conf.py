@@ -94,7 +94,7 @@ sphinx_gallery_conf = {
     "min_reported_time": 10_000,
     "download_all_examples": False,
     "write_computation_times": False,
-    "within_subsection_order": "FileNameSortKey",
+    "within_subsection_order": "scenarios.InOrder",
     "first_notebook_cell": "%matplotlib inline",
 }
 

@@ -7,7 +7,8 @@ pandas, lists, tuples and ranges. What comes out is plain floats.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence, Sized
+from collections.abc import Callable, Iterable, Sequence, Sized
+from difflib import get_close_matches
 from numbers import Integral, Real
 from pathlib import PurePath
 from reprlib import Repr
@@ -69,6 +70,18 @@ def shown(value: object) -> str:
         text = f"a number of type {type(value).__name__} too long to show"
     half = _LONGEST_SHOWN // 2
     return text if len(text) <= 2 * half else f"{text[: half - 3]}...{text[-half:]}"
+
+
+def listed(names: Sequence[str], last: str = "and") -> str:
+    """Return names as a sentence lists them.
+
+    Examples
+    --------
+    >>> listed(["omega", "zeta", "delta0"]), listed(["kg", "g"], "or"), listed(["FILE"])
+    ('omega, zeta and delta0', 'kg or g', 'FILE')
+    """
+    *first, end = names
+    return f"{', '.join(first)} {last} {end}" if first else end
 
 
 def check_real(name: str, value: object) -> float:
@@ -146,8 +159,23 @@ def check_choice(name: str, value: object, allowed: Sequence[str]) -> str:
     """Return `value` if it is one of the words in `allowed`."""
     if not isinstance(value, str) or value not in allowed:
         words = ", ".join(repr(word) for word in allowed)
-        raise InputError(f"{name} must be one of {words}, got {shown(value)}")
+        meant = did_you_mean(value, allowed)
+        raise InputError(f"{name} must be one of {words}, got {shown(value)}{meant}")
     return value
+
+
+def did_you_mean(word: object, known: Iterable[str]) -> str:
+    """Return the end of a message that names the known word nearest to a misspelt one.
+
+    Examples
+    --------
+    >>> did_you_mean("adam", ["adams", "bdf"]), did_you_mean("rk4", ["adams", "bdf"])
+    ("; did you mean 'adams'?", '')
+    """
+    if not isinstance(word, str) or len(word) > _LONGEST_SHOWN:
+        return ""
+    nearest = get_close_matches(word, list(known), n=1)
+    return f"; did you mean {nearest[0]!r}?" if nearest else ""
 
 
 def check_instance(name: str, value: object, kind: type[Kind]) -> Kind:

@@ -471,9 +471,12 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "line": Quantity("number of the line of the spectrum, in order of frequency"),
     "line_kind": Quantity("kind of the line of the spectrum", flags=LINE_KIND),
-    "whirl_ratio": Quantity(
-        "frequency of the strongest whirl beside the spin, over the spin speed, negative for "
-        "backward whirl"
+    **dict.fromkeys(
+        ("side_line_over_spin", "whirl_ratio"),  # the latter in older archives
+        Quantity(
+            "frequency of the strongest line beside that of the spin, over the spin speed, "
+            "negative for backward whirl"
+        ),
     ),
     # branches of limit cycles, and their bifurcations
     "special": Quantity("number of the special point, in order along the branch"),

@@ -9,7 +9,7 @@ from notation import public_names
 from rich.console import Console
 
 from rotor_ida import schema
-from rotor_ida.cli.program import application
+from rotor_ida.cli.program import COMMANDS, application
 
 HERE = Path(__file__).parents[1]
 # The main functions by task. A public name that is in no list is shown under the last title.
@@ -81,7 +81,12 @@ def write_commands():
     """Write the page of commands from their own help."""
     console = Console(file=io.StringIO())
     found = application(console).generate_docs(output_format="markdown")
-    found = re.sub(r"## Table of Contents.*?\*\*Commands\*\*:\n", "", found, flags=re.DOTALL)
+    found = re.sub(r"## Table of Contents\n\n(?:- .*\n)+\n", "", found)
+    for commands in COMMANDS.values():
+        for command, short in commands.items():
+            name = command.__name__.replace("_", "-")
+            link = f"[`{name}`](#rotor-ida-{name})"
+            found = found.replace(link, f"{link} (`{short}`)" if short else link)
     write(HERE / "command_line.md", found.replace("# rotor-ida\n", "# The command line\n", 1))
 
 

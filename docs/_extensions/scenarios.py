@@ -11,6 +11,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from sphinx.errors import ExtensionError
 from sphinx_gallery.scrapers import figure_rst
+from sphinx_gallery.sorting import FileNameSortKey
 
 from rotor_ida.paper.gallery import caption_of, read_entries
 from rotor_ida.paper.reproduction import is_of_paper, reproduce, scenario_scripts
@@ -20,11 +21,16 @@ RESULTS, SCRIPTS = HERE / "results", HERE / "scenario_scripts"
 TITLES = {
     "": (
         "Gallery",
-        "Every figure of the paper, and what goes beyond it: computed by the script on its page.",
+        "Every figure of the paper, and studies beyond it, each with the script that computes it.",
     ),
-    "paper": ("The paper's figures", "What the paper shows, beside what is right."),
-    "studies": ("Beyond the paper", "Studies of our own."),
+    "paper": ("The paper's figures", "What the paper shows, and the corrected result."),
+    "studies": ("Beyond the paper", "Further studies."),
 }
+# Tutorials in the order in which they are shown; the scenarios follow by name.
+TUTORIALS = (
+    *("pump", "measured_csv", "basins_and_branches", "own_study"),
+    *("choose_clearance", "through_resonance"),
+)
 GUARD = 'if __name__ == "__main__":'
 RUN = """
 # %%
@@ -100,6 +106,15 @@ def figures_of_block(_block, block_vars, gallery_conf):
     shown.savefig(path, dpi=150)
     words = "; ".join(f"{ax.get_ylabel()} over {ax.get_xlabel()}" for ax in shown.axes)
     return figure_rst([path], gallery_conf["src_dir"], words)
+
+
+class InOrder(FileNameSortKey):
+    """Sort tutorials as listed, and all else by name."""
+
+    def __call__(self, filename):
+        """Return the key of a script."""
+        name = Path(filename).stem
+        return (TUTORIALS.index(name) if name in TUTORIALS else len(TUTORIALS), name)
 
 
 def setup(app):

@@ -1,26 +1,18 @@
 r"""
-Through resonance, for an engineer
-==================================
+Pass a critical speed with a given motor
+========================================
 
-A machine has to pass its critical speed on the way to where it works. Does the rotor touch its ring on
-the way up, at which speed, and how hard? How far above the critical speed does it come off again? Is the
-motor strong enough to bring it through? Five minutes, from a data sheet to the answers.
+Find out whether a rotor touches its snubber while it passes the critical speed, how hard, at which speed it leaves contact again, and whether
+the motor is strong enough.
 
-You need Python 3.11 or newer and two lines in a shell::
-
-    python3 -m venv .venv
-    .venv/bin/pip install . jupyterlab
-
-in a clone of the repository; from the first release on, ``rotor-ida`` in place of the dot will do. Then open the notebook at the end of
-this page with ``.venv/bin/jupyter lab``; or start ``.venv/bin/python`` and copy the blocks one by one. Where a
-block ends with a figure, a notebook shows it; at the prompt of Python, save it: ``figure.savefig("name.png")``.
+Open the notebook at the end of this page in Jupyter, or copy the blocks into ``python`` one by one (:doc:`/install`).
 
 The data sheet
 --------------
 
-A rotor of 8 kg sits on a shaft of 2 N/µm, with its centre of mass 20 µm off. A snubber ring of bronze on
-springs of 4 N/µm leaves it 60 µm of clearance; the shaft runs in it with a radius of 50 mm and a coefficient of
-friction of 0.05. It starts at 1500 rpm and works at 10,000 rpm.
+A rotor of 8 kg has a shaft stiffness of 2 N/µm and an unbalance eccentricity of 20 µm. A bronze snubber ring on springs of 4 N/µm has a
+radial clearance of 60 µm. The shaft radius in it is 50 mm and the coefficient of friction 0.05. The machine starts at 1500 rpm and
+runs at 10,000 rpm.
 """
 
 import math
@@ -45,17 +37,16 @@ machine = DimensionalRotor(
 critical = math.sqrt(machine.shaft_stiffness / machine.mass) / rpm
 free = machine.eccentricity * critical * rpm * machine.mass / machine.damping
 print(f"critical speed of the shaft {critical:.0f} rpm")
-print(f"radius of the whirl there, without a ring: {1e6 * free:.0f} µm")
+print(f"radius of the whirl there, without a snubber: {1e6 * free:.0f} µm")
 
 # %%
-# Held at its critical speed it would whirl far beyond the clearance. So it touches if it is slow enough;
-# but nobody stays there, and the whirl takes time to grow.
+# At constant critical speed it would whirl far beyond the clearance. A run-up passes this speed, and the whirl needs time to grow.
 #
-# The way up
+# The run-up
 # ----------
 #
-# The drive takes it up by 3000 rpm in each second. ``change_of_speed`` turns that into what ``run_up`` takes,
-# ``dimensional`` leads back: times in seconds, speeds in rpm, lengths in micrometres.
+# The drive accelerates by 3000 rpm per second. ``change_of_speed`` converts this to arguments of ``run_up``. ``dimensional``
+# converts the result to seconds, rpm and micrometres.
 
 rotor = machine.rotor()
 rest = (0, 0, 0, 0)
@@ -73,21 +64,20 @@ speeds = run.event_speed.values
 print(
     f"{run.sizes['contact']} contacts, {float(run.t[-1]):.1f} s, {float(run.revolutions):.0f} revolutions"
 )
-print(f"first touch at {speeds[0]:.0f} rpm, last lift off at {speeds[-1]:.0f} rpm")
+print(f"first touch at {speeds[0]:.0f} rpm, last exit at {speeds[-1]:.0f} rpm")
 print(f"largest force {float(run.peak_force.max()):.0f} N")
 print(f"largest radius {float(np.hypot(run.x, run.y).max()):.0f} µm")
 print(f"events are timed to {float(run.event_time_error.max()):.1g} s or better")
 
 # %%
-# It touches below the critical speed, and then does not come off when that is passed: the ring is a spring
-# too. Shaft and ring together have a resonance much higher, and the rotor rides up to it.
+# The rotor touches below the critical speed and stays in contact above it, since the snubber is a spring too. Shaft and snubber together
+# have a much higher resonance, and the rotor follows it.
 #
-# Where it has to come off
-# ------------------------
+# Where contact ends
+# ------------------
 #
-# The whirl on which it rides is known exactly at every speed, and so is where it ends: at a fold. The curve
-# below is what the rotor would settle on if it were held at each speed, the line is what it does on the
-# way up.
+# The whirl in contact is known exactly at every speed, and it ends at a fold. The curve below is the steady response at each
+# constant speed; the line is the run-up.
 
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.plot import panels, style
@@ -103,7 +93,7 @@ to_rpm = machine.reference_frequency / rpm
 to_microns = 1e6 * machine.length_scale
 curve = response_curve(**of_whirls, limits=(1500 / to_rpm, 10_000 / to_rpm))
 fold = to_rpm * float(folds(**of_whirls).fold_omega.max())
-print(f"the whirl on the ring ends at {fold:.0f} rpm")
+print(f"the whirl in contact ends at {fold:.0f} rpm")
 
 
 def draw_whirls(ax):
@@ -115,8 +105,8 @@ def draw_whirls(ax):
         line = "-" if stable[part[0]] else "--"
         ax.plot(to_rpm * omega[part], to_microns * radius[part], "k" + line, lw=1.0)
     ax.axhline(1e6 * machine.clearance, color="0.5", lw=0.8, ls=":")
-    ax.text(1600, 1e6 * machine.clearance + 3, "ring", color="0.4")
-    ax.plot([], [], "k-", lw=1.0, label="exact whirl, at a speed that is held")
+    ax.text(1600, 1e6 * machine.clearance + 3, "clearance", color="0.4")
+    ax.plot([], [], "k-", lw=1.0, label="exact whirl, constant speed")
     ax.plot([], [], "k--", lw=1.0, label="unstable")
 
 
@@ -128,11 +118,9 @@ with style():
         np.hypot(run.x, run.y),
         color="#bd1f01",
         lw=1.0,
-        label="on the way up, 3000 rpm/s",
+        label="run-up, 3000 rpm/s",
     )
-    ax.plot(
-        speeds[[0, -1]], [60, 60], "o", color="#bd1f01", ms=4, label="first touch, last lift off"
-    )
+    ax.plot(speeds[[0, -1]], [60, 60], "o", color="#bd1f01", ms=4, label="first touch, last exit")
     ax.axvline(fold, color="0.5", lw=0.8)
     ax.text(fold - 80, 8, "fold", color="0.4", ha="right")
     ax.set(xlabel="speed [rpm]", ylabel="radius [µm]", xlim=(1500, 10_000), ylim=(0, 250))
@@ -140,13 +128,13 @@ with style():
 figure
 
 # %%
-# The rotor comes off late: it has passed the end of the whirl before it begins to fall, and needs some
-# revolutions for it. How late depends on the rate.
+# Contact ends late: the rotor passes the fold before its radius begins to fall, which takes some revolutions. The delay depends on the
+# rate.
 #
-# Faster, or slower?
-# ------------------
+# Compare rates
+# -------------
 
-print("   rate    first touch     lift off   beyond the fold   largest force   in contact")
+print("   rate    first touch    last exit    above the fold   largest force   in contact")
 for rate in (2000, 4000, 8000, 16_000):
     run_at = up_to_speed(rate)
     first, last = run_at.event_speed.values[[0, -1]]
@@ -156,15 +144,14 @@ for rate in (2000, 4000, 8000, 16_000):
           f"{force:13.0f} N {touching:10.2f} s")  # fmt: skip
 
 # %%
-# A higher rate does not keep this rotor off the ring. It shortens the time in contact, and makes it come off
-# at a higher speed. So plan the first speed at which anything is measured, or held, well above the fold.
+# A higher rate does not prevent contact here. It shortens the time in contact and moves the last exit to a higher speed. Plan the
+# first operating speed well above the fold.
 #
 # Is the motor strong enough?
 # ---------------------------
 #
-# So far the drive gave whatever torque the ramp took. A motor does not: its torque falls with the speed. Riding
-# on the ring costs torque, for the friction on the ring and for the damping of the whirl, and on the exact whirl
-# both are known:
+# So far the drive supplied any torque that the ramp needs. The torque of a motor falls with the speed. Contact costs torque, for friction
+# and for the damping of the whirl. On the exact whirl both are known:
 
 omega = curve.omega.values.ravel() * machine.reference_frequency
 radius = curve.amplitude.values.ravel() * machine.length_scale
@@ -173,12 +160,12 @@ needed = machine.damping * omega * radius**2 + machine.friction * force * (
     radius + machine.disc_radius
 )
 print(
-    f"the most that it needs: {np.nanmax(needed):.2f} N m, at {omega[np.nanargmax(needed)] / rpm:.0f} rpm"
+    f"the largest torque needed: {np.nanmax(needed):.2f} N m, at {omega[np.nanargmax(needed)] / rpm:.0f} rpm"
 )
 
 # %%
-# Two motors are offered, with 3 and with 6 N m at rest, both falling evenly to nothing at 12,000 rpm. All that
-# turns has a moment of inertia of 0.01 kg m².
+# Two motors are available, with 3 and 6 N m at rest. The torque of both falls linearly to zero at 12,000 rpm. The moment of inertia of all
+# rotating parts is 0.01 kg m².
 
 no_load = 12_000 * rpm
 driven = {}
@@ -188,7 +175,7 @@ for stall in (3.0, 6.0):
     driven[stall] = dimensional(run, machine, units={"speed": "rpm"})
     last = driven[stall].speed.values[-1]
     touching = driven[stall].event_kind.values[-1] > 0  # the last event is an entry, and no exit
-    print(f"{stall:.0f} N m: {last:.0f} rpm after 12 s, {'on the ring' if touching else 'free'}, "
+    print(f"{stall:.0f} N m: {last:.0f} rpm after 12 s, {'in contact' if touching else 'free'}, "
           f"largest force {float(driven[stall].peak_force.max()):.0f} N")  # fmt: skip
 
 # %%
@@ -212,22 +199,23 @@ with style():
 figure
 
 # %%
-# The weaker motor has torque enough at every speed at which the rotor is free, and still gets stuck: its line meets
-# the curve below the fold, and there it stays, with the rotor on the ring. That is Sommerfeld's effect with rub. The
-# stronger one has torque left all the way, and once the rotor has come off the ring all of it goes into speed.
-# Where the curves meet is known without any simulation:
+# The weaker motor has enough torque at every speed without contact, but it does not pass the resonance. Its torque line crosses the curve
+# below the fold, and the speed stays there, with the rotor in contact: the Sommerfeld effect with rub. The stronger motor has torque to spare,
+# and accelerates freely once contact ends. The crossing is known without simulation:
 
 for stall in driven:
     left = stall * (1 - omega / no_load) - needed
     meets = stable & (force > 0.0) & (left < 0.0)
-    where = f"stays at about {omega[meets].min() / rpm:.0f} rpm" if meets.any() else "comes through"
+    where = (
+        f"stays at about {omega[meets].min() / rpm:.0f} rpm" if meets.any() else "passes the fold"
+    )
     print(f"motor of {stall:.0f} N m: {where}")
 
 # %%
-# Where to go on
-# --------------
+# Next
+# ----
 #
-# - What a run-up computes, and how it was checked: :doc:`/run_up`.
-# - Run it up by a button, and see it fall off the curve: ``rotor-ida explore`` (:doc:`/explorer`).
-# - More friction may throw a disc into dry whip, backwards: :doc:`/rub`.
-# - The same from the shell, in rpm: ``rotor-ida run-up --help`` (:doc:`/command_line`).
+# - What a run-up computes: :doc:`/run_up`, and which rate to choose: :doc:`/how_slow`.
+# - Run it up in the browser: ``rotor-ida explore`` (:doc:`/explorer`).
+# - More friction may lead to dry whip: :doc:`/rub`.
+# - The same on the command line, in rpm: ``rotor-ida run-up --help`` (:doc:`/command_line`).

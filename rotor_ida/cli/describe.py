@@ -117,7 +117,7 @@ DONE_TO_MACHINE = (
     *("largest_force", "mean_force", "contacts_per_revolution", "contact_fraction"),
     *("dissipation_per_revolution", "contact_loss_per_revolution"),
     *("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction"),
-    *("whirl_ratio", "whirl_direction"),
+    *("whirl_over_spin", "whirl_sense", "side_line_over_spin", "whirl_ratio", "whirl_direction"),
     *("radius_min", "radius_max", "excursion", "period", "lifetime", "trapping"),
     *("velocity_shock_bound", "displacement_shock_bound"),
 )
@@ -401,7 +401,8 @@ def show_cycle(dataset: xr.Dataset, most: int | None) -> Description:
     record["parameters"] = parameters
     record["lines"] = rows_of(dataset, STRONGEST_LINES.names)  # to programs by frequency
     if dataset["period"].isnull():
-        return record, [pairs("No limit cycle", {**parameters, "response": record["response"]})]
+        told = with_units(dataset, {**parameters, "response": record["response"]})
+        return record, [pairs("No limit cycle", told)]
     told = with_units(dataset, parameters | scalars_of(dataset))
     return record, [pairs("Limit cycle", told), *parts]
 

@@ -81,11 +81,11 @@ def _some(
         return found
     if changes:
         raise InputError(
-            "exact lines are not known while the speed changes, but for folds, Hopf points and "
-            f"dry whip, and the {kind} has none of these: the order 1 is that of every whirl"
+            "exact must be left out: while the speed changes only folds, Hopf points and dry whip "
+            f"are known exactly, and the {kind} shows none of these"
         )
     under = f" under a load, got load {rotor.load!r}" if rotor.load > 0.0 else ""
-    raise InputError(f"exact must be left out: nothing exact is known for the {kind}{under}")
+    raise InputError(f"exact must be left out: there is no exact result for the {kind}{under}")
 
 
 def _over_speed(rotor: Rotor, speeds: Values) -> list[xr.Dataset]:
@@ -213,12 +213,12 @@ def _flight(dataset: xr.Dataset, record: Record, rotor: Rotor) -> xr.Dataset:
     start, rate = dataset.attrs.get("start"), dataset.attrs.get("rate")
     if start is None or rate is None:
         raise InputError(
-            "exact needs the start and the rate of a run-up, as its archive has them, for a trace "
-            "while the speed changes"
+            "exact must be left out: the trace of a run-up needs its start and rate, which only "
+            "archives of run-up contain"
         )
     if rotor.load > 0.0:
         raise InputError(
-            "exact must be left out: nothing exact is known for the trace of a run-up under a "
+            "exact must be left out: there is no exact result for the trace of a run-up under a "
             f"load, got load {rotor.load!r}"
         )
     scale = dataset.attrs.get("time_scale", 1.0)
@@ -232,8 +232,8 @@ def _flight(dataset: xr.Dataset, record: Record, rotor: Rotor) -> xr.Dataset:
     seen = slice(before.size, int(touches[0]) if touches.size else whole.size)
     if seen.stop - seen.start < 2:
         raise InputError(
-            "exact is known for the trace of a run-up until the first touch only, and these times "
-            f"begin behind it, got {record.times[0]:g}"
+            "times must begin before the first touch, where the exact trace of a run-up ends, "
+            f"got {record.times[0]:g}"
         )
     columns = {"x": ("t", x[seen]), "y": ("t", y[seen])}
     return labelled_dataset(
@@ -265,8 +265,7 @@ def _rotor_of(dataset: xr.Dataset) -> Rotor:
     missing = [name for name in PARAMETERS if name not in dataset.variables]
     if missing:
         raise InputError(
-            "exact needs the parameters of the rotor in the file, as archives of runs have them; "
-            f"it lacks {', '.join(missing)}"
+            f"exact must be left out: the file lacks the parameters {', '.join(missing)}"
         )
     names = (name for name in ALL_PARAMETERS if name in dataset.variables)
     return Rotor(**{name: float(dataset[name]) for name in names})

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from rotor_ida.checks import State, shown
-from rotor_ida.cli.parsing import Quantity
+from rotor_ida.checks import State, listed, shown
+from rotor_ida.cli.parsing import Quantity, refuse_units
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import check_keys, in_si, machine_from_data_sheet, overridden
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OF_MACHINE, PARAMETERS
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 # The dimensionless parameter that each quantity of a machine becomes; others keep their name.
 BECOMES = {"speed": "omega", "damping": "zeta", "clearance": "delta0"}
 
+# What a rotor needs, without dimensions or in SI units.
+KINDS = (PARAMETERS, MACHINE_PARAMETERS)
 IS_OF_MACHINE = {new: old for old, new in BECOMES.items()}
 # A number, the numbers of an axis, or the two ends of a range.
 Component = TypeVar("Component", float, list[float] | float, tuple[float, float] | float)
@@ -68,7 +70,7 @@ class Units:
         """Return a change of the speed in rad/s2 without dimensions."""
         return self.speed(rate) / self.time(1.0)
 
-    def parameter(self, name: str) -> str:
+    def parameter(self, name: str) -> Any:
         """Return the dimensionless parameter that a name stands for."""
         if self.machine is None and name in BECOMES:
             raise InputError(
@@ -77,9 +79,8 @@ class Units:
         return BECOMES.get(name, name)
 
     def values(self, name: str, values: Sequence[float]) -> tuple[float, ...]:
-        """Return values of a parameter, of a machine in its SI unit, without dimensions."""
-        if self.machine is None:
-            return tuple(values)
+        """Return values of a parameter of a machine, in its SI unit, without dimensions."""
+        assert self.machine is not None
         given = IS_OF_MACHINE.get(name, name)
         return tuple(
             getattr(replace(self.machine, **{given: each}).rotor(), self.parameter(name))
@@ -88,11 +89,13 @@ class Units:
 
     def limits(self, name: str, values: Sequence[float]) -> tuple[float, ...]:
         """Return limits of a parameter without dimensions; their units must be those of it."""
-        if self.machine is not None:
-            given = IS_OF_MACHINE.get(name, name)
-            for each in values:
-                if isinstance(each, Quantity) and each.word:
-                    in_si(given, each.word, OF_MACHINE[given].unit)
+        if self.machine is None:
+            refuse_units({"limits": tuple(values)})
+            return tuple(values)
+        given = IS_OF_MACHINE.get(name, name)
+        for each in values:
+            if isinstance(each, Quantity) and each.word:
+                in_si(given, each.word, OF_MACHINE[given].unit)
         return self.values(name, values)
 
     def shown(self, dataset: xr.Dataset) -> xr.Dataset:
@@ -172,12 +175,28 @@ def chosen(
 
 def check_complete(given: Mapping[str, object], optional: Sequence[str]) -> None:
     """Refuse a rotor of which something is missing, or that is given in both ways."""
-    if given.keys() - set(optional) not in (set(PARAMETERS), set(MACHINE_PARAMETERS)):
+    needed = [name for name in given if name not in optional]
+    both = [next((name for name in needed if name in kind), "") for kind in KINDS]
+    if all(both):
         raise InputError(
-            f"a rotor must be given by {', '.join(PARAMETERS)}, or by "
-            f"{', '.join(MACHINE_PARAMETERS)}, or by a file with --machine, got "
-            f"{', '.join(given) or 'none of them'}"
+            f"a rotor must be given without dimensions or in SI units, got {listed(both)}"
         )
+    lacking = missing(needed)
+    if lacking:
+        beside = f" with {listed(needed)}" if needed else ", or a machine in SI units"
+        raise InputError(f"{listed(lacking)} must be given{beside}")
+
+
+def missing(given: Collection[str]) -> list[str]:
+    """Return what a rotor needs beside what is given, in the kind of which something is.
+
+    Examples
+    --------
+    >>> missing(["zeta"]), missing([]), missing(["mass", "damping", "eccentricity", "clearance"])
+    (['omega', 'delta0'], ['omega', 'zeta', 'delta0'], ['contact_stiffness', 'speed'])
+    """
+    kind = MACHINE_PARAMETERS if set(MACHINE_PARAMETERS).intersection(given) else PARAMETERS
+    return [name for name in kind if name not in given]
 
 
 def of_sheet(sheet: Mapping[str, object], file: Path | None) -> DimensionalRotor:

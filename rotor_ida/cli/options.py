@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_args
 
-from cyclopts import Parameter
+from cyclopts import Group, Parameter
 from cyclopts.validators import Number
 
 from rotor_ida.checks import (
@@ -19,6 +19,8 @@ from rotor_ida.checks import (
     MOST_WORKERS,
     State,
     check_axis,
+    did_you_mean,
+    shown,
 )
 from rotor_ida.cli import machines, parsing
 from rotor_ida.cli.machines import Units
@@ -34,6 +36,14 @@ from rotor_ida.simulation.options import Backend, Flight, Method
 
 # Where a speed is needed, and none is looked at.
 ANY_SPEED = 1.0
+# The groups of options in the help of a command; what is in none is in the command's own.
+ROTOR = Group("Rotor", sort_key=1)
+SPEED = Group("Change of the speed", sort_key=2)
+STUDY, OPTIONS = Group("Study", sort_key=3), Group("Options", sort_key=3)
+READING = Group("Measured files", sort_key=4)
+SOLVER = Group("Solver", sort_key=5)
+OUTPUT = Group("Output", sort_key=6)
+IN_ROTOR, IN_SOLVER, IN_OUTPUT = (Parameter(group=each) for each in (ROTOR, SOLVER, OUTPUT))
 
 
 def check_varies(points: int) -> None:
@@ -89,7 +99,7 @@ def _flag(text: str, *, name: str | None = None) -> Parameter:
 
 
 START = Parameter(
-    help="Where the motion begins; without it, at rest on the axis.",
+    help="Initial state: displacements and velocities. Default: at rest on the axis.",
     metavar="X Y VX VY",
     converter=parsing.converter(parsing.start),
     negative=(),
@@ -100,7 +110,7 @@ StartOrNone = Annotated[State | None, START]
 Starts = Annotated[
     list[State],
     Parameter(
-        help="Where each motion begins, given once or more; without it, at rest on the axis.",
+        help="Initial states, one or more. Default: at rest on the axis.",
         metavar="X Y VX VY",
         converter=parsing.converter(parsing.starts),
         consume_multiple=True,
@@ -111,7 +121,7 @@ Starts = Annotated[
 Component = Annotated[
     float | list[float],
     Parameter(
-        help="Component of the start.",
+        help="Component of the initial states: a number or a range.",
         metavar="FLOAT|START:STOP:COUNT",
         converter=parsing.converter(parsing.component_or_range),
         negative=(),
@@ -120,42 +130,42 @@ Component = Annotated[
 Range = Annotated[
     float | tuple[float, float],
     Parameter(
-        help="Component of the starts, or the range they are drawn from.",
+        help="Component of the initial states, or the range from which it is drawn.",
         metavar="FLOAT|LOW:HIGH",
         converter=parsing.converter(parsing.component_or_ends),
         negative=(),
     ),
 ]
 StartCount = Annotated[
-    int, _whole_number("Number of random starts.", 1, parsing.MOST_POINTS_OF_STUDY)
+    int, _whole_number("Number of random initial states.", 1, parsing.MOST_POINTS_OF_STUDY)
 ]
 ShockCount = Annotated[
     int,
-    _whole_number(
-        "Number of shocks of each kind that are tried to each attractor.", 0, MOST_SHOCKS
-    ),
+    _whole_number("Number of shocks of each kind to apply to each attractor.", 0, MOST_SHOCKS),
 ]
 Seed = Annotated[int, _whole_number("Seed of the random numbers.", 0, LARGEST_SEED)]
 
 Period = Annotated[
     float | None,
     _quantity(
-        "About the period of a cycle that the start is close to, on the rotating axes; of a "
-        "machine in s.",
-        "s",
+        "Estimate of the period, for a start near a cycle on the rotating axes (SI: s).", "s"
     ),
 ]
 From = Annotated[
     Path | None,
-    _path("Begin at the cycle in this archive, or on a branch or curve.", name="--from"),
+    _path("Archive of a cycle, branch or curve to start from.", name="--from"),
 ]
 PointNumber = Annotated[
-    int | None, _whole_number("Number of the point in the archive.", 0, MOST_NUMBERS)
+    int | None,
+    _whole_number("Point of the branch or curve in that archive, counted from 0.", 0, MOST_NUMBERS),
 ]
 SpecialNumber = Annotated[
-    int | None, _whole_number("Number of the special point in the archive.", 0, MOST_NUMBERS)
+    int | None,
+    _whole_number("Special point of that branch or curve, counted from 0.", 0, MOST_NUMBERS),
 ]
-PointCount = Annotated[int, _whole_number("Largest number of points each way.", 2, MOST_NUMBERS)]
+PointCount = Annotated[
+    int, _whole_number("Largest number of points in each direction.", 2, MOST_NUMBERS)
+]
 Continued = Literal[
     "omega", "zeta", "delta0", "speed", "damping", "clearance", "shaft_stiffness",
     "contact_damping", "load", "friction", "disc_radius",
@@ -163,13 +173,14 @@ Continued = Literal[
 OneParameter = Annotated[
     Continued,
     Parameter(
-        help="What is varied; omega, zeta and delta0 of a machine are speed, damping, clearance."
+        help="Parameter to vary; for a machine speed, damping or clearance replace omega, "
+        "zeta or delta0."
     ),
 ]
 TwoParameters = Annotated[
     tuple[Continued, Continued],
     Parameter(
-        help="What is varied: two of those that continue takes.",
+        help="The two parameters to vary, from the choices of continue-cycle.",
         metavar="NAME NAME",
         negative=(),
         show_default=" ".join,
@@ -178,39 +189,38 @@ TwoParameters = Annotated[
 Limits = Annotated[
     tuple[float, float],
     _limits(
-        "Least and largest value of it, of a machine in its SI unit or as 3000rpm.", "LOW HIGH"
+        "Smallest and largest value of the parameter (of a machine in SI units, or as 3000rpm).",
+        "LOW HIGH",
     ),
 ]
 TwoLimits = Annotated[
     tuple[float, float, float, float],
-    _limits("Least and largest value of the one, and of the other.", "LOW HIGH LOW HIGH"),
+    _limits("Smallest and largest value of each parameter.", "LOW HIGH LOW HIGH"),
 ]
 Way = Annotated[
     Literal["both", "forward", "backward"],
-    Parameter(help="Which way to go: forward is to larger values, or on along a branch."),
+    Parameter(help="Direction: forward is to larger values, or onwards along a branch."),
 ]
 Bifurcation = Annotated[
-    Literal["fold", "period_doubling", "torus"], Parameter(help="What is followed.")
+    Literal["fold", "period_doubling", "torus"], Parameter(help="Bifurcation to follow.")
 ]
 
-Duration = Annotated[float, _quantity("Time to simulate, of a machine in s.", "s")]
+Duration = Annotated[float, _quantity("Time to simulate (SI: s).", "s")]
 ToSpeed = Annotated[
-    float,
-    _quantity("Speed at the end of the ramps, of a machine in rad/s or as 3000rpm.", "rad s-1"),
+    float, _quantity("Final speed of the ramps (SI: rad/s, or as 3000rpm).", "rad s-1")
 ]
 Rates = Annotated[
     list[float],
     _numbers(
-        "Changes of the speed in a unit of time, of a machine in rad/s2 or as 100rpm/s: numbers, "
-        "or START:STOP:COUNT.",
+        "Rates of change of the speed (SI: rad/s2, or as 100rpm/s): numbers, or START:STOP:COUNT.",
         "rad s-2",
     ),
 ]
 Phases = Annotated[
     list[float],
     Parameter(
-        help="Angles of the unbalance at time 0, in radians: numbers, or START:STOP:COUNT; without "
-        "it, 0.",
+        help="Angles of the unbalance at time 0, in radians: numbers, or START:STOP:COUNT. "
+        "Default: 0.",
         converter=parsing.converter(parsing.numbers),
         consume_multiple=True,
         negative=(),
@@ -219,125 +229,182 @@ Phases = Annotated[
 ]
 Samples = Annotated[
     int | None,
-    _whole_number(
-        "Number of times at which the motion is kept. Default: at least 32 in each revolution.",
-        2, MOST_NUMBERS,
-    ),
-]  # fmt: skip
-Rtol = Annotated[float, _number("Relative tolerance.")]
-Atol = Annotated[float, _number("Absolute tolerance.")]
-ContactMethod = Annotated[Method, Parameter(help="Solver of the contact.")]
-SolverBackend = Annotated[Backend, Parameter(help="How the solver is called.")]
-RtolOrNone = Annotated[float | None, _number("Relative tolerance; without it, one that suits.")]
+    _whole_number("Number of output times. Default: at least 32 per revolution.", 2, MOST_NUMBERS),
+]
+Rtol = Annotated[float, _number("Relative tolerance."), IN_SOLVER]
+Atol = Annotated[float, _number("Absolute tolerance."), IN_SOLVER]
+ContactMethod = Annotated[Method, Parameter(help="Solver of the contact phases."), IN_SOLVER]
+SolverBackend = Annotated[Backend, Parameter(help="Code that runs the solver."), IN_SOLVER]
+RtolOrNone = Annotated[
+    float | None, _number("Relative tolerance. Default: chosen automatically."), IN_SOLVER
+]
 Workers = Annotated[
-    int | None, _whole_number("Jobs done at a time; by default one a core.", 1, MOST_WORKERS)
+    int | None,
+    _whole_number("Number of parallel jobs. Default: one per core.", 1, MOST_WORKERS),
+    IN_SOLVER,
 ]
 
 Witness = Annotated[
-    Method | None, Parameter(help="Solver that computes it again; by default the same.")
+    Method | None,
+    Parameter(help="Solver of the new computation. Default: that of the archive."),
+    IN_SOLVER,
 ]
 
-File = Annotated[Path, _path("An archive that this program wrote.", name="FILE")]
-FileToExplore = Annotated[Path | None, _path("Archived run whose rotor and start are shown first.")]
-Port = Annotated[int, _whole_number("Port on this machine; 0 takes any that is free.", 0, 65_535)]
-NoBrowser = Annotated[bool, _flag("Print the address, and open no browser.")]
+File = Annotated[Path, _path("Archive written by rotor-ida (.nc).", name="FILE")]
+FileToExplore = Annotated[
+    Path | None, _path("Archived run whose rotor and initial state are shown first.")
+]
+Port = Annotated[int, _whole_number("Port on this computer; 0 picks a free one.", 0, 65_535)]
+NoBrowser = Annotated[bool, _flag("Print the address without opening a browser.")]
 Export = Annotated[
-    Path | None, _path("Write a page that needs no server, with the speeds of --speeds, and end.")
+    Path | None,
+    _path("Write a page that needs no server, for the speeds of --speeds, and stop."),
+    IN_OUTPUT,
 ]
 ExportedSpeeds = Annotated[
-    list[float] | None, _numbers("Spin speeds of that page: numbers, or START:STOP:COUNT.")
+    list[float] | None, _numbers("Speeds of the exported page: numbers, or START:STOP:COUNT.")
 ]
-Folder = Annotated[Path, _path("The folder of a study.", name="FOLDER")]
+Folder = Annotated[Path, _path("Folder of a study.", name="FOLDER")]
 Study = Annotated[
     Path | None,
-    _path("Keep what is done in this folder, so that it can go on; result in result.nc."),
+    _path("Save results in this folder as they are computed, so that resume can continue."),
+    IN_OUTPUT,
 ]
-Out = Annotated[Path | None, _path("Write the result to this new netCDF file.")]
+Out = Annotated[Path | None, _path("Write the result to this netCDF file (.nc)."), IN_OUTPUT]
 Figure = Annotated[
-    Path | None, _path("Draw the result into NAME.png and NAME.svg, or into NAME.pdf.")
+    Path | None,
+    _path("Draw the result to NAME.png and NAME.svg, or to NAME.pdf."),
+    IN_OUTPUT,
 ]
 SignalFile = Annotated[
     Path,
     _path(
-        "An archive of a run, run-up or signals (.nc), or a measured file: text, .wav, .mat, .h5, "
-        ".npz, .uff, .tdms, .lvm or .cfg with .dat.",
+        "Archive (.nc) or measured file: text, .wav, .mat, .h5, .npz, .uff, .tdms, .lvm, or .cfg "
+        "with .dat.",
         name="FILE",
     ),
 ]
-NeededFigure = Annotated[Path, _path("Draw into NAME.png and NAME.svg, or into NAME.pdf.")]
-PlotKind = Annotated[
-    Literal[
-        "bode", "polar", "orders", "orbit", "full-spectrum", "cascade", "spectrogram", "centreline",
-        "trace",
-    ],
-    Parameter(help="What to draw."),
+FigureOfPlot = Annotated[
+    Path | None,
+    _path("Draw to NAME.png and NAME.svg, or to NAME.pdf. Default: named after FILE and kind."),
+    IN_OUTPUT,
+]
+Csv = Annotated[
+    Path | None,
+    _path(
+        "Write the result as tables to this CSV file, or to NAME.TABLE.csv where it has several."
+    ),
+    IN_OUTPUT,
+]
+KindOfPlot = Literal[
+    "bode", "polar", "orders", "orbit", "full-spectrum", "cascade", "spectrogram", "centreline",
+    "trace",
 ]  # fmt: skip
+# Other names of these.
+PLOTS_ALSO_CALLED: dict[str, KindOfPlot] = {
+    "waterfall": "cascade",
+    "spectrum": "full-spectrum",
+    "campbell": "spectrogram",
+    "colormap": "spectrogram",
+    "nyquist": "polar",
+    "centerline": "centreline",
+    "shaft-centerline": "centreline",
+    "timebase": "trace",
+    "waveform": "trace",
+}
+
+
+def _kind_of_plot(name: str, words: Sequence[str]) -> str:
+    """Return the kind of plot that a word names, in either case."""
+    word = words[0].lower().replace("_", "-")
+    kinds, others = get_args(KindOfPlot), PLOTS_ALSO_CALLED
+    if word in kinds:
+        return word
+    if word not in others:
+        listed = ", ".join(map(repr, kinds))
+        meant = did_you_mean(word, (*kinds, *others))
+        raise InputError(f"{name} must be one of {listed}, got {shown(words[0])}{meant}")
+    return others[word]
+
+
+PlotKind = Annotated[
+    KindOfPlot | None,
+    Parameter(
+        help="Plot to draw. Default: one that suits the file. Also understood: waterfall for "
+        "cascade, spectrum for full-spectrum, campbell for spectrogram.",
+        converter=parsing.converter(_kind_of_plot),
+    ),
+]
 Exact = Annotated[
     bool,
-    _flag("Lay the exact response, cycle or backward whirl of the archived rotor beneath."),
+    _flag("Also draw the exact response, cycle or backward whirl of the archived rotor."),
 ]
 OneOrder = Annotated[
-    float | None, _number("Multiple of the speed, in Bode and polar plots; without it, 1.")
+    float | None, _number("Order in Bode and polar plots, as a multiple of the speed. Default: 1.")
 ]
 Orders = Annotated[
     list[float] | None,
-    _numbers("Multiples of the speed: those tracked, or those marked in a cascade or spectrogram."),
+    _numbers("Orders to track, or to mark in a cascade or spectrogram."),
 ]
 Sense = Annotated[
-    Literal["forward", "backward"] | None, Parameter(help="Which whirl Bode and polar plots show.")
+    Literal["forward", "backward"] | None,
+    Parameter(help="Sense of the whirl in Bode and polar plots."),
 ]
 Over = Annotated[
     Literal["speed", "t"] | None,
-    Parameter(help="What a cascade or spectrogram goes over: the speed, or the time."),
+    Parameter(help="Axis of a cascade or spectrogram: speed or time."),
 ]
-Span = Annotated[float | None, _number("Largest frequency shown, over the speed.")]
+Span = Annotated[float | None, _number("Largest frequency to show, as a multiple of the speed.")]
 Segment = Annotated[
-    int | None, _whole_number("Number of samples in a segment of a spectrum.", 16, MOST_NUMBERS)
+    int | None, _whole_number("Number of samples in each segment of a spectrum.", 16, MOST_NUMBERS)
 ]
 ShownClearance = Annotated[
-    float | None, _number("Clearance of a measured machine, in the unit of the probes.")
+    float | None,
+    _quantity("Clearance of a measured machine, in the unit of the probes or as 150um.", "m"),
 ]
 Times = Annotated[
-    tuple[float, float] | None, _several_numbers("Show only what lies between.", "START END")
+    tuple[float, float] | None,
+    _several_numbers("Use only the signals between these times.", "START END", "s", "s"),
 ]
 Unknowns = Annotated[
     list[str],
     Parameter(
-        help="What is sought: names of what machine options give, or unbalance_angle.",
+        help="Parameters to fit: names of rotor options, or unbalance_angle.",
         metavar="NAME",
         consume_multiple=True,
         negative=(),
     ),
 ]
-ContactTimes = Annotated[
-    list[float] | None, _numbers("Times at which contacts were seen to begin, or to end.")
-]
+EntryTimes = Annotated[list[float] | None, _numbers("Measured times at which contacts begin.")]
+ExitTimes = Annotated[list[float] | None, _numbers("Measured times at which contacts end.")]
 TimeError = Annotated[float | None, _number("Standard error of these times.")]
 NoiseLevel = Annotated[
-    float | None, _number("Standard deviation of the noise; without it, what the fit leaves.")
+    float | None, _number("Standard deviation of the noise. Default: that of the residuals.")
 ]
-Results = Annotated[Path, _path("Folder for archives and figures.")]
+Results = Annotated[Path, _path("Folder for archives and figures."), IN_OUTPUT]
 Direction = Annotated[
-    Literal["up", "down", "both"] | None, Parameter(help="Follow the response from speed to speed.")
+    Literal["up", "down", "both"] | None,
+    Parameter(help="Quasi-static sweep: start each speed where the one before ended."),
 ]
-WithFolds = Annotated[bool, _flag("Also list the folds; alone if no --omega is given.")]
-Quick = Annotated[bool, _flag("Coarser and faster.")]
+WithFolds = Annotated[bool, _flag("List the folds too; without --omega, only the folds.")]
+Quick = Annotated[bool, _flag("Compute coarser results, faster.")]
 Studies = Annotated[
-    bool, _flag("Run the studies as well as the figures of the paper.", name="--all")
+    bool, _flag("Compute the studies as well as the figures of the paper.", name="--all")
 ]
 Names = Annotated[
     list[str] | None,
     Parameter(
-        help="Names of the scenarios to run, or how they begin.", consume_multiple=True, negative=()
+        help="Scenarios to run: names, or beginnings of names.", consume_multiple=True, negative=()
     ),
 ]
 MachineFile = Annotated[
     Path | None,
-    _path("A machine in SI units, as rotor-ida machine writes it; other options override it."),
+    _path("Machine in SI units, as written by rotor-ida machine; other options override it."),
+    IN_ROTOR,
 ]
-MachineOut = Annotated[Path | None, _path("Write the machine to this new TOML file.")]
-AsJson = Annotated[bool, _flag("Print one JSON object, not tables.", name="--json")]
-Force = Annotated[bool, _flag("Replace files that are there.")]
+MachineOut = Annotated[Path | None, _path("Write the machine to this TOML file."), IN_OUTPUT]
+AsJson = Annotated[bool, _flag("Print JSON instead of tables.", name="--json"), IN_OUTPUT]
+Force = Annotated[bool, _flag("Overwrite existing files."), IN_OUTPUT]
 
 
 # A contact's stiffness is in N/m where it is linear.
@@ -366,12 +433,12 @@ SEVERAL = {
     for each in TABLE
 }
 
-Group = TypeVar("Group", bound=type)
+Fields = TypeVar("Fields", bound=type)
 
 
 def with_parameters(
     options: Mapping[str, Any], defaults: Mapping[str, float | None]
-) -> Callable[[Group], Group]:
+) -> Callable[[Fields], Fields]:
     """Return a decorator that puts parameters before the fields of a dataclass.
 
     Parameters
@@ -382,7 +449,7 @@ def with_parameters(
         The values of those that need not be given.
     """
 
-    def add(group: Group) -> Group:
+    def add(group: Fields) -> Fields:
         group.__annotations__ = {**options, **group.__annotations__}
         for name, value in defaults.items():
             setattr(group, name, value)
@@ -391,14 +458,14 @@ def with_parameters(
     return add
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
 @with_parameters({**ONE, "machine": MachineFile}, dict.fromkeys([*ONE, "machine"]))
 class RotorOptions:
     """One rotor, without dimensions or in SI units."""
 
     if TYPE_CHECKING:
-        machine: Path | None
+        machine: Path | None = None
 
     @property
     def in_si(self) -> bool:
@@ -420,14 +487,14 @@ class RotorOptions:
         return chosen if isinstance(chosen, Rotor) else chosen.rotor(), Units.of(chosen)
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
 @with_parameters({**SEVERAL, "machine": MachineFile}, dict.fromkeys([*SEVERAL, "machine"]))
 class RotorsOptions:
     """The rotors of a study; without an optional parameter, all have its default."""
 
     if TYPE_CHECKING:
-        machine: Path | None
+        machine: Path | None = None
 
     @property
     def in_si(self) -> bool:
@@ -468,7 +535,7 @@ class RotorsOptions:
         )
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
 class WhirlsOptions(RotorsOptions):
     """Rotors of which whirls or folds are listed."""
@@ -492,7 +559,7 @@ class WhirlsOptions(RotorsOptions):
         return given, units
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=SPEED)
 @dataclass(frozen=True, kw_only=True)
 class ChangeOptions:
     """How the speed changes."""
@@ -500,23 +567,22 @@ class ChangeOptions:
     to: Annotated[
         float | None,
         _quantity(
-            "Speed at the end of a ramp: of a machine in rad/s, or with its unit, as 3000rpm.",
+            "Final speed of a ramp (SI: rad/s, or as 3000rpm).",
             "rad s-1",
         ),
     ] = None
     rate: Annotated[
         float | None,
         _quantity(
-            "Change of the speed in a unit of time, on a ramp: of a machine in rad/s2, or with "
-            "its unit, as 100rpm/s.",
+            "Rate of change of the speed on a ramp (SI: rad/s2, or as 100rpm/s).",
             "rad s-2",
         ),
     ] = None
     speeds: Annotated[
         list[tuple[float, float]] | None,
         Parameter(
-            help="Speeds by time, linear in between, the first at time 0: of a machine in s and "
-            "rad/s, or as 20:3000rpm.",
+            help="Speeds at given times, the first at time 0, linear in between (SI: s and "
+            "rad/s, or as 20:3000rpm).",
             metavar="TIME:SPEED",
             converter=parsing.converter(parsing.speeds),
             n_tokens=1,
@@ -527,7 +593,7 @@ class ChangeOptions:
     torque: Annotated[
         tuple[float, float] | None,
         _several_numbers(
-            "Torque of the drive at rest, and its fall with the speed: of a machine in N m, N m s.",
+            "Drive torque at standstill, and its decrease with the speed (SI: N m, N m s).",
             "TAU0 SLOPE",
             "N m",
             "N m s",
@@ -536,16 +602,16 @@ class ChangeOptions:
     inertia: Annotated[
         float | None,
         _quantity(
-            "Moment of inertia that a torque turns, over mass times eccentricity squared: of a "
-            "machine in kg m2.",
+            "Moment of inertia of the rotor and drive, divided by mass times eccentricity "
+            "squared (SI: kg m2).",
             "kg m2",
         ),
     ] = None
     duration: Annotated[
         float | None,
         _quantity(
-            "Time to simulate: a torque needs it, otherwise as long as the speed changes. Of a "
-            "machine in s.",
+            "Time to simulate (SI: s). Required with a torque; default: as long as the speed "
+            "changes.",
             "s",
         ),
     ] = None
@@ -553,7 +619,7 @@ class ChangeOptions:
     ramp_time: Annotated[
         float | None,
         _quantity(
-            "Time of a ramp, in place of its rate: of a machine in s.",
+            "Duration of a ramp, instead of its rate (SI: s).",
             "s",
             name=("--ramp-time", "--in"),
         ),
@@ -561,8 +627,8 @@ class ChangeOptions:
     begin: Annotated[
         float | None,
         _quantity(
-            "Speed at time 0: of a machine in rad/s or as 300rpm. Default: --omega or --speed; 0 "
-            "with a file of a machine.",
+            "Initial speed (SI: rad/s, or as 300rpm). Default: --omega or --speed, or 0 with "
+            "--machine.",
             "rad s-1",
             name="--from",
         ),
@@ -586,7 +652,7 @@ class ChangeOptions:
         return given
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=SOLVER)
 @dataclass(frozen=True, kw_only=True)
 class SolverOptions:
     """How one motion is computed."""
@@ -594,11 +660,13 @@ class SolverOptions:
     rtol: Rtol = 1e-10
     atol: Atol = 1e-12
     method: ContactMethod = "adams"
-    flight: Annotated[Flight, Parameter(help="Motion inside the clearance.")] = "exact"
+    flight: Annotated[Flight, Parameter(help="Method for the motion inside the clearance.")] = (
+        "exact"
+    )
     backend: SolverBackend = "auto"
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=SOLVER)
 @dataclass(frozen=True, kw_only=True)
 class RunUpSolverOptions:
     """How one motion at a speed that changes is computed."""
@@ -609,7 +677,7 @@ class RunUpSolverOptions:
     backend: SolverBackend = "auto"
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=SOLVER)
 @dataclass(frozen=True, kw_only=True)
 class JobOptions:
     """What does the work of many motions."""
@@ -618,8 +686,8 @@ class JobOptions:
     executor: Annotated[
         str,
         Parameter(
-            help="What does the work: auto, serial, threads, processes, dask, or an address of "
-            "dask.",
+            help="Executor of the jobs: auto, serial, threads, processes, dask, or the address "
+            "of a dask scheduler.",
             metavar="NAME|ADDRESS",
         ),
     ] = "auto"
@@ -633,7 +701,7 @@ class JobOptions:
         return {"workers": workers, "executor": self.executor}
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=STUDY)
 @dataclass(frozen=True, kw_only=True)
 class DrawnOptions:
     """Random starts, and how they are labelled."""
@@ -656,7 +724,7 @@ def _named(text: str, words: str) -> Parameter:
     return Parameter(help=text, metavar=words, consume_multiple=True, negative=())
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=READING)
 @dataclass(frozen=True, kw_only=True)
 class ReadingOptions:
     """How a measured file is read; archives need none of it."""
@@ -664,8 +732,7 @@ class ReadingOptions:
     columns: Annotated[
         list[str] | None,
         _named(
-            "Columns of t, x, y and keyphasor, angle or speed in a measured file; by default "
-            "guessed from their names.",
+            "Columns of t, x, y and keyphasor, angle or speed. Default: guessed from their names.",
             "SIGNAL=COLUMN",
         ),
     ] = None
@@ -673,31 +740,33 @@ class ReadingOptions:
         list[str] | None,
         _named("Units of the columns: s, ms, m, mm, um, mil, V, rad, deg, rpm, Hz.", "SIGNAL=UNIT"),
     ] = None
-    rate: Annotated[float | None, _number("Samples a second, of a file without times.")] = None
+    rate: Annotated[
+        float | None, _number("Sampling rate in samples per second, for a file without times.")
+    ] = None
     probe_angles: Annotated[
         tuple[float, float] | None,
-        _several_numbers("Where the probes are, in degrees from x; without it, 0 90.", "X Y"),
+        _several_numbers("Angles of the probes from the x axis in degrees. Default: 0 90.", "X Y"),
     ] = None
     gains: Annotated[
         tuple[float, float] | None,
-        _several_numbers("Reading over displacement of each probe.", "X Y"),
+        _several_numbers("Gain of each probe: reading divided by displacement.", "X Y"),
     ] = None
     sensitivity: Annotated[
         str | None,
         Parameter(
-            help="Volts over displacement of both probes, such as 200mV/mil or 7.87V/mm.",
+            help="Sensitivity of both probes, such as 200mV/mil or 7.87V/mm.",
             metavar="VOLTS/LENGTH",
         ),
     ] = None
     keyphasor: Annotated[
         Literal["auto", "signal", "times"] | None,
-        Parameter(help="Whether the keyphasor was sampled, or is a list of times."),
+        Parameter(help="Form of the keyphasor: a sampled signal, or pulse times."),
     ] = None
     pulses_per_revolution: Annotated[
-        int | None, _whole_number("Pulses of the keyphasor in a revolution.", 1, MOST_NUMBERS)
+        int | None, _whole_number("Keyphasor pulses per revolution.", 1, MOST_NUMBERS)
     ] = None
-    accept_clipped: Annotated[bool, _flag("Take a probe that is clipped as it is.")] = False
-    fill_pulses: Annotated[bool, _flag("Set lost pulses evenly into their intervals.")] = False
+    accept_clipped: Annotated[bool, _flag("Accept clipped probe signals.")] = False
+    fill_pulses: Annotated[bool, _flag("Replace lost pulses by evenly spaced ones.")] = False
 
     def given(self) -> dict[str, Any]:
         """Return what was given, as `rotor_ida.read_signals` takes it."""

@@ -30,13 +30,14 @@ PDF = ".pdf"
 FORCED = "--force is given"
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=options.OUTPUT)
 @dataclass(frozen=True, kw_only=True)
 class Output:
     """What to do with a result."""
 
     out: options.Out = None
     figure: options.Figure = None
+    csv: options.Csv = None
     as_json: options.AsJson = False
     force: options.Force = False
 
@@ -48,6 +49,10 @@ class Output:
             if self.out.suffix != OUT_ENDING:
                 raise InputError(f"out must end in {OUT_ENDING}, got {shown(self.out)}")
             check_target("out", self.out, overwrite=self.force, permission=FORCED)
+        if self.csv is not None:
+            from rotor_ida.results.tables import check_tables  # noqa: PLC0415 - takes a moment
+
+            check_tables("csv", self.csv, overwrite=self.force, permission=FORCED)
         if self.figure is not None:
             check_panels(panels)
             if self.figure.suffix not in {"", *PICTURES, PDF} or self.figure.name in {"", ".."}:
@@ -89,6 +94,14 @@ def answer(
                 written.append(f"wrote {path}")
             except (RotorError, OSError) as error:
                 failures.append(str(error))
+    if output.csv is not None:
+        from rotor_ida.results.tables import save_tables  # noqa: PLC0415 - takes a moment
+
+        try:
+            tables = save_tables(dataset, output.csv, overwrite=output.force)
+            written += [f"wrote {file}" for file in tables]
+        except (RotorError, OSError) as error:
+            failures.append(str(error))
     if output.figure is not None:
         from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
         from rotor_ida.plot.figures import figure_of  # noqa: PLC0415 - only who draws needs it
@@ -168,7 +181,7 @@ def read(file: Path) -> xr.Dataset:
 
 @contextmanager
 def working(name: str, study: Path | None = None) -> Iterator[Callable[[int, int], None] | None]:
-    """Show a progress bar where someone is there to see it; say how a broken study goes on."""
+    """Show a progress bar on a terminal; after a failure say how to continue the study."""
     from rotor_ida.parallel.progress import progress_bar  # noqa: PLC0415 - not for --help
 
     watched = sys.stderr is not None and sys.stderr.isatty()
@@ -196,6 +209,6 @@ def going_on(study: Path | None) -> str:
     folder = str(study)
     word = f"./{folder}" if folder.startswith("-") else folder  # else it would be an option
     return (
-        f"; {found['done']} of {found['points']} points are kept in {folder}: go on with "
+        f"; {found['done']} of {found['points']} points are saved in {folder}; continue with "
         f"rotor-ida resume {shlex.quote(word)}"
     )

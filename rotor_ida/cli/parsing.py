@@ -223,6 +223,24 @@ def refuse_units(given: Mapping[str, object]) -> None:
                 )
 
 
+def in_unit(name: str, value: float, unit: str) -> float:
+    """Return a value in the unit of the data that it goes with, in which it is if it has none.
+
+    Examples
+    --------
+    >>> in_unit("clearance", Quantity(150e-6, "150um"), "um"), in_unit("clearance", 0.15, "mm")
+    (150.0, 0.15)
+    """
+    if not isinstance(value, Quantity) or not value.word:
+        return value
+    own, given = units.unit_of(unit), units.unit_of(value.unit)
+    if own is None or given is None or own.dimension != given.dimension:
+        allowed = "no unit" if unit == "1" else f"the unit of the data, {unit}"
+        raise InputError(f"{name} must have {allowed}, got {shown(value.word)}")
+    moved = given._replace(factor=given.factor / own.factor, power=given.power - own.power)
+    return moved.in_si(value.word.removesuffix(value.unit).strip())
+
+
 def _numbers_in(value: object) -> Iterator[object]:
     if isinstance(value, (list, tuple)):
         for each in value:
@@ -271,7 +289,7 @@ def named(name: str, words: Sequence[str]) -> list[tuple[str, str]]:
         if not (first and separator and rest):
             raise InputError(f"{name} must be pairs such as x=..., got {shown(word)}")
         if first in dict(found):
-            raise InputError(f"{name} must tell {first} once, got it twice")
+            raise InputError(f"{name} must give {first} once, got it twice")
         found.append((first, rest))
     return found
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import is_dataclass
 from importlib.metadata import version
 from typing import Literal, TextIO, get_args, get_origin
@@ -14,6 +14,7 @@ from cyclopts import (
     Argument,
     CoercionError,
     CycloptsError,
+    Group,
     MissingArgumentError,
     Token,
     UnknownCommandError,
@@ -23,36 +24,60 @@ from cyclopts import (
 )
 from rich.console import Console
 
-from rotor_ida.checks import shown
+from rotor_ida.checks import did_you_mean, listed, shown
+from rotor_ida.cli import options
 from rotor_ida.cli.commands.compute import (
-    atlas,
+    backward_whirl,
     basin,
-    fractions,
+    basin_fractions,
+    continue_attractors,
     reproduce,
-    response,
     run_up,
     run_ups,
     simulate,
     sweep,
-    touchdown,
+    synchronous_response,
+    touchdown_report,
 )
-from rotor_ida.cli.commands.cycles import continue_, curve, cycle
+from rotor_ida.cli.commands.cycles import bifurcation_curve, continue_cycle, limit_cycle
 from rotor_ida.cli.commands.doctor import doctor
 from rotor_ida.cli.commands.explore import explore
 from rotor_ida.cli.commands.fit import fit
 from rotor_ida.cli.commands.machine import machine
 from rotor_ida.cli.commands.plot import plot
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
+from rotor_ida.cli.machines import missing
 from rotor_ida.cli.parsing import as_given, readable, refuse_units
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
 from rotor_ida.errors import InputError, RotorError
 
-HELP = """Rotors in clearances: Hertz contact, event by event, held against closed forms.
+HELP = """Simulate rotors that touch their stators, and compare with exact results.
+
+Commands have the names of the Python functions; short names are in brackets.
+Values of a machine may have units: --mass 12kg --speed 3600rpm.
 
 Results go to standard output, everything else to standard error.
 Exit status: 0 done, 1 the run or the check failed, 2 bad input.
 """
+# The commands in the groups of the help, in order; some have a short name too.
+COMMANDS: dict[str, dict[Callable[..., object], str]] = {
+    "Simulate": {machine: "", simulate: "", run_up: "", run_ups: "", sweep: ""},
+    "Exact whirls": {synchronous_response: "response", backward_whirl: "whirl"},
+    "Limit cycles": {limit_cycle: "cycle", continue_cycle: "continue", bifurcation_curve: "curve"},
+    "Explore": {
+        basin: "",
+        basin_fractions: "fractions",
+        continue_attractors: "atlas",
+        touchdown_report: "touchdown",
+        explore: "",
+    },
+    "Signals": {plot: "", fit: ""},
+    "Archives and studies": {show: "", compare: "", verify: "", status: "", resume: ""},
+    "Program": {reproduce: "", doctor: ""},
+}
+# Groups whose commands compute studies.
+COMPUTING = ("Simulate", "Exact whirls", "Limit cycles", "Explore")
 DONE, BAD_INPUT, PIPE_CLOSED = 0, 2, 141
 
 
@@ -97,22 +122,26 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def application(console: Console) -> App:
     """Return the commands, with their help going to `console`."""
+    groups = {name: Group(name, sort_key=place) for place, name in enumerate(COMMANDS)}
     app = App(
         name="rotor-ida",
         help=HELP,
         help_format="plaintext",
         version=version("rotor-ida"),
         console=console,
+        group_commands=groups["Program"],
     )
-    computing = (
-        *(simulate, run_up, run_ups, response, sweep, basin, fractions, atlas, touchdown),
-        *(cycle, continue_, curve),
-    )
-    archived = (status, resume, compare, verify, show)
-    for command in (reproduce, machine, *computing, explore, *archived, plot, fit, doctor):
-        app.command(command)
+    for name, commands in COMMANDS.items():
+        for place, (command, short) in enumerate(commands.items()):
+            app.command(
+                command,
+                group=groups[name],
+                sort_key=place,
+                alias=short or None,
+                group_parameters=options.STUDY if name in COMPUTING else options.OPTIONS,
+            )
     app.register_install_completion_command(
-        help="Complete commands and options with the tab key, in bash, zsh or fish."
+        help="Install completion of commands and options for bash, zsh or fish."
     )
     return app
 
@@ -137,7 +166,8 @@ def _refuse_units(arguments: Mapping[str, object]) -> None:
     values: dict[str, object] = {}
     for name, value in arguments.items():
         values |= vars(value) if is_dataclass(value) else {name: value}
-    if any(getattr(value, "in_si", None) is False for value in arguments.values()):
+    groups = [value for value in arguments.values() if getattr(value, "in_si", None) is False]
+    if any(not getattr(group, "units_unknown", False) for group in groups):
         refuse_units(values)
 
 
@@ -157,18 +187,20 @@ def misread(error: CycloptsError) -> str:
         case CoercionError(token=Token() as token, target_type=kind) if get_origin(kind) is Literal:
             choices = ", ".join(map(repr, get_args(kind)))
             said = f"{name} must be one of {choices}, got {shown(token.value)}"
+            said += did_you_mean(token.value, get_args(kind))
         case ValidationError(argument=Argument(tokens=[Token() as token, *_])):
             bound = error.exception_message.replace(">=", "at least").replace("<=", "at most")
             said = f"{name} {bound[:1].lower()}{bound[1:].rstrip('.')}, got {token.value}"
-        case UnknownOptionError(token=token):
-            said = f"unknown option {shown(token.keyword or token.value)}"
+        case UnknownOptionError(token=token, argument_collection=known):
+            said = _unknown_option(token.keyword or token.value, known or ())
         case UnusedCliTokensError(unused_tokens=[first, *_]):
             said = f"unexpected argument {shown(first)}"
         case UnknownCommandError(root_input_tokens=[first, *_]):
-            said = f"unknown command {shown(first)}: see rotor-ida --help"
+            names = [] if error.app is None else list(error.app)
+            said = f"unknown command {shown(first)}{did_you_mean(first, names)}"
+            said += "" if said.endswith("?") else "; see rotor-ida --help"
         case MissingArgumentError() if option:
-            words = "" if error.argument is None else error.argument.parameter.metavar or ""
-            said = _missing(option, words, error.unused_tokens or [], error.tokens_so_far)
+            said = _missing(error, option)
         case _:
             error.verbose = False
             said = f"{error}".rstrip(".")
@@ -176,16 +208,36 @@ def misread(error: CycloptsError) -> str:
     return as_given(said)
 
 
-def _missing(option: str, words: str, unused: Sequence[str], given: Sequence[str]) -> str:
-    """Return in one line what an option lacks; one that is misspelt is the likelier cause."""
-    misspelt = [word for word in unused if word.startswith("--")]
-    if misspelt and option not in unused:
-        return f"unknown option {shown(misspelt[0])}"
-    if given:  # it has several values
-        number = {2: "two", 4: "four"}[len(words.split())]
-        kind = "names" if "NAME" in words else "numbers"
-        return f"{option.removeprefix('--')} must be {number} {kind} {words}, got {len(given)}"
-    return f"{option} must be given a value"
+def _unknown_option(word: str, known: Iterable[Argument]) -> str:
+    """Return in one line that there is no such option, and which may be meant."""
+    names = [name for each in known for name in each.names]
+    return f"unknown option {shown(word)}{did_you_mean(word, names)}"
+
+
+def _missing(error: MissingArgumentError, option: str) -> str:
+    """Return in one line what is missing; a misspelt option is the likelier cause."""
+    known = [] if error.app is None else error.app.assemble_argument_collection()
+    words = {word.partition("=")[0] for word in error.root_input_tokens or () if word[:2] == "--"}
+    misspelt = words.intersection(word.partition("=")[0] for word in error.unused_tokens or ())
+    if misspelt and option not in words:
+        return _unknown_option(misspelt.pop(), known)
+    given = error.tokens_so_far
+    if given and error.argument is not None:  # it has several values
+        metavar = error.argument.parameter.metavar or ""
+        number = {2: "two", 4: "four"}[len(metavar.split())]
+        kind = "names" if "NAME" in metavar else "numbers"
+        return f"{option.removeprefix('--')} must be {number} {kind} {metavar}, got {len(given)}"
+    if option in words:
+        return f"{option} must be given a value"
+    lacking = [
+        each.name
+        for each in known
+        if each.required and each.name.startswith("--") and words.isdisjoint(each.names)
+    ]
+    if "--machine" not in words and any("--zeta" in each.names for each in known):
+        of_rotor = [word[2:].replace("-", "_") for word in words]
+        lacking = [f"--{name.replace('_', '-')}" for name in missing(of_rotor)] + lacking
+    return f"{listed(lacking if option in lacking else [option, *lacking])} must be given"
 
 
 def _complain(message: str, status: int) -> int:

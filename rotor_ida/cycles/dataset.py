@@ -30,6 +30,7 @@ from rotor_ida.cycles.shooting import (
 )
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.whirl import steps_of_turning, whirl_over_spin
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import (
     LINE_KIND,
@@ -54,6 +55,8 @@ ERROR_SAFETY = 5.0
 LOOSER_STILL = (1.0, 3.0, 10.0)
 # Samples of one period, for the spectrum and the picture: a power of two.
 SAMPLES = 1024
+# What moves at less than this part of the spin speed, by rounding, stands still.
+STANDS_STILL = 1e-9
 # Lines of the spectrum are told that come to this part of the strongest.
 WEAKEST_LINE = 1e-6
 
@@ -177,7 +180,7 @@ def _solved_again(cycle: Cycle, states: Values, stop: Stop) -> list[Cycle]:
 
 def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
     """Return the spectrum of one period: on fixed axes lines at omega + k 2 pi/T."""
-    ratio, orders, sizes = whirl_beside(cycle, states[:-1])
+    whirl, (orders, sizes) = whirl_of_cycle(cycle, states), lines_of(states)
     chosen = np.flatnonzero(sizes >= WEAKEST_LINE * sizes.max())
     chosen = chosen[np.argsort(orders[chosen])]
     frequency = cycle.rotor.omega + 2.0 * math.pi / cycle.period * orders[chosen]
@@ -185,31 +188,55 @@ def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
     if (static := static_order(cycle)) is not None:
         frequency[orders[chosen] == static] = 0.0
         kinds[orders[chosen] == static] = LINE_KIND["static"]
-    direction = WHIRL_DIRECTION["forward" if ratio > 0.0 else "backward"]
     return {
         "line": of_cycle("line", "line", np.arange(chosen.size)),
         "frequency": of_cycle("frequency", "line", frequency),
         "whirl_amplitude": of_cycle("whirl_amplitude", "line", sizes[chosen]),
         "line_kind": of_cycle("line_kind", "line", kinds),
-        "whirl_ratio": of_cycle("whirl_ratio", (), ratio),
-        "whirl_direction": of_cycle("whirl_direction", (), np.int8(direction)),
+        **{name: of_cycle(name, (), each) for name, each in whirl.items()},
+        "whirl_sense": of_cycle("whirl_sense", (), np.int8(whirl["whirl_sense"])),
     }
 
 
-def whirl_beside(cycle: Cycle, states: Values) -> tuple[float, Values, Values]:
-    """Return the frequency of the strongest whirl beside the spin over the spin speed.
+def lines_of(states: Values) -> tuple[Values, Values]:
+    """Return of all lines at ``omega + k 2 pi/T`` the order k and the amplitude.
 
-    It is negative for backward whirl; what stands still is none. Beside it, of all lines at
-    ``omega + k 2 pi/T``, the order k and the amplitude. `states`, shape (n, 4), are one period on
-    the rotating axes, at equal times.
+    `states`, shape (n + 1, 4), are one period on the rotating axes, at equal times, both ends
+    included.
     """
-    heights = np.fft.fft(states[:, 0] + 1j * states[:, 1]) / len(states)
-    sizes: Values = np.abs(heights)
-    orders = np.asarray(np.fft.fftfreq(len(states), 1.0 / len(states)), dtype=np.float64)
-    others = np.flatnonzero((orders != 0.0) & (orders != static_order(cycle)))
-    strongest = float(orders[others[np.argmax(sizes[others])]])
-    ratio = 1.0 + 2.0 * math.pi / cycle.period * strongest / cycle.rotor.omega
-    return ratio, orders, sizes
+    heights = np.fft.fft(states[:-1, 0] + 1j * states[:-1, 1]) / (len(states) - 1)
+    orders = np.asarray(np.fft.fftfreq(heights.size, 1.0 / heights.size), dtype=np.float64)
+    return orders, np.abs(heights)
+
+
+def whirl_of_cycle(cycle: Cycle, states: Values) -> dict[str, float]:
+    """Return sense and speed of the whirl on a cycle, and its strongest line beside 1X.
+
+    `states` are one period as for `lines_of`. What stands still is no whirl.
+    """
+    omega, period = cycle.rotor.omega, cycle.period
+    orders, sizes = lines_of(states)
+    frequency = omega + 2.0 * math.pi / period * orders
+    moves = np.abs(frequency) > STANDS_STILL * omega
+    if (static := static_order(cycle)) is not None:
+        moves &= orders != static
+    forward, backward = (
+        math.sqrt(float((sizes[moves & chosen] ** 2).sum()))
+        for chosen in (frequency > 0.0, frequency < 0.0)
+    )
+    times = np.linspace(0.0, period, len(states))
+    z = (states[:, 0] + 1j * states[:, 1]) * np.exp(1j * omega * times)
+    if static is not None:
+        z -= z[:-1].mean()
+    turned = float(steps_of_turning(z).sum())
+    ratio, sense = whirl_over_spin(turned, omega * period, forward, backward)
+    beside = np.flatnonzero(moves & (orders != 0.0))
+    strongest = float(frequency[beside[np.argmax(sizes[beside])]])
+    return {
+        "whirl_over_spin": float(ratio),
+        "whirl_sense": int(sense),
+        "side_line_over_spin": strongest / omega,
+    }
 
 
 def static_order(cycle: Cycle) -> float | None:
@@ -222,7 +249,7 @@ def _none(response: str) -> dict[str, xr.Variable]:
     numbers = (
         *("period", "period_error", "radius_min", "radius_max", "largest_force"),
         *("impulse_per_period", "trace", "residual", "trivial_defect", "symplectic_defect"),
-        "whirl_ratio",
+        *("whirl_over_spin", "side_line_over_spin"),
     )
     columns = {name: of_cycle(name, (), math.nan) for name in numbers}
     columns |= {
@@ -232,7 +259,7 @@ def _none(response: str) -> dict[str, xr.Variable]:
     columns["response"] = of_cycle("response", (), np.int8(RESPONSE[response]))
     columns["stability"] = of_cycle("stability", (), np.int8(STABILITY["absent"]))
     columns["contact_count"] = of_cycle("contact_count", (), 0)
-    columns["whirl_direction"] = of_cycle("whirl_direction", (), np.int8(WHIRL_DIRECTION["none"]))
+    columns["whirl_sense"] = of_cycle("whirl_sense", (), np.int8(WHIRL_DIRECTION["none"]))
     none = np.empty(0)
     columns |= {name: of_cycle(name, "line", none) for name in ("frequency", "whirl_amplitude")}
     columns["line"] = of_cycle("line", "line", np.empty(0, dtype=np.int64))

@@ -82,7 +82,9 @@ def limit_cycle(
         ``multiplier``, by falling modulus, ``multiplier_real``, ``multiplier_imag`` and
         ``multiplier_error``. On ``t`` one period of ``x y vx vy``, read on the rotating axes. On
         ``line`` the spectrum on fixed axes: ``frequency``, ``whirl_amplitude`` and ``line_kind``;
-        ``whirl_ratio`` is the frequency of the strongest beside the spin over the spin speed.
+        ``side_line_over_spin`` is the frequency of the strongest beside that of the spin, over the
+        spin speed. ``whirl_over_spin`` and ``whirl_sense`` are those of the motion, as of
+        `rotor_ida.whirl_ratio`.
 
     Raises
     ------

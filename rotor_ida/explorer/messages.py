@@ -238,7 +238,8 @@ def _measurement(given: Mapping[str, Any]) -> Measurement:
         size=check_count("size", given["size"], 0, LARGEST_FILE),
         probe_angles=_pair("probe_angles", given["probe_angles"]),
         gains=_pair("gains", given["gains"]),
-        **{each: _mapping(each, given[each]) for each in chosen},
+        columns=_mapping("columns", given.get("columns", {})),
+        units=_mapping("units", given.get("units", {})),
     )
 
 

@@ -301,7 +301,9 @@ def _radii(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> str:
         turns = round(period * facts["rotor"]["omega"] / (2.0 * math.pi))
         again = f", and repeats every {f'{turns} revolutions' if turns > 1 else 'revolution'}"
     elif not math.isnan(period):
-        again = f", and repeats every {_time(machine, period)} on axes that rotate with the unbalance"
+        again = (
+            f", and repeats every {_time(machine, period)} on axes that rotate with the unbalance"
+        )
     return f"Its radius goes from {low} to {high}{again}."
 
 

@@ -23,6 +23,7 @@ from rotor_ida.fitting.problem import FitProblem, Unknown
 from rotor_ida.fitting.records import Measured, measured, noise_of
 from rotor_ida.model.parameters import OF_MACHINE, OPTIONAL
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.signals.record import integrated
 from rotor_ida.simulation.orbit import ENTRY, EXIT
 
 # What can be sought: of a machine the unit, and of a dimensionless rotor the name of that, with how
@@ -65,7 +66,7 @@ def problem_of(
         raise InputError("machine must have a clearance above 0 for a fit, got 0.0")
     sought = _unknowns(unknown, guess, in_si=in_si)
     if ANGLE not in [each.field for each in sought] and any(
-        each.attrs.get("angle_origin") == "unknown" for each in given
+        integrated(each.attrs) for each in given
     ):
         raise InputError(
             f"unknown must have {ANGLE} where the angle is integrated from a speed, as its origin "

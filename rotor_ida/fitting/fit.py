@@ -107,6 +107,7 @@ def fit(
 
     Notes
     -----
+    Where more than noise is left, all errors are scaled by ``sqrt(chi_square/degrees_of_freedom)``.
     The motion is followed along the measured course of the speed, so that run-ups need not be slow.
     Windows of measured and computed motion go through the same least squares of `rotor_ida.orders`,
     and what is left is divided by its standard error, the orders of a window made independent of

@@ -129,11 +129,28 @@ def _listed(names: list[str]) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-def left_in_words(chi_square: float, freedom: int) -> str:
-    """Return whether what a fit leaves is noise."""
+def widening(chi_square: float, freedom: int) -> float:
+    """Return by which factor the errors are wider than noise alone would make them.
+
+    Where a fit leaves more than noise, the machine lacks something, and the errors of noise say
+    too little. They are scaled so that chi-square is that of its degrees of freedom.
+
+    Examples
+    --------
+    >>> widening(100.0, 100), widening(400.0, 100)
+    (1.0, 2.0)
+    """
     from scipy.stats import chi2  # noqa: PLC0415 - takes long to import
 
-    told = f"chi-square {chi_square:.4g} with {freedom} degrees of freedom"
     if freedom > 0 and chi2.sf(chi_square, freedom) < NO_CHANCE:
-        return f"more than noise is left, and the errors are too small: {told}"
+        return math.sqrt(chi_square / freedom)
+    return 1.0
+
+
+def left_in_words(chi_square: float, freedom: int) -> str:
+    """Return whether what a fit leaves is noise."""
+    told = f"chi-square {chi_square:.4g} with {freedom} degrees of freedom"
+    wider = widening(chi_square, freedom)
+    if wider > 1.0:
+        return f"more than noise is left, and the errors are widened {wider:.3g} times: {told}"
     return f"what is left is noise: {told}"

@@ -11,7 +11,13 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.fitting.arguments import UNITS
-from rotor_ida.fitting.identifiability import ANGLE, Identifiability, identify, left_in_words
+from rotor_ida.fitting.identifiability import (
+    ANGLE,
+    Identifiability,
+    identify,
+    left_in_words,
+    widening,
+)
 from rotor_ida.fitting.motion import Motion
 from rotor_ida.fitting.problem import APART, FitProblem, matched
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
@@ -24,8 +30,9 @@ def dataset_of(
 ) -> xr.Dataset:
     """Return what was found as a dataset, each interval with a level of confidence."""
     _, slopes, motions = problem.at(solution)
-    told = identify(slopes, _scales(problem, solution), [each.name for each in problem.unknown])
     chi_square, freedom = _left_over(problem, solution, motions), problem.freedom(solution)
+    slopes = slopes / widening(chi_square, freedom)
+    told = identify(slopes, _scales(problem, solution), [each.name for each in problem.unknown])
     in_si = isinstance(machine, DimensionalRotor)
     variables: dict[str, Column] = {
         **_estimates(problem, solution, told, level, in_si=in_si),

@@ -32,7 +32,7 @@ class Parameter:
     plural : str
         What several of them are called.
     note : str
-        What an option says besides its meaning.
+        What the help of an option adds to its meaning.
     si_meaning : str
         What the quantity in SI units is; empty if the parameter is dimensionless alone.
     si_symbol : str
@@ -71,12 +71,12 @@ class Parameter:
 
     @property
     def help(self) -> str:
-        """What the command line says of one number."""
+        """Help of an option that takes one number."""
         return f"{_capital(self.meaning)}{self.note}."
 
     @property
     def axis_help(self) -> str:
-        """What the command line says of several numbers."""
+        """Help of an option that takes several numbers."""
         return f"{_capital(self.plural)}: numbers, or START:STOP:COUNT."
 
     @property
@@ -92,27 +92,27 @@ class Parameter:
 
     @property
     def si_help(self) -> str:
-        """What the command line says of the quantity in SI units."""
+        """Help of an option that takes the quantity in SI units."""
         unit = "" if self.unit == "1" else f", in {self.shown_unit}"
         return f"{_capital(self.si_meaning)}{unit}{self.note}."
 
     @property
     def either_help(self) -> str:
-        """What the command line says of a number that may be given in either way."""
+        """Help of an option that takes either number."""
         if not self.si_meaning:
             return self.help
         if not self.meaning or self.unit == "1":
             return self.si_help
-        return f"{_capital(self.si_meaning)}{self.note}: of a machine in {self.shown_unit}."
+        return f"{_capital(self.si_meaning)}{self.note} (SI: {self.shown_unit})."
 
     @property
     def either_axis_help(self) -> str:
-        """What the command line says of several numbers that may be given in either way."""
+        """Help of an option that takes several numbers of either kind."""
         several = "numbers, or START:STOP:COUNT"
         if not self.si_meaning:
             return self.axis_help
         if self.meaning:
-            unit = "" if self.unit == "1" else f", of a machine in {self.shown_unit}"
+            unit = "" if self.unit == "1" else f" (SI: {self.shown_unit})"
             return f"{_capital(self.plural)}{unit}: {several}."
         return self.si_help if self.sets_scales else f"{self.si_help[:-1]}: {several}."
 
@@ -124,7 +124,7 @@ def _capital(words: str) -> str:
 TABLE = (
     Parameter(
         name="omega", symbol=r"\omega", needed=True, default=None, smallest=0.0,
-        meaning="spin speed over the reference frequency",
+        meaning="spin speed divided by the reference frequency",
         label="spin speed", plural="spin speeds",
     ),
     Parameter(
@@ -134,7 +134,8 @@ TABLE = (
     ),
     Parameter(
         name="delta0", symbol=r"\delta_0", needed=True, default=None,
-        meaning="radial clearance over eccentricity", label="clearance", plural="clearances",
+        meaning="radial clearance divided by the eccentricity",
+        label="clearance", plural="clearances",
     ),
     Parameter(
         name="mass", si_symbol="m", unit="kg", needed=True, default=None,
@@ -143,7 +144,7 @@ TABLE = (
     Parameter(
         name="contact_stiffness", si_symbol="k", unit="N m-1.5", needed=True, default=None,
         positive=True, sets_scales=True, si_meaning="stiffness of the contact",
-        note="; of a linear one in N/m",
+        note=", or in N/m if linear",
     ),
     Parameter(
         name="damping", si_symbol=r"2 m \zeta \omega_0", unit="N s m-1", needed=True, default=None,
@@ -164,40 +165,41 @@ TABLE = (
     ),
     Parameter(
         name="shaft_stiffness", symbol=r"\kappa",
-        meaning="stiffness of the shaft over mass times reference frequency squared",
-        label="stiffness of the shaft", plural="stiffnesses of the shaft",
-        si_meaning="stiffness of the shaft", si_symbol="k_s", unit="N m-1",
+        meaning="shaft stiffness divided by mass times reference frequency squared",
+        label="stiffness of the shaft", plural="shaft stiffnesses",
+        si_meaning="shaft stiffness", si_symbol="k_s", unit="N m-1",
     ),
     Parameter(
         name="contact_exponent", symbol="n", default=EXPONENTS[0],
-        meaning="exponent of the contact force", note=": 1.5 by Hertz, or 1",
-        label="exponent of the contact", plural="exponents of the contact force, 1.5 by Hertz or 1",
+        meaning="exponent of the contact force", note=": 1.5 for Hertz, 1 for linear",
+        label="exponent of the contact",
+        plural="exponents of the contact force, 1.5 for Hertz or 1 for linear",
         si_meaning="exponent of the contact force", sets_scales=True, si_symbol="n",
     ),
     Parameter(
         name="contact_damping", symbol="c",
-        meaning="relative rise of the contact force at a speed of approach of 1",
+        meaning="contact damping: relative increase of the contact force per unit approach speed",
         label="contact damping", plural="contact dampings",
-        si_meaning="relative rise of the contact force over the speed of approach",
+        si_meaning="contact damping: relative increase of the contact force per approach speed",
         si_symbol=r"\lambda", unit="s m-1",
     ),
     Parameter(
         name="load", symbol=r"\gamma",
-        meaning="static load, downwards, over the contact force at an indentation of 1",
+        meaning="static load, downwards, divided by the contact force at unit indentation",
         label="load", plural="static loads, downwards",
         si_meaning="static load, downwards", si_symbol="L", unit="N",
     ),
     Parameter(
         name="friction", symbol=r"\mu",
-        meaning="coefficient of friction in the contact",
-        label="friction", plural="coefficients of friction",
-        si_meaning="coefficient of friction in the contact", si_symbol=r"\mu",
+        meaning="friction coefficient of the contact",
+        label="friction", plural="friction coefficients",
+        si_meaning="friction coefficient of the contact", si_symbol=r"\mu",
     ),
     Parameter(
         name="disc_radius", symbol=r"\rho", default=None,
-        meaning="radius of the disc over eccentricity", note=", which friction needs",
-        label="radius of the disc", plural="radii of the disc, which friction needs",
-        si_meaning="radius of the disc", si_symbol="R", unit="m",
+        meaning="disc radius divided by the eccentricity", note=", required with friction",
+        label="radius of the disc", plural="disc radii, required with friction",
+        si_meaning="disc radius", si_symbol="R", unit="m",
     ),
 )  # fmt: skip
 

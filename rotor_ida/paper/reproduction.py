@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 
-from rotor_ida.checks import shown
+from rotor_ida.checks import did_you_mean, shown
 from rotor_ida.errors import InputError
 from rotor_ida.paper import freshness
 from rotor_ida.paper.gallery import write_gallery
@@ -187,8 +187,8 @@ def _chosen(
         matching = {name for name in scripts if _names(word, name)}
         if not matching:
             raise InputError(
-                f"scenario must be one of {', '.join(scripts)}, or how one begins, got "
-                f"{shown(word)}"
+                f"scenario must be one of {', '.join(scripts)}, or the beginning of one, got "
+                f"{shown(word)}{did_you_mean(word, scripts)}"
             )
         chosen |= matching
     return {name: script for name, script in scripts.items() if name in chosen}

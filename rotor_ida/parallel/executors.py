@@ -9,7 +9,7 @@ from collections.abc import Generator, Iterable
 from functools import partial
 from typing import NamedTuple
 
-from rotor_ida.checks import MOST_WORKERS, check_count, shown
+from rotor_ida.checks import MOST_WORKERS, check_count, did_you_mean, shown
 from rotor_ida.errors import InputError
 from rotor_ida.parallel.interruptible import interruptible
 from rotor_ida.parallel.jobs import FailedJob, Job, Result, Work
@@ -84,7 +84,7 @@ def _check_executor(executor: object) -> str:
         words = ", ".join(repr(word) for word in EXECUTORS)
         raise InputError(
             f"executor must be one of {words}, or an address such as 'tcp://host:8786', "
-            f"got {shown(executor)}"
+            f"got {shown(executor)}{did_you_mean(executor, EXECUTORS)}"
         )
     reason = why_not(executor)
     if reason:

@@ -192,7 +192,7 @@ def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     >>> plot_attractors(found).get_ylabel()
     'share of starts'
     """
-    check_dataset("dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind"))
+    dataset = check_dataset("dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind"))
     varying, line = _varying_part(dataset, 1, "one parameter to be drawn")
     (name,) = varying
     families = {kind: cycle(family) for kind, family in KIND_SHADES.items()}
@@ -244,7 +244,9 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
     >>> plot_attractor_map(found).get_ylabel()
     'clearance $\\delta_0$'
     """
-    check_dataset("dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind", "radius_max"))
+    dataset = check_dataset(
+        "dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind", "radius_max")
+    )
     check_choice("by", by, ("kind", "force", "shock"))
     if by == "shock" and "velocity_shock" not in dataset:
         raise InputError("dataset must have been made with shocks to be mapped by them")

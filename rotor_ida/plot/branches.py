@@ -36,7 +36,14 @@ from rotor_ida.plot.appearance import (
     raise_limit,
 )
 from rotor_ida.plot.datasets import check_dataset, hold_units, one_value
-from rotor_ida.plot.labels import LABELS, in_lines, label_axis, parameter_text, title_of
+from rotor_ida.plot.labels import (
+    LABELS,
+    in_lines,
+    label_axis,
+    label_parameter,
+    parameter_text,
+    title_of,
+)
 from rotor_ida.schema import words_of
 
 SPECIALS = ("special_kind", "special_value", "special_point")
@@ -111,7 +118,8 @@ def plot_branch(branch: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         hold_units(ax.yaxis, branch["radius_max"])
         if fresh:
             others = [name for name in PARAMETERS if name != parameter]
-            ax.set(xlabel=LABELS[parameter], title=title_of("branch", branch, others))
+            label_parameter(ax.xaxis, parameter, branch)
+            ax.set_title(title_of("branch", branch, others))
             label_axis(ax.yaxis, "radius", branch["radius_max"])
         _draw_bands(ax, course)
         _draw_edges(ax, course)

@@ -140,7 +140,7 @@ def plot_periods(
     check_choice("over", over, ("period", "natural"))
     exact = check_dataset("exact", exact, ("amplitude", "delta0", *MOTIONS))
     if simulated is not None:
-        check_dataset("simulated", simulated, ("amplitude", *MOTIONS))
+        simulated = check_dataset("simulated", simulated, ("amplitude", *MOTIONS))
         check_same_units("simulated", simulated, exact)
     period = exact["circular_period"]
     with drawing(ax) as ax:

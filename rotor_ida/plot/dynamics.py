@@ -34,7 +34,15 @@ from rotor_ida.plot.datasets import (
     one_value,
     parameters_in,
 )
-from rotor_ida.plot.labels import LABELS, in_lines, label_axis, parameter_text, title_of, with_error
+from rotor_ida.plot.labels import (
+    LABELS,
+    in_lines,
+    label_axis,
+    label_parameter,
+    parameter_text,
+    title_of,
+    with_error,
+)
 from rotor_ida.plot.responses import plot_amplitude
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of
@@ -204,7 +212,7 @@ def plot_extrema(
                 rasterized=True, zorder=2.4 if words == FREE else 3.0,
             )  # fmt: skip
             draw_marks(ax, [], [], "o", colour, size=3.4, face=face, edge=0.7, label=words)
-        ax.set_xlabel(LABELS[over])
+        label_parameter(ax.xaxis, over, found)
         label_axis(ax.yaxis, "radius", found["extremum_radius"])
         own_legend(ax)
     return ax

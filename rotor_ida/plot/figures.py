@@ -17,9 +17,9 @@ from rotor_ida.closed_forms import folds, hopf_points, response_curve
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.plot.datasets import parameters_in, rotors_in
-from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.labels import label_parameter
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
-from rotor_ida.results.si_units import in_units_of, si_of
+from rotor_ida.results.si_units import in_units_of
 
 # Up to so many speeds of a table of whirls are marked.
 FEW_SPEEDS = 30
@@ -42,24 +42,7 @@ def figure_of(dataset: xr.Dataset) -> Figure:
             f"got {kind!r}"
         )
     made: Axes | Figure = loaded(drawn)(dataset)
-    figure = made if isinstance(made, Figure) else cast(Figure, made.figure)
-    _add_rpm(figure, dataset)
-    return figure
-
-
-def _add_rpm(figure: Figure, dataset: xr.Dataset) -> None:
-    """Tell the speeds of a machine in rpm, above each axis that has them dimensionless."""
-    known = si_of(dataset, "omega")
-    if known is None:
-        return
-    factor = known[1]
-    with plot.style():
-        for ax in figure.axes:
-            if ax.get_xlabel() == LABELS["omega"]:
-                above = ax.secondary_xaxis(
-                    "top", functions=(lambda omega: omega * factor, lambda rpm: rpm / factor)
-                )
-                above.set_xlabel("spin speed [rpm]")
+    return made if isinstance(made, Figure) else cast(Figure, made.figure)
 
 
 def figure_of_whirls(dataset: xr.Dataset) -> Figure:
@@ -70,9 +53,7 @@ def figure_of_whirls(dataset: xr.Dataset) -> Figure:
     figure, axes = plot.panels(rows, columns, width=2.4 + 2.4 * columns, height=1.6 + 2.0 * rows)
     for ax, part in zip(axes, parts, strict=False):
         few = "branch" in part.dims and part.sizes["omega"] <= FEW_SPEEDS
-        curve, fold_points, hopf = (
-            each if each is None else in_units_of(each, dataset) for each in _exact_beside(part)
-        )
+        curve, fold_points, hopf = _exact_beside(part)
         plot.plot_amplitude(
             curve,
             whirls=part if few else None,
@@ -88,7 +69,7 @@ def figure_of_whirls(dataset: xr.Dataset) -> Figure:
     with plot.style():
         for ax in shown[max(0, len(parts) - columns) :]:
             ax.tick_params(labelbottom=True)
-            ax.set_xlabel(LABELS["omega"])
+            label_parameter(ax.xaxis, "omega", dataset)
     return figure
 
 
@@ -100,7 +81,8 @@ def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
     given.pop("disc_radius", None)  # of these whirls it moves none
     curve = response_curve(**given, limits=_limits_of(part))
     has_hopf_points = given.get("friction") or given.get("contact_damping")
-    return curve, folds(**given), hopf_points(**given) if has_hopf_points else None
+    exact = [curve, folds(**given), hopf_points(**given) if has_hopf_points else None]
+    return tuple(each if each is None else in_units_of(each, part) for each in exact)
 
 
 def figure_of_atlas(dataset: xr.Dataset) -> Figure:

@@ -1,6 +1,7 @@
 """What quantities, kinds of response and units are called in pictures, and their titles.
 
-A figure shows the units that its dataset carries (`rotor_ida.dimensional` chooses them).
+A figure shows the units that its dataset carries (`rotor_ida.dimensional` chooses them); metres and
+such without a prefix are shown with one.
 """
 
 from __future__ import annotations
@@ -8,12 +9,16 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
+import numpy as np
 import xarray as xr
 from matplotlib.axis import Axis
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
+from rotor_ida.arrays import Values
 from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.plot.datasets import hold_units, one_value, units_in
 from rotor_ida.results.si_units import in_rpm, scale_of
+from rotor_ida.units import SPEED_UNITS
 
 SEPARATOR = ",  "
 # With more parameters a title has two lines.
@@ -105,10 +110,11 @@ def number_text(value: float, form: str = "#.3g") -> str:
 
     Examples
     --------
-    >>> number_text(1.88), number_text(9.4e-6)
-    ('1.88', '9.40 \\times 10^{-6}')
+    >>> number_text(1.88), number_text(156.2), number_text(9.4e-6)
+    ('1.88', '156', '9.40 \\times 10^{-6}')
     """
     digits, _, power = format(value, form).partition("e")
+    digits = digits.removesuffix(".")
     return rf"{digits} \times 10^{{{int(power)}}}" if power else digits
 
 
@@ -162,6 +168,32 @@ def label_axis(axis: Axis, name: str, variable: xr.DataArray, *, words: str | No
     """Label an axis with a variable and its unit, and hold the axis to that unit."""
     hold_units(axis, variable)
     axis.set_label_text(label_of(name, variable, words=words))
+
+
+def label_parameter(axis: Axis, name: str, dataset: xr.Dataset) -> None:
+    """Label an axis of a parameter; the spin speeds of a result in SI units are shown in rpm.
+
+    What is drawn stays dimensionless.
+    """
+    if name != "omega" or "rate_scale" not in dataset.attrs:
+        axis.set_label_text(LABELS[name])
+        return
+    in_turns = scale_of(dataset, "rate") / SPEED_UNITS["rpm"]
+    axis.set_major_locator(_ScaledLocator(in_turns))
+    axis.set_major_formatter(FuncFormatter(lambda omega, _: f"{omega * in_turns:.6g}"))
+    axis.set_label_text("spin speed [rpm]")
+
+
+class _ScaledLocator(MaxNLocator):
+    """Places ticks at round numbers of a multiple of what is drawn."""
+
+    def __init__(self, factor: float) -> None:
+        super().__init__(nbins="auto", steps=[1, 2, 2.5, 5, 10])
+        self.factor = factor
+
+    def tick_values(self, vmin: float, vmax: float) -> Values:
+        """Return the places of the ticks, as drawn."""
+        return np.asarray(super().tick_values(vmin * self.factor, vmax * self.factor)) / self.factor
 
 
 def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMETERS) -> str:

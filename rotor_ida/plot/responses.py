@@ -44,7 +44,14 @@ from rotor_ida.plot.datasets import (
     check_same_units,
     fixed_parameters,
 )
-from rotor_ida.plot.labels import KIND_WORDS, LABELS, in_lines, label_axis, parameter_text
+from rotor_ida.plot.labels import (
+    KIND_WORDS,
+    LABELS,
+    in_lines,
+    label_axis,
+    label_parameter,
+    parameter_text,
+)
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of
 
@@ -201,7 +208,7 @@ def plot_over_clearance(
     exact = check_dataset("exact", exact, CURVE)
     parameters = fixed_parameters("exact", exact, ("omega", "zeta"))
     if simulated is not None:
-        check_dataset("simulated", simulated, ("delta0", *SIMULATED[:-1]))
+        simulated = check_dataset("simulated", simulated, ("delta0", *SIMULATED[:-1]))
         optional = {name: value for name, value in parameters.items() if name in OPTIONAL}
         check_same_parameters("simulated", fixed_parameters("simulated", simulated, ()), optional)
         check_same_units("simulated", simulated, exact)
@@ -224,17 +231,20 @@ def _plot_over_speed(
     ax: Axes | None,
 ) -> Axes:
     """Draw amplitude or phase of a curve over the speed, and what is given beside it."""
-    given = {name: dataset for name, dataset in beside.items() if dataset is not None}
+    given = {
+        name: check_dataset(name, dataset, BESIDE[name])
+        for name, dataset in beside.items()
+        if dataset is not None
+    }
     simulated = given.get("simulated")
     if exact is not None:
-        shown = check_dataset("exact", exact, CURVE)
+        shown = exact = check_dataset("exact", exact, CURVE)
     elif simulated is not None:
-        shown = check_dataset("simulated", simulated, BESIDE["simulated"])
+        shown = simulated
     else:
         raise InputError("exact must be a Dataset, or None beside simulated, got neither")
     parameters = fixed_parameters("simulated" if exact is None else "exact", shown)
     for name, dataset in given.items():
-        check_dataset(name, dataset, BESIDE[name])
         check_same_parameters(name, fixed_parameters(name, dataset), parameters)
         check_same_units(name, dataset, shown)
     with drawing(ax) as ax:
@@ -243,7 +253,7 @@ def _plot_over_speed(
         _draw_points(ax, quantity, given, shown, parameters["zeta"])
         if simulated is not None:
             _draw_simulated(ax, simulated, quantity)
-        label_axis(ax.xaxis, "omega", shown["omega"])
+        label_parameter(ax.xaxis, "omega", shown)
         label_axis(ax.yaxis, quantity, shown[quantity])
         ax.set_xlim(0.0, 1.02 * float(shown["omega"].max()))
         if quantity == "amplitude":

@@ -9,6 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rotor_ida.arrays import Values
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     GREY,
@@ -23,7 +24,9 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.datasets import check_dataset, rotors_in
 from rotor_ida.plot.labels import LABELS, label_of, parameter_text
+from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import ENDS_IN_WORDS
+from rotor_ida.units import SPEED_UNITS
 
 ENDING_COLOURS = {
     "contact_free": KIND_SHADES["contact_free"][0],
@@ -99,7 +102,7 @@ def plot_largest_force(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     'rate $a$'
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
-    size = np.abs(dataset["rate"].values)
+    size = np.abs(_rates_of(dataset))
     order = np.argsort(size)
     highest = 0.0
     with drawing(ax) as ax:
@@ -144,7 +147,7 @@ def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
     _, one = next(rotors_in(dataset))
-    rates = one["rate"].values
+    rates = _rates_of(one)
     order = np.argsort(np.abs(rates))
     places, alone = np.arange(rates.size), ax is None
     with drawing(ax) as ax:
@@ -156,18 +159,35 @@ def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
                        label=ENDING_WORDS[word])  # fmt: skip
             base = base + share
         step = math.ceil(rates.size / MOST_TICKS)
-        ax.set_xticks(places[::step], [f"{rate:.3g}" for rate in rates[order][::step]])
+        ax.set_xticks(places[::step], [_rate_text(rate) for rate in rates[order][::step]])
         margin = max(0.1, 0.5 * (FEWEST_BARS - rates.size))
         ax.set_xlim(-0.5 - margin, rates.size - 0.5 + margin)
         ax.set_ylim(0.0, 1.0)
         ax.grid(visible=False)
-        ax.set_xlabel(LABELS["rate"])
+        ax.set_xlabel(LABELS["rate"] + _unit_of_rate(dataset))
         ax.set_ylabel("share of run-ups")
         if alone:
             legend_below(ax)
     return ax
 
 
+def _rates_of(dataset: xr.Dataset) -> Values:
+    """Return the rates of run-ups, of a machine in rpm/s."""
+    rates = np.asarray(dataset["rate"].values)
+    if "rate_scale" not in dataset.attrs:
+        return rates
+    return rates * scale_of(dataset, "rate") ** 2 / SPEED_UNITS["rpm"]
+
+
+def _rate_text(rate: float) -> str:
+    return f"{rate:.0f}" if abs(rate) >= 1000.0 else f"{rate:.3g}"
+
+
+def _unit_of_rate(dataset: xr.Dataset) -> str:
+    return " [rpm/s]" if "rate_scale" in dataset.attrs else ""
+
+
 def _rate_label(dataset: xr.Dataset) -> str:
     falls = bool((dataset["rate"] < 0.0).any())
-    return r"rate of the run-down $|a|$" if falls else LABELS["rate"]
+    words = r"rate of the run-down $|a|$" if falls else LABELS["rate"]
+    return words + _unit_of_rate(dataset)

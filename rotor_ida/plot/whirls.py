@@ -28,7 +28,15 @@ from rotor_ida.plot.appearance import (
     style,
 )
 from rotor_ida.plot.datasets import check_dataset, clearance_of, hold_units, one_value
-from rotor_ida.plot.labels import LABELS, label_axis, number_text, parameter_text, title_of
+from rotor_ida.plot.labels import (
+    LABELS,
+    label_axis,
+    label_parameter,
+    number_text,
+    parameter_text,
+    title_of,
+    unit_of,
+)
 from rotor_ida.plot.responses import CURVE, plot_amplitude, plot_phase
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import words_of
@@ -106,7 +114,7 @@ def plot_backbone(curve: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ax.plot(omega, curve["amplitude"].values, color="#6b7673", lw=0.9, ls=(0, (1, 2)),
                 label="backbone", zorder=2.2)  # fmt: skip
         if fresh:
-            ax.set_xlabel(LABELS["omega"])
+            label_parameter(ax.xaxis, "omega", curve)
             label_axis(ax.yaxis, "amplitude", curve["amplitude"])
         own_legend(ax)
     return ax
@@ -253,6 +261,10 @@ def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     whirls = check_dataset("whirls", whirls, BACKWARD)
     radii, clearance = whirls["amplitude"].values, clearance_of(whirls, "whirls")
     reach = 1.1 * max(clearance, float(np.nan_to_num(radii).max()))
+    length, rate = (
+        f" {unit}" if unit else ""
+        for unit in map(unit_of, (whirls["amplitude"], whirls["whirl_speed"]))
+    )
     with drawing(ax, width=4.2, height=5.0) as ax:
         label_axis(ax.xaxis, "x", whirls["amplitude"])
         label_axis(ax.yaxis, "y", whirls["amplitude"])
@@ -263,10 +275,10 @@ def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ):  # fmt: skip
             if math.isfinite(radius):
                 colour, dashes, words, angle = LOOKS[kind]
-                size, speed_text = number_text(radius, ".4g"), number_text(speed, ".4g")
+                size, turns = number_text(radius, ".4g"), number_text(speed, ".4g")
                 ax.plot(*circle(radius), color=colour, ls=dashes, lw=1.4,
-                        label=rf"{words}: {stability}, $|z| = {size}$, "
-                        rf"$\Omega = {speed_text}$")  # fmt: skip
+                        label=rf"{words}: {stability}, $|z| = {size}${length}, "
+                        rf"$\Omega = {turns}${rate}")  # fmt: skip
                 _draw_backward_arrow(ax, radius, angle, colour)
         if not np.isfinite(radii).any():
             say_in_middle(ax, _why_there_is_none(whirls))

@@ -51,7 +51,7 @@ def dimensional(
         Units other than m, s, m/s, N, N s, J and 1/s, by kind: ``length``, ``time``, ``velocity``,
         ``force``, ``impulse`` or ``energy``, such as ``{"length": "µm", "time": "ms"}``. The
         prefixes are p, n, µ (or u), m, k and M. A ``speed`` that changes is in ``rad/s`` or
-        ``rpm``. Figures show the units that the dataset has.
+        ``rpm``. Figures show the units that were chosen; others with a prefix, such as µm.
 
     Returns
     -------

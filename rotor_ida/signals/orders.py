@@ -11,6 +11,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_count, check_nonnegative, check_vector, shown
 from rotor_ida.errors import InputError
+from rotor_ida.model.whirl import forward_and_backward, steps_of_turning, whirl_over_spin
 from rotor_ida.schema import Column
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.windows import MOST_OVERLAP, Orders, Windows, fit_orders, windows_of
@@ -23,8 +24,9 @@ LARGEST_ORDER = 1000.0
 CLOSEST = 1e-3
 # Orders a whole number of revolutions apart are told apart in spite of rounding.
 SLACK = 1e-9
-# Below this part of the spin speed a vibration along a line is no whirl.
-NO_WHIRL = 0.01
+# In the mean displacements must turn by less from sample to sample, a third of a turn; the phase of
+# noise alone turns by a quarter.
+MOST_TURNING = 2.0 * math.pi / 3.0
 
 
 def orders(
@@ -185,14 +187,17 @@ def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
     Raises
     ------
     InputError
-        If the angle is not known, or there is no whole window.
+        If the angle is not known, there is no whole window, or the whirl turns too fast for the
+        samples.
 
     Notes
     -----
     The angle by which z turns about its mean position in a window, over that by which the rotor
     does: 1 for a synchronous whirl, a half for oil whirl, negative for dry whip. Of several whirls
-    the widest counts. A vibration along a line, which turns by less than a hundredth of the rotor's
-    angle, has the sense ``none``.
+    the widest counts. The sense is ``none``, and the ratio 0, where the amplitudes of all forward
+    and of all backward lines, each the root of the sum of squares over the window, differ by less
+    than a twentieth of their sum: in a vibration along a line. Limit cycles and reports on
+    touchdown have the same ``whirl_over_spin`` and ``whirl_sense``.
 
     Examples
     --------
@@ -206,15 +211,9 @@ def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
     part = check_nonnegative("overlap", overlap, MOST_OVERLAP)
     record = record_of(signals)
     windows = windows_of(record, length, part)
-    offset = fit(record, windows, np.array([1.0])).amplitudes[:, -1]
-    about = record.z[windows.samples] - windows.spread(offset)
-    angles = record.known_angles()[windows.samples]
-    # from one sample to the next, but not across the edge, where the mean jumps
-    starts, ends = windows.edges[:-1], windows.edges[1:] - 1
-    turned = np.angle(about[1:] * about[:-1].conj())
-    turned[ends[:-1]] = 0.0
-    ratio = np.add.reduceat(np.append(turned, 0.0), starts) / (angles[ends] - angles[starts])
-    sense = np.where(np.abs(ratio) < NO_WHIRL, 0, np.sign(ratio)).astype(np.int8)
+    turned, angle = _turning(record, windows)
+    ahead, back = (_sizes(part, windows) for part in forward_and_backward(record.z))
+    ratio, sense = whirl_over_spin(turned, angle, ahead, back)
     columns: dict[str, Column] = {
         "whirl_over_spin": ("window", ratio),
         "whirl_speed": ("window", ratio * windows.speeds),
@@ -224,6 +223,47 @@ def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
     return record.dataset(
         "Whirl against spin", columns, window_coordinates(windows), told, kind="whirl_over_spin"
     )
+
+
+def _turning(record: Record, windows: Windows) -> tuple[Values, Values]:
+    """Return the angles by which displacements turn about their mean in each window, and the rotor.
+
+    Up to the first sample behind the window, where there is one: all round.
+    """
+    offset = fit(record, windows, np.array([1.0])).amplitudes[:, -1]
+    steps = np.append(steps_of_turning(record.z[windows.samples] - windows.spread(offset)), 0.0)
+    places = np.arange(record.z.size)[windows.samples]
+    first, last = places[windows.edges[:-1]], places[windows.edges[1:] - 1]
+    behind = np.minimum(last + 1, record.z.size - 1)
+    steps[windows.edges[1:] - 1] = np.angle(
+        (record.z[behind] - offset) * (record.z[last] - offset).conj()
+    )
+    _check_turning(steps, windows)
+    angles = record.known_angles()
+    return np.add.reduceat(steps, windows.edges[:-1]), angles[behind] - angles[first]
+
+
+def _check_turning(steps: Values, windows: Windows) -> None:
+    """Refuse displacements that turn so far from sample to sample that the sense is not known."""
+    counts = np.diff(windows.edges)
+    means = np.add.reduceat(np.abs(steps), windows.edges[:-1]) / counts
+    worst = int(np.argmax(means))
+    if means[worst] > MOST_TURNING:
+        held = counts[worst] / windows.revolutions
+        raise InputError(
+            "signals must hold more than 3 samples in each turn of the whirl, got "
+            f"{2.0 * math.pi / means[worst]:.3g} at t {windows.times[worst]:.6g}: "
+            f"{math.ceil(4.0 * held)} samples a revolution would do"
+        )
+
+
+def _sizes(part: npt.NDArray[np.complex128], windows: Windows) -> Values:
+    """Return the root mean square in each window of a part of the displacements, about its mean."""
+    within, starts = part[windows.samples], windows.edges[:-1]
+    counts = np.diff(windows.edges)
+    mean = np.add.reduceat(within, starts) / counts
+    squares = np.add.reduceat(np.abs(within - windows.spread(mean)) ** 2, starts)
+    return np.asarray(np.sqrt(squares / counts), dtype=np.float64)
 
 
 def fit(record: Record, windows: Windows, asked: Values) -> Orders:

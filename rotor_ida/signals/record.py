@@ -51,6 +51,11 @@ class Record:
     coordinates: Mapping[str, xr.Variable]
     attributes: Mapping[str, object]
 
+    @property
+    def has_mark(self) -> bool:
+        """Whether angles are known and count from a mark of the shaft."""
+        return self.angles is not None and not integrated(self.attributes)
+
     def known_angles(self) -> Values:
         """Return the angles of the rotor; raise `InputError` if they are not known."""
         if self.angles is None:
@@ -101,6 +106,11 @@ class Record:
             {**self.attributes, **(attributes or {})},
             kind=kind,
         )
+
+
+def integrated(attributes: Mapping[str, object]) -> bool:
+    """Return whether the angle of signals is the integral of a speed, and has no known origin."""
+    return attributes.get("angle_origin") == "unknown"
 
 
 def equal_step(times: Values, name: str, unequal: float) -> float:

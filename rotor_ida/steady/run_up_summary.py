@@ -31,9 +31,10 @@ from rotor_ida.schema import (
     origin_of,
 )
 from rotor_ida.simulation.options import Options
+from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import EXPECTED, reason_of
 from rotor_ida.steady.response import CONTACT_FREE
-from rotor_ida.steady.run_up_outcome import FAILED, RUB, WHIP, Outcome, ending_at, failed
+from rotor_ida.steady.run_up_outcome import RUB, WHIP, Outcome, ending_at, failed
 from rotor_ida.units import SPEED_UNITS
 
 NEEDED = ("t", "speed", "angle", *COMPONENTS, "event_speed", "peak_force", "peak_time")

@@ -146,9 +146,12 @@ MISTAKES = [
     (follow(omega="2"), "omega must be left out with --from"),
     (follow(start="0 0 0 0"), "start must be left out with --from"),
     ("continue --limits 1 3", "a rotor must be given, or a file with --from"),
-    ("continue --omega 2 --zeta 0.07 --limits 1 3", "a rotor must be given by omega, zeta, delta0"),
+    (
+        "continue --omega 2 --zeta 0.07 --limits 1 3",
+        "delta0 must be given with omega and zeta",
+    ),
     ("continue --omega 2 --zeta 0.07 --delta0 2 --point 1 --limits 1 3", "point must be left out"),
-    ("continue --from {cycle}", "--limits must be given a value"),
+    ("continue --from {cycle}", "--limits must be given"),
     (
         "continue --omega 1.2 --zeta 0.07 --delta0 2 --limits 1 3",
         "start must lead to a limit cycle, got one from which the response is contact_free",
@@ -197,18 +200,28 @@ MISTAKES = [
         "friction must be 0 without clearance",
     ),
     # words
-    ("fly", "unknown command 'fly'"),
+    ("fly", "unknown command 'fly'; see rotor-ida --help"),
+    ("cycel", "unknown command 'cycel'; did you mean 'cycle'?"),
+    ("run_up", "unknown command 'run_up'; did you mean 'run-up'?"),
     ("--fly", "unknown command '--fly'"),
-    ("simulate", "--duration must be given a value"),
-    ("simulate --duration 1", "a rotor must be given by omega, zeta, delta0, or by mass"),
-    ("sweep --omega 1 --zeta 0.1", "a rotor must be given by omega, zeta, delta0, or by mass"),
+    ("simulate", "--omega, --zeta, --delta0 and --duration must be given"),
+    ("simulate --zeta=1 --duration 1", "omega and delta0 must be given with zeta"),
+    ("simulate --zeta=1", "--omega, --delta0 and --duration must be given"),
+    ("simulate --clearance=1", "--mass, --contact-stiffness, --damping, --eccentricity, --speed"),
+    ("simulate --duration 1", "omega, zeta and delta0 must be given, or a machine"),
+    ("sweep --omega 1 --zeta 0.1", "delta0 must be given with omega and zeta"),
+    ("sweep --omega 1 --mass 3", "must be given without dimensions or in SI units, got omega and"),
+    (simulate(method="adam"), "got 'adam'; did you mean 'adams'?"),
     ("simulate --omega", "--omega must be given a value"),
-    ("simulate --omga 1", "unknown option '--omga'"),
+    ("simulate --omga 1", "unknown option '--omga'; did you mean '--omega'?"),
+    (simulate() + " --smaples 3", "unknown option '--smaples'; did you mean '--samples'?"),
     (simulate(colour="red"), "unknown option '--colour'"),
     (simulate() + " --omega 2", "--omega specified multiple times"),
     (simulate() + " --json yes", "unexpected argument 'yes'"),
     ("doctor now", "unexpected argument 'now'"),
-    ("compare", "FILE must be given a value"),
+    ("compare", "FILE must be given"),
+    ("plot", "FILE must be given"),
+    ("curve --from {cycle}", "--kind and --limits must be given"),
     # files to write
     (simulate(out="taken.nc"), "out must not exist unless --force is given, got 'taken.nc'"),
     (simulate(out="nowhere/run.nc"), "out must be in a folder that exists, got 'nowhere/run.nc'"),
@@ -230,6 +243,13 @@ MISTAKES = [
     ),
     ("response --zeta 0.1 --delta0 0 --folds --figure a.png", "figure must be of whirls"),
     (sweep(out="taken.nc"), "out must not exist unless --force is given"),
+    (simulate(csv="taken.csv"), "csv must not exist unless --force is given, got 'taken.csv'"),
+    (
+        simulate(csv="parts.csv"),
+        "csv must not exist unless --force is given, got 'parts.event.csv'",
+    ),
+    (simulate(csv="a.txt"), "csv must end in .csv, got 'a.txt'"),
+    (simulate(csv="nowhere/a.csv"), "csv must be in a folder that exists"),
     # files to read
     ("show nothing.nc", "must be a file that exists, got 'nothing.nc'"),
     ("show .", "must be a file, got the folder '.'"),
@@ -243,8 +263,12 @@ MISTAKES = [
     ("compare {sweep} --out {sweep} --force", "out must not be the file that is compared"),
     ("compare {sweep} --out taken.nc", "out must not exist unless --force is given"),
     # plots
-    ("plot {run}", "--kind must be given a value"),
-    ("plot {run} --kind orbit", "--figure must be given a value"),
+    ("plot {run} --order 2", "kind must be given with order"),
+    ("plot {run} --exact", "kind must be given with exact"),
+    ("plot {report} --figure a", "figure must be of a run, of whirls, their folds"),
+    ("plot {run} --kind cascde --figure a", "got 'cascde'; did you mean 'cascade'?"),
+    ("plot {run} --kind trace --figure a --times 1s 2s", "times must have no unit, got '1s'"),
+    ("plot {run} --kind orbit --figure a --clearance 1um", "clearance must have no unit, got"),
     ("plot {run} --kind pie --figure a", "kind must be one of 'bode', 'polar', 'orders', 'orbit'"),
     (
         "plot {run} --kind orbit --figure a.gif",
@@ -258,8 +282,8 @@ MISTAKES = [
     ("plot {run} --kind cascade --figure a --segment 3", "segment must be at least 16, got 3"),
     ("plot {run} --kind trace --figure a --times 5 1", "times must lie within 0 to 60, got 5 1"),
     ("plot {run} --kind trace --figure a --times 5", "times must be two numbers START END, got 1"),
-    ("plot {run} --kind trace --figure a --rate 5", "rate is of measured files, got the archive"),
-    ("plot {sweep} --kind trace --figure a", "file must hold a run, a run-up or signals"),
+    ("plot {run} --kind trace --figure a --rate 5", "rate must be left out with an archive, got"),
+    ("plot {sweep} --kind trace --figure a", "file must contain a run, a run-up or signals"),
     ("plot {text} --kind trace --figure a", "is not an archive of rotor_ida"),
     ("plot nothing.nc --kind trace --figure a", "must be a file that exists, got 'nothing.nc'"),
     ("plot nothing.csv --kind trace --figure a", "must be a file that exists, got 'nothing.csv'"),
@@ -270,11 +294,12 @@ MISTAKES = [
     ),
     (
         "plot nothing.csv --kind trace --figure a --columns x=A x=B",
-        "columns must tell x once, got it twice",
+        "columns must give x once, got it twice",
     ),
     # reproduce
     ("reproduce --workers -1", "workers must be at least 1, got -1"),
     ("reproduce --only nothing", "must be one of"),
+    ("reproduce --only fig06_jump fig6_jumps", "got 'fig6_jumps'; did you mean 'fig06_jumps'?"),
     ("reproduce --fast", "unknown option '--fast'"),
 ]
 
@@ -283,6 +308,8 @@ MISTAKES = [
 def test_a_mistake_gets_one_line(program: Program, archives: Path, line: str, message: str):
     Path("taken.nc").write_text("mine")
     Path("taken.png").write_text("mine")
+    Path("taken.csv").touch()
+    Path("parts.event.csv").touch()
     Path("folder.nc").mkdir()
     before = sorted(Path().rglob("*"))
     names = ("run", "sweep", "report", "text", "empty", "cut", "cycle", "branch", "in_si_units")

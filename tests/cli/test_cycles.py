@@ -58,7 +58,7 @@ def test_a_response_that_is_no_cycle_is_an_answer_too(program: Program):
     assert program("show", "none.nc").status == 0
     refused = program("continue", "--from", "none.nc", "--limits", 1, 2)
     assert refused.status == 2
-    assert "from must hold a limit cycle, got 'none.nc' without one" in refused.err
+    assert "from must contain a limit cycle, got 'none.nc' without one" in refused.err
 
 
 def test_continue_begins_at_a_start_or_at_an_archived_cycle(program: Program, archives: Path):
@@ -198,7 +198,7 @@ def test_a_study_of_a_branch_goes_on(
         patch.setattr(cycles.rotor_ida, "continue_cycle", breaks_off)
         answer = program(*words)
     assert answer.status == 130
-    assert "points are kept in study: go on with rotor-ida resume study" in answer.err
+    assert "points are saved in study; continue with rotor-ida resume study" in answer.err
     assert os.listdir("study") == [FILE]
     found = json.loads(program("status", "study", "--json").out)
     assert found["kind"] == "branch"

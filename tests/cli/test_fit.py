@@ -67,6 +67,18 @@ def test_a_table_in_micrometres_gives_its_machine_back(program: Program, folder:
     assert (drawn.status, drawn.err) == (0, "")
 
 
+def test_a_table_with_units_in_its_names_needs_no_options(program: Program, folder: Path):
+    text = (folder / "probes.csv").read_text()
+    Path("named.csv").write_text(text.replace("t,x,y,angle", "time_s,x_um,y_um,theta_rad", 1))
+    answer = program("fit", "named.csv", "--mass", 4, "--contact-stiffness", 3.2e7, "--damping",
+                     89.1, "--eccentricity", 1.2e-5, "--clearance", 2.5e-5, "--shaft-stiffness",
+                     5e4, "--unknown", "eccentricity", "--json")  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    told = json.loads(answer.out)
+    assert told["unknown"][0]["estimate"] == pytest.approx(1e-5, rel=1e-5)
+    assert told["columns"].startswith("t=time_s x=x_um y=y_um angle=theta_rad")
+
+
 def test_contact_times_are_taken(program: Program, folder: Path):
     run = rotor_ida.load(folder / "run_up.nc")
     entry = float(run.event_time[0])

@@ -17,19 +17,21 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli.commands.compute import (
-    atlas,
     basin,
-    fractions,
+    basin_fractions,
+    continue_attractors,
     run_ups,
     simulate,
     sweep,
-    touchdown,
+    touchdown_report,
 )
-from rotor_ida.cli.commands.cycles import continue_, curve, cycle
+from rotor_ida.cli.commands.cycles import bifurcation_curve, continue_cycle, limit_cycle
+from rotor_ida.cli.program import COMMANDS as BY_GROUP
 from rotor_ida.model.parameters import DEFAULTS, OPTIONAL
 
 Program = Callable[..., Any]
 
+# In an order in which each finds the files of those before it.
 COMMANDS = [
     *(
         "reproduce",
@@ -37,18 +39,25 @@ COMMANDS = [
         "simulate",
         "run-up",
         "run-ups",
-        "response",
+        "synchronous-response",
+        "backward-whirl",
         "sweep",
         "basin",
-        "fractions",
-        "atlas",
-        "touchdown",
-        "cycle",
-        "continue",
-        "curve",
+        "basin-fractions",
+        "continue-attractors",
+        "touchdown-report",
+        "limit-cycle",
+        "continue-cycle",
+        "bifurcation-curve",
     ),
     *("explore", "status", "resume", "compare", "verify", "show", "plot", "fit", "doctor"),
 ]
+# The names before each command had that of its function in Python.
+SHORT = {
+    "response": "synchronous-response", "whirl": "backward-whirl", "fractions": "basin-fractions",
+    "cycle": "limit-cycle", "continue": "continue-cycle", "curve": "bifurcation-curve",
+    "atlas": "continue-attractors", "touchdown": "touchdown-report",
+}  # fmt: skip
 
 
 def examples(text: str) -> list[list[str]]:
@@ -61,7 +70,54 @@ def test_help_names_every_command(program: Program):
     answer = program("--help")
     assert (answer.status, answer.err) == (0, "")
     assert all(f" {command} " in answer.out for command in COMMANDS)
+    assert all(f"({short})" in answer.out for short in SHORT)
     assert program().out == answer.out
+
+
+def test_commands_are_in_groups_in_the_order_of_work(program: Program):
+    listed = program("--help").out
+    places = [listed.index(f"\u2500 {group} \u2500") for group in BY_GROUP]
+    assert places == sorted(places)
+    assert "\u2500 Commands \u2500" not in listed
+
+
+@pytest.mark.parametrize("short", SHORT)
+def test_a_short_name_is_the_same_command(program: Program, short: str):
+    by_either = [program(name, "--help").out for name in (short, SHORT[short])]
+    assert by_either[0].replace(f"rotor-ida {short} ", f"rotor-ida {SHORT[short]} ").split() == (
+        by_either[1].split()
+    )
+
+
+def test_commands_that_compute_have_the_names_of_functions():
+    others = {"plot", "explore", "show", "verify", "reproduce", "doctor"}
+    names = {command.replace("-", "_") for command in COMMANDS if command not in others}
+    assert names <= {*rotor_ida.__all__}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_options_are_in_groups(program: Program, command: str):
+    listed = program(command, "--help").out
+    assert "\u2500 Parameters \u2500" not in listed
+    groups = {"--omega": "Rotor", "--rtol": "Solver", "--out": "Output", "--json": "Output"}
+    for option, group in groups.items():
+        if f" {option} " in listed:
+            before = listed[: listed.rindex(f" {option} ")]
+            heads = re.findall(r"\u2500 ([\w ]+) \u2500", before)
+            assert heads[-1] == group, option
+
+
+# Words of no English help, each with what it stood in.
+FORBIDDEN = r"\bSay\b|\btold\b|\bholds\b|hangs on|one that suits\.|without it|\bHold\b|throws it"
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_is_in_plain_imperative_english(program: Program, command: str):
+    listed = program(command, "--help").out
+    assert not re.search(FORBIDDEN, listed)
+    first = listed.split("\n\n")[1].split()[0]
+    assert first in {"Simulate", "List", "Compute", "Estimate", "Continue", "Report", "Reproduce",
+                     "Open", "Fit", "Plot", "Show", "Compare", "Recompute", "Check"}  # fmt: skip
 
 
 def test_the_version_is_told(program: Program):
@@ -114,6 +170,8 @@ def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pyt
         "bode.svg",
         "cascade.png",
         "orbit.svg",
+        "run.event.csv",
+        "run_up.png",
     } <= written
 
 
@@ -144,12 +202,12 @@ def options_of(command: Callable[..., object]) -> dict[str, tuple[object, object
         (sweep, "sweep"),
         (run_ups, "run_ups"),
         (basin, "basin"),
-        (fractions, "basin_fractions"),
-        (atlas, "continue_attractors"),
-        (touchdown, "touchdown_report"),
-        (cycle, "limit_cycle"),
-        (continue_, "continue_cycle"),
-        (curve, "bifurcation_curve"),
+        (basin_fractions, "basin_fractions"),
+        (continue_attractors, "continue_attractors"),
+        (touchdown_report, "touchdown_report"),
+        (limit_cycle, "limit_cycle"),
+        (continue_cycle, "continue_cycle"),
+        (bifurcation_curve, "bifurcation_curve"),
     ],
 )
 def test_defaults_are_those_of_the_library(command: Callable[..., object], library: str):
@@ -176,11 +234,11 @@ def test_choices_of_branches_are_those_of_the_library():
     from rotor_ida.cycles.bifurcation_curve import Kind
     from rotor_ida.cycles.continue_cycle import Direction, Parameter
 
-    ours = options_of(continue_)
+    ours = options_of(continue_cycle)
     assert get_args(ours["direction"][0]) == get_args(Direction)
     of_machines = {"speed", "damping", "clearance"}
     assert set(get_args(ours["parameter"][0])) == {*get_args(Parameter), *of_machines}
-    assert get_args(options_of(curve)["kind"][0]) == get_args(Kind)
+    assert get_args(options_of(bifurcation_curve)["kind"][0]) == get_args(Kind)
 
 
 @pytest.mark.parametrize("command", COMMANDS)

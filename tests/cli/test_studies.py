@@ -69,7 +69,7 @@ def test_an_interrupt_says_how_to_go_on(program: Program):
     assert running.returncode == 130
     assert (out, 0 < done < 800) == ("", True)
     assert err == (
-        f"rotor-ida: interrupted; {done} of 800 points are kept in study: go on with rotor-ida "
+        f"rotor-ida: interrupted; {done} of 800 points are saved in study; continue with rotor-ida "
         "resume study\n"
     )
     assert sorted(os.listdir("study")) == [FILE]
@@ -97,7 +97,7 @@ def test_an_interrupt_while_the_result_is_written_says_how_to_go_on(
         answer = program(*SWEEP)
     assert answer.status == 130
     assert answer.err == (
-        "rotor-ida: interrupted; 6 of 6 points are kept in study: go on with rotor-ida resume "
+        "rotor-ida: interrupted; 6 of 6 points are saved in study; continue with rotor-ida resume "
         "study\n"
     )
     assert program("resume", "study").status == 0
@@ -192,7 +192,7 @@ def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: 
         answer = program(*sample)
     assert answer.status == 130
     assert answer.err == (
-        "rotor-ida: interrupted; 512 of 2000 points are kept in study: go on with rotor-ida "
+        "rotor-ida: interrupted; 512 of 2000 points are saved in study; continue with rotor-ida "
         "resume study\n"
     )
     assert os.listdir("study") == [FILE]

@@ -266,7 +266,7 @@ def test_lines_of_the_spectrum_make_the_motion_again(known):
     strongest = np.argmax(np.where(cycle["line_kind"] == LINE_KIND["spin"], 0.0,
                                    cycle["whirl_amplitude"]))  # fmt: skip
     ratio = float(cycle["frequency"][strongest]) / known.rotor.omega
-    assert cycle["whirl_ratio"].item() == pytest.approx(ratio, rel=1e-12)
+    assert cycle["side_line_over_spin"].item() == pytest.approx(ratio, rel=1e-12)
 
 
 def test_without_clearance_a_third_of_the_spin_speed_rules():
@@ -282,7 +282,7 @@ def test_without_clearance_a_third_of_the_spin_speed_rules():
     assert cycle["impulse_per_period"].item() == pytest.approx(impulse, rel=1e-8)
     assert cycle["largest_force"].item() == pytest.approx(float(radius.max() ** 1.5), rel=1e-6)
     assert cycle["radius_min"].item() == pytest.approx(float(radius.min()), abs=1e-6)
-    assert abs(cycle["whirl_ratio"].item()) == pytest.approx(1.0 / 3.0, abs=0.01)
+    assert abs(cycle["side_line_over_spin"].item()) == pytest.approx(1.0 / 3.0, abs=0.01)
 
 
 @pytest.mark.parametrize("times", [2, 3, 10])

@@ -1,4 +1,4 @@
-"""The page on basins gives the numbers by which regions were found and labels found again."""
+"""The page on basins gives the numbers by which regions are found and labels are checked."""
 
 from pathlib import Path
 
@@ -19,16 +19,16 @@ WORDS = {2: "two", 3: "three", 5: "five", 8: "eighth", 12: "twelve", 20: "twenty
         f"with an error of {cycle_sections.TOLERANCE:g} in a step",
         f"the set is {cycle_sections.CAUTION:g} as wide",
         f"{shocks.PHASES} phases, {shocks.DIRECTIONS} directions and {WORDS[len(shocks.SHELLS)]}",
-        f"came back into the set; {shocks.CAUTION:g} of that",
+        f"sizes returned to the set; {shocks.CAUTION:g} of that",
         f"{WORDS[int(fates.CLEAR_ERRORS)]} of its errors above zero",
-        f"put back to there every {fates.SPAN:g} time units, {WORDS[fates.SPANS]} times at least",
-        f"and {fates.MOST_SPANS} times at most",
+        f"reset to it every {fates.SPAN:g} time units, at least {WORDS[fates.SPANS]} times",
+        f"and at most {fates.MOST_SPANS} times",
         f"at an error of {fates.CLOSELY:g} in a step",
         f"until {fates.LONGEST_BESIDE_CYCLE:,.0f}",
-        f"{WORDS[attractors.WITNESSES]} at most, until one comes to the same attractor",
+        f"at most {WORDS[attractors.WITNESSES]}, until one reaches the same attractor",
         f"one in {WORDS[following.ONE_START_OF]} of every {WORDS[following.ONE_BATCH_OF]} batch",
-        f"one in {following.ONE_OF_ROTOR}, and {following.MOST_OF_ROTOR} at most",
-        f"({following.TIGHTEST:g} at least)",
+        f"one in {following.ONE_OF_ROTOR}, at most {following.MOST_OF_ROTOR}",
+        f"(at least {following.TIGHTEST:g})",
     ],
 )
 def test_numbers_are_those_of_the_code(said):

@@ -1,12 +1,16 @@
-"""What the pages of the site rest on, as far as it can be told without building it."""
+"""The sources of the site, as far as they can be checked without building it."""
 
 import ast
 import importlib.util
 import re
+import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+
+from rotor_ida.core import library
+from rotor_ida.errors import InstallationError
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -50,3 +54,20 @@ def test_prose_of_a_tutorial_states_no_measured_number(script):
     text = script.read_text(encoding="utf-8")
     prose = ast.get_docstring(ast.parse(text)) + "".join(re.findall(r"^#(.*)$", text, re.M))
     assert not re.search(r"\d\.\d{3,}", prose)
+
+
+def test_without_a_core_the_build_ends_with_one_line(monkeypatch, capsys):
+    def refuse():
+        raise InstallationError("the compiled core is missing; run: pip install -e .")
+
+    spec = importlib.util.spec_from_file_location("build", DOCS / "build.py")
+    build = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(build)
+    monkeypatch.setattr(library, "build_info", refuse)
+    monkeypatch.setattr(sys, "argv", ["build.py"])
+    assert build.main() == 1
+    said = capsys.readouterr()
+    assert not said.out
+    assert said.err == (
+        "the site cannot be built: the compiled core is missing; run: pip install -e .\n"
+    )

@@ -69,7 +69,7 @@ MISTAKES = [
     ("--omega 2 --zeta 0.07 --delta0 2 --start 1 2 3", "start must be four numbers X Y VX VY"),
     ("--omega 2 --zeta 0.07 --delta0 2 --start 1 2 3 x", "start vy must be a finite real number"),
     ("--omega 2 --zeta 0.07 --delta0 2 --start 2e6 0 0 0", "start x must lie within 1e+06 of zero"),
-    ("--speeds 1 2 3", "speeds are those of an exported page: give --export too"),
+    ("--speeds 1 2 3", "speeds must be left out without --export"),
     ("--export page.pdf", "export must end in .html, got 'page.pdf'"),
     ("--file missing.nc", "must be a file that exists, got 'missing.nc'"),
     ("--browser", "unknown option '--browser'"),

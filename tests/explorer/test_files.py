@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
 
 import rotor_ida
 from rotor_ida.cli import main
@@ -109,6 +110,11 @@ def test_the_figures_are_pictures(machine: dict[str, float]):
     assert contents_of("png", machine=machine).startswith(b"\x89PNG\r\n\x1a\n")
     root = ElementTree.fromstring(contents_of("svg", machine=machine))
     assert root.tag == "{http://www.w3.org/2000/svg}svg"
+
+
+def test_a_figure_for_the_page_is_unknown_to_pyplot():
+    contents_of("png", machine=ROTOR)
+    assert pyplot.get_fignums() == []
 
 
 def test_a_run_that_cannot_be_followed_gets_one_reason_and_no_file():

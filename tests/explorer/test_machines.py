@@ -69,7 +69,7 @@ def test_what_is_no_data_sheet_is_refused(quantities: object):
 
 
 def test_the_form_has_every_quantity_of_a_data_sheet_but_the_contact_law_once():
-    from rotor_ida.explorer.page import _ways  # noqa: PLC0415 - the page's own list
+    from rotor_ida.explorer.page import _ways
 
     names = [name for ways in _ways() for name in ways]
     assert sorted(names) == sorted(set(KEYS) - {"contact_exponent", "contact_damping"})
@@ -89,7 +89,9 @@ def test_the_speeds_that_are_shown_reach_past_the_critical_one():
     assert largest_speed(PUMP) > PUMP.critical_speed
 
 
-def run_up_of(machine: DimensionalRotor, to: float, pieces: int, seconds: float) -> dict[str, object]:
+def run_up_of(
+    machine: DimensionalRotor, to: float, pieces: int, seconds: float
+) -> dict[str, object]:
     """Return the facts of the last piece of a run-up from standstill [1, s]."""
     rate = to / seconds * machine.time_scale
     given, start = machine.given, [0.0, 0.0, 0.0, 0.0]
@@ -163,7 +165,9 @@ def test_an_indentation_beyond_a_tenth_of_the_disc_is_said_to_be_beyond_the_mode
     deep = SETTLED | {"response": "rolling", "contact_fraction": 1.0}
     for part, is_told in ((0.09, False), (0.12, True)):
         radius = rotor.delta0 + part * rotor.disc_radius
-        assert ("is not to be trusted" in verdict_of(PUMP, deep | {"radius_max": radius})) == is_told
+        assert (
+            "is not to be trusted" in verdict_of(PUMP, deep | {"radius_max": radius})
+        ) == is_told
 
 
 def test_a_run_up_into_whip_is_summed_up_as_such():

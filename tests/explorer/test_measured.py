@@ -103,3 +103,29 @@ def test_a_file_that_is_refused_has_the_name_that_the_page_knows(tmp_path: Path)
     found = analysed(tmp_path / "measured.wav", name="probes.wav")
     assert found.part == "trouble"
     assert found.facts["message"].startswith("'probes.wav' must be a WAV file")
+
+
+def test_columns_that_are_not_clear_are_offered_with_what_is_wrong(tmp_path: Path):
+    path = written(tmp_path / "one.csv", 0.0)
+    path.write_text(path.read_text().replace("t,x,y,angle", "t,left [um],right [um],angle", 1))
+    found = analysed(path)
+    assert found.part == "measured"
+    assert "must have a column for x and y" in found.facts["trouble"]
+    assert found.facts["names"] == [["t", ""], ["left", "um"], ["right", "um"], ["angle", ""]]
+    chosen = analysed(path, columns={"x": "left", "y": "right"}, units={"x": "mm", "y": "mm"})
+    assert chosen.facts["columns"] == {"t": "t", "x": "left", "y": "right", "angle": "angle"}
+    assert chosen.facts["length"] == "mm"
+    assert chosen.arrays["order_speed"].size > 5
+    wrong = analysed(path, columns={"x": "none", "y": "right"})
+    assert "the file must have the column 'none' for x" in wrong.facts["trouble"]
+
+
+def test_what_was_assumed_is_a_note(tmp_path: Path):
+    t = STEP * np.arange(6000.0)
+    table = np.stack([t, np.cos(t), np.sin(t), np.ones(t.size)], axis=1)
+    head = "time_s,probe_A,probe_B,speed [rad/s]"
+    np.savetxt(tmp_path / "a.csv", table, "%.17g", ",", header=head, comments="")
+    found = analysed(tmp_path / "a.csv")
+    assert found.facts["by"] == "speed"
+    assert any("phase lags have no known origin" in note for note in found.facts["notes"])
+    np.testing.assert_allclose(found.arrays["order_speed"], 1.0)

@@ -1159,11 +1159,15 @@ def test_a_data_sheet_sets_the_sliders_in_engineering_units(pump):
     label = pump.find("label[for='field-clearance']").text
     assert label == "Clearance [µm]"
     assert pump.find("#fastest").get_attribute("value") == "6000"
-    assert pump.run("return rotorIda.plotOf(document.querySelector("
-                    "'[data-panel=\"response\"] .u-over')).scales.x.max") == pytest.approx(9000)
+    assert pump.run(
+        "return rotorIda.plotOf(document.querySelector("
+        "'[data-panel=\"response\"] .u-over')).scales.x.max"
+    ) == pytest.approx(9000)
     # the sliders lie around these values, and their ends are not far
-    ends = pump.run("return ['min', 'max'].map((end) => Number("
-                    "document.getElementById('slider-clearance')[end]))")
+    ends = pump.run(
+        "return ['min', 'max'].map((end) => Number("
+        "document.getElementById('slider-clearance')[end]))"
+    )
     place = float(pump.find("#slider-clearance").get_attribute("value"))
     assert ends[0] < place < ends[1]
 
@@ -1204,9 +1208,7 @@ def test_the_verdict_is_in_bold_above_the_fold_and_of_the_run_up_while_it_goes_o
 def test_a_machine_copies_a_command_in_si_units(pump):
     origin = pump.run("return location.origin")
     both = ["clipboardReadWrite", "clipboardSanitizedWrite"]
-    pump.driver.execute_cdp_cmd(
-        "Browser.grantPermissions", {"permissions": both, "origin": origin}
-    )
+    pump.driver.execute_cdp_cmd("Browser.grantPermissions", {"permissions": both, "origin": origin})
     pump.find('[data-copy="sh"]').click()
     pump.until("document.getElementById('connection').textContent.includes('is copied')")
     text = pump.driver.execute_async_script(

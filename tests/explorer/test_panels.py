@@ -241,6 +241,51 @@ def test_probes_at_45_and_135_degrees_with_gains_are_turned_as_by_the_library(pa
     assert measured(page, "order.amplitude") == pytest.approx(12.0, abs=1e-9)  # it stays
 
 
+CHOOSE = """const [id, value] = arguments, field = document.getElementById(id);
+field.value = value;
+field.dispatchEvent(new Event("change"));
+return field.value"""
+
+
+def test_columns_and_units_are_chosen_by_hand_where_names_do_not_tell(page, tmp_path):
+    t = np.arange(4000) / 2000.0
+    z = 0.05 * np.exp(1j * (2.0 * np.pi * 31.0 * t - 0.7))
+    text = written(("when", "left", "right", "n"), (1e3 * t, z.real, z.imag, np.full(t.size, 31.0)))
+    said = drop(page, text)
+    assert (
+        "must have a column for x and y; name them in columns, got 'when, left, right, n'" in said
+    )
+    assert page.run("return rotorIda.measured.found") is None
+    fields = {
+        "unit-t": "ms", "column-t": "when", "unit-length": "mm", "column-x": "left",
+        "column-y": "right", "turn": "speed", "unit-turn": "Hz", "column-turn": "n",
+    }  # fmt: skip
+    for name, value in fields.items():
+        assert page.run(CHOOSE, f"measured-{name}", value) == value
+        page.until("!rotorIda.measured.reading")
+    (tmp_path / "probes.csv").write_text(text)
+    record = read_signals(
+        tmp_path / "probes.csv",
+        columns={"t": "when", "x": "left", "y": "right", "speed": "n"},
+        units={"t": "ms", "x": "mm", "y": "mm", "speed": "Hz"},
+    )
+    exact = orders(record).isel(order=0)
+    np.testing.assert_array_equal(measured(page, "order.speed"), exact.speed)
+    np.testing.assert_array_equal(measured(page, "order.amplitude"), exact.forward_whirl_amplitude)
+    said = page.find("#measured-said").text
+    assert "turned by speed" in said
+    assert "phase lags have no known origin" in said
+    assert page.run("return document.getElementById('measured-length').value") == "mm"
+    # the choice is of this file: another one is guessed anew
+    good = written(("time_s", "probe_A_um", "probe_B_um", "angle [rad]"), (t, *[t % 0.1] * 2, t))
+    assert "4,000 samples, turned by angle" in drop(page, good, "good.csv")
+    shown = "return ['t', 'x', 'y', 'turn'].map((each) => " \
+        "document.getElementById(`measured-column-${each}`).value)"  # fmt: skip
+    assert page.run(shown) == ["time_s", "probe_A_um", "probe_B_um", "angle"]
+    page.find("#measured-remove").send_keys(Keys.SPACE)
+    assert page.run("return document.getElementById('measured-columns').hidden")
+
+
 def test_a_keyphasor_and_decimal_commas_give_the_library_s_spectrum(page, tmp_path):
     t = np.arange(5003) / 2000.0
     angle = 2.0 * np.pi * 31.3 * t + 1.0

@@ -370,6 +370,8 @@ def test_a_file_in_pieces_is_analysed_and_questions_are_answered_meanwhile(serve
      ({"size": -1}, "size must be at least 0"),
      ({"name": 7}, "name must be the name of a file"),
      ({"gains": [1]}, "gains must be two numbers"),
+     ({"columns": ["x"]}, "columns must be words by names of signals"),
+     ({"units": {"x": 1}}, "units must be words by names of signals"),
      ({"path": "/etc/passwd"}, "got also ['path']")],
     ids=str,
 )  # fmt: skip

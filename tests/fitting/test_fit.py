@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -204,7 +205,16 @@ def test_a_model_that_lacks_something_leaves_more_than_noise(up):
     seen = noisy(signals_of(up), np.random.default_rng(6))
     stiff = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=0.95)
     found = fit(seen, stiff, ["zeta"], noise=NOISE)
-    assert found.attrs["remainder"].startswith("more than noise is left")
+    wider = math.sqrt(float(found.chi_square) / float(found.degrees_of_freedom))
+    assert found.attrs["remainder"].startswith(
+        f"more than noise is left, and the errors are widened {wider:.3g} times: "
+    )
+    # as one would state them who takes what is left for the noise
+    as_noise = fit(seen, stiff, ["zeta"], noise=wider * NOISE)
+    assert as_noise.attrs["remainder"].startswith("what is left is noise")
+    assert float(found.standard_error) == pytest.approx(float(as_noise.standard_error), rel=1e-3)
+    part = 100.0 * float(found.standard_error / found.estimate)
+    assert found.attrs["identifiability"] == f"zeta is known to {part:.2g} %"
 
 
 def test_it_is_saved_and_loaded(up, tmp_path):

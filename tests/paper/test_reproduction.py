@@ -1,11 +1,13 @@
 import re
 
 import pytest
+from matplotlib import pyplot
 
 from rotor_ida import InputError, load
 from rotor_ida.paper import reproduction
 from rotor_ida.paper.reproduction import reproduce, scenario_scripts
 from rotor_ida.paper.scenario import Settings, run_script
+from rotor_ida.plot import panels
 
 # It starts processes as a sweep does, which fails where a script is not run as a script.
 WORKING = '''
@@ -169,6 +171,17 @@ def test_unknown_scenario_is_refused(scripts, tmp_path):
     for word in ("d", ""):
         with pytest.raises(InputError, match=rf"scenario must be one of a_works, .* got '{word}'"):
             reproduce(tmp_path, only=[word])
+
+
+def test_a_scenario_leaves_no_figure_open(tmp_path):
+    def draws(settings):
+        figure, _ = panels(1, 1)
+        figure.savefig(settings.folder / "drawn.png")
+
+    arguments = ["--out", str(tmp_path)]
+    assert run_script(draws, description="", script="fig.py", arguments=arguments) == 0
+    assert (tmp_path / "fig" / "drawn.png").stat().st_size > 1000
+    assert pyplot.get_fignums() == []
 
 
 def test_script_gets_its_settings(tmp_path, capsys):

@@ -105,7 +105,9 @@ def test_lines_are_those_of_the_spectrum(cycle):
     assert (lines["backward whirl"].get_xdata() < 0.0).all()
     assert (lines["forward whirl"].get_xdata() > 0.0).all()
     strongest = np.argmax(lines["forward whirl"].get_ydata())
-    np.testing.assert_allclose(lines["forward whirl"].get_xdata()[strongest], cycle.whirl_ratio)
+    np.testing.assert_allclose(
+        lines["forward whirl"].get_xdata()[strongest], cycle.side_line_over_spin
+    )
 
 
 def test_figure_of_a_cycle_has_all_three(cycle):

@@ -45,7 +45,8 @@ def test_axes_are_labelled_with_name_and_symbol_and_the_unit_of_the_dataset(pict
     ):
         assert shown == LABELS[name]
         unit = WRITTEN[kind][0]
-        assert in_si == (f"{IN_UNITS[name]} [{unit}]" if unit else LABELS[name])
+        plain_in_si = "spin speed [rpm]" if name == "omega" else LABELS[name]
+        assert in_si == (f"{IN_UNITS[name]} [{unit}]" if unit else plain_in_si)
 
 
 @every_picture

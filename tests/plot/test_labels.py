@@ -1,11 +1,13 @@
 """Units in labels, titles and legends; a dataset in other units than what is drawn is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rotor_ida import DimensionalRotor, InputError, dimensional
+from rotor_ida import DimensionalRotor, InputError, dimensional, run_ups, sweep
 from rotor_ida.closed_forms import jumps
 from rotor_ida.plot import (
     plot_amplitude,
@@ -14,11 +16,14 @@ from rotor_ida.plot import (
     plot_drawn_out,
     plot_history,
     plot_jumps,
+    plot_largest_force,
+    plot_machine,
     plot_orbit,
     plot_run,
     plot_section,
     plot_surface,
 )
+from rotor_ida.plot.figures import figure_of
 from rotor_ida.plot.labels import IN_UNITS, LABELS, label_of, number_text, unit_of
 from tests.plot.pictures import MACHINE, OF_CURVE, made
 
@@ -48,12 +53,28 @@ def test_every_panel_of_a_run_has_its_unit(plain, machine):
     np.testing.assert_allclose(peaks, bare_peaks * MACHINE.force_scale)
 
 
-def test_plain_si_units_where_no_others_were_chosen(plain):
+def test_si_units_have_the_prefix_of_a_machine(plain):
     ax = plot_orbit(dimensional(plain, MACHINE))
-    assert ax.get_xlabel().endswith("[m]")
-    np.testing.assert_allclose(
-        ax.dataLim.bounds, MACHINE.length_scale * np.array(plot_orbit(plain).dataLim.bounds)
-    )
+    assert ax.get_xlabel().endswith("[µm]")
+    lengths = 1e6 * MACHINE.length_scale * np.array(plot_orbit(plain).dataLim.bounds)
+    np.testing.assert_allclose(ax.dataLim.bounds, lengths)
+    figure = plot_machine(dimensional(plain, replace(MACHINE, contact_stiffness=1e15)))
+    found = [ax.get_ylabel().rpartition("[")[2] for ax in figure.axes]
+    assert found == ["µm]", "µm]", "kN]"]
+
+
+def test_units_that_were_chosen_stay(plain):
+    chosen = dimensional(plain, MACHINE, units={"length": "mm"})
+    assert plot_orbit(chosen).get_xlabel().endswith("[mm]")
+
+
+def test_other_prefixes_of_one_machine_share_axes(plain):
+    """Metres and micrometres of one machine are both shown in micrometres."""
+    micro = dimensional(plain, MACHINE, units={"length": "um"})
+    ax = plot_orbit(micro)
+    plot_orbit(dimensional(plain, MACHINE), ax=ax)
+    first, second = (line.get_xdata() for line in ax.lines if line.get_label() == "start")
+    np.testing.assert_allclose(first, second)
 
 
 def test_units_stand_in_the_third_dimension_in_titles_and_in_legends(machine):
@@ -75,7 +96,9 @@ def test_limits_of_a_section_are_those_without_units():
     np.testing.assert_allclose(si.get_ylim(), velocity * np.array(bare.get_ylim()))
     steady = made("turns").isel(crossing=[-1])
     bare, si = (plot_section(each) for each in (steady, dimensional(steady, MACHINE)))
-    np.testing.assert_allclose(si.get_ylim(), MACHINE.length_scale * np.array(bare.get_ylim()))
+    np.testing.assert_allclose(
+        si.get_ylim(), 1e6 * MACHINE.length_scale * np.array(bare.get_ylim())
+    )
 
 
 def test_jumps_take_the_units_of_the_curve():
@@ -132,3 +155,33 @@ def test_units_are_written_as_a_reader_does(units, written):
 def test_numbers_far_from_one_are_written_with_a_power_of_ten():
     assert number_text(1.2e-5, "g") == r"1.2 \times 10^{-5}"
     assert number_text(-15.0, "g") == "-15"
+
+
+def test_the_speeds_of_a_machine_are_in_rpm():
+    curve = made("curve")
+    ax, bare = (plot_amplitude(each) for each in (dimensional(curve, MACHINE), curve))
+    assert (ax.get_xlabel(), bare.get_xlabel()) == ("spin speed [rpm]", LABELS["omega"])
+    np.testing.assert_array_equal(ax.lines[0].get_xdata(), bare.lines[0].get_xdata())
+    rpm = ax.get_xticks() * MACHINE.reference_frequency * 30.0 / np.pi
+    texts = [text.get_text() for text in ax.get_xticklabels()]
+    assert len(set(texts)) == len(texts) > 3
+    np.testing.assert_allclose([float(text) for text in texts], rpm, rtol=1e-5)
+    assert all(float(text) % 100.0 == 0.0 for text in texts)
+
+
+def test_the_rates_of_run_ups_of_a_machine_are_in_rpm_per_second():
+    found = run_ups(omega=0.3, to=1.6, rate=[0.03, 0.3], zeta=0.1, delta0=1.0)
+    ax = plot_largest_force(dimensional(found, MACHINE))
+    assert ax.get_xlabel().endswith("[rpm/s]")
+    rates = found.rate.values * MACHINE.reference_frequency**2 * 30.0 / np.pi
+    np.testing.assert_allclose(ax.lines[0].get_xdata(), rates)
+
+
+@pytest.mark.parametrize("units", [{}, {"length": "mm"}])
+def test_a_sweep_of_a_machine_has_the_exact_curve_behind_it(units):
+    rotor = MACHINE.rotor()
+    found = sweep(omega=[0.5, 1.0, 1.5], zeta=rotor.zeta, delta0=rotor.delta0, method="taylor")
+    (ax,) = figure_of(dimensional(found, MACHINE, units=units)).axes
+    words = [text.get_text() for text in ax.figure.legends[0].get_texts()]
+    assert "stable whirl" in words
+    assert ax.get_ylabel().endswith("[mm]" if units else "[µm]")

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import InputError, orders, read_signals
+from rotor_ida import DimensionalRotor, InputError, fit, orders, read_signals
+from rotor_ida.plot import plot_bode, plot_orbit
 from rotor_ida.signals.files.columns import Column, Table
 from rotor_ida.signals.guessing import columns_of, name_of, unit_of
 
@@ -138,6 +139,27 @@ def test_a_table_of_two_probes_and_a_speed_gives_orders_without_naming_columns(
     assert once.backward_whirl_amplitude.max() < 1e-5
     assert "phase lags have no known origin" in found.attrs["notes"]
     assert "probe_angles" not in found.attrs["notes"]
+
+
+def test_pictures_of_an_integrated_speed_show_no_mark_of_a_keyphasor(tmp_path: Path) -> None:
+    found = read_signals(pump(tmp_path, HEAD), probe_angles=(45, -45))
+    marked = found.assign_attrs(angle_origin="that of a keyphasor")
+    for signals, has_mark in ((found, False), (marked, True)):
+        labels = [line.get_label() for line in plot_orbit(signals).get_lines()]
+        assert ("pulse of the keyphasor" in labels) == has_mark
+        assert plot_bode(signals)[1].get_ylabel().endswith("origin unknown") != has_mark
+
+
+def test_a_fit_to_an_integrated_speed_needs_the_angle_of_the_unbalance(tmp_path: Path) -> None:
+    found = read_signals(pump(tmp_path, HEAD), probe_angles=(45, -45))
+    machine = DimensionalRotor(
+        mass=12.0, contact_stiffness=1e8, damping=400.0, eccentricity=2e-5, clearance=1.5e-4,
+        speed=100.0, shaft_stiffness=4e6,
+    )  # fmt: skip
+    with pytest.raises(InputError, match="unknown must have unbalance_angle where the angle is in"):
+        fit(found, machine, ["eccentricity"])
+    fitted = fit(found, machine, ["eccentricity", "unbalance_angle"])
+    assert fitted.fitted_forward_whirl_amplitude.values == pytest.approx(30.0, rel=1e-3)
 
 
 def test_angles_of_probes_that_are_not_given_are_noted(tmp_path: Path) -> None:

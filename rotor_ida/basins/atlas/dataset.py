@@ -34,7 +34,7 @@ RISK = 0.05
 SIDES = ("low", "high")
 # What stands where there is no such attractor; in other columns NaN.
 FLAGS = {
-    "whirl_direction": WHIRL_DIRECTION["none"],
+    "whirl_sense": WHIRL_DIRECTION["none"],
     "kind": RESPONSE["not_found"],
     "trapping": TRAPPING["none"],
     **{f"{name}_{side}_end": END["not_found"] for name in WITH_EXTENTS for side in SIDES},

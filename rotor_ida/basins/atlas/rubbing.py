@@ -17,6 +17,7 @@ from rotor_ida.checks import State
 from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.whirl import forward_and_backward, steps_of_turning, whirl_over_spin
 from rotor_ida.simulation.contact_table import contact_summary
 from rotor_ida.simulation.orbit import ENTRY
 from rotor_ida.simulation.simulate import simulate
@@ -81,7 +82,11 @@ def numbers_of_rub(rotor: Rotor, start: Values) -> dict[str, float]:
         numbers["dissipation_per_revolution"] += loss
     fixed = run["x"].values + 1j * run["y"].values
     turning = fixed * np.exp(-1j * rotor.omega * run["t"].values)
-    numbers["whirl_ratio"] = _strongest_whirl(turning[:-1], turns)
+    numbers["side_line_over_spin"] = _strongest_beside_spin(turning[:-1], turns)
+    turned = float(steps_of_turning(fixed - fixed[:-1].mean()).sum())
+    forward, backward = (float(np.linalg.norm(part)) for part in forward_and_backward(fixed[:-1]))
+    ratio, sense = whirl_over_spin(turned, 2.0 * math.pi * turns, forward, backward)
+    numbers |= {"whirl_over_spin": float(ratio), "whirl_sense": int(sense)}
     return numbers
 
 
@@ -109,8 +114,8 @@ def numbers_of_whirl(rotor: Rotor, amplitude: float, force: float) -> dict[str, 
     }
 
 
-def _strongest_whirl(position: npt.NDArray[np.complex128], turns: float) -> float:
-    """Return the frequency over the spin speed of the strongest whirl beside the spin.
+def _strongest_beside_spin(position: npt.NDArray[np.complex128], turns: float) -> float:
+    """Return the frequency over the spin speed of the strongest line beside that of the spin.
 
     The position, complex, is that of so many revolutions on the rotating axes.
     """

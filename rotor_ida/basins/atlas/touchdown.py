@@ -30,7 +30,7 @@ from rotor_ida.checks import (
     check_seed,
     shown,
 )
-from rotor_ida.cycles.dataset import whirl_beside
+from rotor_ida.cycles.dataset import whirl_of_cycle
 from rotor_ida.cycles.shooting import close_orbit, sampled_orbit
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force
@@ -50,8 +50,10 @@ LEFT_OUT = ("count", "phase_lag")
 # What an attractor does, in numbers that it may lack.
 NUMBERS = (
     "largest_force", "mean_force", "contacts_per_revolution", "contact_fraction",
-    "dissipation_per_revolution", "whirl_ratio", "excursion",
+    "dissipation_per_revolution", "whirl_over_spin", "side_line_over_spin", "excursion",
 )  # fmt: skip
+# What turns with the unbalance, at last.
+AT_THE_SPIN = (response.SYNCHRONOUS, response.CONTACT_FREE, response.TOUCHING)
 # and with friction.
 OF_FRICTION = ("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction")
 
@@ -100,9 +102,11 @@ def touchdown_report(
         ``contact_loss_per_revolution``; with friction, of which the heat counts as well,
         ``heat_per_revolution`` [J], ``slip_distance_per_revolution``, how far the surfaces slide
         over each other [m], and ``rolling_fraction``, the part of the time in contact in which the
-        disc rolls; ``whirl_ratio`` and ``whirl_direction`` of the strongest
-        whirl beside the spin; ``radius_min``, ``radius_max``, ``period`` [m], [s]; ``excursion``,
-        the largest distance from the bearing axis over the clearance; the scalars
+        disc rolls; ``whirl_over_spin`` and ``whirl_sense`` of the motion,
+        as of `rotor_ida.whirl_ratio`, and ``side_line_over_spin``, the frequency of the strongest
+        line beside that of the spin, over the spin speed; ``radius_min``, ``radius_max``,
+        ``period`` [m], [s]; ``excursion``, the largest distance from the bearing axis over the
+        clearance; the scalars
         ``basin_entropy`` and ``boundary_entropy``, and ``agreement``, the part of the labels that
         come out the same with a smaller error in a step, of ``agreement_count`` that were found
         again. Of chaos what needs a period is NaN, and with contact damping its largest force.
@@ -183,7 +187,7 @@ def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Da
     rows = []
     for each in cell.members:
         own = _numbers(cell.rotor, each)
-        row = {**member_row(cell.rotor, each, starts), **own, "whirl_direction": _direction(own)}
+        row = {**member_row(cell.rotor, each, starts), **own}
         rows.append({name: value for name, value in row.items() if name not in LEFT_OUT})
     variables: dict[str, Column] = {}
     for name in rows[0] if rows else ():
@@ -235,7 +239,9 @@ def _scales(machine: object) -> tuple[Rotor, float, float]:
 def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
     """Return what one attractor does, dimensionless."""
     attractor = member.attractor
-    numbers = dict.fromkeys(NUMBERS, math.nan)
+    numbers, at_the_spin = dict.fromkeys(NUMBERS, math.nan), attractor.kind in AT_THE_SPIN
+    numbers["whirl_over_spin"] = 1.0 if at_the_spin else math.nan
+    numbers["whirl_sense"] = WHIRL_DIRECTION["forward" if at_the_spin else "none"]
     exponent, damped = rotor.contact_exponent, rotor.contact_damping > 0.0
     if damped:
         numbers["contact_loss_per_revolution"] = math.nan
@@ -278,7 +284,8 @@ def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
     """Return what a limit cycle does, from one period of it."""
     stop, period = np.zeros(1, np.uint8), member.attractor.period
     cycle = close_orbit(rotor, member.state, period, stop)
-    states = sampled_orbit(rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)[:-1]
+    states = sampled_orbit(rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)
+    whirl, states = whirl_of_cycle(cycle, states), states[:-1]
     revolution = 2.0 * math.pi / rotor.omega
     impulse = cycle.impulse
     if math.isnan(impulse):  # without clearance: the integral of a smooth periodic function
@@ -299,7 +306,7 @@ def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
         "contacts_per_revolution": cycle.contacts * revolution / cycle.period,
         "contact_fraction": _time_in_contact(cycle.shot) / cycle.period if cycle.contacts else 1.0,
         "dissipation_per_revolution": power * revolution + loss + heat,
-        "whirl_ratio": whirl_beside(cycle, states)[0],
+        **whirl,
     }
 
 
@@ -308,10 +315,3 @@ def _time_in_contact(shot: Shot) -> float:
     entry = np.nan_to_num(shot.contacts["entry"], nan=0.0)
     leaving = np.nan_to_num(shot.contacts["exit"], nan=shot.duration)
     return float((leaving - entry).sum())
-
-
-def _direction(numbers: dict[str, float]) -> int:
-    ratio = numbers["whirl_ratio"]
-    if math.isnan(ratio):
-        return WHIRL_DIRECTION["none"]
-    return WHIRL_DIRECTION["forward" if ratio > 0.0 else "backward"]

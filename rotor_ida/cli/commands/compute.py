@@ -1,4 +1,4 @@
-"""The commands that compute: one run, responses over speed, basins, and the whole paper again."""
+"""The commands that compute: runs, responses over speed, basins, and the paper's figures."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ def simulate(
     solver: options.SolverOptions = options.SolverOptions(),
     output: Output = Output(),
 ) -> Report:
-    r"""Simulate one rotor from one start, with every contact entry and exit.
+    r"""Simulate a rotor at constant speed, with every contact entry and exit.
 
-    From rest, with the result kept in a file:
+    From rest, saved to a file:
 
         rotor-ida simulate --omega 1.2 --zeta 0.07 --delta0 0.5 --duration 20 \
             --out run.nc
 
-    From a start of its own, drawn into motion.png and motion.svg:
+    From a given initial state, drawn to motion.png and motion.svg:
 
         rotor-ida simulate --omega 1.2 --zeta 0.07 --delta0 0.5 --duration 20 \
             --start 3 0 0 -1 --figure motion
@@ -61,9 +61,9 @@ def run_up(
     solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),
     output: Output = Output(),
 ) -> Report:
-    r"""Simulate one rotor whose speed changes: on a ramp, piece by piece, or driven by a torque.
+    r"""Simulate a rotor whose speed changes: a ramp, a speed profile, or a drive torque.
 
-    From --omega up through resonance; piece by piece; and with limited power:
+    From --omega up through resonance; a speed profile; and a drive of limited power:
 
         rotor-ida run-up --omega 0.2 --zeta 0.07 --delta0 0.8 \
             --shaft-stiffness 1 --to 2 --rate 0.05 --out run_up.nc
@@ -74,10 +74,10 @@ def run_up(
         rotor-ida run-up --omega 0.5 --zeta 0.07 --delta0 1 \
             --torque 3 0.5 --inertia 10 --duration 60
 
-    A machine in SI units, from 300 to 3000 rpm:
+    A machine in SI units, from 300 to 3000 rpm; values may have units:
 
-        rotor-ida run-up --mass 4 --contact-stiffness 3.2e7 --damping 89.1 \
-            --eccentricity 1e-5 --clearance 2e-5 --speed 300rpm --to 3000rpm \
+        rotor-ida run-up --mass 4kg --contact-stiffness 3.2e7 --damping 89.1Ns/m \
+            --eccentricity 10um --clearance 20um --speed 300rpm --to 3000rpm \
             --rate 9000rpm/s
     """
     chosen = change.beginning(rotor)
@@ -97,20 +97,21 @@ def run_up(
     return summarised(found, answer(shown, output, most=FIRST_ROWS))
 
 
-def response(
+def synchronous_response(
     *,
     rotors: options.WhirlsOptions = options.WhirlsOptions(),
     folds: options.WithFolds = False,
     output: Output = Output(),
 ) -> Report:
-    r"""List every exact synchronous whirl, with its stability.
+    r"""List all exact synchronous whirls, with their stability.
 
-    At two speeds, with the folds; then over a range of speeds into a file:
+    At two speeds, with the folds; then over a range of speeds, saved and drawn:
 
-        rotor-ida response --omega 1.2 1.7 --zeta 0.07 --delta0 0.5 --folds
+        rotor-ida synchronous-response --omega 1.2 1.7 --zeta 0.07 --delta0 0.5 \
+            --folds
 
-        rotor-ida response --omega 0.5:3:251 --zeta 0.07 --delta0 0 2 \
-            --out whirls.nc --figure whirls.png
+        rotor-ida synchronous-response --omega 0.5:3:251 --zeta 0.07 \
+            --delta0 0 2 --out whirls.nc --figure whirls.png
     """
     if not rotors.has_speed and not folds:
         raise InputError("omega must hold at least one number, got none")
@@ -131,6 +132,21 @@ def response(
     return answer(units.shown(whirls), output, most=MOST_ROWS)
 
 
+def backward_whirl(
+    *, rotor: options.RotorOptions = options.RotorOptions(), output: Output = Output()
+) -> Report:
+    r"""Compute the backward whirls that friction sustains: dry whirl and dry whip.
+
+    Without unbalance; both exist above the speed `birth omega`:
+
+        rotor-ida backward-whirl --omega 0.63 --zeta 0.1 --delta0 1 \
+            --friction 0.2 --disc-radius 10
+    """
+    output.check()
+    chosen, units = rotor.rotor_and_units()
+    return answer(units.shown(rotor_ida.backward_whirl(chosen)), output)
+
+
 def sweep(
     *,
     rotors: options.RotorsOptions = options.RotorsOptions(),
@@ -141,14 +157,14 @@ def sweep(
     study: options.Study = None,
     output: Output = Output(),
 ) -> Report:
-    r"""Follow the rotor at every speed, damping and clearance until it has settled.
+    r"""Simulate the steady-state response over speeds, dampings and clearances.
 
-    From rest and from far out, at three speeds and two clearances:
+    From two initial states, at three speeds and two clearances:
 
         rotor-ida sweep --omega 1.2:2:3 --zeta 0.5 --delta0 0 0.5 \
             --start 0 0 0 0 --start 10 0 0 0 --workers 1 --out sweep.nc
 
-    With a shaft, and under two loads, from speed to speed, up and down:
+    Quasi-static sweep up and down in speed, with a shaft and under two loads:
 
         rotor-ida sweep --omega 0.5:3:26 --zeta 0.1 --delta0 1 --direction both \
             --shaft-stiffness 0.25 --load 0 0.3 --figure machine
@@ -182,14 +198,14 @@ def run_ups(
     study: options.Study = None,
     output: Output = Output(),
 ) -> Report:
-    r"""Run rotors up or down at many rates, and say what they meet on the way and how they end.
+    r"""Simulate run-ups or run-downs at many rates, and summarise each.
 
     Through the critical speed of a shaft, at three rates and two clearances:
 
         rotor-ida run-ups --omega 0.3 --to 1.6 --rate 0.005 0.05 0.5 --zeta 0.1 \
             --delta0 1 2 --shaft-stiffness 1 --workers 1 --out run_ups.nc
 
-    Down, with a load, for eight angles of the unbalance at the beginning:
+    Run-down under a load, for eight initial angles of the unbalance:
 
         rotor-ida run-ups --omega 2 --to 0.5 --rate -0.1 --zeta 0.1 --delta0 1 \
             --shaft-stiffness 1 --load 0.2 --start 0 -0.2 0 0 --phase 0:5.5:8 \
@@ -226,14 +242,14 @@ def basin(
     study: options.Study = None,
     output: Output = Output(),
 ) -> Report:
-    r"""Say for every start of a plane on which attractor the rotor ends.
+    r"""Compute basins of attraction on a plane of initial states.
 
-    Two components of the start are ranges, two are numbers; here the velocities are 0:
+    Two components of the initial state are ranges; here the velocities are 0:
 
         rotor-ida basin --omega 1.7 --zeta 0.07 --delta0 0 \
             --x=-15:15:64 --y=-15:15:64 --out basin.nc
 
-    Interrupted, it writes what is done; with status 130 the rest is marked as not computed.
+    After an interrupt (exit status 130) the rest of the result is marked as not computed.
     """
     axes = [part for part in (x, y, vx, vy) if isinstance(part, list)]
     check_points(*axes, in_study=study is not None)
@@ -255,7 +271,7 @@ def basin(
         return answer_whole(units.shown(dataset), output, study)
 
 
-def fractions(
+def basin_fractions(
     *,
     rotor: options.RotorOptions = options.RotorOptions(),
     x: options.Range,
@@ -268,17 +284,18 @@ def fractions(
     jobs: options.JobOptions = options.JobOptions(),
     study: options.Study = None,
     out: options.Out = None,
+    csv: options.Csv = None,
     as_json: options.AsJson = False,
     force: options.Force = False,
 ) -> Report:
-    r"""Say which fraction of random starts ends on which attractor.
+    r"""Estimate basin fractions from random initial states.
 
-    Of starts drawn from a square, kept in a folder as they are done:
+    From a square of initial states, saved in a folder as they are computed:
 
-        rotor-ida fractions --omega 2 --zeta 0.07 --delta0 2 --x=-15:15 --y=-15:15 \
-            --starts 2000 --study study
+        rotor-ida basin-fractions --omega 2 --zeta 0.07 --delta0 2 \
+            --x=-15:15 --y=-15:15 --starts 2000 --study study
     """
-    output = Output(out=out, as_json=as_json, force=force)
+    output = Output(out=out, csv=csv, as_json=as_json, force=force)
     output.check()
     if study is None and starts > MOST_POINTS:
         raise InputError(f"starts must be at most {MOST_POINTS} without --study, got {starts}")
@@ -301,7 +318,7 @@ def fractions(
         return answer_whole(units.shown(dataset), output, study)
 
 
-def atlas(
+def continue_attractors(
     *,
     rotors: options.RotorsOptions = options.RotorsOptions(),
     drawn: options.DrawnOptions = options.DrawnOptions(),
@@ -310,11 +327,11 @@ def atlas(
     study: options.Study = None,
     output: Output = Output(),
 ) -> Report:
-    r"""Say which attractors exist over speed, damping or clearance, and how likely each is.
+    r"""Continue all attractors over speed, damping or clearance, with their basin fractions.
 
-    Over 29 speeds, drawn as fractions of the starts:
+    Over 29 speeds, drawn as basin fractions:
 
-        rotor-ida atlas --omega 0.2:3:29 --zeta 0.07 --delta0 2 \
+        rotor-ida continue-attractors --omega 0.2:3:29 --zeta 0.07 --delta0 2 \
             --x=-15:15 --y=-15:15 --starts 200 --out atlas.nc --figure atlas
     """
     output.check()
@@ -334,24 +351,24 @@ def atlas(
         return answer_whole(units.shown(dataset), output, study)
 
 
-def touchdown(
+def touchdown_report(
     *,
     rotor: options.RotorOptions = options.RotorOptions(),
     drawn: options.DrawnOptions = options.DrawnOptions(),
     shocks: options.ShockCount = 4096,
     output: Output = Output(),
 ) -> Report:
-    r"""Say what each attractor does to a machine, how likely it is, and what throws it off.
+    r"""Report the loads, basin fraction and shock resistance of each attractor.
 
-    In SI units, from starts within 15 um of the axis:
+    In SI units, from initial displacements within 15 um:
 
-        rotor-ida touchdown --mass 4 --contact-stiffness 1e9 --damping 280 \
-            --eccentricity 1e-6 --clearance 2e-6 --speed 1000 \
-            --x=-15e-6:15e-6 --y=-15e-6:15e-6
+        rotor-ida touchdown-report --mass 4kg --contact-stiffness 1e9 \
+            --damping 280 --eccentricity 1um --clearance 2um --speed 1000 \
+            --x=-15um:15um --y=-15um:15um
 
-    Without dimensions, and without looking for shocks:
+    Dimensionless, without shocks:
 
-        rotor-ida touchdown --omega 2 --zeta 0.07 --delta0 2 \
+        rotor-ida touchdown-report --omega 2 --zeta 0.07 --delta0 2 \
             --x=-15:15 --y=-15:15 --shocks 0 --json
     """
     chosen = rotor.chosen()
@@ -369,10 +386,9 @@ def reproduce(
     workers: options.Workers = None,
     force: options.Force = False,
 ) -> int:
-    """Compute the figures of the paper, and on request all studies, on a page index.html.
+    """Reproduce the figures of the paper and, on request, all studies, as a page index.html.
 
-    Only what is out of date is computed. A scenario that fails does not stop the others. To run one
-    of them in a coarse version, give its name or the beginning of it:
+    Results that are up to date are kept. One scenario, coarse but quick:
 
         rotor-ida reproduce --only fig06_jumps --quick --out results
     """

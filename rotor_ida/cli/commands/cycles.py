@@ -35,6 +35,11 @@ class Origin(options.RotorOptions):
     point: options.PointNumber = None
     special: options.SpecialNumber = None
 
+    @property
+    def units_unknown(self) -> bool:
+        """Whether an archive tells the units."""
+        return self.from_ is not None
+
     def check(self) -> None:
         """Refuse options that do not go together."""
         of_file = [name for name in ("point", "special") if getattr(self, name) is not None]
@@ -67,22 +72,22 @@ class Origin(options.RotorOptions):
         return rotor, _closed(rotor, start, units.time(self.period)), units
 
 
-def cycle(
+def limit_cycle(
     *,
     rotor: options.RotorOptions = options.RotorOptions(),
     start: options.Start = AT_REST,
     period: options.Period = None,
     output: Output = Output(),
 ) -> Report:
-    r"""Find the limit cycle that a start leads to, with its multipliers and spectrum.
+    r"""Compute the limit cycle reached from an initial state, with multipliers and spectrum.
 
-    From rest, with the result kept in a file:
+    From rest, saved to a file:
 
-        rotor-ida cycle --omega 2 --zeta 0.07 --delta0 2 --out cycle.nc
+        rotor-ida limit-cycle --omega 2 --zeta 0.07 --delta0 2 --out cycle.nc
 
-    Near a state on the rotating axes that comes back after about so long, stable or not:
+    A cycle, stable or not, near a state on the rotating axes and of about a given period:
 
-        rotor-ida cycle --omega 2 --zeta 0.07 --delta0 2 \
+        rotor-ida limit-cycle --omega 2 --zeta 0.07 --delta0 2 \
             --start 2.6 0.75 0.66 -1.65 --period 4.5
     """
     output.check()
@@ -99,7 +104,7 @@ def cycle(
     return replace(report, parts=[*report.parts, "drew no figure: there is no limit cycle"])
 
 
-def continue_(
+def continue_cycle(
     *,
     origin: Origin = Origin(),
     limits: options.Limits,
@@ -109,13 +114,13 @@ def continue_(
     study: options.Study = None,
     output: Output = Output(),
 ) -> Report:
-    r"""Follow a limit cycle over speed, damping or clearance, with its folds and doublings.
+    r"""Continue a limit cycle over speed, damping or clearance, with its bifurcations.
 
-    Of the cycle that the example of cycle wrote; then the branch of doubled cycles that leaves it:
+    From the cycle of the example of limit-cycle; then along the period-doubled branch:
 
-        rotor-ida continue --from cycle.nc --limits 1.5 2.5 --out branch.nc
+        rotor-ida continue-cycle --from cycle.nc --limits 1.5 2.5 --out branch.nc
 
-        rotor-ida continue --from branch.nc --special 1 --limits 1.7 2
+        rotor-ida continue-cycle --from branch.nc --special 1 --limits 1.7 2
     """
     origin.check()
     output.check()
@@ -135,7 +140,7 @@ def continue_(
         return answer_whole(units.shown(branch), output, study)
 
 
-def curve(
+def bifurcation_curve(
     *,
     origin: Origin = Origin(),
     kind: options.Bifurcation,
@@ -144,12 +149,12 @@ def curve(
     points: options.PointCount = 2000,
     output: Output = Output(),
 ) -> Report:
-    r"""Follow a fold, a period doubling or a torus point of limit cycles over two parameters.
+    r"""Continue a fold, period doubling or torus bifurcation of cycles over two parameters.
 
-    Of the branch that the example of continue wrote:
+    From the branch of the example of continue-cycle:
 
-        rotor-ida curve --from branch.nc --special 1 --kind period_doubling \
-            --limits 1.7 1.9 1.9 2.1 --out curve.nc
+        rotor-ida bifurcation-curve --from branch.nc --special 1 \
+            --kind period_doubling --limits 1.7 1.9 1.9 2.1 --out curve.nc
     """
     origin.check()
     output.check()
@@ -195,7 +200,7 @@ def _in_archive(
     elif point is not None or special is not None:
         raise InputError(f"point and special must be left out with a cycle, got {shown(file)}")
     elif dataset["period"].isnull():
-        raise InputError(f"from must hold a limit cycle, got {shown(file)} without one")
+        raise InputError(f"from must contain a limit cycle, got {shown(file)} without one")
     if kind == "curve":
         dataset = _of_curve(dataset, "special_" if point is None else "", curve_kind)
     place = dataset

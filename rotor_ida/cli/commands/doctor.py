@@ -28,9 +28,9 @@ Check = dict[str, str]
 
 
 def doctor(*, as_json: options.AsJson = False) -> Report:
-    """Say which solver, backends and versions are in use, and check that they work.
+    """Check the installation: versions, solvers and backends.
 
-    To send along with a question:
+    To attach to a question:
 
         rotor-ida doctor --json
     """
@@ -60,8 +60,8 @@ def doctor(*, as_json: options.AsJson = False) -> Report:
         parts=[
             pairs("Versions", versions),
             *([pairs("Core", core)] if core else []),
-            f"Backends that can be used: {', '.join(usable) or 'none'}",
-            f"Executors that can be used: {', '.join(executors)}",
+            f"Usable backends: {', '.join(usable) or 'none'}",
+            f"Usable executors: {', '.join(executors)}",
             table("Checks", checks, list(checks[0])),
         ],
         as_json=as_json,

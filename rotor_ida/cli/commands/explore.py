@@ -35,23 +35,23 @@ def explore(
     speeds: options.ExportedSpeeds = None,
     force: options.Force = False,
 ) -> int:
-    r"""Open a page that shows what a rotor does while its sliders move.
+    r"""Open an interactive page in the browser, with sliders for the parameters.
 
-    It is served to this machine alone, at the address that is printed, until Ctrl-C:
+    The page is served on this computer only, until Ctrl-C:
 
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2
 
-    A machine in SI units, with its shaft, a linear contact that loses energy, and its weight:
+    A machine in SI units, with a shaft, a linear contact with damping, and its weight:
 
         rotor-ida explore --mass 8 --contact-stiffness 5e7 --damping 240 \
             --eccentricity 2e-5 --clearance 1e-4 --speed 700 --shaft-stiffness 2e6 \
             --contact-exponent 1 --contact-damping 7.5 --load 78.5
 
-    From the start of a run that simulate wrote:
+    From the rotor and initial state of an archived run:
 
         rotor-ida explore run.nc
 
-    As a page for others that needs no server, with a slider over its speeds:
+    As a page that needs no server, with a slider over the speeds:
 
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2 --export page.html \
             --speeds 1.9:2.1:3
@@ -60,7 +60,7 @@ def explore(
     if export is not None:
         return _export(export, chosen, first, revolutions, speeds, force)
     if speeds is not None:
-        raise InputError("speeds are those of an exported page: give --export too")
+        raise InputError("speeds must be left out without --export")
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         raise InputError(
@@ -83,12 +83,12 @@ def _beginning(
         check_can_be_followed(chosen if isinstance(chosen, Rotor) else chosen.rotor(), begun)
         return chosen, begun, REVOLUTIONS
     if given or start is not None:
-        raise InputError("file must be given alone: it has a rotor and a start of its own")
+        raise InputError("file must be given alone: the archive contains the rotor and the start")
     from rotor_ida.results.run import check_one_speed, rotor_of  # noqa: PLC0415 - heavy, and not for --help
 
     archived = read(file)
     if "event_time" not in archived or "duration" not in archived.attrs:
-        raise InputError(f"file must be a run that simulate wrote, got {shown(file)}")
+        raise InputError(f"file must be an archive of a run, got {shown(file)}")
     run, units = plain(archived)
     check_one_speed(run, "the explorer")
     found = rotor_of(run)

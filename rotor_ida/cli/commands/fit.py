@@ -20,26 +20,26 @@ def fit(
     rotor: options.RotorOptions = options.RotorOptions(),
     orders: options.Orders = None,
     start: options.StartOrNone = None,
-    entries: options.ContactTimes = None,
-    exits: options.ContactTimes = None,
+    entries: options.EntryTimes = None,
+    exits: options.ExitTimes = None,
     time_error: options.TimeError = None,
     noise: options.NoiseLevel = None,
     times: options.Times = None,
     reading: options.ReadingOptions = options.ReadingOptions(),
     output: Output = Output(),
 ) -> Report:
-    r"""Find parameters of a machine from its signals, with errors, and what they tell of each.
+    r"""Fit rotor parameters to measured signals, with their errors.
 
-    Of the run-up that the example of run-up wrote; what is sought begins at the values given:
+    To the archive of the example of run-up; the given values are the initial guess:
 
         rotor-ida fit run_up.nc --zeta 0.1 --delta0 0.7 --shaft-stiffness 1.1 \
             --unknown zeta delta0 shaft_stiffness --figure fit
 
-    How large the unbalance of a machine is, and where, from a table of probes and a keyphasor:
+    Size and angle of the unbalance of a machine, from a table of probes and a keyphasor:
 
         rotor-ida fit probes.csv --columns x=A y=B --units x=um y=um \
-            --mass 4 --contact-stiffness 3.2e7 --damping 100 --clearance 2.5e-5 \
-            --shaft-stiffness 5e5 --eccentricity 1e-6 \
+            --mass 4kg --contact-stiffness 3.2e7 --damping 100 --clearance 25um \
+            --shaft-stiffness 500N/mm --eccentricity 1um \
             --unknown eccentricity unbalance_angle
     """
     output.check()

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
+from rich.console import RenderableType
 
 from rotor_ida.checks import shown
 from rotor_ida.cli import machines, options, parsing
@@ -35,7 +36,7 @@ def _quantity(text: str, metavar: str) -> Any:
 # What each option of a data sheet says, with an example of its value.
 SHEET = {
     "mass": ("Mass of the disc.", "12kg"),
-    "shaft_stiffness": ("Stiffness of the shaft at the disc.", "4e6N/m"),
+    "shaft_stiffness": ("Shaft stiffness at the disc.", "4e6N/m"),
     "critical_speed": ("Or the critical speed, sqrt(stiffness/mass).", "5500rpm"),
     "damping_ratio": ("Damping ratio of the critical speed, c/(2 sqrt(k m)).", "3%"),
     "damping": ("Or the damping coefficient c.", "416Ns/m"),
@@ -45,24 +46,26 @@ SHEET = {
     "balance_grade": ("Or the balance quality grade of ISO 21940, with its speed.", "G6.3"),
     "balance_speed": ("Speed to which the balance grade belongs.", "3600rpm"),
     "speed": ("Running speed.", "3600rpm"),
-    "friction": ("Coefficient of friction in the contact.", "0.12"),
-    "disc_radius": ("Radius of the disc, which friction needs.", "60mm"),
+    "friction": ("Friction coefficient of the contact.", "0.12"),
+    "disc_radius": ("Disc radius, required with friction.", "60mm"),
     "contact_stiffness": (
-        "Stiffness of the contact: in N/m of a linear contact, in N/m^1.5 by Hertz.", "1e8N/m",
+        "Contact stiffness: in N/m for a linear contact, in N/m^1.5 for Hertz.", "1e8N/m",
     ),
-    "contact_exponent": ("Exponent of the contact force; default: as the unit says.", "1|1.5"),
-    "contact_damping": ("Coefficient of Hunt and Crossley.", "1s/m"),
+    "contact_exponent": (
+        "Exponent of the contact force. Default: from the unit of the stiffness.", "1|1.5",
+    ),
+    "contact_damping": ("Contact damping coefficient of Hunt and Crossley.", "1s/m"),
     "load": ("Static load, downwards, or the word weight.", "100N"),
 }  # fmt: skip
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=options.ROTOR)
 @dataclass(frozen=True, kw_only=True)
 @options.with_parameters(
     {name: _quantity(*told) for name, told in SHEET.items()}, dict.fromkeys(SHEET)
 )
 class SheetOptions:
-    """What a data sheet says."""
+    """The entries of a data sheet."""
 
     def given(self) -> dict[str, str]:
         """Return what is given."""
@@ -76,16 +79,16 @@ def machine(
     as_json: options.AsJson = False,
     force: options.Force = False,
 ) -> Report:
-    r"""Write the file of a machine from its data sheet, for the option --machine.
+    r"""Describe a machine by its data sheet, and write a file for the option --machine.
 
-    A pump rotor balanced to G6.3, which may rub on a ring:
+    A pump rotor balanced to G6.3, with a stator that it may touch:
 
         rotor-ida machine --mass 12kg --shaft-stiffness 4e6N/m \
             --damping-ratio 3% --clearance 150um --balance-grade G6.3 \
             --balance-speed 3600rpm --speed 3600rpm --friction 0.12 \
             --disc-radius 60mm --contact-stiffness 1e8N/m --out pump.toml
 
-    Numbers without a unit are in SI units. Without --out it shows what it would write.
+    Numbers without a unit are in SI units. Without --out the file is printed.
     """
     given = sheet.given()
     check_keys(given, "machine")
@@ -93,7 +96,10 @@ def machine(
     from rotor_ida.results.machine_file import machine_text, save_machine  # noqa: PLC0415
 
     facts, warnings = _facts(found), implausible(found)
-    parts = [pairs("Machine", facts), *(f"warning: {each}" for each in warnings)]
+    parts: list[RenderableType] = [
+        pairs("Machine", facts),
+        *(f"warning: {each}" for each in warnings),
+    ]
     if out is None:
         parts += ["", machine_text(found).rstrip()]
     else:
@@ -111,7 +117,7 @@ def _checked(out: Path, force: bool) -> Path:
     return check_target("out", out, overwrite=force, permission=FORCED)
 
 
-def _facts(machine: DimensionalRotor) -> dict[str, object]:
+def _facts(machine: DimensionalRotor) -> dict[str, float]:
     """Return what an engineer knows a machine by, and its dimensionless numbers."""
     rpm, rotor = SPEED_UNITS["rpm"], machine.rotor()
     grade = machine.eccentricity * machine.speed / MILLIMETRE

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import rotor_ida
 from rotor_ida.checks import shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import OUT_ENDING, Output, read, write_figure
+from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import Report, pairs
 from rotor_ida.errors import InputError, RotorError
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 # Attributes of measured signals that tell how the file was understood.
 OF_FILE = ("columns", "notes")
@@ -36,8 +39,8 @@ def plot(
     file: options.SignalFile,
     /,
     *,
-    kind: options.PlotKind,
-    figure: options.NeededFigure,
+    kind: options.PlotKind = None,
+    figure: options.FigureOfPlot = None,
     exact: options.Exact = False,
     order: options.OneOrder = None,
     orders: options.Orders = None,
@@ -51,15 +54,18 @@ def plot(
     as_json: options.AsJson = False,
     force: options.Force = False,
 ) -> Report:
-    r"""Draw an archive or a measured file as practitioners do: Bode, orbit, cascade and others.
+    r"""Plot an archive or a measured file: Bode, orbit, cascade and others.
 
-    Of the run-up that the example of run-up wrote, with the exact response beneath:
+    The archive of the example of run-up, as suits it, to run_up.png and run_up.svg; then
+    a Bode plot with the exact response, and a cascade:
+
+        rotor-ida plot run_up.nc
 
         rotor-ida plot run_up.nc --kind bode --figure bode --exact
 
         rotor-ida plot run_up.nc --kind cascade --figure cascade.png
 
-    From a table of two probes at 45 and 135 degrees, whose columns are guessed from their names
+    Probes at 45 and 135 degrees, from a table whose columns are guessed from their names
     (time_s, probe_A_um, Speed [rpm], ...):
 
         rotor-ida plot probes.csv --kind orbit --figure orbit --probe-angles 45 135 --times 0.5 1
@@ -68,30 +74,77 @@ def plot(
 
         rotor-ida plot probes.csv --kind orbit --figure orbit --columns x=A y=B --units x=um y=um
     """
-    Output(figure=figure, force=force).check()
     given = {
         "order": order, "orders": orders, "sense": sense, "over": over, "span": span,
         "segment": segment, "clearance": clearance,
     }  # fmt: skip
-    chosen = _options_of(kind, given)
-    dataset = signals_in(file, reading, times)
+    chosen = {name: value for name, value in given.items() if value is not None}
+    if kind is not None:
+        _check_options(kind, chosen)
+    elif chosen or exact:
+        raise InputError(f"kind must be given with {next(iter(chosen), 'exact')}")
+    if figure is None:
+        figure = file.with_name(f"{file.stem}_{kind}.png" if kind else f"{file.stem}.png")
+    Output(figure=figure, force=force).check()
+    if kind is None:
+        dataset = _dataset_in(file, reading) if times is None else signals_in(file, reading, times)
+        drawn = _suiting(dataset)
+    else:
+        dataset = signals_in(file, reading, times)
+        drawn = _of_kind(kind, dataset, chosen, exact=exact)
+    return _written(file, dataset, drawn, figure, kind=kind, as_json=as_json, force=force)
+
+
+def _suiting(dataset: xr.Dataset) -> Figure:
+    """Return the figure that suits a kind of dataset."""
+    from rotor_ida.plot.figures import figure_of  # noqa: PLC0415 - only who draws needs it
+
+    return figure_of(dataset)
+
+
+def _of_kind(
+    kind: options.KindOfPlot, dataset: xr.Dataset, chosen: dict[str, Any], *, exact: bool
+) -> Figure:
+    """Return the figure of a kind of plot of signals."""
+    from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
+
+    if "clearance" in chosen:
+        unit = str(dataset["x"].attrs.get("units", "1"))
+        chosen["clearance"] = in_unit("clearance", chosen["clearance"], unit)
     if exact:
         from rotor_ida.cli.exact import exact_beneath  # noqa: PLC0415 - heavy, and not for --help
 
         chosen["beneath"] = exact_beneath(dataset, kind)
-    from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
     from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
 
     with without_pyplot():
         drawn = getattr(plots, FUNCTIONS[kind])(dataset, **chosen)
-    ax = drawn[0] if isinstance(drawn, list) else drawn
+    ax: Axes = drawn[0] if isinstance(drawn, list) else drawn
+    return cast("Figure", ax.figure)
+
+
+def _written(
+    file: Path,
+    dataset: xr.Dataset,
+    drawn: Figure,
+    figure: Path,
+    *,
+    kind: options.KindOfPlot | None,
+    as_json: bool,
+    force: bool,
+) -> Report:
+    """Return the report on a figure, which is written."""
+    from rotor_ida.results.kinds import kind_of  # noqa: PLC0415
+
     written, trouble = [], ""
     try:
-        files = write_figure(ax.figure, figure, overwrite=force)
+        files = write_figure(drawn, figure, overwrite=force)
         written = [str(path) for path in files]
     except (RotorError, OSError) as error:
         trouble = str(error)
-    record: dict[str, object] = {"file": str(file), "kind": kind, "samples": dataset.sizes["t"]}
+    record: dict[str, object] = {"file": str(file), "kind": kind or kind_of(dataset)}
+    if "t" in dataset.sizes:
+        record["samples"] = dataset.sizes["t"]
     record |= {name: str(dataset.attrs[name]) for name in OF_FILE if name in dataset.attrs}
     return Report(
         record={**record, "written": written},
@@ -101,16 +154,14 @@ def plot(
     )
 
 
-def _options_of(kind: str, given: Mapping[str, object]) -> dict[str, Any]:
-    """Return the options that were given, if the kind of plot has them."""
+def _check_options(kind: options.KindOfPlot, chosen: Iterable[str]) -> None:
+    """Raise `InputError` for an option that a kind of plot does not have."""
     from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
 
     known = inspect.signature(getattr(plots, FUNCTIONS[kind])).parameters
-    chosen = {name: value for name, value in given.items() if value is not None}
     for name in chosen:
         if name not in known:
             raise InputError(f"{name} must be left out with --kind {kind}")
-    return chosen
 
 
 def signals_in(
@@ -121,24 +172,30 @@ def signals_in(
 
 
 def _signals(file: Path, reading: options.ReadingOptions) -> xr.Dataset:
+    """Return the signals in a measured file, or the run or signals in an archive."""
+    dataset = _dataset_in(file, reading)
+    if "t" not in dataset.dims or not {"x", "y"} <= set(dataset.variables):
+        title = dataset.attrs.get("title", "another dataset")
+        raise InputError(f"file must contain a run, a run-up or signals, got {shown(title)}")
+    return dataset
+
+
+def _dataset_in(file: Path, reading: options.ReadingOptions) -> xr.Dataset:
     """Return the dataset in an archive, or the signals in a measured file."""
     given = reading.given()
     if file.suffix != OUT_ENDING:
         return rotor_ida.read_signals(file, **given)
     if given:
-        raise InputError(f"{next(iter(given))} is of measured files, got the archive {shown(file)}")
-    dataset = read(file)
-    if "t" not in dataset.dims or not {"x", "y"} <= set(dataset.variables):
-        title = dataset.attrs.get("title", "another dataset")
-        raise InputError(f"file must hold a run, a run-up or signals, got {shown(title)}")
-    return dataset
+        raise InputError(f"{next(iter(given))} must be left out with an archive, got {shown(file)}")
+    return read(file)
 
 
 def _between(dataset: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
     """Return the part of signals between two times."""
     if times is None:
         return dataset
-    low, high = times
+    unit = str(dataset["t"].attrs.get("units", "1"))
+    low, high = (in_unit("times", each, unit) for each in times)
     part = dataset.sel(t=slice(low, high))
     if "keyphasor" in part.variables:
         pulses = part["keyphasor"].values

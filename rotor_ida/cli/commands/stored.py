@@ -1,4 +1,4 @@
-"""The commands for what is on disk: show, compare and verify archives; go on with studies."""
+"""The commands for files: show, compare and verify archives; continue studies."""
 
 from __future__ import annotations
 
@@ -26,16 +26,17 @@ def show(
     /,
     *,
     figure: options.Figure = None,
+    csv: options.Csv = None,
     as_json: options.AsJson = False,
     force: options.Force = False,
 ) -> Report:
-    """Say what an archive holds: its kind, where it came from, its first rows.
+    """Show an archive: its kind, its origin and its first rows.
 
-    Of the run that the example of simulate wrote:
+    The archive of the example of simulate, also as CSV files:
 
-        rotor-ida show run.nc --figure run.png
+        rotor-ida show run.nc --figure run.png --csv run.csv
     """
-    output = Output(figure=figure, as_json=as_json, force=force)
+    output = Output(figure=figure, csv=csv, as_json=as_json, force=force)
     output.check()
     from rotor_ida.cli.describe import origin  # noqa: PLC0415 - heavy, and not for --help
 
@@ -54,16 +55,17 @@ def compare(
     /,
     *,
     out: options.Out = None,
+    csv: options.Csv = None,
     as_json: options.AsJson = False,
     force: options.Force = False,
 ) -> Report:
-    """Hold an archived sweep against the exact whirls and limit cycles.
+    """Compare an archived sweep with the exact whirls and limit cycles.
 
-    Of the sweep that the example of sweep wrote:
+    The archive of the example of sweep:
 
         rotor-ida compare sweep.nc --out compared.nc
     """
-    output = Output(out=out, as_json=as_json, force=force)
+    output = Output(out=out, csv=csv, as_json=as_json, force=force)
     output.check()
     if out is not None and os.path.realpath(out) == os.path.realpath(file):
         raise InputError(f"out must not be the file that is compared, got {shown(out)}")
@@ -79,9 +81,9 @@ def verify(
     workers: options.Workers = None,
     as_json: options.AsJson = False,
 ) -> Report:
-    """Compute an archived result again, and hold it against the archive.
+    """Recompute an archived result and compare it with the archive.
 
-    Of the run that the example of simulate wrote, as it was computed, and by another method:
+    The archive of the example of simulate, by the same method and by another:
 
         rotor-ida verify run.nc
         rotor-ida verify run.nc --method taylor
@@ -101,9 +103,9 @@ def verify(
 
 
 def status(folder: options.Folder, /, *, as_json: options.AsJson = False) -> Report:
-    """Say how far a study is: points done, failed and left, and how long these will take.
+    """Show the progress of a study: points done, failed and left, and the time left.
 
-    Of the study that the example of fractions began, even while it runs:
+    The study of the example of basin-fractions, even while it runs:
 
         rotor-ida status study
     """
@@ -131,9 +133,9 @@ def resume(
     jobs: options.JobOptions = options.JobOptions(),
     output: Output = Output(),
 ) -> Report:
-    """Go on with a study until it is done, and write its result.
+    """Continue a study until it is complete, and write its result.
 
-    Of the study that the example of fractions began:
+    The study of the example of basin-fractions:
 
         rotor-ida resume study
     """

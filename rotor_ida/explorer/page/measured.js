@@ -14,6 +14,9 @@ const SHOWN = { um: "µm" };
 const VOLT = 127;
 // The fields of the probes, as they stand one after the other.
 const FIELDS = { angles: ["measured-angle-x", "measured-angle-y"], gains: ["measured-gain-x", "measured-gain-y"] };
+// What may give the rotation of the shaft, and the fields of columns and of units by what they are of.
+const TURNS = ["keyphasor", "angle", "speed"];
+const COLUMNS = ["t", "x", "y", "turn"], UNITS = ["t", "length", "turn"];
 const $ = (id) => document.getElementById(id);
 
 export class Measured {
@@ -31,7 +34,9 @@ export class Measured {
     });
     $("measured-remove").addEventListener("click", () => this.remove());
     for (const name of ["length", "time", "period", "scale", "mark"]) $(`measured-${name}`).addEventListener("change", () => this.#show());
-    for (const id of Object.values(FIELDS).flat()) $(id).addEventListener("change", () => this.#read(this.file, probesShown()));
+    for (const id of Object.values(FIELDS).flat()) $(id).addEventListener("change", () => this.#read(this.file, probesShown(), chosenShown()));
+    const choices = ["measured-turn", ...COLUMNS.map((name) => `measured-column-${name}`), ...UNITS.map((name) => `measured-unit-${name}`)];
+    for (const id of choices) $(id).addEventListener("change", () => this.#choose(id));
     if (listens) this.#listenToDrops();
   }
 
@@ -55,11 +60,17 @@ export class Measured {
 
   /** Read a file; what was there stays until the new one has been understood. */
   read(file) {
-    this.#read(file, PROBES);
+    this.#read(file, PROBES, { columns: {}, units: {} });
   }
 
-  /** Read a file of probes at some angles and with some gains. */
-  #read(file, probes) {
+  /** Read the file again with the columns and units that were chosen. */
+  #choose(id) {
+    if (id === "measured-turn" && !$("measured-column-turn").value) return; // its column is still to be chosen
+    this.#read(this.file, this.file === this.shown ? probesShown() : PROBES, chosenShown());
+  }
+
+  /** Read a file of probes at some angles and with some gains; columns that are not chosen are guessed. */
+  #read(file, probes, { columns, units }) {
     if (file.size > LARGEST_FILE) {
       this.#say(`${file.name} has ${told(file.size / 1e6, 4)} MB, and at most ${Math.floor(LARGEST_FILE / 1e6)} MB can be read.`, true);
       return;
@@ -67,7 +78,7 @@ export class Measured {
     const number = (this.number += 1);
     this.reading = { file, probes, number };
     this.#say(`Reading ${file.name} …`);
-    this.send({ about: "measured", number, probe_angles: probes.angles, gains: probes.gains }, file, () => this.reading?.number === number)
+    this.send({ about: "measured", number, probe_angles: probes.angles, gains: probes.gains, columns, units }, file, () => this.reading?.number === number)
       .catch(({ message }) => this.fail(message, number));
   }
 
@@ -83,6 +94,12 @@ export class Measured {
   take({ number, facts, arrays }) {
     if (number !== this.reading?.number) return;
     const { file, probes } = this.reading;
+    this.#offer(facts);
+    if (facts.trouble) {
+      this.fail(facts.trouble, number);
+      this.file = file; // its columns can be chosen
+      return;
+    }
     this.reading = null;
     const { order_speed: speed, order_amplitude: amplitude, order_lag: lag, full_frequency: frequency } = arrays;
     const answer = {
@@ -90,10 +107,23 @@ export class Measured {
       full: frequency ? { frequency, amplitude: arrays.full_amplitude, speed: facts.speed } : null,
     };
     this.found = answer;
-    const isNew = file !== this.file || probes === PROBES;
-    this.file = file;
+    const isNew = file !== this.shown || probes === PROBES;
+    this.file = this.shown = file;
     if (isNew) this.#suggest(answer);
     this.#show();
+  }
+
+  /** Offer the columns of a file, those that were guessed or chosen among them. */
+  #offer({ names, columns, units }) {
+    const turn = TURNS.find((name) => name in columns) ?? $("measured-turn").value;
+    $("measured-turn").value = turn;
+    for (const name of COLUMNS) {
+      const options = [new Option("as guessed", ""), ...names.map(([column, unit]) => new Option(unit ? `${column} [${unit}]` : column, column))];
+      $(`measured-column-${name}`).replaceChildren(...options);
+      $(`measured-column-${name}`).value = columns[name === "turn" ? turn : name] ?? "";
+    }
+    for (const name of UNITS) $(`measured-unit-${name}`).value = units[{ t: "t", length: "x", turn }[name]] ?? "";
+    $("measured-columns").hidden = false;
   }
 
   /** Put into the form what suits a new file. */
@@ -109,7 +139,8 @@ export class Measured {
 
   /** Forget the file. */
   remove() {
-    this.reading = this.found = this.file = null;
+    this.reading = this.found = this.file = this.shown = null;
+    $("measured-columns").hidden = true;
     this.#say("");
     this.#show();
     $("measured-choose").focus();
@@ -198,6 +229,17 @@ export class Measured {
 
 /** Return how the probes stand, as the form has it. */
 const probesShown = () => Object.fromEntries(Object.entries(FIELDS).map(([name, ids]) => [name, ids.map((id) => $(id).valueAsNumber)]));
+
+/** Return the columns and units that the form has, by signal; those that are not chosen are left out. */
+function chosenShown() {
+  const turn = $("measured-turn").value;
+  const kept = (pairs) => Object.fromEntries(pairs.filter(([, value]) => value));
+  const unit = (name) => $(`measured-unit-${name}`).value;
+  return {
+    columns: kept(COLUMNS.map((name) => [name === "turn" ? turn : name, $(`measured-column-${name}`).value])),
+    units: kept([["t", unit("t")], ["x", unit("length")], ["y", unit("length")], [turn, turn === "keyphasor" ? "" : unit("turn")]]),
+  };
+}
 
 const linesAt = ({ frequency, amplitude }, speed, words = "") => (speed > 0 ? { over: frequency.map((each) => each / speed), amplitude, told: words } : null);
 

@@ -110,7 +110,7 @@ def plot_orbit(
                 _draw_pulses(ax, record, path.time, path.x, path.y)
         elif record is not None:
             draw_ring(ax, _ring_of(given, clearance) or 0.0)
-            marked = record.angles is not None if keyphasor is None else keyphasor
+            marked = record.has_mark if keyphasor is None else keyphasor
             _draw_orbit(ax, record, marked=marked)
             one_speed = "speed" not in given.variables
             ax.set_title(title_of_signals(given, one_speed=one_speed))

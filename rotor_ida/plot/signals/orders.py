@@ -30,7 +30,7 @@ from rotor_ida.plot.signals.speeds import legs_of, mark_speeds, title_of_signals
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
 from rotor_ida.signals.orders import check_orders, revolutions_for
 from rotor_ida.signals.orders import orders as tracked
-from rotor_ida.signals.record import record_of
+from rotor_ida.signals.record import integrated, record_of
 
 SENSES = ("forward", "backward")
 # From one window to the next a vector jumps by more than that part of the largest amplitude, and
@@ -117,6 +117,8 @@ def plot_bode(
                        ls=dashes, lw=1.1, zorder=3.2)  # fmt: skip
         label_axis(upper.yaxis, "whirl_amplitude", one.units.lengths(amplitude))
         _label_degrees(lower)
+        if integrated(signals.attrs):
+            lower.set_ylabel(f"{lower.get_ylabel()}, origin unknown")
         for ax in (upper, lower):
             label_axis(ax.xaxis, "speed", speeds)
             _speed_limits(ax, speeds.values)
@@ -296,6 +298,8 @@ def jumps_of(amplitude: Values, lag: Values) -> npt.NDArray[np.bool_]:
     """
     from scipy.ndimage import median_filter  # noqa: PLC0415 - takes long to import
 
+    if amplitude.size < 2:
+        return np.zeros(amplitude.size, dtype=bool)
     steps = np.abs(np.diff(amplitude * np.exp(-1j * lag)))
     usual = median_filter(steps, size=min(NEIGHBOURS, steps.size), mode="nearest")
     least = np.maximum(JUMP * amplitude.max(initial=0.0), UNUSUAL * usual)

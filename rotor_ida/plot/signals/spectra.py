@@ -26,7 +26,7 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.datasets import check_dataset
 from rotor_ida.plot.decimation import kept_in_columns
-from rotor_ida.plot.labels import label_axis, number_text
+from rotor_ida.plot.labels import label_axis, number_text, unit_of
 from rotor_ida.plot.signals.beneath import Beneath, Line, lines_of
 from rotor_ida.plot.signals.orders import order_words
 from rotor_ida.plot.signals.speeds import title_of_signals
@@ -144,8 +144,8 @@ def plot_full_spectrum(
                         lw=0.9, label=words, zorder=2.4)  # fmt: skip
         if not math.isnan(spin):
             ax.axvline(spin, color=INK, lw=0.6, ls=DASHES, zorder=1.6, label="spin speed")
-        ax.axhline(noise, color=INK, lw=0.8, ls=(0, (1, 1.4)), zorder=2.6,
-                   label=f"noise floor ${number_text(noise)}$")  # fmt: skip
+        words = f"noise floor ${number_text(noise)}$ {unit_of(units.lengths(noise))}".rstrip()
+        ax.axhline(noise, color=INK, lw=0.8, ls=(0, (1, 1.4)), zorder=2.6, label=words)
         _draw_bandwidth(ax, spectrum, units, limit)
         for line in lines_within(exact, limit):
             draw_marks(ax, line.frequency, line.amplitude, line.marker, line.colour, size=5.0,

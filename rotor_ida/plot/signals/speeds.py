@@ -95,11 +95,15 @@ def mark_speeds(
                level=3.4)  # fmt: skip
     named: list[complex] = []
     for tick, place, *point in zip(ticks, places.tolist(), across, up, strict=True):
-        if any(abs(place - other) <= apart for other in named):
-            continue
-        named.append(place)
         # outside of a run-up's way, and inside of a run-down's
         right = (place.real >= 0.0) == rising
+        width = 2.4 * apart if right else -2.4 * apart  # a number is wider than it is high
+        if any(abs(place - other) <= apart for other in named) or any(
+            0.0 < (other - place).real / width <= 1.0 and abs((other - place).imag) <= 0.5 * apart
+            for other in places.tolist()
+        ):
+            continue
+        named.append(place)
         ax.annotate(
             f"{tick:.6g}", point, xytext=(5 if right else -5, 0), textcoords="offset points",
             fontsize=7.0, ha="left" if right else "right", va="center_baseline", zorder=3.5,

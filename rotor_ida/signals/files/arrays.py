@@ -52,7 +52,7 @@ def read_npz(path: Path) -> Table:
     try:
         with zipfile.ZipFile(path) as archive:
             members = [each for each in archive.infolist() if each.filename.endswith(".npy")]
-            check_size(path, sum(each.file_size for each in members), possible=_possible(path))
+            check_size(path, sum(each.file_size for each in members) / 8, possible=_possible(path))
             for member in members:
                 held[member.filename.removesuffix(".npy")] = _member(archive, member)
     except (InputError, OSError):

@@ -20,7 +20,7 @@ from rotor_ida.basins import attractors, known
 from rotor_ida.basins.atlas.cells import FORM, Cell
 from rotor_ida.basins.atlas.rubbing import states_of_rub
 from rotor_ida.results.si_units import dimensional
-from rotor_ida.schema import TRAPPING, WHIRL_DIRECTION
+from rotor_ida.schema import TRAPPING
 from tests.basins.atlas.reports import BOX, WIDE, of_kind
 from tests.basins.lanes import WHIP
 
@@ -103,11 +103,8 @@ def test_a_machine_is_told_in_si_units():
 def test_backward_whirl_has_a_negative_ratio():
     report = touchdown_report(BOUNCER, **BOX, starts=50)
     for row in (report.isel(attractor=number) for number in range(report.sizes["attractor"])):
-        ratio, word = float(row.whirl_ratio), int(row.whirl_direction)
-        if math.isnan(ratio):
-            assert word == WHIRL_DIRECTION["none"]
-        else:
-            assert word == WHIRL_DIRECTION["forward" if ratio > 0.0 else "backward"]
+        ratio, word = float(row.whirl_over_spin), int(row.whirl_sense)
+        assert word == (0 if math.isnan(ratio) else np.sign(ratio))
 
 
 @pytest.mark.parametrize(
@@ -233,7 +230,7 @@ def test_whip_rolls_and_heats_as_in_a_long_run():
     """One period of its limit cycle, beside CVODE over 400 revolutions after the first 100."""
     row = of_kind(touchdown_report(WHIP, **WIDE, starts=20, shocks=0), "rolling")
     cycle = limit_cycle(WHIP, start=(5.0, 0.0, 0.0, -6.3))
-    for name in ("period", "radius_min", "radius_max", "largest_force", "whirl_ratio"):
+    for name in ("period", "radius_min", "radius_max", "largest_force", "whirl_over_spin"):
         assert float(row[name]) == pytest.approx(float(cycle[name]), rel=1e-9)
     revolution = 2.0 * math.pi / WHIP.omega
     run = {"start": (5.0, 0.0, 0.0, -6.3), "samples": 100_001}
@@ -247,7 +244,7 @@ def test_whip_rolls_and_heats_as_in_a_long_run():
     rolled = (500.0 * long.rolling_fraction - 100.0 * short.rolling_fraction) / 400.0
     assert float(row.rolling_fraction) == pytest.approx(float(rolled), rel=2e-3)
     # r phi' = -rho omega: backwards, at more than twice the speed of the spin
-    assert float(row.whirl_ratio) == pytest.approx(-10.0 / 4.98, rel=1e-2)
+    assert float(row.whirl_over_spin) == pytest.approx(-10.0 / 4.98, rel=1e-2)
     assert float(row.contact_fraction) == 1.0
     assert float(row.contacts_per_revolution) == 0.0
 

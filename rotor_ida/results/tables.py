@@ -1,0 +1,157 @@
+"""A result as tables in CSV files: one for its numbers, and one for each set of dimensions."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.checks import shown
+from rotor_ida.errors import InputError
+from rotor_ida.results.files import already_there, check_target, written_whole
+from rotor_ida.schema import words_of
+
+# A DataFrame of pandas, which has no annotations.
+Table = Any
+
+ENDING = ".csv"
+# What the table of variables without dimensions is called.
+NUMBERS = "numbers"
+
+
+def tables_of(dataset: xr.Dataset) -> dict[str, Table]:
+    """Return the tables of a dataset by their names, the dimensions joined by hyphens.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Any result.
+
+    Returns
+    -------
+    dict of str to DataFrame
+        For each set of dimensions the variables and coordinates on them, headed by names with
+        units, flags in words; rows are in order of the dimensions. ``numbers`` has the variables
+        and coordinates without dimensions, a row each.
+
+    Examples
+    --------
+    >>> from rotor_ida import folds
+    >>> found = folds(zeta=0.07, delta0=0.0)
+    >>> {name: list(table.columns) for name, table in tables_of(found).items()}
+    {'zeta-delta0-fold': ['zeta', 'delta0', 'fold', 'fold_omega', 'fold_amplitude']}
+    """
+    whole, scalars = dataset, [name for name, each in dataset.variables.items() if not each.dims]
+    tables = {}
+    if scalars:
+        tables[NUMBERS] = _numbers(dataset[scalars])
+        whole = dataset.drop_vars(scalars)
+    for dims in dict.fromkeys(variable.dims for variable in whole.data_vars.values()):
+        names = [name for name, variable in whole.data_vars.items() if variable.dims == dims]
+        part = _in_words(whole[names])
+        table = part.to_dataframe(dim_order=list(dims)).reset_index()
+        tables["-".join(map(str, dims))] = table.rename(columns=lambda name: _head(whole, name))
+    return tables
+
+
+def save_tables(
+    dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False
+) -> list[Path]:
+    """Write a dataset as CSV, numbers to full precision and NaN as an empty cell.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Any result.
+    path : path-like
+        The file of a dataset that is one table. Of several tables each has its name before the
+        ending: ``run.t.csv``, ``run.event.csv``.
+    overwrite : bool
+        Whether files that are there may be replaced.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    InputError
+        If the path does not end in ``.csv``, or a file is there and `overwrite` is false.
+    OSError
+        If the system does not let a file be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from rotor_ida import folds
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     (file,) = save_tables(folds(zeta=0.07, delta0=0.0), folder + "/folds.csv")
+    ...     print(file.read_text())
+    zeta,delta0,fold,fold_omega,fold_amplitude
+    0.07,0.0,0,1.5978...
+    """
+    given = check_tables("path", path, overwrite=overwrite)
+    tables = tables_of(dataset)
+    paths = [
+        given if len(tables) == 1 else given.with_suffix(f".{name}{ENDING}") for name in tables
+    ]
+    for place, table in zip(paths, tables.values(), strict=True):
+        check_target("path", place, overwrite=overwrite)
+        with written_whole(place, overwrite=overwrite) as part:
+            table.to_csv(part, index=False)
+    return paths
+
+
+def check_tables(
+    name: str, path: object, *, overwrite: bool, permission: str = "overwrite is true"
+) -> Path:
+    """Return the path of CSV files that can be written; else raise `InputError`, as `save_tables`.
+
+    Which tables there will be is not known before the result is: without `overwrite` any file is
+    refused that might be one of them.
+    """
+    given = check_target(name, path, overwrite=overwrite, permission=permission)
+    if given.suffix != ENDING:
+        raise InputError(f"{name} must end in {ENDING}, got {shown(given)}")
+    if not overwrite:
+        for other in given.parent.iterdir():
+            if other.name.startswith(f"{given.stem}.") and other.suffix == ENDING:
+                raise already_there(name, other, permission)
+    return given
+
+
+def _numbers(scalars: xr.Dataset) -> Table:
+    described = _in_words(scalars)
+    # each as it is: an array of numbers would make a float of a count
+    values: npt.NDArray[Any] = np.empty(len(described.variables), dtype=object)
+    values[:] = [each.values.item() for each in described.variables.values()]
+    attributes = [scalars[name].attrs for name in described.variables]
+    columns = {
+        "value": values,
+        "units": [each.get("units", "") for each in attributes],
+        "long_name": [each.get("long_name", "") for each in attributes],
+    }
+    table = xr.Dataset({name: ("name", each) for name, each in columns.items()},
+                       {"name": list(described.variables)})  # fmt: skip
+    return table.to_dataframe().reset_index()
+
+
+def _in_words(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset whose flags are words."""
+    words = {
+        name: (each.dims, np.array(words_of(each), dtype=object).reshape(each.shape))
+        for name, each in dataset.data_vars.items()
+        if "flag_meanings" in each.attrs
+    }
+    return dataset.assign(words)
+
+
+def _head(dataset: xr.Dataset, name: str) -> str:
+    """Return a variable's name with its unit, if it has one."""
+    unit = dataset[name].attrs.get("units", "1") if name in dataset.variables else "1"
+    return name if unit in {"", "1"} else f"{name} [{unit}]"

@@ -1,0 +1,254 @@
+"""Machines on the command line: their files, and results in SI units."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rotor_ida
+from rotor_ida import DimensionalRotor
+from rotor_ida.results.si_units import dimensionless
+
+Program = Callable[..., Any]
+
+# The pump of the tutorial: 12 kg, 4e6 N/m, 150 um, G6.3 at 3,600 rpm, a linear ring of 1e8 N/m.
+SHEET = [
+    *("--mass", "12kg", "--shaft-stiffness", "4e6N/m", "--damping-ratio", "3%"),
+    *("--clearance", "150um", "--balance-grade", "G6.3", "--balance-speed", "3600rpm"),
+    *("--speed", "3600rpm", "--friction", "0.12", "--disc-radius", "60mm"),
+    *("--contact-stiffness", "1e8N/m"),
+]
+# A rotor of the paper's numbers, as a machine: omega 2, zeta 0.07, delta0 2.
+SMALL = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
+                         clearance=2e-6, speed=1000.0)  # fmt: skip
+
+
+@pytest.fixture
+def pump(program: Program) -> str:
+    assert program("machine", *SHEET, "--out", "pump.toml").status == 0
+    return "pump.toml"
+
+
+@pytest.fixture
+def small() -> str:
+    rotor_ida.save_machine(SMALL, "small.toml")
+    return "small.toml"
+
+
+def test_a_data_sheet_becomes_a_file(program: Program):
+    """By hand: 60/(2 pi) sqrt(4e6/12) rpm, 2 0.03 sqrt(4e6 12) N s/m, and 6.3 mm/s at 3600 rpm."""
+    answer = program("machine", *SHEET, "--out", "pump.toml", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    told = json.loads(answer.out)
+    assert told["warnings"] == []
+    facts = told["facts"]
+    assert facts["critical speed [rpm]"] == pytest.approx(
+        30.0 / math.pi * math.sqrt(4e6 / 12.0), rel=1e-5
+    )
+    assert facts["damping ratio of the critical speed"] == 0.03
+    eccentricity = 6.3e-3 / (3600.0 * math.pi / 30.0)
+    assert facts["eccentricity [um]"] == pytest.approx(1e6 * eccentricity, rel=1e-5)
+    assert facts["clearance over eccentricity"] == pytest.approx(1.5e-4 / eccentricity, rel=1e-5)
+    machine = rotor_ida.load_machine("pump.toml")
+    assert machine.damping == pytest.approx(0.06 * math.sqrt(4e6 * 12.0), rel=1e-14)
+    assert (machine.clearance, machine.contact_exponent) == (1.5e-4, 1.0)
+    rotor = machine.rotor()
+    assert facts["zeta"] == pytest.approx(rotor.zeta, rel=1e-5)
+    printed = program("machine", *SHEET).out
+    assert " ".join(Path("pump.toml").read_text().split()) in " ".join(printed.split())
+
+
+def test_a_data_sheet_that_is_implausible_is_warned_of(program: Program):
+    answer = program("machine", *SHEET, "--clearance", "10um")
+    assert (answer.status, answer.out) == (2, "")  # once is enough
+    sheet = ["10um" if word == "150um" else word for word in SHEET]
+    answer = program("machine", *sheet, "--load", "weight")
+    assert answer.status == 0
+    assert "warning: clearance 10 um is below the eccentricity 16.7 um" in answer.out
+    assert "warning: load bends the shaft by 29.4 um, more than the clearance" in answer.out
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [("clearence = 1e-4", "pump.toml must hold quantities of a machine, got 'clearence': did you "
+      "mean clearance?"),
+     ("mass = 12\nspeed = 3", "pump.toml must also give contact_stiffness, clearance, damping or "
+      "damping_ratio, eccentricity or unbalance or balance_grade"),
+     ("mass = ", "pump.toml is no TOML file: Invalid value"),
+     ("mass = '12 um'", "pump.toml: the unit of mass must be kg or g, got '12 um'"),
+     ("mass = [1]", "pump.toml: mass must be a finite real number, got [1]"),
+     ("damping = 1", "pump.toml: damping must be left out with damping_ratio: each gives the "
+      "other")],
+)  # fmt: skip
+def test_a_file_that_is_no_machine_gets_one_line(
+    program: Program, pump: str, text: str, message: str
+):
+    name = text.partition(" ")[0]
+    lines = {line.partition(" ")[0]: line for line in Path(pump).read_text().splitlines() if "=" in
+             line and line[0] != "#"}  # fmt: skip
+    if name == "damping":
+        lines["damping_ratio"] = "damping_ratio = 0.03"
+    kept = [] if "speed" in text or name not in lines else [
+        line for each, line in lines.items() if each != name
+    ]  # fmt: skip
+    Path(pump).write_text("\n".join([text, *kept]))
+    answer = program("simulate", "--machine", pump, "--duration", "1s")
+    assert (answer.status, answer.out) == (2, "")
+    assert answer.err.startswith(f"rotor-ida: {message}")
+    assert answer.err.count("\n") == 1
+
+
+def test_options_override_the_file(program: Program, pump: str):
+    line = ("simulate", "--machine", pump, "--duration", "10ms", "--json")
+    told = json.loads(program(*line).out)
+    other = json.loads(program(*line, "--damping", "100Ns/m", "--speed", "3000rpm").out)
+    assert told["machine_damping"] == pytest.approx(415.692, rel=1e-5)
+    assert other["machine_damping"] == 100.0
+    assert other["parameters"]["omega"] / told["parameters"]["omega"] == pytest.approx(3000 / 3600)
+    refused = program(*line, "--omega", "1")
+    assert refused.err == (
+        "rotor-ida: omega must be left out with a machine: it has no dimension\n"
+    )
+
+
+def test_a_run_up_of_a_file_begins_at_rest_and_tells_its_sentence_first(
+    program: Program, pump: str
+):
+    answer = program("run-up", "--machine", pump, "--to", "6000rpm", "--in", "20s",
+                     "--rtol", "1e-8", "--out", "pump.nc")  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    found = rotor_ida.summary(rotor_ida.load("pump.nc"))
+    sentence, printed = found.attrs["sentence"], " ".join(answer.out.split())
+    assert printed.startswith(sentence)
+    assert sentence.startswith("Rub: it first touches the ring at 5,287 rpm, and presses up to 11")
+    assert "speed [rpm] 0 to 6000 " in printed
+    assert found.largest_force.attrs["units"] == "N"
+    at_speed = program("run-up", "--machine", pump, "--from", "3000rpm", "--to", "3600rpm",
+                       "--ramp-time", "1s", "--json")  # fmt: skip
+    told = json.loads(at_speed.out)
+    assert told["summary"]["sentence"].startswith("No rub: closest to the ring at 3,")
+    assert told["rate"] == pytest.approx(600.0 * math.pi / 30.0, rel=1e-12)
+
+
+COMMANDS = {
+    "run": "simulate --duration 40ms --start 3um 0 0 0",
+    "whirls": "response --speed 500:1500:3",
+    "sweep": "sweep --speed 400rad/s 1000rad/s --clearance 1.5um 2um --workers 1",
+    "run_ups": "run-ups --speed 150 --to 800 --rate 2e4rad/s2 --shaft-stiffness 1e6N/m --workers 1",
+    "basin": "basin --x=-3um:3um:4 --y=-3um:3um:4 --workers 1",
+    "fractions": "fractions --x=-3um:3um --y 0 --starts 30 --workers 1",
+    "atlas": "atlas --x=-3um:3um --starts 20 --workers 1",
+    "touchdown": "touchdown --x=-3um:3um --starts 40 --shocks 0",
+    "cycle": "cycle",
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_takes_a_machine_and_its_archive_is_of_use(
+    program: Program, small: str, name: str
+):
+    """What it computes is what the dimensionless rotor does, and stays so in the archive."""
+    line = (*COMMANDS[name].split(), "--machine", small, "--out", "si.nc")
+    answer = program(
+        *line, *([] if name in {"fractions", "touchdown", "atlas"} else ["--figure", "si"])
+    )
+    assert (answer.status, answer.err) == (0, "")
+    archived = rotor_ida.load("si.nc")
+    assert archived.attrs["machine_mass"] == 4.0
+    assert archived.attrs["length_scale"] == SMALL.length_scale
+    shown = program("show", "si.nc")
+    assert (shown.status, shown.err) == (0, "")
+    if name not in {"whirls", "touchdown"}:
+        verified = program("verify", "si.nc", "--json")
+        assert (verified.status, verified.err) == (0, ""), verified.out
+        assert json.loads(verified.out)["agrees"] is True
+
+
+def test_the_same_of_options_as_of_the_file(program: Program, small: str):
+    given = [
+        *("--mass", "4000g", "--contact-stiffness", "1e9N/m^1.5", "--damping", "280"),
+        *("--eccentricity", "1um", "--clearance", "2um", "--speed", "1000rad/s"),
+    ]
+    line = ("simulate", "--duration", "20ms", "--json")
+    assert program(*line, *given).out == program(*line, "--machine", small).out
+
+
+def test_a_sweep_in_si_units_is_compared(program: Program, small: str):
+    sweep = ("sweep", "--machine", small, "--speed", "600", "1000", "--workers", "1")
+    assert program(*sweep, "--out", "sweep.nc").status == 0
+    answer = program("compare", "sweep.nc", "--out", "compared.nc")
+    assert (answer.status, answer.err) == (0, "")
+    compared, swept = rotor_ida.load("compared.nc"), rotor_ida.load("sweep.nc")
+    again = rotor_ida.compare(dimensionless(swept))
+    assert compared.attrs["machine_mass"] == 4.0
+    assert compared.exact_amplitude.attrs["units"] == "m"
+    assert compared.exact_amplitude.values == pytest.approx(
+        1e-6 * again.exact_amplitude.values, nan_ok=True
+    )
+
+
+def test_a_study_of_a_machine_goes_on_in_si_units(program: Program, small: str):
+    line = ("basin", "--machine", small, "--x=-3um:3um:3", "--y=-3um:3um:3", "--study", "study")
+    assert program(*line, "--workers", "1").status == 0
+    first = rotor_ida.load("study/result.nc")
+    Path("study/result.nc").unlink()
+    assert program("resume", "study", "--workers", "1").status == 0
+    assert rotor_ida.load("study/result.nc").x.identical(first.x)
+    assert first.x.attrs["units"] == "m"
+    refused = program(*line, "--mass", "5")
+    assert refused.err == "rotor-ida: study must be of this machine, got 'study' of another\n"
+
+
+def test_a_branch_is_followed_over_the_speed_of_a_machine(program: Program, small: str):
+    assert program("cycle", "--machine", small, "--out", "cycle.nc").status == 0
+    answer = program("continue", "--from", "cycle.nc", "--parameter", "speed", "--limits", "950",
+                     "10000rpm", "--out", "branch.nc", "--figure", "branch")  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    branch = rotor_ida.load("branch.nc")
+    speeds = branch.omega.values * SMALL.reference_frequency
+    assert (speeds.min(), speeds.max()) == pytest.approx((950.0, 1e4 * math.pi / 30.0), rel=1e-9)
+    assert branch.radius_max.attrs["units"] == "m"
+    wrong = program("continue", "--from", "cycle.nc", "--parameter", "speed", "--limits", "950um",
+                    "1mm")  # fmt: skip
+    assert wrong.err == "rotor-ida: the unit of speed must be rad/s, rpm or Hz, got '950um'\n"
+
+
+def test_the_explorer_opens_an_archive_in_si_units_as_its_machine(
+    program: Program, small: str, monkeypatch: pytest.MonkeyPatch
+):
+    opened: list[dict[str, Any]] = []
+    monkeypatch.setattr(
+        "rotor_ida.explorer.explore.explore", lambda state, **_: opened.append(state)
+    )
+    run = ("simulate", "--machine", small, "--duration", "20ms", "--start", "3um", "0", "0", "0")
+    assert program(*run, "--out", "run.nc").status == 0
+    assert program("explore", "--file", "run.nc").status == 0
+    assert program("explore", "--machine", small).status == 0
+    for state in opened:
+        assert state["mass"] == 4.0
+        assert state["clearance"] == 2e-6
+    assert opened[0]["x"] == pytest.approx(3.0)
+
+
+def test_scales_of_machines_share_no_axis(program: Program, small: str):
+    answer = program("sweep", "--machine", small, "--mass", "4", "5")
+    assert answer.err == (
+        "rotor-ida: mass must be one number, as it sets the scales of all machines, got 2\n"
+    )
+
+
+def test_axes_of_machines_are_those_of_their_rotors(program: Program, small: str):
+    answer = program("sweep", "--machine", small, "--clearance", "1um:3um:3", "--damping", "280",
+                     "400", "--workers", "1", "--out", "sweep.nc")  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    found = rotor_ida.load("sweep.nc")
+    assert found.delta0.values == pytest.approx([1.0, 2.0, 3.0], rel=1e-14)
+    assert found.zeta.values == pytest.approx([0.07, 0.1], rel=1e-14)
+    assert np.all(found.omega.values == SMALL.rotor().omega)
+    assert "damping [N s/m]" in program("show", "sweep.nc").out

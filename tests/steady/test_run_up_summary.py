@@ -1,0 +1,112 @@
+"""The summary of a run-up: facts against `run_ups`, and words for each ending."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    dimensional,
+    run_up,
+    run_ups,
+    simulate,
+    summary,
+)
+from rotor_ida.schema import words_of
+
+REST = (0.0, 0.0, 0.0, 0.0)
+# Each ending, with a rotor, a ramp and a start that lead to it.
+ENDINGS = {
+    "contact_free": (Rotor(omega=0.3, zeta=0.1, delta0=2.0, shaft_stiffness=1.0), 2.5, 0.01, REST),
+    "rub": (Rotor(omega=0.5, zeta=0.07, delta0=0.8, shaft_stiffness=1.0), 1.2, 0.02, REST),
+    "whip": (Rotor(omega=0.6, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0), 0.7, 0.01,
+             (5.0, 0.0, 0.0, -6.0)),
+}  # fmt: skip
+SAME = (
+    "largest_radius", "largest_radius_speed", "largest_force", "largest_force_speed",
+    "first_touch_speed", "last_exit_speed", "contact_count", "contact_time",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_summary_has_the_facts_and_the_ending_of_many_run_ups(ending):
+    """`run_ups` reads them from the run inside, the summary from the dataset."""
+    rotor, to, rate, start = ENDINGS[ending]
+    found = summary(run_up(rotor, start=start, to=to, rate=rate))
+    many = run_ups(**rotor.given, to=to, rate=rate, starts=[start], workers=1).squeeze(drop=True)
+    for name in SAME:
+        assert float(found[name]) == pytest.approx(float(many[name]), rel=1e-9, nan_ok=True), name
+    assert words_of(found["ending"]) == words_of(many["ending"]) == [ending]
+    assert int(found["response"]) == int(many["response"])
+    assert float(found["smallest_gap"]) == rotor.delta0 - float(found["largest_radius"])
+
+
+def test_the_words_say_how_it_ends():
+    said = {}
+    for ending, (rotor, to, rate, start) in ENDINGS.items():
+        said[ending] = summary(run_up(rotor, start=start, to=to, rate=rate)).attrs["sentence"]
+    assert said["contact_free"].startswith("Rub on the way, none at the end: it first touches")
+    assert said["contact_free"].endswith("Held at a speed of 2.5 it runs clear of the ring.")
+    assert said["rub"].startswith("Rub: it first touches the ring at a speed of 0.")
+    assert "Held at a speed of 1.2 it keeps rubbing: " in said["rub"]
+    assert said["whip"].startswith("Dry whip: it first touches the ring at a speed of 0.6")
+    assert "The disc first rolls on the ring at a speed of 0.6" in said["whip"]
+    assert "it stays in dry whip: it whirls backwards, rolling on the ring" in said["whip"]
+
+
+PUMP = DimensionalRotor(
+    mass=12.0, contact_stiffness=1e8, damping=415.7, eccentricity=6.6e-6, clearance=1.5e-4,
+    speed=0.0, shaft_stiffness=4e6, contact_exponent=1.0, friction=0.12, disc_radius=0.06,
+)  # fmt: skip
+
+
+def test_a_pump_of_grade_2_5_does_not_rub():
+    """At resonance e/(2 zeta sqrt(1 - zeta^2)) is 110 um of 150, and less on a ramp of 20 s."""
+    run = run_up(PUMP.rotor(), start=REST, **PUMP.change_of_speed(to=6000, ramp_time=20.0,
+                 unit="rpm"))  # fmt: skip
+    found = summary(dimensional(run, PUMP))
+    assert found.attrs["sentence"].startswith("No rub: closest to the ring at 5,")
+    assert "of the clearance of 150 um are left. Held at 6,000 rpm it" in found.attrs["sentence"]
+    zeta = PUMP.damping_ratio
+    resonance = 6.6e-6 / (2.0 * zeta * math.sqrt(1.0 - zeta**2))
+    assert 0.9 * resonance < float(found.largest_radius) < resonance
+    assert found.largest_radius.attrs["units"] == "m"
+    assert float(found.smallest_gap) == pytest.approx(1.5e-4 - float(found.largest_radius))
+    assert float(found.largest_force) == 0.0
+    assert math.isnan(float(found.first_touch_speed))
+
+
+def test_an_indentation_that_no_contact_law_means_is_told():
+    """Dry whip of the pump: 12 kg at the speed of the rim press millimetres into the ring."""
+    whip = DimensionalRotor(**PUMP.given | {"speed": 300.0, "friction": 0.3})
+    start = (0.0045, 0.0, 0.0, -300.0 * 0.06)
+    rotor = whip.rotor()
+    plain = np.array(start) / np.repeat([whip.length_scale, whip.velocity_scale], 2)
+    run = run_up(rotor, start=plain, **whip.change_of_speed(to=310.0, ramp_time=0.05))
+    said = summary(dimensional(run, whip)).attrs["sentence"]
+    assert "Beyond the model: an indentation of " in said
+    assert "is more than a tenth of the disc's radius and the clearance" in said
+    assert "Beyond" not in summary(
+        run_up(*[ENDINGS["rub"][0]], start=REST, to=1.2, rate=0.02)
+    ).attrs["sentence"]  # fmt: skip
+
+
+def test_a_summary_is_of_a_run_up_that_was_sampled_at_its_end():
+    rotor, to, rate, start = ENDINGS["rub"]
+    with pytest.raises(InputError, match=r"run must be sampled at its end 35, got .* at 10"):
+        summary(run_up(rotor, start=start, to=to, rate=rate, samples=[0.0, 10.0]))
+    with pytest.raises(InputError, match="run must be a run of run_up, whose speed changes"):
+        summary(simulate(rotor, start=start, duration=10.0))
+
+
+def test_a_long_run_up_tells_how_far_it_is():
+    told = []
+    run_up(PUMP.rotor(), start=REST, progress=lambda *done: told.append(done),
+           **PUMP.change_of_speed(to=6000, ramp_time=200.0, unit="rpm"))  # fmt: skip
+    done = [part for part, whole in told if whole == 100]
+    assert len(done) == len(told) > 0
+    assert done == sorted(done)
+    assert 0 <= done[0] <= done[-1] <= 100
