@@ -141,7 +141,7 @@ def followed(passed: Passed, run: dict[str, npt.NDArray[Any]], rotor: Rotor) -> 
     """Return what has been done with one more piece."""
     speed, radius = run["speed"], np.hypot(run["x"], run["y"])
     normal = power_in_contact(run, rotor).normal_force
-    found = {"end": float(speed[-1]), "now": _now(run, radius, rotor)}
+    found: dict[str, Any] = {"end": float(speed[-1]), "now": _now(run, radius, rotor)}
     widest = int(radius.argmax())
     if radius[widest] > passed.radius:
         found |= {"radius": float(radius[widest]), "radius_speed": float(speed[widest])}
