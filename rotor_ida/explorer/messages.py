@@ -23,7 +23,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.data_sheet import KEYS, machine_from_data_sheet
+from rotor_ida.model.data_sheet import KEYS, check_keys, machine_from_data_sheet
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.signals.files.columns import ENDINGS
@@ -176,6 +176,7 @@ class DataSheet:
 
     def machine(self) -> DimensionalRotor:
         """Return the machine, or raise `InputError` with what is missing or wrong."""
+        check_keys(self.quantities, "a data sheet")
         return machine_from_data_sheet(**cast(dict[str, Any], self.quantities))
 
 

@@ -54,6 +54,8 @@ LEAST_JUMP = 0.2
 # Equally spaced samples: so many in a revolution at the highest speed that is shown.
 PER_REVOLUTION = 32
 OVERLAP = 0.5
+# Order 1 is known where the rest of the motion is at most so many times as large.
+MOST_BESIDE = 4.0
 # Lines up to so many times the highest speed.
 FURTHEST = 2.5
 # What the rotor does at the end of a piece is what it does over the last part of it.
@@ -139,7 +141,7 @@ def followed(passed: Passed, run: dict[str, npt.NDArray[Any]], rotor: Rotor) -> 
     """Return what has been done with one more piece."""
     speed, radius = run["speed"], np.hypot(run["x"], run["y"])
     normal = power_in_contact(run, rotor).normal_force
-    found = {"end": float(speed[-1]), "now": _now(run, radius, rotor)}
+    found: dict[str, Any] = {"end": float(speed[-1]), "now": _now(run, radius, rotor)}
     widest = int(radius.argmax())
     if radius[widest] > passed.radius:
         found |= {"radius": float(radius[widest]), "radius_speed": float(speed[widest])}
@@ -336,7 +338,10 @@ def _orders(tail: Tail) -> tuple[Tail, Arrays]:
     times = np.asarray((tail.first + first + np.arange(z.size)) * tail.step, dtype=np.float64)
     record = Record(times, z, angles, "1", "1", {}, {})
     windows = windows_of(record, 1, begin=tail.begin)
-    ahead = fit(record, windows, np.ones(1)).amplitudes[:, 0]
+    found = fit(record, windows, np.ones(1))
+    ahead = found.amplitudes[:, 0]
+    # a revolution of much larger other motion, as in dry whip, has no order 1: the line breaks
+    ahead = np.where(found.residual > MOST_BESIDE * np.abs(ahead), np.nan, ahead)
     return replace(tail, begin=tail.begin + math.tau * windows.times.size), {
         "order_speed": windows.speeds,
         "order_amplitude": np.abs(ahead),

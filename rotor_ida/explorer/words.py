@@ -6,13 +6,14 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from rotor_ida.model.rotor import SPEED_UNITS, DimensionalRotor, Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.units import SPEED_UNITS
 
 # How a kind of response is told, and what it means on the machine.
 KINDS = {
     "contact_free": "a contact-free whirl: it stays inside the clearance",
     "synchronous": "a synchronous whirl in contact: it turns with the unbalance at constant radius",
-    "bouncing": "a bouncing limit cycle (intermittent rub): it enters and leaves contact again and again",
+    "bouncing": "a bouncing limit cycle (intermittent rub): it enters and leaves contact often",
     "full_contact": "a limit cycle in full contact (full annular rub): its radius pulsates",
     "rolling": "dry whip: it rolls backwards on the stator",
     "touching": "a contact-free whirl, through ever slighter touches",
@@ -301,7 +302,9 @@ def _radii(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> str:
         turns = round(period * facts["rotor"]["omega"] / (2.0 * math.pi))
         again = f", and repeats every {f'{turns} revolutions' if turns > 1 else 'revolution'}"
     elif not math.isnan(period):
-        again = f", and repeats every {_time(machine, period)} on axes that rotate with the unbalance"
+        again = (
+            f", and repeats every {_time(machine, period)} on axes that rotate with the unbalance"
+        )
     return f"Its radius goes from {low} to {high}{again}."
 
 

@@ -167,6 +167,10 @@ def dimensionless(dataset: xr.Dataset) -> xr.Dataset:
             converted[name] = xr.Variable(variable.dims, values, attributes)
     plain = dataset.assign(converted)
     plain.attrs = _attributes_before(dataset)
+    if "t" in plain.coords and "duration" in plain.attrs:
+        # the division may have moved the last sample behind the end of the run by a rounding
+        t = plain["t"].clip(max=float(plain.attrs["duration"]), keep_attrs=True)
+        plain = plain.assign_coords(t=t)
     return plain
 
 

@@ -339,12 +339,12 @@ def test_the_whole_machine_in_si_units_is_the_same_rotor(page, address):
     for name, value in {"omega": 2.0, "zeta": 0.07, "delta0": 2.0, **whole}.items():
         assert told["rotor"][name] == pytest.approx(value, rel=1e-12)
     assert told["scales"]["force"] == machine.force_scale
-    assert "[N/m]" in page.find("label[for='field-contact_stiffness']").text
-    assert "[m]" in page.find("label[for='field-disc_radius']").text
+    assert "[MN/m]" in page.find("label[for='field-contact_stiffness']").text
+    assert "[µm]" in page.find("label[for='field-disc_radius']").text
     # the other law at the same scales: a force of its own unit, and no other frequency
     page.find('[name="exponent"][value="1.5"]').click()
     page.settle()
-    assert "[N/m¹·⁵]" in page.find("label[for='field-contact_stiffness']").text
+    assert "N/m¹·⁵]" in page.find("label[for='field-contact_stiffness']").text
     other = page.facts("motion")
     assert other["scales"] == pytest.approx(told["scales"], rel=1e-12)
     assert "contact_exponent" not in other["rotor"]
@@ -439,11 +439,11 @@ def test_the_speed_of_a_machine_goes_on_from_where_it_is_when_its_mass_has_moved
     page.find('[name="units"][value="si"]').click()
     page.type("#field-mass", 16)
     page.settle()
-    rate = page.facts("motion")["scales"]["rate"]
     slider = page.find("#slider-speed")
-    assert float(slider.get_attribute("value")) == pytest.approx(1000 / rate, abs=0.005)
+    top = 1.5 * page.state()["fastest"]
+    assert float(slider.get_attribute("value")) == pytest.approx(1000 / top)
     slider.send_keys(Keys.ARROW_RIGHT)
-    assert page.state()["speed"] == pytest.approx(1000 + 0.01 * rate, rel=1e-3)
+    assert page.state()["speed"] == pytest.approx(1000 + top / 400, rel=1e-3)
 
 
 @pytest.mark.parametrize("beyond", [2.0013, 7.3])
@@ -610,7 +610,7 @@ def test_the_rate_of_a_machine_is_in_turns_a_minute_and_second(page):
     rate = page.facts("motion")["scales"]["rate"]
     assert page.find("#ramp-name").text == "rpm/s"
     shown = float(page.find("#ramp").get_attribute("value"))
-    assert shown == pytest.approx(0.002 * rate**2 * 30 / np.pi, rel=1e-5)
+    assert shown == pytest.approx(0.002 * rate**2 * 30 / np.pi, rel=5e-4)
     page.type("#ramp", 60_000)
     page.find("#run-up").click()
     page.until("rotorIda.passage.number >= 2")
@@ -775,7 +775,7 @@ def test_the_speed_of_a_machine_is_shown_in_turns_a_minute(page):
     page.type("#speed-unit", "rpm")
     field = page.find("#field-speed")
     shown = page.state()["speed"] * 30 / np.pi
-    assert float(field.get_attribute("value")) == pytest.approx(shown, rel=1e-7)
+    assert field.get_attribute("value") == f"{shown:.4g}"
     page.type("#field-speed", 3000)
     page.settle()
     assert page.state()["speed"] == pytest.approx(100 * np.pi, rel=1e-15)
@@ -785,7 +785,8 @@ def test_the_speed_of_a_machine_is_shown_in_turns_a_minute(page):
     page.pointer_on(curve).click().perform()
     page.settle()
     assert page.facts("motion")["rotor"]["omega"] == pytest.approx(2.0, abs=0.02)
-    page.until("location.hash.includes('speedIn=rpm')")
+    page.type("#speed-unit", "Hz")
+    page.until("location.hash.includes('speedIn=Hz')")
 
 
 def test_states_are_gone_back_to_and_forward(page):
@@ -848,7 +849,7 @@ def test_the_page_is_recorded_at_the_press_of_a_button(page):
     page.type("#revolutions", 5)
     page.settle()
     page.find('[data-file="html"]').click()
-    page.until("document.getElementById('connection').textContent.startsWith('Recording')")
+    page.until("document.getElementById('connection').textContent.startsWith('Saving the page')")
     page.find("#slider-delta0").send_keys(Keys.ARROW_RIGHT)
     page.settle("settled")  # the sliders are answered meanwhile
     place = page.driver.folder / "run.html"
@@ -1122,3 +1123,108 @@ def test_a_page_that_needs_no_server(chromium, tmp_path):
     resources = page.run("return performance.getEntriesByType('resource').map((each) => each.name)")
     assert [name for name in resources if not name.startswith("data:")] == []
     assert errors_of(chromium) == []
+
+
+# A pump in engineering units.
+PUMP = {
+    "mass": "12 kg", "shaft_stiffness": "4 MN/m", "damping": "415.7 N s/m", "clearance": "150 um",
+    "eccentricity": "40 um", "speed": "3600 rpm", "friction": "0.3", "contact_stiffness": "1e8 N/m",
+    "disc_radius": "60 mm",
+}  # fmt: skip
+
+
+def verdict(page):
+    return page.find("#verdict").text
+
+
+@pytest.fixture
+def pump(page):
+    """The page with the pump from its data sheet."""
+    page.find("#sheet-open").click()
+    for name, words in PUMP.items():
+        page.type(f"#sheet-{name}", words)
+    page.find("#sheet-apply").click()
+    page.until("!document.getElementById('sheet').open")
+    page.settle("settled")
+    return page
+
+
+def test_a_data_sheet_sets_the_sliders_in_engineering_units(pump):
+    shown = {
+        "mass": "12", "speed": "3600", "clearance": "150", "eccentricity": "40", "damping": "415.7",
+        "contact_stiffness": "100", "shaft_stiffness": "4", "disc_radius": "60", "friction": "0.3",
+    }  # fmt: skip
+    for name, value in shown.items():
+        assert pump.find(f"#field-{name}").get_attribute("value") == value
+    label = pump.find("label[for='field-clearance']").text
+    assert label == "Clearance [µm]"
+    assert pump.find("#fastest").get_attribute("value") == "6000"
+    assert pump.run(
+        "return rotorIda.plotOf(document.querySelector("
+        "'[data-panel=\"response\"] .u-over')).scales.x.max"
+    ) == pytest.approx(9000)
+    # the sliders lie around these values, and their ends are not far
+    ends = pump.run(
+        "return ['min', 'max'].map((end) => Number("
+        "document.getElementById('slider-clearance')[end]))"
+    )
+    place = float(pump.find("#slider-clearance").get_attribute("value"))
+    assert ends[0] < place < ends[1]
+
+
+def test_a_wrong_data_sheet_is_told_of_in_the_form(page):
+    page.find("#sheet-open").click()
+    page.type("#sheet-mass", "12 parsecs")
+    page.find("#sheet-apply").click()
+    told = page.until("document.getElementById('sheet-wrong').textContent")
+    assert "also give" in told or "mass" in told
+    page.find("#sheet-cancel").click()
+    assert page.state()["omega"] == 2.0
+
+
+def test_the_verdict_is_in_bold_above_the_fold_and_of_the_run_up_while_it_goes_on(pump):
+    pump.driver.set_window_size(1280, 720)
+    box = pump.find("#verdict").rect
+    assert box["y"] + box["height"] < 200
+    assert int(pump.find("#verdict").value_of_css_property("font-weight")) >= 600
+    assert verdict(pump).startswith("No contact: radius 29.66 µm, gap 120.3 µm left of")
+    pump.type("#seconds", 2)
+    pump.run("document.getElementById('run-up-0').click()")
+    pump.until("!rotorIda.passage.running && rotorIda.passage.number > 3")
+    told = pump.find("#passed").text
+    assert told.startswith("From 0 rpm to 6,000 rpm: first contact at ")
+    assert "now in dry whip" in told
+    assert "no contact" not in told.lower()
+    pump.settle("settled")
+    pump.until("document.querySelector('#verdict .whip')")
+    assert "Held at this speed: Dry whip" in verdict(pump)
+    # an orbit, not a scribble: the disc goes around with samples enough to be a curve
+    x, y = (pump.array("motion", name) for name in ("x", "y"))
+    turns = np.abs(np.diff(np.unwrap(np.angle(x + 1j * y))))
+    assert turns.max() < 2 * np.pi / 24
+    assert pump.run(COLOURED, "orbit", "rolling") > 100
+
+
+def test_a_machine_copies_a_command_in_si_units(pump):
+    origin = pump.run("return location.origin")
+    both = ["clipboardReadWrite", "clipboardSanitizedWrite"]
+    pump.driver.execute_cdp_cmd("Browser.grantPermissions", {"permissions": both, "origin": origin})
+    pump.find('[data-copy="sh"]').click()
+    pump.until("document.getElementById('connection').textContent.includes('is copied')")
+    text = pump.driver.execute_async_script(
+        "navigator.clipboard.readText().then(arguments[arguments.length - 1])"
+    )
+    assert text.startswith("rotor-ida simulate --mass 12.0 --contact-stiffness 100000000.0")
+
+
+def test_a_phone_shows_the_verdict_and_a_picture_first(page):
+    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+    page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    try:
+        page.settle("settled")
+        tops = [page.run(f"return document.querySelector('{each}').getBoundingClientRect().top")
+                for each in ("#verdict", '[data-panel="response"]', "#controls")]  # fmt: skip
+        assert tops == sorted(tops)
+        assert tops[1] < 200
+    finally:
+        page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

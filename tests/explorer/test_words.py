@@ -123,7 +123,7 @@ def test_what_a_contact_that_never_ends_takes_is_told_by_the_revolution():
 
 def test_with_a_shaft_there_is_one_contact_free_whirl():
     told = words_of_response(replace(PLAIN, shaft_stiffness=0.25), FREE)
-    assert told[0].startswith("It settles on the contact-free whirl, the only one that the shaft")
+    assert told[0].startswith("It settles on the contact-free whirl, which is the only one")
     assert words_of_response(PLAIN, FREE)[0].startswith("It settles on a contact-free whirl")
 
 

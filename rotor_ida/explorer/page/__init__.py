@@ -11,7 +11,6 @@ from rotor_ida.checks import COMPONENTS
 from rotor_ida.explorer.messages import LARGEST_FILE, LEAST_SPEED, ROOM
 from rotor_ida.model.data_sheet import ALTERNATIVES, GRAVITY
 from rotor_ida.model.parameters import DEFAULTS, MACHINE_PARAMETERS, PARAMETERS, TABLE
-from rotor_ida.model.rotor import SPEED_UNITS
 from rotor_ida.schema import (
     DAMPED_EVENT_KIND,
     MODE,
@@ -19,6 +18,7 @@ from rotor_ida.schema import (
     SPECIAL,
     STABILITY,
 )
+from rotor_ida.units import SPEED_UNITS
 
 TYPES = {
     "html": "text/html; charset=utf-8",

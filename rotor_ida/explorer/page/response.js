@@ -157,7 +157,7 @@ export class Response {
     }));
     for (const { curve } of shown) {
       const ring = curve && curve.facts.rotor.delta0 * this.length.factor;
-      if (curve) pen.line([0, 1e9], [ring, ring], { stroke: colour("muted"), dash: [5, 4] });
+      if (curve) pen.line(this.plot.shown.x, [ring, ring], { stroke: colour("muted"), dash: [5, 4] });
     }
     shown.forEach((side, number) => side.passage && this.#drawPassage(pen, side.passage, number ? colour("second") : colour("accent")));
     shown.forEach((side, number) => this.#drawPlace(pen, side, number ? colour("second") : colour("accent"), number ? "square" : "disc"));

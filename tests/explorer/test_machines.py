@@ -1,0 +1,179 @@
+"""A machine in SI units on the page: its data sheet, its run-up, its verdict and its whip."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from rotor_ida import backward_whirl, machine_from_data_sheet
+from rotor_ida.errors import InputError
+from rotor_ida.explorer.messages import DataSheet, largest_speed, read_question, speeds_shown
+from rotor_ida.explorer.motion import PER_WHIRL, whirls_per_revolution
+from rotor_ida.explorer.server import Inbox
+from rotor_ida.explorer.words import verdict_of, words_of_run_up
+from rotor_ida.model.data_sheet import KEYS
+from rotor_ida.model.rotor import DimensionalRotor
+from tests.explorer.asking import answer_to, question, unpacked
+
+RPM = math.pi / 30.0
+SHEET = {
+    "mass": "12 kg", "shaft_stiffness": "4 MN/m", "damping_ratio": "3 %", "clearance": "150 um",
+    "balance_grade": "G6.3", "balance_speed": "3600 rpm", "speed": "3600 rpm", "friction": "0.12",
+    "contact_stiffness": "1e8 N/m", "disc_radius": "60 mm", "load": "",
+}  # fmt: skip
+PUMP = machine_from_data_sheet(**{name: words for name, words in SHEET.items() if words})
+UP_TO = 6000.0 * RPM / PUMP.reference_frequency
+
+
+def answer_to_sheet(quantities: dict[str, str]):
+    found: list[bytes] = []
+    inbox = Inbox(lambda *_: None, found.append)
+    inbox.take(json.dumps({"about": "machine", "number": 3, "quantities": quantities}), None)
+    (message,) = found
+    return unpacked(message)
+
+
+def test_a_data_sheet_gives_the_machine_of_the_library():
+    message = answer_to_sheet(SHEET)
+    assert (message.part, message.header["number"]) == ("machine", 3)
+    assert DimensionalRotor(**message.facts["machine"]) == PUMP
+    assert message.facts["fastest"] == pytest.approx(6000.0 * RPM)
+    assert message.facts["notes"] == []
+
+
+def test_an_unlikely_machine_is_shown_with_a_note():
+    (note,) = answer_to_sheet(SHEET | {"friction": "1.5"}).facts["notes"]
+    assert note.startswith("friction is 1.5")
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [({"mass": ""}, "mass"), ({"mass": "12 um"}, "mass"), ({"clearance": "many"}, "clearance")],
+)
+def test_a_data_sheet_that_is_wrong_is_told_of_and_leaves_the_page_as_it_is(
+    changes: dict[str, str], told: str
+):
+    message = answer_to_sheet(SHEET | changes)
+    assert message.part == "trouble"
+    assert message.header["about"] == "machine"
+    assert told in message.facts["message"]
+
+
+@pytest.mark.parametrize("quantities", [[], {"colour": "red"}, {"mass": 12}])
+def test_what_is_no_data_sheet_is_refused(quantities: object):
+    with pytest.raises(InputError, match="quantities must be words by mass"):
+        read_question(json.dumps({"about": "machine", "number": 1, "quantities": quantities}))
+
+
+def test_the_form_has_every_quantity_of_a_data_sheet_but_the_contact_law_once():
+    from rotor_ida.explorer.page import _ways
+
+    names = [name for ways in _ways() for name in ways]
+    assert sorted(names) == sorted(set(KEYS) - {"contact_exponent", "contact_damping"})
+
+
+def test_a_sheet_without_empty_fields_is_what_is_asked():
+    asked = read_question(json.dumps({"about": "machine", "number": 1, "quantities": SHEET}))
+    assert isinstance(asked, DataSheet)
+    assert "load" not in asked.quantities
+
+
+def test_the_speeds_that_are_shown_reach_past_the_critical_one():
+    low, high = speeds_shown(PUMP)
+    rate = PUMP.reference_frequency / RPM
+    assert high * rate == pytest.approx(9000.0)
+    assert 0.0 < low * rate < 10.0
+    assert largest_speed(PUMP) > PUMP.critical_speed
+
+
+def run_up_of(
+    machine: DimensionalRotor, to: float, pieces: int, seconds: float
+) -> dict[str, object]:
+    """Return the facts of the last piece of a run-up from standstill [1, s]."""
+    rate = to / seconds * machine.time_scale
+    given, start = machine.given, [0.0, 0.0, 0.0, 0.0]
+    speeds = list(speeds_shown(machine))
+    for piece in range(pieces):
+        speed = to * piece / pieces * machine.reference_frequency
+        (answer,) = answer_to(question(
+            "run_up", machine=given | {"speed": speed}, start=start, speeds=speeds,
+            to=to * (piece + 1) / pieces, rate=rate,
+        ))  # fmt: skip
+        assert answer.part == "run_up", answer.facts
+        start = answer.facts["end"]
+    return answer.facts
+
+
+def test_a_run_up_below_the_critical_speed_is_summed_up_without_contact():
+    facts = run_up_of(PUMP, 0.5 * UP_TO, 8, 2.0)
+    assert facts["now"] == "clear"
+    assert facts["words"].startswith("From 0 rpm to 3,000 rpm: no contact; at 3,000 rpm radius ")
+    assert facts["words"].endswith("left of the clearance 150 µm.")
+
+
+def test_a_run_up_through_the_critical_speed_tells_where_it_touches_and_how_hard():
+    facts = run_up_of(PUMP, UP_TO, 16, 2.0)
+    assert facts["now"] == "rub"
+    assert facts["words"].startswith("From 0 rpm to 6,000 rpm: first contact at 5,")
+    assert facts["largest_force"] > 0.0
+    assert facts["words"].endswith("now rubbing.")
+
+
+def test_a_rotor_in_dry_whip_is_drawn_with_a_curve_of_samples_a_whirl():
+    rotor = PUMP.rotor()
+    radius = float(backward_whirl(rotor)["amplitude"][1])
+    start = [radius, 0.0, 0.0, -rotor.disc_radius * rotor.omega]
+    (answer,) = answer_to(question("motion", machine=PUMP.given, start=start, revolutions=20))
+    x, y = answer.arrays["x"], answer.arrays["y"]
+    turns = np.unwrap(np.angle(x + 1j * y))
+    assert turns[-1] < -7.0 * 20 * math.tau  # backward, rolling: rho/radius times the spin
+    assert np.abs(np.diff(turns)).max() < 1.1 * math.tau / PER_WHIRL
+    assert answer.facts["orders"] > rotor.disc_radius / radius  # its line is in the spectrum
+    heights = answer.arrays["line_amplitude"]
+    line = answer.arrays["line_frequency"][heights.argmax()]
+    assert line == pytest.approx(-rotor.disc_radius / radius, abs=0.1)
+
+
+def test_a_run_that_does_not_turn_has_no_whirls_a_revolution():
+    zeros = np.zeros(2)
+    run = {"t": np.arange(2.0), "mode": zeros, **dict.fromkeys(("x", "y", "vx", "vy"), zeros)}
+    assert whirls_per_revolution(run, 0.0) == 0.0
+
+
+SETTLED = {"contact_fraction": 0.0, "radius_max": 1.0, "largest_force": 2.0}
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"response": "contact_free"}, "No contact: radius 16.71 µm, gap 133.3 µm left of the"),
+        ({"response": "bouncing", "contact_fraction": 0.25}, "Rub: in contact 25 % of the time"),
+        ({"response": "synchronous", "contact_fraction": 1.0}, "Rub: contact without a break, "),
+        ({"response": "rolling", "contact_fraction": 1.0}, "Dry whip: the disc rolls backwards"),
+        ({"response": "failed", "message": "too long"}, "Not known: too long."),
+    ],
+)
+def test_the_verdict_says_whether_it_rubs(changes: dict[str, object], told: str):
+    assert verdict_of(PUMP, SETTLED | changes).startswith(told)
+
+
+def test_an_indentation_beyond_a_tenth_of_the_disc_is_said_to_be_beyond_the_model():
+    rotor = PUMP.rotor()
+    deep = SETTLED | {"response": "rolling", "contact_fraction": 1.0}
+    for part, is_told in ((0.09, False), (0.12, True)):
+        radius = rotor.delta0 + part * rotor.disc_radius
+        assert (
+            "is not to be trusted" in verdict_of(PUMP, deep | {"radius_max": radius})
+        ) == is_told
+
+
+def test_a_run_up_into_whip_is_summed_up_as_such():
+    told = words_of_run_up(PUMP, {
+        "begin": 0.0, "end": 0.2, "touch": 0.18, "radius": 20.0, "radius_speed": 0.2,
+        "force": 3.0, "force_speed": 0.2, "now": "whip",
+    })  # fmt: skip
+    assert "first contact at 4,962 rpm" in told
+    assert "now in dry whip." in told
