@@ -34,7 +34,7 @@ from rotor_ida.cli.variables import (
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
-from rotor_ida.results.si_units import in_rpm, si_of
+from rotor_ida.results.si_units import in_rpm, in_suitable_units, si_of
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, by_number, flags_of
 from rotor_ida.units import SPEED_UNITS
 
@@ -175,13 +175,13 @@ def show_run(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def show_run_up_summary(dataset: xr.Dataset, _most: int | None) -> Description:
-    """Return what a run-up comes to, the sentence first."""
+    """Return the summary of a run-up, the sentence first."""
     record, _ = tabled(dataset, None)
-    scalars = scalars_of(dataset)
+    shown = in_suitable_units(dataset)
     told: Record = {}
-    for name, value in scalars.items():
-        turns = in_rpm(dataset[name]) if name.endswith("_speed") else None
-        told[with_unit(dataset, name) if turns is None else f"{name} [rpm]"] = (
+    for name, value in scalars_of(shown).items():
+        turns = in_rpm(shown[name]) if name.endswith("_speed") else None
+        told[with_unit(shown, name) if turns is None else f"{name} [rpm]"] = (
             value if turns is None else float(turns)
         )
     sentence = str(dataset.attrs["sentence"])

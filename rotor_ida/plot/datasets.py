@@ -11,12 +11,8 @@ from matplotlib.axis import Axis
 
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, OPTIONAL
-from rotor_ida.results.si_units import UNITS, scale_of
+from rotor_ida.results.si_units import in_suitable_units, scale_of
 from rotor_ida.schema import QUANTITIES
-from rotor_ida.units import PREFIXES
-
-# A dimensionless 1 below and above these is shown with the prefixes m and k.
-SMALL, LARGE = 0.1, 1000.0
 
 
 def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Dataset:
@@ -26,35 +22,7 @@ def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Datas
     missing = [variable for variable in needed if variable not in dataset.variables]
     if missing:
         raise InputError(f"{name} must hold {', '.join(needed)}; it lacks {', '.join(missing)}")
-    return _in_suitable_units(dataset)
-
-
-def _in_suitable_units(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a result in m, m/s, N, N s or J in µm, mm/s, kN and so on; in other units as it is.
-
-    What a dimensionless 1 is decides on the prefix, so that all results of a machine have the same.
-    """
-    prefixes = {"length": "u", "velocity": "m"}
-    for kind in ("force", "impulse", "energy"):
-        scale = scale_of(dataset, kind)
-        prefixes[kind] = "m" if scale < SMALL else "k" if scale >= LARGE else ""
-    converted = {}
-    for name, variable in dataset.variables.items():
-        kind = QUANTITIES[str(name)].scale if str(name) in QUANTITIES else ""
-        # the rim of the disc is far faster than its centre
-        if prefixes.get(kind) and units_in(variable) == UNITS[kind] and name != "slip_speed":
-            parts, unit = PREFIXES[prefixes[kind]], f"{prefixes[kind]}{UNITS[kind]}"
-            attributes = {**variable.attrs, "units": unit}
-            converted[name] = xr.Variable(variable.dims, parts * variable.data, attributes)
-    if not converted:
-        return dataset
-    kinds = {QUANTITIES[str(name)].scale for name in converted}
-    told = {
-        f"{kind}_scale": PREFIXES[prefixes[kind]] * scale_of(dataset, kind)
-        for kind in kinds
-        if f"{kind}_scale" in dataset.attrs
-    }
-    return dataset.assign(converted).assign_attrs(told)
+    return in_suitable_units(dataset)
 
 
 def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:

@@ -17,7 +17,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.plot.datasets import hold_units, one_value, units_in
-from rotor_ida.results.si_units import in_rpm, scale_of
+from rotor_ida.results.si_units import in_rpm, machine_of, scale_of, si_of
 from rotor_ida.units import SPEED_UNITS
 
 SEPARATOR = ",  "
@@ -204,11 +204,35 @@ def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMET
     # what varies along a branch is on its axis
     optional = [each for each in OPTIONAL if each in dataset.variables and not dataset[each].ndim]
     values = {each: one_value(name, dataset, each) for each in (*parameters, *optional)}
-    text = parameter_text(values)
-    if "event_speed" in dataset.variables:  # omega is only the first
-        last = float(dataset["speed"][-1]) / scale_of(dataset, "speed")
-        text = text.replace("$,", rf" \ldots {last:.4g}$,", 1) + _speeds_in_rpm(dataset)
+    if "event_speed" not in dataset.variables:
+        return in_lines(text_of(dataset, values))
+    if (speeds := in_rpm(dataset["speed"])) is not None:  # omega is only the first
+        del values["omega"]
+        turns = (f"{each:.4g}" if each < 1e3 else f"{each:.0f}" for each in speeds[[0, -1]])
+        return in_lines(SEPARATOR.join(["{} to {} rpm".format(*turns), text_of(dataset, values)]))
+    last = float(dataset["speed"][-1]) / scale_of(dataset, "speed")
+    text = text_of(dataset, values).replace("$,", rf" \ldots {last:.4g}$,", 1)
     return in_lines(text)
+
+
+def text_of(dataset: xr.Dataset, values: Mapping[str, float]) -> str:
+    """Return parameters as a title: dimensionless, or in SI units if the dataset has a machine."""
+    if machine_of(dataset) is None:
+        return parameter_text(values)
+    return SEPARATOR.join(_in_si(dataset, name, value) for name, value in values.items())
+
+
+def _in_si(dataset: xr.Dataset, name: str, value: float) -> str:
+    """Return the name of a parameter of a machine with its value and unit."""
+    known = si_of(dataset, name)
+    if known is None:
+        return f"{name.replace('_', ' ')} {value:.4g}"
+    words, _, unit = known[0].removesuffix("]").partition(" [")
+    value *= known[1]
+    if unit == "m":
+        value, unit = (1e6 * value, "µm") if value < 1e-3 else (1e3 * value, "mm")
+    digits = f"{value:.0f}" if 1e3 <= value < 1e5 else number_text(value, ".4g")
+    return f"{words} ${digits}$ {unit}"
 
 
 def in_lines(text: str) -> str:
@@ -224,12 +248,3 @@ def in_lines(text: str) -> str:
         return text
     first, second = parts[: len(PARAMETERS)], parts[len(PARAMETERS) :]
     return f"{SEPARATOR.join(first)}\n{SEPARATOR.join(second)}"
-
-
-def _speeds_in_rpm(run: xr.Dataset) -> str:
-    """Return first and last speed of a run-up in SI units as an engineer tells them."""
-    speeds = in_rpm(run["speed"])
-    if speeds is None:
-        return ""
-    first, last = (f"{each:.4g}" if each < 1e3 else f"{each:.0f}" for each in speeds[[0, -1]])
-    return rf"{SEPARATOR}${first} \ldots {last}$ rpm"

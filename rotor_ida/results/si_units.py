@@ -32,6 +32,8 @@ MACHINE, EXACT = "machine_", "dimensionless"
 # What a result is computed from again, to the last bit; longer axes are divided by their scale.
 INPUTS = (*COMPONENTS, *(f"start_{name}" for name in COMPONENTS), "to", "rate")
 LONGEST_INPUT = 4096
+# A dimensionless 1 below and above these has the prefixes m and k in figures and summaries.
+SMALL, LARGE = 0.1, 1000.0
 # Speeds that results tell over the reference frequency, also in SI units.
 SPEEDS = ("omega", "fold_omega", "hopf_omega", "jump_omega", "birth_omega", "cusp_omega")
 
@@ -166,10 +168,10 @@ def dimensionless(dataset: xr.Dataset) -> xr.Dataset:
                     values = exact  # else it was changed
             converted[name] = xr.Variable(variable.dims, values, attributes)
     plain = dataset.assign(converted)
-    plain.attrs = _attributes_before(dataset)
-    if "t" in plain.coords and "duration" in plain.attrs:
+    attributes = plain.attrs = _attributes_before(dataset)
+    if "t" in plain.coords and "duration" in attributes:
         # the division may have moved the last sample behind the end of the run by a rounding
-        t = plain["t"].clip(max=float(plain.attrs["duration"]), keep_attrs=True)
+        t = plain["t"].clip(max=float(str(attributes["duration"])), keep_attrs=True)
         plain = plain.assign_coords(t=t)
     return plain
 
@@ -213,6 +215,35 @@ def in_units_of(dataset: xr.Dataset, other: xr.Dataset) -> xr.Dataset:
         if quantity is not None and quantity.scale:
             units[quantity.scale] = str(variable.attrs["units"])
     return dimensional(dataset, machine, units=units)
+
+
+def in_suitable_units(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a result in m, m/s, N, N s or J in µm, mm/s, kN and so on; in other units as it is.
+
+    The scales of the machine decide on the prefixes, so that all its results have the same.
+    """
+    prefixes = {"length": "u", "velocity": "m"}
+    for kind in ("force", "impulse", "energy"):
+        scale = scale_of(dataset, kind)
+        prefixes[kind] = "m" if scale < SMALL else "k" if scale >= LARGE else ""
+    converted = {}
+    for name, variable in dataset.variables.items():
+        kind = QUANTITIES[str(name)].scale if str(name) in QUANTITIES else ""
+        # the rim of the disc is far faster than its centre
+        plain = variable.attrs.get("units") == UNITS.get(kind) and name != "slip_speed"
+        if plain and prefixes.get(kind):
+            parts, unit = PREFIXES[prefixes[kind]], f"{prefixes[kind]}{UNITS[kind]}"
+            attributes = {**variable.attrs, "units": unit}
+            converted[name] = xr.Variable(variable.dims, parts * variable.data, attributes)
+    if not converted:
+        return dataset
+    kinds = {QUANTITIES[str(name)].scale for name in converted}
+    told = {
+        f"{kind}_scale": PREFIXES[prefixes[kind]] * scale_of(dataset, kind)
+        for kind in kinds
+        if f"{kind}_scale" in dataset.attrs
+    }
+    return dataset.assign(converted).assign_attrs(told)
 
 
 def si_of(dataset: xr.Dataset, name: str) -> tuple[str, float] | None:

@@ -12,7 +12,7 @@ import pytest
 from rotor_ida import load, orders
 from rotor_ida.cli.program import main
 
-SCRIPT = Path(__file__).parents[2] / "docs" / "tutorial_scripts" / "a_pump.py"
+SCRIPT = Path(__file__).parents[2] / "docs" / "tutorial_scripts" / "pump.py"
 
 
 def commands():

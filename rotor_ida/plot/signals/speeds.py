@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from rotor_ida.arrays import Values
 from rotor_ida.plot.appearance import BLUE, GOING_DOWN, GOING_UP, INK, ORANGE, draw_marks
 from rotor_ida.plot.datasets import parameters_in
-from rotor_ida.plot.labels import in_lines, parameter_text
+from rotor_ida.plot.labels import in_lines, text_of
 from rotor_ida.plot.signals.units import is_one_speed
 
 # A turn of the speed is noise if it is smaller than this part of the largest, or so many times
@@ -38,7 +38,7 @@ def title_of_signals(dataset: xr.Dataset, *, one_speed: bool) -> str:
         for name in parameters_in(dataset)
         if not dataset[name].ndim and (name != "omega" or one_speed)
     }
-    return in_lines(parameter_text(known))
+    return in_lines(text_of(dataset, known))
 
 
 def legs_of(speeds: Values, words: str) -> list[Leg]:
