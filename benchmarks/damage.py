@@ -5,7 +5,7 @@ For one small archive of every kind:
 - cut off at each of its first 4,096 bytes and at every block of 512 bytes after them;
 - one bit turned over, at 1,000 random places;
 - a share of 500 mutants: bytes overwritten, blocks cut out, doubled, moved or emptied;
-- the forgeries of `tests/storage/forgeries.py`: links, bombs, vast sizes, cycles, unknown filters;
+- the forgeries of `tests/results/forgeries.py`: links, bombs, vast sizes, cycles, unknown filters;
   and those that are refused even if the forger seals them again.
 
 Each file is loaded in another process. It must end within 5 s of the processor and 1 GiB, either
@@ -32,7 +32,7 @@ from pathlib import Path
 import netCDF4  # noqa: F401 - so that the processes need not
 import numpy as np
 import xarray as xr
-from tests.storage.forgeries import FORGERIES, SEALED_AGAIN
+from tests.results.forgeries import FORGERIES, SEALED_AGAIN
 
 from rotor_ida import ArchiveError, InputError, load, save
 from rotor_ida.results.archive.checksum import append_seal

@@ -4,14 +4,17 @@ A pump rotor, from its data sheet to a verdict
 
 Find out in ten minutes whether a rotor rubs on its way up to speed, how hard it rubs, and whether it ends in dry
 whip. Then read the same from measured signals. You need an installation (:doc:`/install`) and six commands.
-Each command stands beside the Python that does the same; the output is that of the Python.
+Beside each command is the Python that does the same; the output is that of the Python. If you have followed the README,
+keep its ``pump.toml`` and ``pump.nc`` and go on with step 3.
 
 1. Write down the machine
 -------------------------
 
-A pump rotor of 12 kg runs on a shaft of 4 N/µm with a damping ratio of 3 % of its critical speed. It is balanced to
-G6.3 at 3,600 rpm. Its wear ring leaves 150 µm of radial clearance, is as stiff as 100 N/µm, has a coefficient of friction of 0.12, and
-meets the rotor at a radius of 60 mm::
+A pump rotor of 12 kg runs on a shaft of 4 N/µm with a damping ratio of 3 %. It is balanced to G6.3 for its
+running speed of 3,600 rpm, and we take it beyond that speed. The pump is dry: no fluid force acts in the wear ring. The shaft is vertical,
+so it carries no weight; add ``--load weight`` for a horizontal one. The wear ring leaves 150 µm of radial clearance, is as stiff as 100 N/µm, has a coefficient of friction of 0.12, and
+meets the rotor at a radius of 60 mm. If you do not know the stiffness, try 1e7 to 1e9 N/m: the speed of the first touch does not
+depend on it, the force does::
 
     rotor-ida machine --mass 12kg --shaft-stiffness 4e6N/m --damping-ratio 3% \
         --clearance 150um --balance-grade G6.3 --balance-speed 3600rpm --speed 3600rpm \
@@ -44,7 +47,7 @@ print(f"eccentricity {1e6 * pump.eccentricity:.2f} um, damping {pump.damping:.1f
 #
 #     rotor-ida run-up --machine pump.toml --to 6000rpm --in 20s --out pump.nc --figure pump
 #
-# The answer is one sentence. A table with the details follows it.
+# The answer comes first, in three sentences. Tables with the details follow.
 
 from rotor_ida import dimensional, run_up, summary
 
@@ -53,7 +56,7 @@ run = dimensional(run_up(pump.rotor(), **ramp), pump, units={"speed": "rpm", "le
 print(summary(run).attrs["sentence"])
 
 # %%
-# So it rubs, with some ten times its weight of 118 N: the rotor bounces, and the force comes in short hits.
+# So it rubs. The force comes in short hits of up to ten times the weight of the rotor, 118 N.
 
 from rotor_ida.plot import plot_run
 
@@ -67,8 +70,8 @@ plot_run(run)
 #
 #     rotor-ida plot pump.nc --kind bode --figure bode
 #
-# The amplitude of the synchronous whirl rises up to the clearance. From there on the ring holds it back, and the phase
-# no longer rises: the critical speed is not passed.
+# The 1X amplitude rises to the clearance and then falls, which looks like a critical speed passed. The phase shows that it is
+# not: the lag stays near 35° instead of going through 90°. The stator holds the rotor back.
 
 from rotor_ida.plot import plot_bode
 
@@ -82,9 +85,10 @@ plot_bode(run)
 #
 #     rotor-ida plot pump.nc --kind cascade --figure cascade.pdf
 #
-# The right half of a cascade shows forward whirl, the left half backward whirl. A second line appears on the left with the first
-# touch: friction drives the rotor backward between the hits. It is not dry whip, as the disc never rolls on the ring; but it is
-# the sign to watch for.
+# The right half of a cascade shows forward whirl, the left half backward whirl. A second line appears on the left
+# with the first touch, near −120 Hz: friction drives the rotor backward between the hits. It is not dry whip, as the disc never rolls on
+# the stator, but it is the warning of it. ``rotor-ida backward-whirl --machine pump.toml`` computes the dry whip that a hard
+# knock could start, and the lowest speed at which it exists.
 
 from rotor_ida.plot import plot_cascade
 
@@ -112,7 +116,7 @@ print(summary(quiet).attrs["sentence"])
 # ---------------------
 #
 # A recorder writes a CSV file with a time, two probes at +45° and −45°, and the speed, 2,000 times a second. To follow
-# this step without a machine, write such a file from the run:
+# this step without a machine, write such a file from the run of step 2:
 
 import numpy as np
 import pandas as pd
