@@ -32,11 +32,11 @@ from pathlib import Path
 import netCDF4  # noqa: F401 - so that the processes need not
 import numpy as np
 import xarray as xr
-from tests.results.forgeries import FORGERIES, SEALED_AGAIN
 
 from rotor_ida import ArchiveError, InputError, load, save
 from rotor_ida.results.archive.checksum import append_seal
 from tests.kinds import KINDS
+from tests.results.forgeries import FORGERIES, SEALED_AGAIN
 
 SECONDS, MEBIBYTES = 5, 1024
 

@@ -61,8 +61,8 @@ def seen() -> xr.Dataset:
 
 
 @functools.cache
-def swept() -> xr.Dataset:
-    return rotor_ida.sweep(omega=1.2, zeta=0.5, delta0=0.5)
+def swept(omega: float = 1.2) -> xr.Dataset:
+    return rotor_ida.sweep(omega=omega, zeta=0.5, delta0=0.5)
 
 
 CYCLES = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
@@ -198,7 +198,24 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "contact_forces": lambda _: {"run": run()},
     "contact_summary": lambda _: {"run": run()},
     "compare": lambda _: {"dataset": swept()},
+    "concat": lambda _: {"datasets": [swept(), swept(1.3)], "dim": "omega"},
+    "decode_flags": lambda _: {"data": run()},
     "dimensional": lambda _: {"dataset": run(), "machine": MACHINE},
+    "machine_from_data_sheet": lambda _: {
+        "mass": "4 kg",
+        "contact_stiffness": "1e9 N/m^1.5",
+        "clearance": 2e-6,
+        "speed": "600 rad/s",
+        "damping": 280.0,
+        "eccentricity": "1 um",
+    },
+    "save_machine": lambda folder: {
+        "machine": MACHINE,
+        "path": folder / "new.toml",
+        "overwrite": True,
+    },
+    "load_machine": lambda folder: {"path": machine_in(folder)},
+    "summary": lambda _: {"run": ramp()},
     "save": lambda folder: {"dataset": run(), "path": folder / "new.nc", "overwrite": True},
     "load": lambda folder: {"path": archive_in(folder)},
     "open_archive": lambda folder: {"path": archive_in(folder)},
@@ -257,6 +274,16 @@ def rubbing() -> Rotor:
     for name, value in (("friction", 0.2), ("disc_radius", 10.0)):
         object.__setattr__(rotor, name, value)
     return rotor
+
+
+@functools.cache
+def ramp() -> xr.Dataset:
+    return rotor_ida.run_up(ROTOR, to=1.4, rate=0.1)
+
+
+def machine_in(folder: Path) -> Path:
+    path = folder / "machine.toml"
+    return path if path.exists() else rotor_ida.save_machine(MACHINE, path)
 
 
 def archive_in(folder: Path) -> Path:

@@ -67,7 +67,7 @@ def problem_of(
         raise InputError("machine must have a clearance above 0 for a fit, got 0.0")
     sought = _unknowns(unknown, guess, in_si=in_si)
     if ANGLE not in [each.field for each in sought] and any(
-        integrated(each.attrs) for each in given
+        isinstance(each, xr.Dataset) and integrated(each.attrs) for each in given
     ):
         raise InputError(
             f"unknown must have {ANGLE} where the angle is integrated from a speed, as its origin "

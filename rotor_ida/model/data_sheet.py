@@ -286,7 +286,8 @@ def _exponent(given: Mapping[str, Quantity]) -> float:
 
 def _shaft_stiffness(numbers: Mapping[str, float]) -> float:
     if "critical_speed" in numbers:
-        return numbers["mass"] * check_positive("critical_speed", numbers["critical_speed"]) ** 2
+        critical = check_positive("critical_speed", numbers["critical_speed"])
+        return numbers["mass"] * critical * critical
     return numbers.get("shaft_stiffness", 0.0)
 
 
@@ -320,4 +321,6 @@ def _eccentricity(numbers: Mapping[str, float], grade: Quantity) -> float:
 
 
 def _load(load: Quantity, mass: float) -> float:
-    return mass * GRAVITY if load == "weight" else in_si("load", load, "N")
+    if isinstance(load, str) and load == "weight":
+        return mass * GRAVITY
+    return in_si("load", load, "N")

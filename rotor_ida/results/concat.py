@@ -54,9 +54,12 @@ def concat(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
     >>> both.response.sizes["omega"], int(both.event_count.sum()) == both.sizes["event"]
     (3, True)
     """
+    if not isinstance(datasets, Sequence) or isinstance(datasets, str | bytes | range):
+        raise InputError(f"datasets must be a list of datasets, got {shown(datasets)}")
     given = [check_instance("datasets", each, xr.Dataset) for each in datasets]
     if not given:
-        raise InputError("datasets must hold at least one, got none")
+        raise InputError("datasets must contain at least one, got none")
+    check_instance("dim", dim, str)
     for each in given:
         if dim not in each.variables:
             raise InputError(f"dim must be in all datasets, got {shown(dim)}, which one lacks")

@@ -23,6 +23,7 @@ from __future__ import annotations
 import math
 import os
 import tomllib
+from pathlib import Path
 
 import numpy as np
 
@@ -63,7 +64,7 @@ def load_machine(path: str | os.PathLike[str]) -> DimensionalRotor:
     >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
     ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     save_machine(machine, f"{folder}/disc.toml")
+    ...     _ = save_machine(machine, f"{folder}/disc.toml")
     ...     load_machine(f"{folder}/disc.toml") == machine
     True
     """
@@ -85,15 +86,15 @@ def read_data_sheet(path: str | os.PathLike[str]) -> dict[str, object]:
             raise InputError(f"machine must be a small TOML file, got {shown(place)}")
         return tomllib.loads(text.decode())
     except OSError as error:
-        raise InputError(f"cannot read {place}: {error.strerror or error}") from error
+        raise InputError(f"cannot read {shown(place)}: {error.strerror or error}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         first, *_ = str(error).splitlines()
-        raise InputError(f"{place} is no TOML file: {first}") from error
+        raise InputError(f"machine must be a TOML file, got {shown(place)}: {first}") from error
 
 
 def save_machine(
     machine: DimensionalRotor, path: str | os.PathLike[str], *, overwrite: bool = False
-) -> None:
+) -> Path:
     """Write a machine to a TOML file, in SI units, with what they mean as comments.
 
     Parameters
@@ -104,6 +105,11 @@ def save_machine(
         The file, which `load_machine` and the option ``--machine`` read.
     overwrite : bool
         Whether a file that is there may be replaced.
+
+    Returns
+    -------
+    Path
+        The file.
 
     Raises
     ------
@@ -121,6 +127,7 @@ def save_machine(
     place = check_target("path", path, overwrite=overwrite)
     with written_whole(place, overwrite=overwrite) as part:
         part.write_text(machine_text(machine), encoding="utf-8")
+    return place
 
 
 def machine_text(machine: DimensionalRotor) -> str:

@@ -60,16 +60,10 @@ def sample_times(samples: object, duration: float, rotor: Rotor, fastest: float)
 
 
 def _chosen(duration: float, rotor: Rotor, fastest: float) -> int:
-    """Return how many samples resolve the revolutions, the shaft and the contact."""
+    """Return how many samples resolve revolutions, shaft and contact, as far as memory allows."""
     shaft = math.sqrt(rotor.shaft_stiffness)
     on_the_ring = math.sqrt(1.0 + rotor.shaft_stiffness)
     rate = max(
         SAMPLES_A_REVOLUTION * max(fastest, shaft), SAMPLES_A_CONTACT * on_the_ring
     ) / (2.0 * math.pi)  # fmt: skip
-    count = math.ceil(rate * duration) + 1
-    if count > MOST_CHOSEN:
-        raise InputError(
-            f"samples must be given for a run of which {SAMPLES_A_REVOLUTION} in each revolution "
-            f"are more than {MOST_CHOSEN}, here {count}: their number, or times, got None"
-        )
-    return max(count, FEWEST)
+    return math.ceil(min(max(rate * duration + 1.0, FEWEST), MOST_CHOSEN))

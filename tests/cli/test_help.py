@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import rotor_ida
+from rotor_ida.checks import AT_REST
 from rotor_ida.cli.commands.compute import (
     basin,
     basin_fractions,
@@ -204,6 +205,8 @@ def test_defaults_are_those_of_the_library(command: Callable[..., object], libra
             default = ours[name][1]
             if default is None and name in OPTIONAL:  # no axis is given
                 default = DEFAULTS[name]
+            if default is None and name == "start":  # it must be left out with --from
+                default = AT_REST
             # an axis of one number is that number
             assert default in (parameter.default, [parameter.default]), name
 

@@ -80,7 +80,7 @@ def test_a_data_sheet_that_is_implausible_is_warned_of(program: Program):
       "mean clearance?"),
      ("mass = 12\nspeed = 3", "pump.toml must also give contact_stiffness, clearance, damping or "
       "damping_ratio, eccentricity or unbalance or balance_grade"),
-     ("mass = ", "pump.toml is no TOML file: Invalid value"),
+     ("mass = ", "machine must be a TOML file, got 'pump.toml': Invalid value"),
      ("mass = '12 um'", "pump.toml: the unit of mass must be kg or g, got '12 um'"),
      ("mass = [1]", "pump.toml: mass must be a finite real number, got [1]"),
      ("damping = 1", "pump.toml: damping must be left out with damping_ratio: each gives the "

@@ -89,6 +89,8 @@ def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rotor = rotor_ida.Rotor(**ROTOR)
     run = rotor_ida.simulate(rotor, start=(0.5, 0, 0, 1), duration=40.0)
     rotor_ida.save(run, folder / "run.nc")
+    in_si = rotor_ida.dimensional(run, rotor_ida.DimensionalRotor(**MACHINE))
+    rotor_ida.save(in_si, folder / "in_si.nc")
     rotor_ida.save(rotor_ida.folds(zeta=0.07, delta0=0.5), folder / "folds.nc")
     (folder / "text.nc").write_text("no archive")
     (folder / "empty.nc").write_bytes(b"")

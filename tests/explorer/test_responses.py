@@ -231,7 +231,7 @@ def test_with_a_shaft_the_rotor_settles_on_the_one_contact_free_whirl():
 def test_under_a_load_there_is_no_curve_and_the_motion_repeats_itself_after_revolutions():
     parts = {message.part: message for message in answer_to(LOADED)}
     curve, facts = parts["curve"], parts["settled"].facts
-    assert curve.facts["why"].startswith("Under a load nothing stands still on the turning axes")
+    assert curve.facts["why"].startswith("Under a static load there is no synchronous whirl")
     assert not any(values.size for values in curve.arrays.values())
     turns = facts["period"] * LOADED.rotor.omega / (2.0 * np.pi)
     assert turns == pytest.approx(round(turns), abs=1e-9)
