@@ -47,7 +47,7 @@ def test_a_file_that_cannot_be_read_gets_one_line(tmp_path):
     with pytest.raises(InputError, match=r"cannot read .*: Is a directory"):
         load_machine(tmp_path)
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(InputError, match="machine must be a TOML file, got .*: "):
+    with pytest.raises(InputError, match=r"machine must be a TOML file, got .*: "):
         load_machine(tmp_path / "bytes.toml")
     (tmp_path / "large.toml").write_bytes(b"#" * 1_000_001)
     with pytest.raises(InputError, match="machine must be a small TOML file"):
