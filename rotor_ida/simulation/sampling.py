@@ -1,4 +1,4 @@
-"""The times at which a run is reported: given, so many, or chosen by the revolution."""
+"""The times at which a run is reported: given, counted, or chosen per revolution."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOST_CHOSEN = 2_000_000
 
 
 def sample_times(samples: object, duration: float, rotor: Rotor, fastest: float) -> Values:
-    """Return the times to report: from themselves, from their number, or by the revolution.
+    """Return the times to report: as given, equally spaced, or chosen per revolution.
 
     Parameters
     ----------

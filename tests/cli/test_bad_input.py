@@ -173,7 +173,7 @@ MISTAKES = [
     (run_up("--to 2 --rate -0.1"), "rate must be positive to change the speed from 0.5 to 2.0"),
     (run_up("--to 0 --rate 0.1"), "rate must be negative to change the speed from 0.5 to 0.0"),
     (run_up("--to 2 --rate 0"), "rate must be positive to change the speed from 0.5 to 2.0"),
-    (run_up("--to -1 --rate -1"), "to must be zero or positive, as a run through zero is not"),
+    (run_up("--to -1 --rate -1"), "to must be zero or positive: a run through zero is not"),
     (run_up("--to 2 --rate 0.1 --in 5"), "rate must be left out with ramp_time, got 0.1"),
     (run_up("--in 5"), "to must be given with ramp_time, got None"),
     (run_up("--to 2 --in 0"), "ramp_time must be positive, got 0.0"),

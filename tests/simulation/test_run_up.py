@@ -420,7 +420,7 @@ MISTAKES = {
     "rate must be negative to change the speed from 0.5 to 0.1, got 0.1": RAMP | {"to": 0.1},
     "rate must be positive to change the speed from 0.5 to 2.0, got 0.0": RAMP | {"rate": 0.0},
     "to must differ from the rotor's omega 0.5": RAMP | {"to": 0.5},
-    "to must be zero or positive, as a run through zero is not known, got -1.0": {
+    "to must be zero or positive: a run through zero is not supported, got -1.0": {
         "to": -1.0, "rate": -0.1,
     },
     "to must be at most 1e\\+06": {"to": 2e6, "rate": 1.0},
