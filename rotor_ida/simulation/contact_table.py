@@ -119,7 +119,7 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
     """
     check_instance("run", run, xr.Dataset)
     if "entry_time" not in run or "duration" not in run.attrs:
-        raise InputError("contact_summary needs a run of simulate, got one without contacts")
+        raise InputError("run must be a run of simulate, got one without a table of contacts")
     check_dimensionless("run", run)
     duration = float(run.attrs["duration"])
     omega = float(run["omega"])

@@ -362,7 +362,7 @@ def _follow_piece(
 def _record_event(run: _Run, time: float, event: int, state: Values) -> int:
     """Record an event, and return the mode that follows.
 
-    An event at the time of the previous one, but for rounding, replaces it.
+    A friction event at the time of the previous event, but for rounding, is merged with it.
     """
     spinning = run.spinning_rotor_at(time)
     mode = {EXIT: FLIGHT, RELEASE: LOOSE}.get(event, ROLLING)
