@@ -62,9 +62,9 @@ LONGEST = 40_000.0
 TIGHTER = 0.1
 # A tighter tolerance is used as it is: a tenth of it would be near the limit of the solvers.
 TIGHTENED_FROM = 1e-11
-# The first window holds whole revolutions, so many at least,
+# The first window contains at least this many whole revolutions,
 WINDOW_REVOLUTIONS = 4
-# and so much time at least: four revolutions of a fast rotor are soon over.
+# and lasts at least this long: four revolutions of a fast rotor are too short.
 WINDOW_TIME = 40.0
 # Windows double up to this multiple of the first, for periods of many revolutions.
 LONGEST_WINDOW = 8
@@ -83,9 +83,9 @@ PATIENCE = 20.0
 # An exponent is a mean over at least this time, and at least this multiple of the earlier time.
 EXPONENT_TIME = 20_000.0
 EXPONENT_TIMES = 2.0
-# An exponent is clear of zero when it exceeds so many errors,
+# An exponent is nonzero when it exceeds this many errors,
 CLEAR_ERRORS = 5.0
-# and when by it neighbours part by exp(20), 5e8, in the time over which it was taken.
+# and when neighbours diverge by exp(20), 5e8, in the averaging time.
 CLEAR_STRETCH = 20.0
 # It is zero when neighbours neither diverge nor converge by 1 % in that time, in which clear chaos
 # would have shown. The errors are those of the scatter of parts; on a torus the mean over all parts
