@@ -83,7 +83,7 @@ plot_bode(run)
 #     rotor-ida plot pump.nc --kind cascade --figure cascade.pdf
 #
 # The right half of a cascade shows forward whirl, the left half backward whirl. A second line appears on the left with the first
-# touch: friction drives the rotor backward between the hits. It is not dry whip, as the disc never rolls on the ring; but it is
+# touch: friction drives the rotor backward between the hits. It is not dry whip, as the disc never rolls on the stator; but it is
 # the sign to watch for.
 
 from rotor_ida.plot import plot_cascade

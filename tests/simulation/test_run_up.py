@@ -293,7 +293,7 @@ def test_a_run_whose_energy_does_not_balance_is_refused(monkeypatch):
         check_orbit(replace(orbit, speed_record=off))
     faster = orbit.speed_record.samples.copy()
     faster["speed"] *= 1.1
-    with pytest.raises(InvariantError, match="disc slips, or cannot be held, where it should roll"):
+    with pytest.raises(InvariantError, match="disc slips, or lacks grip, where it should roll"):
         check_orbit(replace(orbit, speed_record=replace(orbit.speed_record, samples=faster)))
 
 
