@@ -311,7 +311,7 @@ def check_panels(panels: int) -> int:
     if panels > MOST_PANELS:
         raise InputError(
             f"figure can show at most {MOST_PANELS} combinations of zeta, delta0 and other "
-            f"varied parameters, got {panels}"
+            f"parameters, got {panels}"
         )
     return panels
 

@@ -165,7 +165,7 @@ def test_more_than_one_dimension_is_refused_with_its_shape(values):
 
 @pytest.mark.parametrize("values", [range(10**12), range(10**30)])
 def test_what_memory_cannot_hold_is_refused_before_it_is_asked_for(values):
-    with pytest.raises(InputError, match=r"^omega must contain at most 10000000 numbers, got range"):
+    with pytest.raises(InputError, match=r"^omega must contain at most 10000000 numbers, got"):
         check_axis("omega", values)
 
 

@@ -76,7 +76,7 @@ def test_a_data_sheet_that_is_implausible_is_warned_of(program: Program):
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [("clearence = 1e-4", "pump.toml must hold quantities of a machine, got 'clearence': did you "
+    [("clearence = 1e-4", "pump.toml must give quantities of a machine, got 'clearence': did you "
       "mean clearance?"),
      ("mass = 12\nspeed = 3", "pump.toml must also give contact_stiffness, clearance, damping or "
       "damping_ratio, eccentricity or unbalance or balance_grade"),
