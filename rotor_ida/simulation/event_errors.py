@@ -41,7 +41,7 @@ MEMORY = 4
 # tolerance, and then agrees too well with the second. Of 772 runs of the reference cases, two per
 # decade of rtol, three would have needed more than 5, and none more than 9.
 WIDENING, OF_ROUNDING = 10.0, 0.5
-# Radians of the fastest motion beyond which a run is long.
+# Radians of the fastest motion above which a run is long.
 LONG = 1e6
 # Samples of the second run: they resolve the time at which the two orbits separate.
 MOST_SAMPLES = 64

@@ -341,9 +341,7 @@ def _follow_piece(
             event = ends if crossing <= change else kind
         end = first if event else min(motion.high, until)
         if state.size > SPEED and motion.at(end)[SPEED] < 0.0:
-            raise motion.failure(
-                "the speed fell through 0: the torque no longer turns the rotor"
-            )
+            raise motion.failure("the speed fell through 0: the torque no longer turns the rotor")
         for candidate in (turn, end):
             if candidate <= end:
                 contact.pass_by(candidate, motion.at(candidate))

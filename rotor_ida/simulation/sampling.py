@@ -17,11 +17,11 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 
-# In a period of the contact: enough for dry whip, which turns so fast at most.
+# In a period of the contact, which is the shortest period of dry whip.
 SAMPLES_A_CONTACT = 8
-# A short run is drawn from so many.
+# Smallest number of samples, for a smooth plot of a short run.
 FEWEST = 1001
-# The first limit on memory: some 160 MB in a run, and as much again while it is made.
+# Limit on memory: about 160 MB in a run, and twice as much during the run.
 MOST_CHOSEN = 2_000_000
 
 
@@ -69,7 +69,7 @@ def _chosen(duration: float, rotor: Rotor, fastest: float) -> int:
     count = math.ceil(rate * duration) + 1
     if count > MOST_CHOSEN:
         raise InputError(
-            f"samples must be given for a run of which {SAMPLES_A_REVOLUTION} in each revolution "
-            f"are more than {MOST_CHOSEN}, here {count}: their number, or times, got None"
+            f"samples must be given for a run that needs more than {MOST_CHOSEN}, here {count}, "
+            "got None"
         )
     return max(count, FEWEST)
