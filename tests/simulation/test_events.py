@@ -436,8 +436,8 @@ def test_a_run_that_contradicts_itself_raises():
 
     for name, change, message in (
         ("dry whip", backwards, "surfaces slide in a sense that contradicts"),
-        ("dry whip", early, "the disc slips, or cannot be held"),
-        ("dry whip", late, "the disc slips, or cannot be held"),
+        ("dry whip", early, "the disc slips, or lacks grip"),
+        ("dry whip", late, "the disc slips, or lacks grip"),
         ("dry whip", rolls_twice, "do not alternate"),
         ("everything but friction", releases_twice, "press and release, do not alternate"),
     ):

@@ -440,7 +440,7 @@ MISTAKES = {
     "torque 0 must be|torque must be a finite": POWER | {"torque": (1.0, np.nan)},
     "times of speeds must increase, got 1.0 after 1.0": {"speeds": [(0, 1), (1, 2), (1, 3)]},
     "the first time of speeds must be 0, got 1.0": {"speeds": [(1, 1), (2, 2)]},
-    "a speed of speeds must be zero or positive, .*, got -2.0": {"speeds": [(0, 1), (1, -2)]},
+    "a speed of speeds must be zero or positive: .*, got -2.0": {"speeds": [(0, 1), (1, -2)]},
     "speeds must be two or more pairs of time and speed": {"speeds": [(0, 1)]},
     "backend must be 'auto' or 'compiled' with taylor, got 'python'": RAMP
     | {"method": "taylor", "backend": "python"},
