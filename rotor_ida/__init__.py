@@ -1,9 +1,9 @@
-"""Rotors in clearances: Hertz contact simulated event by event, held against closed forms.
+"""Rotors in clearances: Hertz contact simulated event by event, compared with closed forms.
 
 >>> from rotor_ida import Rotor, simulate, synchronous_response
 
-The names are listed in ``__init__.pyi``. Each is imported when it is first asked for: the command
-line answers ``--help``, and an archive can be read and drawn, without loading a solver.
+The names are listed in ``__init__.pyi``. Each is imported on first use: the command line answers
+``--help``, and an archive can be read and plotted, without loading a solver.
 """
 
 import lazy_loader

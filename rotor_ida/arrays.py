@@ -1,4 +1,4 @@
-"""What nearly every module says of numbers: arrays of them, and how finely they are spaced."""
+"""Types of arrays that nearly every module uses, and the spacing of doubles."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ Values = npt.NDArray[np.float64]
 ComplexValues = npt.NDArray[np.complex128]
 Flags = npt.NDArray[np.bool_]
 Arrays = dict[str, npt.NDArray[Any]]
-# One byte; the core ends at its next step once it is not 0.
+# One byte; the core stops at its next step once it is not 0.
 Stop = npt.NDArray[np.uint8]
-# Functions that each return how far a run is.
+# Functions that each return the time that a run has reached.
 Watch = list[Callable[[], float]]
 # Dimensions and values of a variable of a dataset.
 Column = tuple[Hashable | Sequence[Hashable], npt.ArrayLike]

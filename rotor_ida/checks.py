@@ -1,7 +1,7 @@
-"""Checks of what a user passes in: each returns the clean value or raises one clear line.
+"""Check arguments: each function returns the clean value or raises `InputError` with one line.
 
-A number is whatever NumPy takes for one, a vector likewise: scalars, arrays of NumPy, xarray and
-pandas, lists, tuples and ranges. What comes out is plain floats.
+Numbers and vectors may be anything that NumPy accepts: scalars, arrays of NumPy, xarray and
+pandas, lists, tuples and ranges. The results are plain floats.
 """
 
 from __future__ import annotations
@@ -29,21 +29,21 @@ COMPONENTS = ("x", "y", "vx", "vy")
 
 LARGEST_SEED = 2**63 - 1
 MOST_WORKERS = 512
-# What fits into the memory of most machines: numbers of an axis, samples, points of a grid.
+# What fits into the memory of most computers: numbers of an axis, samples, points of a grid.
 MOST_NUMBERS = 10_000_000
 MOST_POINTS_OF_STUDY = 10_000_000_000
-# In each revolution that is drawn or analysed.
+# Samples in each revolution that is plotted or analysed.
 SAMPLES_A_REVOLUTION = 32
-# Of one kind, to each attractor of a rotor.
+# Shocks of one kind to each attractor of a rotor.
 MOST_SHOCKS = 10_000_000
 # A figure with more panels cannot be read.
 MOST_PANELS = 12
 # Powers of larger numbers leave the range of doubles.
 LARGEST_NUMBER = 1e15
-# The spacing of doubles at the end of a motion, in radians of the revolution or in time.
+# Largest spacing of doubles at the end of a motion, in radians of the revolution or in time.
 COARSEST_TIME = 1e-6
 
-# Python and NumPy count these among the numbers.
+# Python and NumPy count these as numbers.
 _NO_NUMBERS: tuple[type, ...] = (bool, np.bool_, np.timedelta64)
 # Each of their bytes would pass for a number.
 _BYTES = (bytes, bytearray, memoryview)
@@ -62,11 +62,11 @@ def shown(value: object) -> str:
     >>> shown(1.5), shown("a\nb"), len(shown(10**400)) < 100, shown([0] * 1000)
     ('1.5', "'a\\nb'", True, '[0, 0, 0, 0, 0, 0, ...]')
     """
-    if isinstance(value, (str, PurePath)):  # whose blanks are its own
+    if isinstance(value, (str, PurePath)):  # keeps its blanks
         return _short.repr(str(value))
     try:
         text = " ".join(_short.repr(value).split())
-    except ValueError:  # Python shows no whole number of so many digits
+    except ValueError:  # too many digits for Python to show
         text = f"a number of type {type(value).__name__} too long to show"
     half = _LONGEST_SHOWN // 2
     return text if len(text) <= 2 * half else f"{text[: half - 3]}...{text[-half:]}"
@@ -151,7 +151,7 @@ def check_count(name: str, value: object, minimum: int = 1, maximum: int = MOST_
 
 
 def check_seed(value: object) -> int:
-    """Return the seed of random numbers, which must go into an archive too."""
+    """Return `value` as a seed of random numbers that an archive can store."""
     return check_count("seed", value, minimum=0, maximum=LARGEST_SEED)
 
 
@@ -186,27 +186,27 @@ def check_instance(name: str, value: object, kind: type[Kind]) -> Kind:
 
 
 def check_flag(name: str, value: object) -> bool:
-    """Return `value` if it is true or false itself."""
+    """Return `value` if it is True or False."""
     if not isinstance(value, bool):
         raise InputError(f"{name} must be true or false, got {shown(value)}")
     return value
 
 
 def check_progress(progress: Callable[[int, int], None] | None) -> None:
-    """Refuse what cannot be told of progress."""
+    """Raise `InputError` unless `progress` is callable or None."""
     if progress is not None and not callable(progress):
         raise InputError(f"progress must be a function or None, got {shown(progress)}")
 
 
 def check_duration(name: str, value: object, omega: float) -> float:
-    """Return a positive time, up to which a double still tells one phase from the next."""
+    """Return a positive time, short enough for doubles to resolve the phase at its end."""
     duration = check_positive(name, value)
     finest = COARSEST_TIME / max(omega, 1.0)
     if np.spacing(duration) > finest:
         bound = math.ldexp(1.0, math.floor(math.log2(finest)) + 53)
         raise InputError(
-            f"{name} must be below {bound:.6g} at omega {omega:g}, where the spacing of doubles "
-            f"is still small against a revolution, got {duration!r}"
+            f"{name} must be below {bound:.6g} at omega {omega:g}, so that doubles resolve a "
+            f"revolution, got {duration!r}"
         )
     return duration
 
@@ -228,8 +228,8 @@ def check_states(name: str, values: object) -> list[State]:
     if given.ndim == 0:
         raise InputError(f"{name} must be a sequence of starts, got {shown(values)}")
     if given.size == 0:
-        raise InputError(f"{name} must hold at least one start, got none")
-    # a list shows in a message what it was given
+        raise InputError(f"{name} must contain at least one start, got none")
+    # the rows of a list appear in messages as they were given
     return [check_state("start", row) for row in (values if isinstance(values, list) else given)]
 
 
@@ -255,7 +255,7 @@ def check_vector(name: str, values: object, *, largest: float = math.inf) -> Val
             f"{shown(numbers.shape)}"
         )
     if numbers.size == 0:
-        raise InputError(f"{name} must hold at least one number, got none")
+        raise InputError(f"{name} must contain at least one number, got none")
     return np.atleast_1d(numbers)
 
 
@@ -277,7 +277,7 @@ def check_axis(
 
 
 def check_increasing(name: str, axis: Values, where: str = "") -> Values:
-    """Return `axis` if its numbers increase; `where` says in which case they must.
+    """Return `axis` if its numbers increase; `where` names the case in which they must.
 
     Examples
     --------
@@ -295,29 +295,29 @@ def check_increasing(name: str, axis: Values, where: str = "") -> Values:
 
 
 def check_points(*axes: Sized, most: int = MOST_NUMBERS) -> None:
-    """Refuse a grid of too many points."""
+    """Raise `InputError` for a grid of too many points."""
     points = math.prod(len(axis) for axis in axes)
     if points > most:
         raise InputError(f"the grid must have at most {most} points, got {points}")
 
 
 def is_scalar(name: str, value: object) -> bool:
-    """Return whether a value, whatever it is, has no dimensions."""
+    """Return whether a value is a scalar."""
     return _array(name, value).ndim == 0
 
 
 def check_panels(panels: int) -> int:
-    """Return a number of panels of a figure that can still be read."""
+    """Return the number of panels of a figure, or raise `InputError` if there are too many."""
     if panels > MOST_PANELS:
         raise InputError(
-            f"figure can show at most {MOST_PANELS} combinations of zeta, delta0 and what else "
-            f"varies, got {panels}"
+            f"figure can show at most {MOST_PANELS} combinations of zeta, delta0 and other "
+            f"parameters, got {panels}"
         )
     return panels
 
 
 def _scalar(name: str, value: object) -> object:
-    """Return what an array of no dimensions holds, anything else as it is."""
+    """Return the number in a zero-dimensional array, and any other value as it is."""
     if hasattr(value, "__array__") and not isinstance(value, np.generic):
         given = _array(name, value)
         return given[()] if given.ndim == 0 else value
@@ -325,7 +325,7 @@ def _scalar(name: str, value: object) -> object:
 
 
 def _array(name: str, values: object) -> npt.NDArray[Any]:
-    """Return `values` as an array; what is no array yet becomes one of objects, each as given."""
+    """Return `values` as an array; lists and other values become an array of objects."""
     try:
         length = len(values)  # type: ignore[arg-type]
     except TypeError:
@@ -333,7 +333,7 @@ def _array(name: str, values: object) -> npt.NDArray[Any]:
     except OverflowError:
         length = MOST_NUMBERS + 1
     if length > MOST_NUMBERS and not isinstance(values, str):
-        raise InputError(f"{name} must hold at most {MOST_NUMBERS} numbers, got {shown(values)}")
+        raise InputError(f"{name} must contain at most {MOST_NUMBERS} numbers, got {shown(values)}")
     within = values if isinstance(values, (list, tuple)) else ()
     if isinstance(values, _BYTES) or any(isinstance(each, _BYTES) for each in within):
         raise InputError(f"{name} must be numbers, got bytes, {shown(values)}")

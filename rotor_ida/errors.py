@@ -1,4 +1,4 @@
-"""The exceptions a user can meet, each with one line that says what to do about it."""
+"""The exceptions of the package, each with a one-line message that shows how to proceed."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ class RotorError(Exception):
 
 
 class InputError(RotorError, ValueError):
-    """A value that cannot be used: the message names it, shows it and says what is allowed."""
+    """A value that cannot be used: the message gives its name, the value and what is allowed."""
 
 
 class SimulationError(RotorError, RuntimeError):
-    """An integration that failed, with the place where it did.
+    """An integration that failed, with time and state of the failure.
 
     Parameters
     ----------
     message : str
         What happened, in the solver's or the invariant's own words.
     time : float
-        Dimensionless time [1] of the last good state; NaN where that died with a worker process.
+        Dimensionless time [1] of the last good state; NaN where a worker process died with it.
     state : tuple of float
         The state ``(x, y, vx, vy)`` [1] at that time.
     """
@@ -46,7 +46,7 @@ class SimulationError(RotorError, RuntimeError):
 
 
 class InvariantError(SimulationError):
-    """A result that contradicts the mechanics: it is raised, never returned."""
+    """A result that contradicts the mechanics, raised instead of returned."""
 
 
 class ArchiveError(RotorError, OSError):
@@ -54,7 +54,7 @@ class ArchiveError(RotorError, OSError):
 
 
 class InstallationError(RotorError, ImportError):
-    """An installation that cannot work: the message says what is wrong and what mends it."""
+    """A broken installation: the message gives the fault and the command that repairs it."""
 
 
 def _rebuild_simulation_error(

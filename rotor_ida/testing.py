@@ -24,12 +24,12 @@ def assert_events_close(
     Parameters
     ----------
     actual, expected : Dataset
-        Runs, or anything with ``event_time`` and ``event_kind`` on ``event``.
+        Runs, or other datasets with ``event_time`` and ``event_kind`` on ``event``.
     atol : float, optional
-        Largest difference of two event times [1]. Without it the errors that the datasets
-        state, ``event_time_error``, are added up; where neither states any, none is allowed.
+        Largest allowed difference of two event times [1]. Default: the sum of the datasets'
+        ``event_time_error``, or 0 if neither has any.
     rtol : float
-        Further difference allowed, as a part of the expected time [1].
+        Additional allowed difference, relative to the expected time [1].
 
     Raises
     ------

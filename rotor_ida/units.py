@@ -1,6 +1,7 @@
-"""The one table of units: what each measures, and how many SI units it makes.
+"""The table of units: the dimension of each, and its value in SI units.
 
-Options of the command line, parameters of machines and columns of measured files are read by it.
+It is used to read options of the command line, parameters of machines and columns of measured
+files.
 """
 
 from __future__ import annotations
@@ -11,21 +12,21 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Literal, NamedTuple
 
-# How many radians a second each unit of speed is.
+# Each unit of speed in radians per second.
 SpeedUnit = Literal["rad/s", "rpm", "Hz"]
 SPEED_UNITS: dict[SpeedUnit, float] = {"rad/s": 1.0, "rpm": math.pi / 30.0, "Hz": 2.0 * math.pi}
-# The power of ten that each prefix stands for, and how many units with it make one without.
+# The power of ten of each prefix, and how many units with the prefix make one without.
 POWERS = {"p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6}
 PREFIXES = {prefix: 10.0**-power for prefix, power in POWERS.items()}
 
-# Exponents of kg, m, s and rad. An angle has a dimension here, to tell a speed from a rate.
+# Exponents of kg, m, s and rad. Angles have a dimension here, to distinguish speeds from rates.
 Dimension = tuple[float, float, float, float]
 
 
 class Unit(NamedTuple):
     """A unit of ``factor * 10**power`` SI units, and its dimension.
 
-    The power of ten is apart so that 60 um is the double nearest to 60e-6.
+    The power of ten is separate so that 60 um is the double nearest to 60e-6.
     """
 
     factor: float
@@ -100,7 +101,7 @@ NAMES = {
     }.items()
     for name in names
 }
-# What messages offer.
+# Units that messages suggest.
 USUAL = (
     *("kg", "g", "m", "mm", "um", "in", "mil", "s", "ms", "min", "N", "kN", "m/s", "mm/s"),
     *("rad/s", "rpm", "Hz", "rad/s2", "rpm/s", "Hz/s", "N/m", "N/mm", "N/um", "N/m^1.5"),
@@ -132,10 +133,10 @@ def symbol_of(name: str, *, any_case: bool = True) -> str:
 
 @cache
 def unit_of(text: str) -> Unit | None:
-    """Return the unit that a text writes, or None if it is none.
+    """Return the unit that a text denotes, or None if it is not a unit.
 
-    Factors may be joined by blanks, dots, asterisks or nothing at all, as long as only one reading
-    is left; their exponents may have a caret.
+    Factors may be joined by blanks, dots, asterisks or nothing at all, if the reading is
+    unique; their exponents may have a caret.
 
     Examples
     --------
@@ -157,7 +158,7 @@ def unit_of(text: str) -> Unit | None:
 
 
 def usual(*allowed: str) -> str:
-    """Return in words the usual units of the dimensions of some units.
+    """Return in words the usual units with the same dimensions as the given ones.
 
     Examples
     --------
@@ -171,13 +172,13 @@ def usual(*allowed: str) -> str:
 
 
 def dimension_of(text: str) -> Dimension | None:
-    """Return the dimension of what a text writes, or None if it is no unit."""
+    """Return the dimension of the unit that a text denotes, or None if it is not a unit."""
     unit = unit_of(text)
     return None if unit is None else unit.dimension
 
 
 def _product(text: str) -> Unit | None:
-    """Return the product of the units that are written one after the other."""
+    """Return the product of units written one after the other."""
     found, place, text = ONE, 0, text.strip()
     while place < len(text):
         factor = _FACTOR.match(text, place)
@@ -189,10 +190,10 @@ def _product(text: str) -> Unit | None:
 
 
 def _run_together(letters: str, exponent: float) -> Unit | None:
-    """Return the one unit that letters are, or the one product; the last factor has an exponent."""
+    """Return the unique unit or product that letters denote; the exponent is the last factor's."""
     symbol = symbol_of(letters, any_case=False)
     readings = {_multiplied(symbols, exponent) for symbols in _splits(letters)}
-    if not symbol and not readings:  # Ns is N s, and no ns
+    if not symbol and not readings:  # Ns is N s, not ns
         symbol = symbol_of(letters)
     if symbol:
         return UNITS[symbol].to(exponent)

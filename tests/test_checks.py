@@ -165,7 +165,7 @@ def test_more_than_one_dimension_is_refused_with_its_shape(values):
 
 @pytest.mark.parametrize("values", [range(10**12), range(10**30)])
 def test_what_memory_cannot_hold_is_refused_before_it_is_asked_for(values):
-    with pytest.raises(InputError, match=r"^omega must hold at most 10000000 numbers, got range"):
+    with pytest.raises(InputError, match=r"^omega must contain at most 10000000 numbers, got"):
         check_axis("omega", values)
 
 
@@ -185,7 +185,7 @@ def test_starts_are_rows_of_any_kind():
         assert check_states("starts", given) == rows
     with pytest.raises(InputError, match=r"starts must be a sequence of starts, got 5"):
         check_states("starts", 5)
-    with pytest.raises(InputError, match=r"starts must hold at least one start, got none"):
+    with pytest.raises(InputError, match=r"starts must contain at least one start, got none"):
         check_states("starts", [])
     with pytest.raises(
         InputError, match=r"start must be four numbers \(x, y, vx, vy\), got \(1, 2\)"

@@ -1,6 +1,7 @@
-"""What a library of the core says of itself, and what it should say.
+"""Identity of a library of the core: as the library reports it, and as it should be.
 
-It is read by the package and, as a lone file, by ``hatch_build.py``: it imports nothing of ours.
+The package imports this file, and ``hatch_build.py`` runs it alone: it imports no other module of
+the package.
 """
 
 from __future__ import annotations
@@ -11,13 +12,13 @@ from pathlib import Path
 
 # Levels of x86-64, each with wider vectors than the one before; other machines know the first.
 LEVELS = ("baseline", "v3", "v4")
-# A library knows one model: the paper's rotor, the whole, or the whole with a speed that changes.
+# A library is of one model: the paper's rotor, the general one, or that with a changing speed.
 MODELS = ("paper", "whole", "run_up")
 STATED = ("compiler", "flags", "level", "sources", "version")
 
 
 def library_path(folder: Path, level: str, model: str = "paper") -> Path:
-    """Return where the library of a level lies that knows a model."""
+    """Return the path of the library of a level and a model."""
     return folder / (f"librotor_{level}.so" if model == "paper" else f"librotor_{model}_{level}.so")
 
 
@@ -36,7 +37,7 @@ def sources_digest(folder: Path) -> str:
 
 
 def stated(library: ctypes.CDLL) -> dict[str, str]:
-    """Return what a library says of itself: compiler, flags, level, sources, version."""
+    """Return what a library reports of itself: compiler, flags, level, sources, version."""
     found = {}
     for name in STATED:
         tell = getattr(library, f"core_{name}")

@@ -1,7 +1,7 @@
-"""The core as Python sees it: the structures of ``core.h``, its functions, and what went wrong.
+"""The Python interface of the core: the structures of ``core.h``, its functions and its errors.
 
 Arrays are checked here and belong to NumPy; the core only fills them. ctypes releases the global
-interpreter lock for as long as a call lasts.
+interpreter lock during a call.
 """
 
 from __future__ import annotations
@@ -25,34 +25,34 @@ NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER, FULL_INSIDE, UNBALANCED = 
 STALLED = 1009
 MESSAGES = {
     NOT_FINITE: "the state is no longer finite",
-    NO_ROOT: "a step holds no root",
+    NO_ROOT: "a step contains no root",
     STUCK: "time no longer advances",
     STOPPED: "interrupted",
     NO_SOLVER: "SUNDIALS could not make a solver",
     UNBALANCED: "the energy of a contact does not balance",
-    STALLED: "the speed fell through 0, where the torque no longer turns the rotor",
+    STALLED: "the speed fell through 0: the torque no longer turns the rotor",
     -1: "Could not reach endpoint after 'max_num_steps'.",
     -2: "Could not satisfy demanded accuracy for an internal step.",
     -3: "Error tests failed too many times, or reached min step size.",
     -4: "Convergence tests failed too many times, or reached min step size.",
 }
 
-# How a run can contradict the mechanics, by the names of `enum fault` and in its order.
+# Contradictions of a run to the mechanics, by the names of `enum fault` and in its order.
 MESSAGE_OF_FAULT = {
     "SOUND": "",
     "EVENT_NOT_FINITE": "the state is not finite",
     "BACKWARDS": "event times do not increase",
     "NOT_IN_TURN": "entry and exit, or press and release, do not alternate",
-    "OFF_THE_RING": "an event does not lie at |z| = delta0, or lies off the ring",
+    "OFF_THE_RING": "an event does not lie at |z| = delta0, or lies off the stator",
     "SAMPLE_NOT_FINITE": "the state is not finite",
-    "WRONG_SIDE_OF_THE_RING": "a sample lies on the wrong side of the ring",
+    "WRONG_SIDE_OF_THE_RING": "a sample lies on the wrong side of the stator",
     "TENSILE": "the normal force of a sample is below 0, or missing where it is not",
-    "SLIDES_ASTRAY": "surfaces slide in another sense than the events say",
-    "SLIPS_WHILE_ROLLING": "the disc slips, or cannot be held, where it should roll",
+    "SLIDES_ASTRAY": "surfaces slide in a sense that contradicts the events",
+    "SLIPS_WHILE_ROLLING": "the disc slips, or lacks grip, where it should roll",
     "PEAKS_OUTSIDE": "a contact peaks outside its own span",
 }
 FAULTS = tuple(MESSAGE_OF_FAULT.values())
-# The first of those of samples, which follow those of events; and that of contacts.
+# The first fault of samples, after those of events; and the first of contacts.
 FIRST_OF_SAMPLES = [*MESSAGE_OF_FAULT].index("SAMPLE_NOT_FINITE")
 OF_CONTACTS = [*MESSAGE_OF_FAULT].index("PEAKS_OUTSIDE")
 
@@ -65,13 +65,13 @@ DRIVE = OF_DRIVE
 
 
 class RotorStruct(Structure):
-    """``struct rotor``, of which what changes its speed is given by pieces."""
+    """``struct rotor``; the pieces of a run give the change of its speed."""
 
     _fields_ = [(name, c_double) for name in (*ALL_PARAMETERS, *DRIVE)]
 
     @classmethod
     def of(cls, rotor: Rotor) -> RotorStruct:
-        """Return a rotor as the core takes it."""
+        """Return a rotor in the form that the core expects."""
         return cls(*(getattr(rotor, name) or 0.0 for name in ALL_PARAMETERS))
 
 
@@ -139,13 +139,13 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
 }
 
 
-# What the core of a rotor whose speed changes offers.
+# Functions of the core for a rotor whose speed changes.
 _OF_RUNS = ("core_run", "core_fault")
 
 
 @cache
 def library(model: str = "paper") -> ctypes.CDLL:
-    """Return the core of a model, every function of which knows the types of its arguments."""
+    """Return the core of a model, with the argument types of its functions declared."""
     core = found.library(model)
     for name, (result, arguments) in _SIGNATURES.items():
         if model == "run_up" and name not in _OF_RUNS:
@@ -156,22 +156,22 @@ def library(model: str = "paper") -> ctypes.CDLL:
 
 
 def library_of(rotor: Rotor, *, whole: bool = False) -> ctypes.CDLL:
-    """Return the core of the model that a rotor needs, or of the whole."""
+    """Return the core of the simplest model for a rotor, or of the general model if `whole`."""
     return library("whole" if whole or rotor.beyond else "paper")
 
 
 def pointer(array: npt.NDArray[Any], dtype: npt.DTypeLike, *, writeable: bool = False) -> c_void_p:
-    """Return where the numbers of an array lie, if the core can take them as they are.
+    """Return the address of an array's numbers, if the core can use them as they are.
 
     Raises
     ------
     TypeError, ValueError
-        If they are of another type, not one after the other, or must not be written.
+        If they have another type, are not contiguous, or are read-only.
     """
     if array.dtype != dtype:
         raise TypeError(f"the core takes an array of {np.dtype(dtype)}, got {array.dtype}")
     if not array.flags.c_contiguous:
-        raise ValueError("the core takes an array whose numbers lie one after the other")
+        raise ValueError("the core takes a contiguous array")
     if writeable and not array.flags.writeable:
         raise ValueError("the core must be able to write into this array")
     return c_void_p(address(array))
@@ -181,13 +181,13 @@ _NOTHING = ctypes.c_char * 0
 
 
 def address(array: npt.NDArray[Any]) -> int:
-    """Return where the numbers of an array lie: a third of the time that NumPy's own way takes."""
+    """Return the address of an array's numbers, three times as fast as NumPy's own way."""
     if array.flags.writeable:
-        held: Any = array  # which NumPy's types do not call a buffer
+        held: Any = array  # an array is a buffer, though NumPy's types do not say so
         return ctypes.addressof(_NOTHING.from_buffer(held))
     return int(array.ctypes.data)
 
 
 def message_of(status: int) -> str:
-    """Return in words why a call ended early."""
+    """Return the message for a call that ended early."""
     return MESSAGES.get(status, f"the solver gave up with flag {status}")

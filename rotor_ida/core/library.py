@@ -1,6 +1,6 @@
-"""The core's shared library: the one for this processor, refused if it is not that of its sources.
+"""Load the core's shared library for this processor, and refuse one older than its sources.
 
-``ROTOR_IDA_CPU`` names another level than the widest, for comparisons: all give the same bits.
+``ROTOR_IDA_CPU`` selects a level other than the widest, for comparisons: all give the same bits.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from rotor_ida.errors import InputError, InstallationError
 
 FOLDER = Path(__file__).parent
 CHOICE = "ROTOR_IDA_CPU"
-# How an installation is mended: where the project lies beside the package, and elsewhere.
+# Commands that repair an installation: in a checkout of the project, and elsewhere.
 _HERE = "pip install -e ."
 _ELSEWHERE = "pip install --force-reinstall, from where rotor-ida came"
 
 
 @cache
 def library(model: str = "paper") -> ctypes.CDLL:
-    """Return the library of the level that $ROTOR_IDA_CPU names, by default the widest.
+    """Return the library of the level given by $ROTOR_IDA_CPU, by default the widest.
 
-    It knows one model, ``"paper"`` or ``"whole"``.
+    It is of one model, ``"paper"``, ``"whole"`` or ``"run_up"``.
 
     Raises
     ------
     InputError
-        If that names no level, or one that this processor has not.
+        If that is not a level, or one that this processor lacks.
     InstallationError
-        If the library is missing, is of another platform, version or state of its sources.
+        If the library is missing, or is of another platform or version, or older than its sources.
     """
     widest = offered()[-1]
     level = os.environ.get(CHOICE) or widest
@@ -46,8 +46,8 @@ def library(model: str = "paper") -> ctypes.CDLL:
 
 @cache
 def offered() -> tuple[str, ...]:
-    """Return the levels that this processor has, the plainest first."""
-    # which is asked, as it alone runs on every processor
+    """Return the levels that this processor supports, the plainest first."""
+    # the plainest library is queried, as only it runs on every processor
     return identity.LEVELS[: 1 + _load(identity.LEVELS[0]).core_widest_level()]
 
 
@@ -66,7 +66,7 @@ def build_info() -> dict[str, str]:
 
 @cache
 def _load(level: str, model: str = "paper") -> ctypes.CDLL:
-    """Return the library of a level and a model, if it is what it should be."""
+    """Return the library of a level and a model, after checking its identity."""
     path = identity.library_path(FOLDER, level, model)
     if not path.is_file():
         raise InstallationError(f"the compiled core {path} is missing; run: {_cure()}")

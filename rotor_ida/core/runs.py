@@ -33,9 +33,9 @@ from rotor_ida.model.rotor import Rotor
 Rows = npt.NDArray[np.void]
 
 FIRST_ROOM = 64
-# Rows of a bundle of differences: of the state, and with those that the parameters add.
+# Rows of a bundle of differences: of the state, and with those by the parameters.
 DIFFERENCES = 4
-# By which parameters the core differentiates: in the paper's model by the first three.
+# Parameters by which the core differentiates: in the paper's model the first three.
 COLUMNS = WHOLE.columns
 NO_STOP: Stop = np.zeros(1, np.uint8)
 
@@ -44,10 +44,10 @@ def _rows_of_numbers(*names: str) -> np.dtype[np.void]:
     return np.dtype([(name, np.float64) for name in names])
 
 
-# Rows as the core writes and reads them: `struct contact`, with entry or exit NaN where the contact
-# has none within the run, and the root of the largest indentation; `struct extremum` of the radius,
-# a maximum (1) or a minimum (-1); `struct piece`, a course of the speed up to its end; and angle
-# and speed of a rotor whose speed changes.
+# Rows as the core writes and reads them: `struct contact`, with the root of the largest
+# indentation, and entry or exit NaN if outside the run; `struct extremum` of the radius,
+# a maximum (1) or a minimum (-1); `struct piece`, a piece of a speed profile up to its end; and
+# angle and speed of a rotor whose speed changes.
 CONTACT = _rows_of_numbers(
     "entry", "exit", "peak_time", "peak_root", "impulse", "momentum", "lost", "largest_force",
     "heat",
@@ -66,7 +66,7 @@ SPIN = _rows_of_numbers("angle", "speed")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunRequest:
-    """A run to be followed by the core.
+    """A run for the core to simulate.
 
     Parameters
     ----------
@@ -75,35 +75,35 @@ class RunRequest:
     start : sequence of float
         ``(x, y, vx, vy)`` at time 0 [1].
     duration : float
-        Time to follow it for [1].
+        Time to simulate [1].
     rtol, atol : float
         Tolerances of one step [1].
     method : {"taylor", "adams", "bdf"}
-        What leads it in contact, and in flight where that is not exact.
+        Solver in contact, and in flight if that is not exact.
     exact_flight : bool
         Whether flight is in closed form.
     slack : float
-        How far behind the end an event may lie and still be found [1].
+        How far after the end an event may lie and still be found [1].
     sample_times : ndarray, shape (n,), optional
         Times to report, increasing [1].
     fixed_axes : bool
-        Whether samples, events and the last state are to be read on axes that stand still.
+        Whether samples, events and the last state are given on fixed axes.
     events, extrema : bool
         Whether events and contacts, and the extrema of the radius, are recorded.
     bundle : ndarray, shape (4, 4) or (4 + n, 4), optional
-        Differences from the motion, carried along in place; by Taylor series the last n rows become
-        what the parameters add, by `COLUMNS`: three in the paper's model, eight in the whole [1].
+        Differences from the motion, integrated in place; with Taylor series the last n rows become
+        the derivatives by `COLUMNS`: three in the paper's model, eight in the general one [1].
     whole : bool
-        Whether the core of the whole model follows it, even if the paper's would do.
+        Whether to use the core of the general model even if the paper's would do.
     pieces : ndarray of `PIECE`, optional
-        How the speed changes, piece by piece [1]: at a rate from the speed with which a prescribed
-        piece begins, or by a torque. Flight is led by Taylor series then.
+        Pieces of the speed profile [1]: each has a prescribed initial speed and rate, or a torque.
+        Flight is then integrated by Taylor series.
     angle : float
-        Where the unbalance is at time 0, if the speed changes [1].
+        Angle of the unbalance at time 0, if the speed changes [1].
     stop : ndarray of uint8, shape (1,)
-        Anything but 0 asks the run to stop.
+        Stops the run as soon as it is not 0.
     watch : list of callable, optional
-        Gets a function that returns how far the run is while it is followed [1].
+        Receives a function that returns the time that the run has reached [1].
     """
 
     rotor: Rotor
@@ -127,31 +127,30 @@ class RunRequest:
 
     @property
     def columns(self) -> int:
-        """How many parameters the core differentiates by."""
+        """Number of parameters by which the core differentiates."""
         return len(COLUMNS) if self.whole or self.rotor.beyond else len(PARAMETERS)
 
 
 @dataclass(frozen=True, slots=True)
 class RunResult:
-    """The result of a run. States are read on rotating axes, unless the request says otherwise [1].
+    """The result of a run. States are on rotating axes, unless fixed axes were requested [1].
 
     Parameters
     ----------
     status : int
-        0, or why it ended early.
+        0, or the code of an early end.
     time : float
-        When it ended [1].
+        Time of the end [1].
     state : tuple of float
         The state there.
     began, where : int
         Whether it began, and ended, in contact or in flight.
     samples : ndarray, shape (n, 4)
-        States at the sample times, as far as it came.
+        States at the sample times up to the end.
     event_times, event_kinds, event_states : ndarray
         The events.
     ways : ndarray, shape (m + 1,), optional
-        With friction how the rotor moves from each event on, and first from its start, as
-        `enum way` has it; None without.
+        Mode from the start, and from each event on, as in `enum way`; None without friction.
     contacts : ndarray of `CONTACT`
         The contacts [1].
     extrema : ndarray of `EXTREMUM`
@@ -188,7 +187,7 @@ _NO_KINDS = np.empty(0, np.int8)
 
 
 class _Tables:
-    """The tables of a run, and the structure that points at them."""
+    """The tables of a run, and the structure that points to them."""
 
     def __init__(self, request: RunRequest, room: int) -> None:
         self.run = run = _struct_of(request)
@@ -205,7 +204,7 @@ class _Tables:
             run.pieces, run.piece_count = address(self.pieces), len(self.pieces)
             run.angle = request.angle
         if request.sample_times is not None:
-            # kept as long as the run
+            # must live as long as the run
             self.sample_times = times = np.ascontiguousarray(request.sample_times, np.float64)
             self.samples = np.empty((times.size, 4))
             run.sample_count = times.size
@@ -220,7 +219,7 @@ class _Tables:
             self.widen(room)
 
     def widen(self, room: int) -> None:
-        """Make room for so many events and half as many contacts."""
+        """Make room for `room` events and half as many contacts."""
         run = self.run
         self.event_times = _longer(self.event_times, room)
         self.event_kinds = _longer(self.event_kinds, room)
@@ -240,7 +239,7 @@ class _Tables:
         run.event_states, run.contacts = address(self.event_states), address(self.contacts)
 
     def result(self, status: int) -> RunResult:
-        """Return what came of the run."""
+        """Return the result of the run."""
         run = self.run
         x, y, vx, vy = run.state
         return RunResult(
@@ -263,7 +262,7 @@ class _Tables:
         )
 
     def _ways(self) -> npt.NDArray[np.int8] | None:
-        """Return how the rotor moves from its start, and from each event on."""
+        """Return the mode from the start, and from each event on."""
         if not self.event_ways.size:
             return None
         began = np.array([self.run.way_began], np.int8)
@@ -271,7 +270,7 @@ class _Tables:
 
 
 def follow_run(request: RunRequest) -> RunResult:
-    """Follow a run from its start to its end; the status says if it could be followed."""
+    """Simulate a run; the status of the result shows whether it failed."""
     core, room = library_of(request.rotor, whole=request.whole), FIRST_ROOM
     if request.pieces is not None:
         core = library("run_up")
@@ -280,7 +279,7 @@ def follow_run(request: RunRequest) -> RunResult:
         None if request.bundle is None else request.bundle.copy(),
     )
     if request.watch is not None:
-        request.watch.append(lambda: tables.run.time)  # which the core moves on
+        request.watch.append(lambda: tables.run.time)  # which the core updates
     status = core.core_run(byref(tables.run))
     while status in {FULL, FULL_INSIDE}:
         room *= 4
@@ -296,16 +295,16 @@ def follow_run(request: RunRequest) -> RunResult:
 
 
 def stretch(request: RunRequest, spans: int) -> tuple[Values, RunResult]:
-    """Follow a run over many spans of its duration, its bundle made orthonormal after each.
+    """Simulate a run over many spans of its duration, orthonormalising its bundle after each.
 
     Returns
     -------
     stretches : ndarray, shape (n, 5)
-        Logarithms of the factors by which each span stretched the four differences, as far as it
-        came, and of that by which reversals of sliding have changed their volume in it. Where the
-        disc rolled the fourth is minus infinity: a direction is lost.
+        Logarithms of the factors by which each completed span stretched the four differences, and
+        of the factor by which reversals of sliding changed their volume. Where the disc rolled the
+        fourth is minus infinity, as one direction is lost.
     result : RunResult
-        What came of the last span.
+        The result of the last span.
     """
     if request.bundle is None:
         raise ValueError("a stretching must have a bundle, got none")
@@ -322,7 +321,7 @@ def stretch(request: RunRequest, spans: int) -> tuple[Values, RunResult]:
 
 
 def _struct_of(request: RunRequest) -> RunStruct:
-    """Return a request as the core takes it, with no tables."""
+    """Return a request in the form that the core expects, without tables."""
     x, y, vx, vy = _check(request)
     run = RunStruct(
         rotor=RotorStruct.of(request.rotor),
@@ -338,7 +337,7 @@ def _struct_of(request: RunRequest) -> RunStruct:
     )
     try:
         run.state = (x, y, vx, vy)
-    except RuntimeError as error:  # by which ctypes tells of a type that is none of a number's
+    except RuntimeError as error:  # raised by ctypes for a type that is not a number
         raise TypeError(f"start must be four real numbers, got {request.start!r}") from error
     if request.method != "taylor":
         run.sundials = ctypes.cast(ctypes.pointer(sundials.functions()), c_void_p)
@@ -358,7 +357,7 @@ def _struct_of(request: RunRequest) -> RunStruct:
 
 
 def _check(request: RunRequest) -> tuple[float, float, float, float]:
-    """Return the start, or raise `ValueError` where the core would not know what to do."""
+    """Return the start, or raise `ValueError` for a request that the core cannot use."""
     start = (
         request.start if isinstance(request.start, tuple) else np.asarray(request.start).tolist()
     )
@@ -386,7 +385,7 @@ def _check(request: RunRequest) -> tuple[float, float, float, float]:
 
 
 def _longer(table: npt.NDArray[np.generic], room: int) -> npt.NDArray:  # type: ignore[type-arg]
-    """Return a table with more room, and what it held."""
+    """Return a table with more room, and its previous contents."""
     wide = np.empty((room, *table.shape[1:]), table.dtype)
     if len(table):
         wide[: len(table)] = table
@@ -418,22 +417,22 @@ def fault_of(
     allowed: float,
     ways: npt.NDArray[np.int8] | None = None,
 ) -> tuple[int, int]:
-    """Return the first fault of a run against the mechanics, by `FAULTS`, and its row.
+    """Return the first contradiction of a run to the mechanics, by `FAULTS`, and its row.
 
     Parameters
     ----------
     rotor : Rotor
         The rotor.
     samples, events : Samples, Events
-        What is to be checked.
+        The data to check.
     contacts : ndarray of `CONTACT`
         The contacts [1].
     began : int
         Whether it began in contact.
     allowed : float
-        How far a sample may lie on the wrong side of the ring [1].
+        How far a sample may lie on the wrong side of the stator [1].
     ways : ndarray, shape (m + 1,), optional
-        With friction how the rotor moves from its start, and from each event on.
+        With friction, the mode from the start, and from each event on.
     """
     run, row = RunStruct(rotor=RotorStruct.of(rotor), began=began), c_int64(0)
     sampled, happened = len(samples.times), len(events.times)
@@ -460,16 +459,16 @@ def fault_of(
 def _table(
     table: npt.NDArray[Any], dtype: npt.DTypeLike, shape: tuple[int, ...]
 ) -> npt.NDArray[Any]:
-    """Return a table as the core reads it, or raise `ValueError` where it has another shape."""
+    """Return a table as the core reads it, or raise `ValueError` if its shape is wrong."""
     if table.shape != shape:
-        raise ValueError(f"tables must fit together, got {table.shape} in place of {shape}")
+        raise ValueError(f"tables must fit together, got {table.shape} instead of {shape}")
     return np.ascontiguousarray(table, dtype)
 
 
 def starts_in_contact(rotor: Rotor, state: npt.ArrayLike) -> bool:
     """Return whether a rotor at a state on the rotating axes begins in contact.
 
-    On the ring the first of radial velocity, acceleration and jerk that is not zero decides.
+    On the stator the first nonzero one of radial velocity, acceleration and jerk decides.
     """
     given, held = _four_numbers(state), RotorStruct.of(rotor)
     return bool(library_of(rotor).core_starts_in_contact(byref(held), pointer(given, np.float64)))
@@ -483,9 +482,9 @@ def _four_numbers(state: npt.ArrayLike) -> Values:
 
 
 def fly(rotor: Rotor, states: npt.ArrayLike, spans: npt.ArrayLike) -> Values:
-    """Return the states that follow on some after flights without contact, shape (n, 4) [1].
+    """Return the states after flights without contact from given states, shape (n, 4) [1].
 
-    They are read on the rotating axes of their times.
+    They are given on the rotating axes at their times.
     """
     times = np.atleast_1d(np.asarray(spans, dtype=np.float64))
     begun = np.empty((times.size, 4))
@@ -505,9 +504,9 @@ def fly(rotor: Rotor, states: npt.ArrayLike, spans: npt.ArrayLike) -> Values:
 def first_touch(
     rotor: Rotor, state: npt.ArrayLike, limit: float, stop: Stop | None = None
 ) -> float:
-    """Return the time to the first touch of the ring from a state in flight, or infinity [1].
+    """Return the time to the first touch of the stator from a state in flight, or infinity [1].
 
-    It is NaN where the search gets nowhere.
+    It is NaN if the search fails.
     """
     begun, given = pointer(_four_numbers(state), np.float64), RotorStruct.of(rotor)
     flag = pointer(NO_STOP if stop is None else stop, np.uint8)
@@ -515,7 +514,7 @@ def first_touch(
 
 
 def rotate(states: Values, times: Values, omega: float) -> None:
-    """Turn each row of ``(x, y, vx, vy)`` by the angle omega t, in its place."""
+    """Rotate each row of ``(x, y, vx, vy)`` by the angle omega t, in place."""
     if states.shape != (times.size, 4):
         raise ValueError(f"a time must come with each state, got {states.shape} and {times.shape}")
     given = np.ascontiguousarray(times)

@@ -1,8 +1,7 @@
-"""The SUNDIALS libraries that scikit-sundae is built on: found, asked if they fit, handed over.
+"""Find, check and load the SUNDIALS libraries that scikit-sundae is built on.
 
-The core calls them directly. Before it does, they are loaded and asked for their version, the size
-of their index and the precision of their reals; nothing is taken for granted. Taylor series need
-none of this.
+The core calls them directly. Their version, the size of their index and the precision of their
+reals are checked first. Taylor series need none of this.
 """
 
 from __future__ import annotations
@@ -14,13 +13,13 @@ from ctypes import Structure, c_void_p
 from functools import cache
 from pathlib import Path
 
-# In the order in which they are loaded: each needs the ones before it.
+# In loading order: each needs the ones before it.
 LIBRARIES = ("core", "sunmatrixdense", "nvecserial", "sunlinsoldense", "cvode")
-# The interface called here is that of this major version.
+# The interface used here is that of this major version.
 KNOWN_MAJOR = 7
 PROBE = 1.2345678901234567
 PROBE_SIZE = 3
-# The fields of ``struct sundials`` in core.h, with the library and the function that each is.
+# The fields of ``struct sundials`` in core.h, with the library and the function of each.
 FUNCTIONS = {
     "context_new": ("core", "SUNContext_Create"),
     "context_free": ("core", "SUNContext_Free"),
@@ -117,7 +116,7 @@ def _loaded() -> dict[str, ctypes.CDLL]:
 
 
 def _folder(package: Path) -> Path:
-    """Return the folder that holds the libraries: the wheel's own, or the environment's."""
+    """Return the folder of the libraries: that of the wheel, or of the environment."""
     candidates = (
         package.parent / "scikit_sundae.libs",  # wheels for Linux and Windows
         package / ".dylibs",  # wheels for macOS
@@ -144,7 +143,7 @@ def _library(folder: Path, name: str) -> Path:
 
 
 def _check(loaded: dict[str, ctypes.CDLL]) -> None:
-    """Raise `Unfit` unless version, size of the index and precision are as they must be."""
+    """Raise `Unfit` unless version, size of the index and precision are as required."""
     core, vectors = loaded["core"], loaded["nvecserial"]
     found = _version(core)
     if found[0] != KNOWN_MAJOR:
@@ -167,7 +166,7 @@ def _probe(core: ctypes.CDLL, vectors: ctypes.CDLL) -> tuple[int, float]:
     """Return the first eight bytes of a vector's content, and a real that was stored in it.
 
     The content begins with the length, an index, and a flag that is 1: with an index of 32 bits
-    the eight bytes hold both.
+    the eight bytes contain both.
     """
     pointer, integer = ctypes.c_void_p, ctypes.c_int64
     context = pointer()

@@ -1,1 +1,1 @@
-"""The equations: the contact law, the model, and what derives the core's C from them."""
+"""The equations: the contact law, the model, and the derivation of the core's C from them."""

@@ -1,14 +1,14 @@
-"""The contact law: what the bearing ring does to a rotor at distance r from its centre.
+"""The contact law: the force of the stator on a rotor at distance r from the bearing axis.
 
-The force, its derivative, the potential, the Jacobians, the events and the datasets ask this
-module for the Hertz exponent. Where the force is written as the cube of ``sqrt(r - delta0)``, the
-exponent 3/2 itself is used, and said so: in the polynomials of the whirls and the locus of their
+The force, its derivative, the potential, the Jacobians, the events and the datasets take the Hertz
+exponent from this module. Some code depends on the exponent 3/2 itself, where the force is the cube
+of ``sqrt(r - delta0)``, and says so: the polynomials of the whirls and the locus of their
 folds, the periods of free vibration, the variables of the contact phase, and the lanes of the
 basins.
 
-The core integrates the law in these smooth variables: `rotor_ida.model.modes.spring_of_root` states
-it there, and ``core/contact_law.h`` for what is not derived from the model. A new law goes into all
-three.
+The core integrates the law in these smooth variables: see `rotor_ida.model.modes.spring_of_root`
+and, for code that is not derived from the model, ``core/contact_law.h``. A new law must be added to
+all three.
 
 References
 ----------
@@ -29,7 +29,7 @@ HERTZ_EXPONENT = 1.5
 
 
 def gap(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
-    """Free distance to the ring, ``delta0 - r`` [1]; negative in contact.
+    """Return the gap, ``delta0 - r`` [1]; negative in contact.
 
     Examples
     --------
@@ -40,7 +40,7 @@ def gap(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
 
 
 def indentation(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
-    """Depth of the rotor in the ring, ``max(r - delta0, 0)`` [1].
+    """Return the indentation, ``max(r - delta0, 0)`` [1].
 
     Examples
     --------
@@ -53,7 +53,7 @@ def indentation(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
 def contact_force(
     radius: npt.ArrayLike, delta0: npt.ArrayLike, exponent: float = HERTZ_EXPONENT
 ) -> Values:
-    """Force of the contact towards the centre, without damping [1].
+    """Return the undamped contact force towards the centre [1].
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def contact_force(
 
 
 def contact_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
-    """Slope of the Hertz force, ``f'(r) = 1.5 max(r - delta0, 0)**0.5`` [1].
+    """Return the slope of the Hertz force, ``f'(r) = 1.5 max(r - delta0, 0)**0.5`` [1].
 
     Examples
     --------
@@ -93,7 +93,7 @@ def contact_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
 def secant_stiffness(
     radius: npt.ArrayLike, delta0: npt.ArrayLike, exponent: float = HERTZ_EXPONENT
 ) -> Values:
-    """Force over radius, ``s(r) = f(r) / r`` [1]; zero, its limit, at r = 0.
+    """Return force over radius, ``s(r) = f(r) / r`` [1]; zero, its limit, at r = 0.
 
     Examples
     --------
@@ -106,7 +106,7 @@ def secant_stiffness(
 
 
 def damping_factor(radial_speed: npt.ArrayLike, contact_damping: float) -> Values:
-    """Factor of the force by contact damping, ``max(1 + c d', 0)`` [1]: the ring never pulls.
+    """Return the contact damping factor of the force, ``max(1 + c d', 0)`` [1]; never tensile.
 
     Examples
     --------
@@ -120,7 +120,7 @@ def damping_factor(radial_speed: npt.ArrayLike, contact_damping: float) -> Value
 def contact_potential(
     radius: npt.ArrayLike, delta0: npt.ArrayLike, exponent: float = HERTZ_EXPONENT
 ) -> Values:
-    """Energy stored in the contact, ``V(r) = max(r - delta0, 0)**(n + 1)/(n + 1)`` [1].
+    """Return the elastic energy, ``V(r) = max(r - delta0, 0)**(n + 1)/(n + 1)`` [1].
 
     References
     ----------
@@ -136,18 +136,18 @@ def contact_potential(
 
 
 def force_over_radius(radius: float, delta0: float, exponent: float = HERTZ_EXPONENT) -> float:
-    """Scalar ``f(r)/r``; zero at r = 0."""
+    """Return the scalar ``f(r)/r``; zero at r = 0."""
     depth = radius - delta0
     return depth**exponent / radius if depth > 0.0 else 0.0
 
 
 def stiffness(radius: float, delta0: float, exponent: float = HERTZ_EXPONENT) -> float:
-    """Scalar ``f'(r)``; a linear spring has it in contact alone."""
+    """Return the scalar ``f'(r)``; 1 in contact for a linear spring, and 0 elsewhere."""
     if exponent == 1.0:
         return 1.0 if radius > delta0 else 0.0
     return float(exponent * max(radius - delta0, 0.0) ** (exponent - 1.0))
 
 
 def secant_of_square(square: Any) -> Any:
-    """``f(r)/r`` without clearance in terms of ``r**2``: ``(r**2)**0.25``."""
+    """Return ``f(r)/r`` without clearance in terms of ``r**2``: ``(r**2)**0.25``."""
     return square ** (0.5 * (HERTZ_EXPONENT - 1.0))

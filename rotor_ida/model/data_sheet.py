@@ -1,4 +1,4 @@
-"""A machine from what its data sheet says: critical speed, damping ratio, balance grade."""
+"""A machine from its data sheet: critical speed, damping ratio, balance grade."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rotor_ida.model.parameters import EXPONENTS, OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor
 
 GRAVITY = 9.80665
-# What a data sheet may give in place of a parameter of a machine, each with its unit.
+# Quantities that a data sheet may give instead of a parameter of a machine, with their units.
 IN_OTHER_WORDS = {
     "critical_speed": "rad s-1",
     "damping_ratio": "1",
@@ -31,12 +31,12 @@ ALTERNATIVES = (
 )
 NEEDED = ("mass", "contact_stiffness", "clearance", "speed")
 MILLIMETRE = 1e-3
-# A number, and what is behind it.
+# A number, and the text after it.
 _WORD = re.compile(
     r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\S.*?)?\s*"
 )
 
-# A number in the SI unit, or words with a unit; None where it is not given.
+# A number in the SI unit, or text with a unit; None if not given.
 Quantity = float | str | None
 
 
@@ -62,7 +62,7 @@ def machine_from_data_sheet(
 ) -> DimensionalRotor:
     """Return the machine that a data sheet describes.
 
-    Each quantity is a number in its SI unit, or words with a unit such as ``"150um"``, ``"12 kg"``,
+    Each quantity is a number in its SI unit, or text with a unit such as ``"150um"``, ``"12 kg"``,
     ``"3600 rpm"`` or ``"3%"``.
 
     Parameters
@@ -94,7 +94,7 @@ def machine_from_data_sheet(
     friction : float or str, optional
         Coefficient of Coulomb friction in the contact [1].
     disc_radius : float or str, optional
-        Radius of the disc [m], which friction needs.
+        Radius of the disc [m], required with friction.
 
     Returns
     -------
@@ -104,12 +104,12 @@ def machine_from_data_sheet(
     Raises
     ------
     InputError
-        If a quantity is missing, is given twice, has a wrong unit, or cannot be.
+        If a quantity is missing, given twice, in a wrong unit, or out of range.
 
     Notes
     -----
-    ``k_s = m W_c**2``, ``n = 2 zeta_c sqrt(k_s m)``, ``D = U/m``, and ``D = G/W`` of a rigid rotor
-    whose balance grade G belongs to the speed W.
+    ``k_s = m W_c**2``, ``n = 2 zeta_c sqrt(k_s m)``, ``D = U/m``, and ``D = G/W`` for a rigid rotor
+    with balance grade G at the speed W.
 
     References
     ----------
@@ -143,7 +143,7 @@ def machine_from_data_sheet(
 
 
 def in_si(name: str, value: object, unit: str) -> float:
-    """Return a quantity in its SI unit: a number that is in it, or words with a unit.
+    """Return a quantity in its SI unit, from a number in that unit or text with a unit.
 
     Examples
     --------
@@ -173,14 +173,14 @@ def in_si(name: str, value: object, unit: str) -> float:
 
 
 def check_keys(given: Mapping[str, object], where: str) -> None:
-    """Raise `InputError` for a name that no data sheet has, or for one that is missing.
+    """Raise `InputError` for an unknown or a missing name.
 
     Examples
     --------
     >>> check_keys({"clearence": 1e-4}, "pump.toml")
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: pump.toml must hold quantities of a machine, got 'clearence': did
+    rotor_ida.errors.InputError: pump.toml must give quantities of a machine, got 'clearence': did
     you mean clearance?
     """
     for name in given:
@@ -188,7 +188,7 @@ def check_keys(given: Mapping[str, object], where: str) -> None:
             close = get_close_matches(name, KEYS, 1)
             hint = f"did you mean {close[0]}?" if close else f"allowed are {', '.join(KEYS)}"
             raise InputError(
-                f"{where} must hold quantities of a machine, got {shown(name)}: {hint}"
+                f"{where} must give quantities of a machine, got {shown(name)}: {hint}"
             )
     missing = [name for name in NEEDED if name not in given]
     missing += [
@@ -199,7 +199,7 @@ def check_keys(given: Mapping[str, object], where: str) -> None:
 
 
 def overridden(sheet: Mapping[str, object], by: Mapping[str, object]) -> dict[str, object]:
-    """Return a data sheet with some quantities replaced, whichever way they were given before.
+    """Return a data sheet with some quantities replaced, however they were given before.
 
     Examples
     --------
@@ -211,7 +211,7 @@ def overridden(sheet: Mapping[str, object], by: Mapping[str, object]) -> dict[st
 
 
 def implausible(machine: DimensionalRotor) -> list[str]:
-    """Return a sentence for each quantity of a machine that is unlikely to be meant.
+    """Return a sentence for each implausible quantity of a machine.
 
     Examples
     --------
@@ -224,7 +224,7 @@ def implausible(machine: DimensionalRotor) -> list[str]:
     clearance, eccentricity = machine.clearance, machine.eccentricity
     stiffness, radius = machine.shaft_stiffness, machine.disc_radius
     if stiffness == 0.0:
-        found.append("shaft_stiffness is 0: nothing but the contact holds the disc")
+        found.append("shaft_stiffness is 0: only the contact supports the disc")
     elif machine.damping_ratio == 0.0 or machine.damping_ratio > 0.3:
         found.append(
             f"damping_ratio of the critical speed is {machine.damping_ratio:.3g}; rotors in "
@@ -254,7 +254,7 @@ def implausible(machine: DimensionalRotor) -> list[str]:
 
 
 def _check_once(given: Mapping[str, object]) -> None:
-    """Refuse what is missing, and what is given in two ways."""
+    """Raise `InputError` for a quantity that is missing, or given in two ways."""
     for names in ALTERNATIVES:
         both = [name for name in names if name in given]
         if len(both) > 1:
@@ -266,7 +266,7 @@ def _check_once(given: Mapping[str, object]) -> None:
 
 
 def _exponent(given: Mapping[str, Quantity]) -> float:
-    """Return the exponent of the contact force, which goes with the unit of the stiffness."""
+    """Return the exponent of the contact force that matches the unit of the stiffness."""
     stiffness, exponent = given["contact_stiffness"], given.get("contact_exponent")
     word = _WORD.fullmatch(stiffness) if isinstance(stiffness, str) else None
     told = None

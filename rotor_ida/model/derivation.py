@@ -1,7 +1,7 @@
-"""What follows from a mode of the model, as symbols: from these the compiled core is written.
+"""Derive the symbols of a mode of the model, from which the compiled core is written.
 
-A mode is run over symbols once as it stands, and over dual numbers for the derivatives: by each
-component of its state, by the distance of a neighbour, and by the parameters.
+A mode is run once over symbols, and over dual numbers for the derivatives: by each component of
+its state, by the distance of a neighbour, and by the parameters.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Matrix = list[list[Symbol]]
 
 @dataclass(frozen=True, slots=True)
 class Derived:
-    """What follows from one mode.
+    """The derived symbols of one mode.
 
     Parameters
     ----------
@@ -29,18 +29,18 @@ class Derived:
     rates : list of Symbol
         The rate of change of each component of the state.
     drawn_rates : list of Symbol
-        The same, with what draws the state back to where it belongs.
+        The same, with terms that return the state to its constraints.
     jacobian : list of list of Symbol
         The derivatives of these by each component.
     growth : list of list of Symbol
-        The matrix by which a small difference grows, by the variable of integration; nothing, as
-        the next, where the mode has no neighbours.
+        The matrix of the linear growth of a small difference, per unit of the variable of
+        integration; empty, like the next, where the mode has no neighbours.
     by_parameters : list of list of Symbol
-        What each parameter adds to the rates by time of position and velocity.
+        The derivatives by each parameter of the time rates of position and velocity.
     pace : Symbol
-        Time by the variable of integration.
+        Derivative of time by the variable of integration.
     watched, watched_rates : list of Symbol
-        What is watched beside the state, and its rates of change.
+        Quantities watched in addition to the state, and their rates of change.
     """
 
     mode: Mode
@@ -56,7 +56,7 @@ class Derived:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a factor stands in the growth of a difference: row, column, number and sign."""
+    """The place of a factor in the growth of a difference: row, column, number and sign."""
 
     row: int
     column: int
@@ -95,7 +95,7 @@ def derive(mode: Mode, model: Model, fixed: Mapping[str, float] = MappingProxyTy
 
 
 def _along(graph: Graph, parts: list[Symbol], rates: list[Symbol]) -> Symbol:
-    """Return the rate of change of what has these derivatives by the state."""
+    """Return the rate of change of a quantity with these derivatives by the state."""
     total = graph.of(0.0)
     for part, rate in zip(parts, rates, strict=True):
         if not part.is_number(0.0):
@@ -104,7 +104,7 @@ def _along(graph: Graph, parts: list[Symbol], rates: list[Symbol]) -> Symbol:
 
 
 def _growth(graph: Graph, mode: Mode, state: list[Symbol], rotor: Any) -> Matrix:
-    """Return the derivatives of the rates by time of a neighbour by its distance."""
+    """Return the derivatives, by the distance of a neighbour, of its time rates."""
     assert mode.neighbour
     apart = variables([graph.of(0.0)] * 4)
     near = mode.neighbour(state, apart, apart[0], rotor)
@@ -117,13 +117,13 @@ def _by_parameters(
 ) -> Matrix:
     """Return the derivatives of the rates on the rotating axes: a row for each parameter.
 
-    Those of what the rates do not hang on are 0.
+    Derivatives by parameters on which the rates do not depend are 0.
     """
     assert mode.neighbour
     names = [name for name in columns if name != "delta0" and hasattr(rotor, name)]
     varied = variables([getattr(rotor, name) for name in names], others=1)
     changed = SimpleNamespace(**vars(rotor) | dict(zip(names, varied, strict=True)))
-    # where the rotor is, more clearance is as much less indentation
+    # at a fixed position, more clearance means less indentation
     deeper = Dual(graph.of(0.0), (*(0.0 for _ in names), -1.0))
     here = mode.neighbour(state, [graph.of(0.0)] * 4, deeper, changed)
     rates = turned_rates(here.position, here.velocity, here.acceleration, changed.omega)
@@ -136,13 +136,13 @@ def _by_parameters(
 
 
 def _parts(graph: Graph, value: Any, count: int) -> list[Symbol]:
-    """Return the derivatives that a value carries; those of what carries none are 0."""
+    """Return the derivatives of a value; 0 if it has none."""
     parts = value.parts if isinstance(value, Dual) else (0.0,) * count
     return [graph.of(part) for part in parts]
 
 
 def needed(outputs: Iterable[Symbol]) -> list[Symbol]:
-    """Return all that outputs are made of, each after its operands."""
+    """Return all symbols that outputs depend on, each after its operands."""
     found: dict[int, Symbol] = {}
 
     def visit(node: Symbol) -> None:
@@ -157,26 +157,26 @@ def needed(outputs: Iterable[Symbol]) -> list[Symbol]:
 
 
 def operands(node: Symbol) -> list[Symbol]:
-    """Return the symbols that an operation takes."""
+    """Return the symbols among the operands of an operation."""
     return [each for each in node.arguments if isinstance(each, Symbol)]
 
 
 def needs_convolution(node: Symbol) -> bool:
-    """Return whether it takes a sum over the coefficients of its operands to have its own."""
+    """Return whether its coefficients are sums over those of its operands."""
     if not node.changes or node.kind not in {"*", "/", "**"}:
         return False
     return node.kind != "*" or bool(node.arguments[0].changes)
 
 
 def lanes_of(node: Symbol) -> int:
-    """Return how many convolutions it takes."""
+    """Return the number of convolutions that it needs."""
     return 2 if node.kind == "**" else 1
 
 
 def factors_of(derived: Derived) -> tuple[list[Symbol], list[Place]]:
-    """Return the series that multiply differences, and where each stands.
+    """Return the series that multiply differences, and their places.
 
-    The pace comes first, unless it is constant; it multiplies all that `is_steady`.
+    The pace comes first, unless it is constant; it multiplies all entries that satisfy `is_steady`.
     """
     factors = [derived.pace] if derived.pace.changes else []
     places: list[Place] = []

@@ -1,7 +1,7 @@
-"""The rotor as a first-order system, in the fixed frame and in the frame that turns with it.
+"""The rotor as a first-order system, in the fixed frame and in the rotating frame.
 
-The state is ``(x, y, vx, vy)``: displacement and velocity as seen by a bystander. In the
-rotating frame the same two vectors are read on axes that turn with the unbalance,
+The state is ``(x, y, vx, vy)``: displacement and velocity in the fixed frame. In the
+rotating frame the same two vectors are given on axes that rotate with the unbalance,
 ``Z = z exp(-i omega t)`` and ``W = z' exp(-i omega t)``; there the system is autonomous and
 a synchronous whirl is an equilibrium.
 
@@ -35,7 +35,7 @@ from rotor_ida.model.symbols import Dual, variables
 
 
 def field(time: float, state: npt.ArrayLike, rotor: Rotor) -> Values:
-    """Rate of change of the state in the fixed frame.
+    """Return the rate of change of the state in the fixed frame.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def field(time: float, state: npt.ArrayLike, rotor: Rotor) -> Values:
 
     Notes
     -----
-    ``z'' = omega**2 exp(i omega t) - i gamma - 2 zeta z' - kappa z - N z/|z|``, of which a paper's
+    ``z'' = omega**2 exp(i omega t) - i gamma - 2 zeta z' - kappa z - N z/|z|``. The paper's
     rotor has neither load nor shaft, and ``N = f(|z|)``. The force is zero at ``z = 0``, its limit.
 
     References
@@ -102,9 +102,9 @@ def jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
 
 
 def rotating_field(state: npt.ArrayLike, rotor: Rotor, time: float = 0.0) -> Values:
-    """Rate of change of the state read on the rotating axes, shape (4,) [1].
+    """Return the rate of change of the state in the rotating frame, shape (4,) [1].
 
-    A load, which turns on these axes, is where it is at a time.
+    A load rotates in this frame; `time` gives its direction.
 
     Notes
     -----
@@ -130,7 +130,7 @@ def rotating_field(state: npt.ArrayLike, rotor: Rotor, time: float = 0.0) -> Val
 def rotating_jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
     """Return the derivative of `rotating_field` by the state, shape (4, 4) [1].
 
-    Its eigenvalues at a synchronous whirl are the whirl's own.
+    Its eigenvalues at a synchronous whirl are those of the whirl.
 
     Examples
     --------
@@ -141,14 +141,14 @@ def rotating_jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
 
 
 def _rates(state: Sequence[Any], secant: Any, rotor: Rotor, turning: float) -> list[Any]:
-    """Return the rates of a state read on axes that turn; `secant` is f/|z|."""
+    """Return the rates of a state on rotating axes; `secant` is f/|z|."""
     x, y, vx, vy = state
     at = Moment((x, y), (vx, vy), (x, y), (1.0, 0.0), (0.0, -1.0))
     return turned_rates((x, y), (vx, vy), accelerations(at, secant, rotor), turning)
 
 
 def _jacobian(state: npt.ArrayLike, rotor: Rotor, turning: float) -> Values:
-    """Return the derivative of the rates of a state read on axes that turn."""
+    """Return the derivative of the rates of a state on rotating axes."""
     values = np.asarray(state, dtype=np.float64).tolist()
     radius, exponent = math.hypot(values[0], values[1]), rotor.contact_exponent
     secant, slope = force_over_radius(radius, rotor.delta0, exponent), (0.0, 0.0)
@@ -168,8 +168,8 @@ def _jacobian(state: npt.ArrayLike, rotor: Rotor, turning: float) -> Values:
 def rotated(states: npt.ArrayLike, angle: npt.ArrayLike) -> Values:
     """Rotate displacement and velocity of each state by `angle`.
 
-    With ``angle = -omega t`` it reads fixed-frame states on the rotating axes, with
-    ``+omega t`` it goes back.
+    With ``angle = -omega t`` states go from the fixed to the rotating frame, and with
+    ``+omega t`` back.
 
     Parameters
     ----------
@@ -206,17 +206,16 @@ def energy(
     contact_exponent: float = HERTZ_EXPONENT,
     load: float = 0.0,
 ) -> Values:
-    """Kinetic energy and potentials, ``|z'|**2/2 + kappa |z|**2/2 + V(|z|) + gamma y`` [1].
+    """Return the energy, ``|z'|**2/2 + kappa |z|**2/2 + V(|z|) + gamma y`` [1].
 
     Parameters
     ----------
     states : array_like, shape (..., 4)
-        States ``(x, y, vx, vy)`` [1], in either frame; under a load in the fixed frame.
+        States ``(x, y, vx, vy)`` [1], in either frame, or under a load in the fixed frame.
     delta0 : float
         Radial clearance [1].
     shaft_stiffness, contact_exponent, load : float
-        As of `Rotor` [1]: by default those of the paper's rotor, whose energy is
-        ``|z'|**2/2 + V(|z|)``.
+        As in `Rotor` [1]; default: the paper's rotor, with energy ``|z'|**2/2 + V(|z|)``.
 
     Returns
     -------
@@ -245,7 +244,7 @@ def energy(
 
 
 def angular_momentum(states: npt.ArrayLike) -> Values:
-    """Moment of momentum about the bearing axis, ``x vy - y vx`` [1].
+    """Return the angular momentum about the bearing axis, ``x vy - y vx`` [1].
 
     Examples
     --------
@@ -257,7 +256,7 @@ def angular_momentum(states: npt.ArrayLike) -> Values:
 
 
 def power(time: npt.ArrayLike, states: npt.ArrayLike, rotor: Rotor) -> Values:
-    """Power that the unbalance puts in less what damping takes out, ``dE/dt`` [1].
+    """Return the power of the unbalance less the damping losses, ``dE/dt`` [1].
 
     Parameters
     ----------
@@ -272,7 +271,7 @@ def power(time: npt.ArrayLike, states: npt.ArrayLike, rotor: Rotor) -> Values:
     -------
     ndarray, shape (...)
         ``-2 zeta |z'|**2 + Re(omega**2 exp(i omega t) conj(z'))`` [1], less the loss in the
-        contact, ``(N - d**n) d'``, where that is damped.
+        contact, ``(N - d**n) d'``, with contact damping.
 
     Examples
     --------

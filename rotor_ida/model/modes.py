@@ -1,25 +1,25 @@
-"""The model, stated once: how a rotor moves in contact, and where nothing has to be smoothed.
+"""The model, stated once: the modes of motion of a rotor, in contact and without clearance.
 
 A mode is a state, its rate of change, and guards: components of the state that pass through 0 where
-the mode ends, or where something else is to be told. All are plain Python, of sums, products,
-quotients and constant powers alone. Run over numbers they are the model itself. Run once over
-symbols they become what the compiled core needs (`rotor_ida.model.writing`): fields and
-Jacobians, Taylor series, the growth of small differences, and what the parameters add.
+the mode ends, or at another event. All are plain Python with only sums, products, quotients and
+constant powers. Run over numbers they are the model itself. Run once over symbols they give what
+the compiled core needs (`rotor_ida.model.writing`): fields and Jacobians, Taylor series, the growth
+of small differences, and the derivatives by the parameters.
 
 The forces are stated once, in `accelerations`, by components along any two directions: the same
 lines serve on fixed axes, on the rotating ones and in the polar basis of a contact. Flight in
-closed form, the lanes of basins, the witness of energy and the closed forms restate them by hand:
+closed form, the lanes of basins, the energy check and the closed forms restate them by hand:
 CONTRIBUTING.md lists the places ("A force").
 
-All is derived three times: for the paper's rotor, of which shaft, contact damping and load are the
-number 0 and vanish from what is derived; for the whole model, whose states hold the direction of
-the load and the work of a contact as well; and for that with a speed that changes
-(`rotor_ida.model.spinning`). In the whole model the contact has two ways: pressed, and
-loose, while damping would make the force tensile; `rotor.pressed` is 1 or 0. The exponent of the
+The core is derived for three models. In the paper's rotor shaft, contact damping and load are the
+number 0 and vanish. In the general model (`whole`) the states include the direction of the load and
+the work of a contact. The third is the general model at a changing speed
+(`rotor_ida.model.spinning`). In the general model a contact is pressed or loose: loose
+while damping would make the force tensile; `rotor.pressed` is 1 or 0. The exponent of the
 force is 3/2 where `rotor.hertz` is 1, or 1 where `rotor.linear` is.
 
-Friction has modes of its own, so that a contact without it is what it was: in one the surfaces
-slide, forwards or backwards as `rotor.sigma` is 1 or -1, in the other the disc rolls on the ring.
+Friction has separate modes, so that a contact without friction is unchanged: in one the surfaces
+slide, forwards or backwards as `rotor.sigma` is 1 or -1; in the other the disc rolls on the stator.
 
 References
 ----------
@@ -36,28 +36,28 @@ from typing import Any, NamedTuple
 from rotor_ida.model.contact import HERTZ_EXPONENT, secant_of_square
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 
-# How fast a direction is drawn back to the unit circle, in parts of the spin: a pull as fast as the
-# motion cost Adams a sixth more steps, and this one cost none.
+# Rate at which a direction is returned to the unit circle, relative to the spin. A rate as fast as
+# the motion cost Adams a sixth more steps; this one cost none.
 PULL = 0.1
-# A number, or whatever can be added, multiplied, divided and raised to a constant power like one.
+# A number, or any object with sums, products, quotients and constant powers.
 Number = Any
 Numbers = Sequence[Number]
 Pair = tuple[Number, Number]
 
 
 class Moment(NamedTuple):
-    """A rotor at a moment, by components along two directions, of which the second is to the left.
+    """A rotor at one time, by components along two directions; the second is to the left.
 
     Parameters
     ----------
     position, velocity : tuple of number
-        Of the disc's centre and its velocity [1].
+        Displacement and velocity of the disc's centre [1].
     normal : tuple of number
-        Of the direction from the bearing axis to the disc's centre [1].
+        Direction from the bearing axis to the disc's centre [1].
     unbalance : tuple of number
-        Of the direction of the unbalance [1].
+        Direction of the unbalance [1].
     down : tuple of number
-        Of the direction of the load [1].
+        Direction of the load [1].
     """
 
     position: Pair
@@ -69,14 +69,14 @@ class Moment(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """A component of the state that says when something happens: its series is the guard's.
+    """A component of the state that passes through 0 at an event.
 
     Parameters
     ----------
     event : str
-        What happens where it passes through 0.
+        The event where it passes through 0.
     of : str
-        Which component it is.
+        Name of the component.
     """
 
     event: str
@@ -85,31 +85,31 @@ class Guard:
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """One way to move.
+    """A mode of motion.
 
     Parameters
     ----------
     name : str
-        What it is called in derived code.
+        Its name in derived code.
     state : tuple of str
         Names of the components of its state.
     rates : callable
-        ``rates(state, rotor)`` returns the rate of change of each component. A rotor is whatever
-        has its parameters as attributes.
+        ``rates(state, rotor)`` returns the rate of change of each component. A rotor is any object
+        with the parameters as attributes.
     neighbour : callable
-        ``neighbour(state, apart, deeper, rotor)`` returns position, velocity and acceleration of a
-        rotor that is a little `apart`, with an indentation `deeper` by so much, and the rate at
-        which the basis of all these turns; to first order. None where nothing is differentiated.
+        ``neighbour(state, apart, deeper, rotor)`` returns to first order the position, velocity and
+        acceleration of a rotor at the distance `apart`, with an indentation `deeper` by that
+        amount, and the rate of rotation of their basis. None where nothing is differentiated.
     pace : callable
-        ``pace(state)``: time by the variable of integration.
+        ``pace(state)``: derivative of time by the variable of integration.
     guards : tuple of Guard
-        What may happen.
+        Its guards.
     drawn_rates : callable
-        As `rates`, and what draws the state back to where it belongs: for an integrator that
-        cannot put it there after a step. And the rates of what has no series.
+        As `rates`, with terms that return the state to its constraints, for an integrator that
+        cannot project it after a step; and the rates of components without a series.
     watched : callable, optional
-        ``watched(state, rotor)`` returns what is no component of the state, and yet is needed to
-        say when the mode ends: of which there are series, values and rates of change.
+        ``watched(state, rotor)`` returns quantities that are not components of the state but decide
+        the end of the mode; the core computes their series, values and rates of change.
     """
 
     name: str
@@ -123,7 +123,7 @@ class Mode:
 
 
 class Neighbour(NamedTuple):
-    """Position, velocity and acceleration, by components in one basis, and how fast this turns."""
+    """Position, velocity and acceleration in one basis, and its rate of rotation."""
 
     position: tuple[Number, Number]
     velocity: tuple[Number, Number]
@@ -132,11 +132,11 @@ class Neighbour(NamedTuple):
 
 
 def accelerations(at: Moment, push: Number, rotor: Any, drag: Number = 0.0) -> Pair:
-    """Return both components of z'' [1]: this states all forces.
+    """Return both components of z'' [1]: the one statement of all forces.
 
     ``z'' = omega**2 e - 2 zeta z' - kappa z - (N + i T) z/|z| + gamma g``, with the directions e
     and g of unbalance and load. `push` is the normal force N, `drag` the tangential force T, and
-    ``at.normal`` is ``z/|z|``; or they are N/|z|, T/|z| and z, where |z| may vanish.
+    ``at.normal`` is ``z/|z|``. Where |z| may vanish they are N/|z|, T/|z| and z.
     """
     return (
         _along(0, at, push, rotor) + drag * at.normal[1],
@@ -145,17 +145,17 @@ def accelerations(at: Moment, push: Number, rotor: Any, drag: Number = 0.0) -> P
 
 
 def resistance(velocity: Pair, rotor: Any) -> Number:
-    """Return the force over the velocity with which the surroundings resist a motion [1].
+    """Return the resistance of the surroundings, as force over velocity [1].
 
-    What is stated here is in the accelerations, in the energy that a contact spends, and in the
-    torque that a drive is left with; `velocity` is in components along any two directions.
+    It enters the accelerations, the energy that a contact dissipates, and the net torque of a
+    drive. `velocity` has components along any two directions.
     """
     del velocity  # linear damping does not depend on it
     return 2.0 * rotor.zeta
 
 
 def _along(i: int, at: Moment, push: Number, rotor: Any) -> Number:
-    """Return a component of what there is without friction."""
+    """Return a component of the acceleration without friction."""
     return (
         rotor.omega * rotor.omega * at.unbalance[i]
         - resistance(at.velocity, rotor) * at.velocity[i]
@@ -181,14 +181,14 @@ def damped(push: Number, approach: Number, rotor: Any) -> Number:
 
 
 def secant(square: Number, rotor: Any) -> Number:
-    """Return force over distance without clearance, by ``|z|**2`` [1]."""
+    """Return force over distance without clearance, as a function of ``|z|**2`` [1]."""
     return rotor.felt * (rotor.hertz * secant_of_square(square) + rotor.linear)
 
 
 def turned_rates(
     position: Numbers, velocity: Numbers, force: Numbers, turning: Number
 ) -> list[Number]:
-    """Return the rates of position and velocity, of which the components turn with their basis."""
+    """Return the rates of position and velocity whose components rotate with their basis."""
     return [
         velocity[0] + turning * position[1],
         velocity[1] - turning * position[0],
@@ -202,11 +202,10 @@ def contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> lis
 
     The Hertz force has a kink of order 1.5 at |z| = delta0. In ``q = sqrt(|z| - delta0)`` and u the
     motion is analytic through entry and exit; p is the radial velocity, h the angular momentum, c
-    and s the direction on the rotating axes, t the time and j the impulse of the force. Of the
-    whole model there are the components of the load's direction along the radius and across it,
-    the work of the rotor on the ring (the energy that the ring holds, and what it has lost), and
-    what `spent_rate` says, of which there is no series. `more` acceleration may be given, outwards
-    and sideways.
+    and s the direction on the rotating axes, t the time and j the impulse of the force. The
+    general model adds the components of the load's direction along the radius and across it, the
+    work of the rotor on the stator (elastic energy and loss of the contact), and the energy of
+    `spent_rate`, which has no series. `more` is an additional acceleration, outwards and sideways.
     """
     q, p, h, c, s, *rest = state
     whole = len(state) > len(CONTACT_STATE)
@@ -235,9 +234,9 @@ def contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> lis
 def spent_rate(state: Numbers, rotor: Any) -> Number:
     """Return the rate, by u, at which damping and load take energy on the rotating axes.
 
-    That is ``q (2 zeta (|z'|**2 - omega h) - gamma omega x)``, x the displacement across the load.
-    On these axes the unbalance pulls with a constant force, and the work on the ring is all else
-    that is missing of ``|z'|**2/2 + kappa |z|**2/2 + gamma y - omega h - omega**2 |z| c``: so the
+    It is ``q (2 zeta (|z'|**2 - omega h) - gamma omega x)``, x the displacement across the load.
+    On these axes the unbalance is a constant force, and the work on the stator is the only other
+    loss of ``|z'|**2/2 + kappa |z|**2/2 + gamma y - omega h - omega**2 |z| c``. So the
     energy of a contact balances without an integral over the work of the unbalance.
     """
     q, p, h, _, _, _, down_t, *_ = state
@@ -248,11 +247,11 @@ def spent_rate(state: Numbers, rotor: Any) -> Number:
 
 
 def drawn_contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
-    """Return the rates of a contact, with its directions drawn back to the unit circle.
+    """Return the rates of a contact, with its directions returned to the unit circle.
 
-    Errors of single steps would carry them off it in a long contact, and with their length the
-    unbalance would change. What is left of ``c**2 + s**2 - 1`` falls like ``exp(-0.2 omega t)``.
-    Of the whole model with `spent_rate`.
+    Otherwise errors of single steps would add up in a long contact, and the length of a direction
+    scales the unbalance. The remaining ``c**2 + s**2 - 1`` falls like ``exp(-0.2 omega t)``.
+    The general model includes `spent_rate`.
     """
     rates = contact_rates(state, rotor, more)
     firsts = (3, 5) if len(state) > len(CONTACT_STATE) else (3,)
@@ -267,7 +266,7 @@ def drawn_contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) 
 
 
 def contact_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) -> Neighbour:
-    """Return a rotor a little apart from one in contact, in the polar basis of the latter."""
+    """Return a neighbour of a rotor in contact, in the polar basis of the latter."""
     q, p, h, c, s, *rest = state
     down_r, down_t = rest[:2] if len(state) > len(CONTACT_STATE) else (0.0, 0.0)
     r = rotor.delta0 + q * q
@@ -283,20 +282,20 @@ def contact_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any
 
 
 def hold_of_rolling(at: Moment, r: Number, rotor: Any) -> Number:
-    """Return the tangential force F that rolling needs, of components along the radius first [1].
+    """Return the tangential force F that rolling needs, from components with the radius first [1].
 
     While the disc rolls, ``r phi' = -V`` with ``V = rho omega``, so that the angular momentum
-    ``h = -V r`` changes at the rate ``-V r'``: F is the force that sees to it.
+    ``h = -V r`` changes at the rate ``-V r'``; F is the force for this rate.
     """
     return accelerations(at, 0.0, rotor)[1] + rotor.rim * at.velocity[0] / r
 
 
 def rub_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
-    """Return the rates of a contact in which surfaces slide, by u, as `contact_rates` has it.
+    """Return the rates, by u, of a contact in which surfaces slide, like `contact_rates`.
 
-    Instead of the angular momentum h there is the moment of the slip, ``r v_s = h + V r``, which
-    passes through 0 where the surfaces stop sliding. The last component is the heat of sliding, of
-    which there is no series, as of what `spent_sliding` says.
+    The moment of the slip, ``r v_s = h + V r``, replaces the angular momentum h; it passes through
+    0 where the surfaces stop sliding. The last component is the heat of sliding, which has no
+    series, like the energies of `spent_sliding`.
     """
     q, p, slip, c, s, down_r, down_t, *_ = state
     square = q * q
@@ -355,8 +354,8 @@ def grip_and_hold(state: Numbers, rotor: Any) -> list[Number]:
 def spent_sliding(state: Numbers, rotor: Any) -> tuple[Number, Number]:
     """Return `spent_rate` of a contact with friction, and the rate of its heat ``mu N |v_s|``.
 
-    Of the power of friction, ``-T v_t``, this is the heat ``T v_s``, and what the drive has to put
-    in, ``T (V + omega r)`` on the rotating axes.
+    The power of friction, ``-T v_t``, consists of the heat ``T v_s`` and the power of the drive,
+    ``T (V + omega r)`` on the rotating axes.
     """
     q, p, slip, c, s, down_r, down_t, *_ = state
     r = rotor.delta0 + q * q
@@ -366,7 +365,7 @@ def spent_sliding(state: Numbers, rotor: Any) -> tuple[Number, Number]:
 
 
 def spent_rolling(state: Numbers, rotor: Any) -> tuple[Number, Number]:
-    """Return what `spent_sliding` does where the disc rolls: there is no heat."""
+    """Return the rates of `spent_sliding` for a rolling disc: there is no heat."""
     q, p, _, c, s, down_r, down_t, *_ = state
     r = rotor.delta0 + q * q
     spent = spent_rate((q, p, -(rotor.rim * r), c, s, down_r, down_t), rotor)
@@ -377,7 +376,7 @@ def spent_rolling(state: Numbers, rotor: Any) -> tuple[Number, Number]:
 def drawn_back(
     rates: list[Number], state: Numbers, spent: tuple[Number, Number], rotor: Any
 ) -> list[Number]:
-    """Return rates of a contact with friction, as `drawn_contact_rates` does."""
+    """Return rates of a contact with friction, corrected as in `drawn_contact_rates`."""
     for first in (3, 5):
         c, s = state[first : first + 2]
         pull = PULL * rotor.omega * state[0] * (1.0 - (c * c + s * s))
@@ -388,17 +387,17 @@ def drawn_back(
 
 
 def drawn_rub_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
-    """Return the rates of a sliding contact, drawn back to where it belongs."""
+    """Return the rates of a sliding contact, with its state returned to the constraints."""
     return drawn_back(rub_rates(state, rotor, more), state, spent_sliding(state, rotor), rotor)
 
 
 def drawn_rolling_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
-    """Return the rates of a rolling contact, drawn back to where it belongs."""
+    """Return the rates of a rolling contact, with its state returned to the constraints."""
     return drawn_back(rolling_rates(state, rotor, more), state, spent_rolling(state, rotor), rotor)
 
 
 def rub_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) -> Neighbour:
-    """Return a rotor a little apart from one whose surfaces slide."""
+    """Return a neighbour of a rotor whose surfaces slide."""
     q, _, slip, *_ = state
     r = rotor.delta0 + q * q
     around = slip / r - rotor.rim
@@ -409,13 +408,13 @@ def rub_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) ->
 
 
 def rolling_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) -> Neighbour:
-    """Return a rotor a little apart from one that rolls, of which the slip is as constant."""
+    """Return a neighbour of a rolling rotor; its slip is constant too."""
     r = rotor.delta0 + state[0] * state[0]
     around = -rotor.rim
     near, push = _apart(state, around, apart, deeper, rotor)
     aside = near.normal[1]
     outwards, sideways = accelerations(near, 0.0, rotor)
-    rim = rotor.disc_radius * rotor.omega  # and not what the motion has, which stays as it is
+    rim = rotor.disc_radius * rotor.omega  # differentiated; the motion's own rim speed is fixed
     rises = near.velocity[0] + around * aside
     hold = sideways - aside * outwards + rim * rises / near.position[0]
     forces = (outwards - push + hold * aside, sideways - push * aside - hold)
@@ -436,11 +435,11 @@ def _apart(
 
 
 def cartesian_rates(state: Numbers, rotor: Any) -> list[Number]:
-    """Return the rates by time of displacement and velocity, read on the rotating axes.
+    """Return the time rates of displacement and velocity on the rotating axes.
 
-    The force is that without clearance where `rotor.felt` is 1. Where it is 0 there is none: in
-    flight, or so close to the centre that it cannot be felt. Of the whole model there is the
-    direction of the load, which turns backwards on these axes.
+    Where `rotor.felt` is 1 the force is that without clearance. Where it is 0 there is none: in
+    flight, or so close to the centre that it is negligible. The general model adds the direction of
+    the load, which rotates backwards on these axes.
     """
     x, y, vx, vy, *down = state
     down_x, down_y = down or (0.0, 0.0)
@@ -451,7 +450,7 @@ def cartesian_rates(state: Numbers, rotor: Any) -> list[Number]:
 
 
 def cartesian_neighbour(state: Numbers, apart: Numbers, _deeper: Number, rotor: Any) -> Neighbour:
-    """Return a rotor a little apart, on the rotating axes; without clearance none is deeper."""
+    """Return a neighbour on the rotating axes; without clearance none is deeper."""
     x, y, vx, vy = (here + more for here, more in zip(state[:4], apart, strict=True))
     down_x, down_y = state[4:] or (0.0, 0.0)
     push = secant(x * x + y * y, rotor)
@@ -485,7 +484,7 @@ CARTESIAN = Mode(
 WHOLE_CONTACT = replace(
     CONTACT, state=(*CONTACT_STATE[:5], "down_r", "down_t", "t", "j", "work", "spent")
 )
-# Laid out like a contact without friction, but for the moment of the slip, and the heat.
+# Arranged like a contact without friction, except for the moment of the slip, and the heat.
 RUB_STATE = (*WHOLE_CONTACT.state[:2], "slip", *WHOLE_CONTACT.state[3:], "heat")
 RUB = Mode(
     name="rub",
@@ -511,23 +510,23 @@ WHOLE_CARTESIAN = replace(CARTESIAN, state=(*CARTESIAN_STATE, "down_x", "down_y"
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    """A rotor whose core is derived.
+    """A model for which a core is derived.
 
     Parameters
     ----------
     name : str
-        What its files are called by.
+        Its name in file names.
     modes : tuple of Mode
-        The ways to move.
+        The modes of motion.
     parameters : tuple of str
-        Those that are not constant: of a rotor, and of a mode.
+        Parameters of a rotor, and of a mode, that are not constant.
     constants : dict
-        What is a number in it.
+        Parameters that are fixed numbers.
     columns : tuple of str
-        The parameters by which is differentiated.
+        The parameters by which the core differentiates.
     lighter : dict
-        Further series of each mode that take fewer products, by name: what is a number in them. Of
-        a state, what is named is 0.
+        Additional series of each mode that need fewer products, by name, with the parameters that
+        are fixed numbers in them. Named components of a state are 0.
     """
 
     name: str
@@ -538,7 +537,7 @@ class Model:
     lighter: dict[str, dict[str, float]] = field(default_factory=dict)
 
 
-# What forces have that the paper's rotor has not, but for friction.
+# Parameters of forces that the paper's rotor lacks, except friction.
 OF_FORCES = tuple(name for name in FRICTIONLESS if name != "contact_exponent")
 PAPER = Model(
     name="paper",
@@ -553,7 +552,7 @@ PAPER = Model(
 WHOLE = Model(
     name="whole",
     modes=(WHOLE_CONTACT, WHOLE_CARTESIAN, RUB, ROLLING),
-    # of friction there is the speed of the rim, rho omega, and the sense in which surfaces slide
+    # friction has the speed of the rim, rho omega, and the sense in which surfaces slide
     parameters=(
         *PARAMETERS, *OF_FORCES, "hertz", "linear", "felt", "pressed",
         "friction", "disc_radius", "rim", "sigma",

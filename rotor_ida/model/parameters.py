@@ -1,4 +1,4 @@
-"""The one table of parameters: what each is, its symbols, its units, its default and its range.
+"""The table of parameters: the meaning, symbols, units, default and range of each.
 
 Checks, coordinates, options of the command line, labels and the tables of the documentation are
 made from it.
@@ -17,38 +17,38 @@ EXPONENTS = (1.5, 1.0)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Parameter:
-    """One parameter of a rotor, without dimensions, in SI units, or both.
+    """One parameter of a rotor, dimensionless, in SI units, or both.
 
     Parameters
     ----------
     name : str
         Its name as an argument, a coordinate and an option.
     meaning : str
-        What the dimensionless number is; empty if the parameter exists in SI units alone.
+        Meaning of the dimensionless number; empty if the parameter exists only in SI units.
     symbol : str
         The symbol of the dimensionless number, as TeX.
     label : str
-        What an axis of a figure calls it.
+        Its label on an axis of a figure.
     plural : str
-        What several of them are called.
+        Its name in the plural.
     note : str
-        What the help of an option adds to its meaning.
+        Addition to its meaning in the help of an option.
     si_meaning : str
-        What the quantity in SI units is; empty if the parameter is dimensionless alone.
+        Meaning of the quantity in SI units; empty if the parameter is only dimensionless.
     si_symbol : str
         The symbol of the quantity in SI units, as TeX.
     unit : str
         The SI unit, as netCDF writes it.
     needed : bool
-        Whether it must be given; the others have a default.
+        Whether it is required; the others have a default.
     default : float or None
-        The value with which a rotor is the paper's.
+        The value of the paper's rotor.
     positive : bool
         Whether the quantity in SI units must be above zero.
     sets_scales : bool
-        Whether the scales of a machine depend on it, so that its machines share no axis.
+        Whether the scales of a machine depend on it, so that it cannot be an axis of machines.
     smallest, largest : float
-        Least value but zero, and largest value, of a rotor that is simulated [1].
+        Smallest nonzero value and largest value of a rotor that can be simulated [1].
     """
 
     name: str
@@ -64,9 +64,9 @@ class Parameter:
     default: float | None = 0.0
     positive: bool = False
     sets_scales: bool = False
-    # Less is lost in rounding, or of a clearance crossed in a time below the spacing of doubles;
+    # Smaller values are lost in rounding, and a smaller clearance is crossed in no time;
     smallest: float = 1e-12
-    # more leaves nothing for a tolerance to hold on to.
+    # with larger ones the tolerances lose their meaning.
     largest: float = 1e6
 
     @property
@@ -207,15 +207,15 @@ TABLE = (
 OF_ROTOR = {each.name: each for each in TABLE if each.meaning}
 OF_MACHINE = {each.name: each for each in TABLE if each.si_meaning}
 ALL_PARAMETERS = tuple(OF_ROTOR)
-# What the paper's rotor has, without dimensions and in SI units.
+# The parameters of the paper's rotor, dimensionless and in SI units.
 PARAMETERS = tuple(name for name, each in OF_ROTOR.items() if each.needed)
 MACHINE_PARAMETERS = tuple(name for name, each in OF_MACHINE.items() if each.needed)
-# What is optional, each with the value with which the rotor is the paper's.
+# The optional parameters, each with its value for the paper's rotor.
 DEFAULTS: dict[str, float | None] = {
     each.name: each.default for each in OF_ROTOR.values() if not each.needed
 }
 OPTIONAL = tuple(DEFAULTS)
-# Those of them that say something without friction too.
+# Those that have a meaning without friction too.
 FRICTIONLESS = {
     name: value
     for name, value in DEFAULTS.items()
@@ -235,14 +235,14 @@ def check_parameter(parameter: Parameter, value: object) -> float | None:
 
 
 def check_exponent(exponent: float) -> None:
-    """Raise `InputError` for an exponent of the contact force that is not known."""
+    """Raise `InputError` for an exponent of the contact force that is not supported."""
     if exponent not in EXPONENTS:
         allowed = " or ".join(f"{each:g}" for each in EXPONENTS)
         raise InputError(f"contact_exponent must be {allowed}, got {exponent!r}")
 
 
 def check_together(values: dict[str, float | None], clearance: float) -> None:
-    """Raise `InputError` for values that exclude each other, at the dimensionless clearance."""
+    """Raise `InputError` for values that exclude each other, given the dimensionless clearance."""
     friction = values["friction"]
     if friction and values["disc_radius"] is None:
         raise InputError(

@@ -44,38 +44,38 @@ class Rotor:
     omega : float
         Spin speed over the reference frequency [1]; 0 is free vibration.
     zeta : float
-        Damping ratio of the reference frequency, ``n/(2 m omega_0)`` [1]. That of the critical
-        speed of a shaft is ``zeta/sqrt(kappa)``.
+        Damping ratio of the reference frequency, ``n/(2 m omega_0)`` [1]. The damping ratio of the
+        critical speed is ``zeta/sqrt(kappa)``.
     delta0 : float
         Radial clearance over eccentricity [1]; 0 means always in contact.
     shaft_stiffness : float
-        Stiffness kappa of the shaft, which springs back to the bearing axis [1].
+        Shaft stiffness kappa [1].
     contact_exponent : {1.5, 1.0}
         Exponent n of the contact force: 3/2 by Hertz, or 1, a linear spring.
     contact_damping : float
-        Coefficient c by which an approach adds to the contact force [1].
+        Contact damping c: relative increase of the contact force per unit approach speed [1].
     load : float
         Static load gamma, downwards [1].
     friction : float
         Coefficient mu of Coulomb friction in the contact [1].
     disc_radius : float, optional
-        Radius rho of the disc over eccentricity [1], required with friction; without friction it is
-        kept and changes nothing.
+        Radius rho of the disc over eccentricity [1], required with friction. Without friction it
+        has no effect.
 
     Raises
     ------
     InputError
-        If a value is not a finite real number that is zero or positive; if the exponent is
-        another; if there is contact damping or friction without clearance, or friction without a
+        If a value is not a finite real number that is zero or positive; if the exponent is not 1.5
+        or 1; if there is contact damping or friction without clearance, or friction without a
         disc radius.
 
     Notes
     -----
     ``z'' + 2 zeta z' + kappa z + (N + i T) z/|z| = omega**2 exp(i omega t) - i gamma``, with
-    ``N = max(0, d**n (1 + c d'))`` where ``d = |z| - delta0`` is positive, or else 0: never
-    tensile [2]_. While the surfaces slide, ``T = mu N sign(v_s)`` with
-    ``v_s = v_t + rho omega``, v_t the tangential velocity of the disc's centre; where v_s is 0 the
-    disc rolls on the ring for as long as ``|T| <= mu N``. With the defaults it is the paper's
+    ``N = max(0, d**n (1 + c d'))`` where ``d = |z| - delta0`` is positive, and 0 elsewhere: the
+    force is never tensile [2]_. While the surfaces slide, ``T = mu N sign(v_s)`` with
+    ``v_s = v_t + rho omega``, where v_t is the tangential velocity of the disc's centre. Where v_s
+    is 0 the disc rolls on the stator as long as ``|T| <= mu N``. The defaults give the paper's
     rotor,
     ``z'' + 2 zeta z' + max(|z| - delta0, 0)**1.5 z/|z| = omega**2 exp(i omega t)``.
 
@@ -116,18 +116,18 @@ class Rotor:
 
     @property
     def beyond(self) -> dict[str, float]:
-        """What makes it move unlike the paper's rotor: the parameters that are not the default."""
+        """The parameters that differ from the paper's rotor and affect the motion."""
         beyond = _not_default(self)
         return beyond if self.friction > 0.0 else without(beyond, "disc_radius")
 
     @property
     def given(self) -> dict[str, float]:
-        """What it takes to make the same rotor: those of the paper's, and what is not default."""
+        """The arguments of an equal rotor: the paper's parameters, and those not the default."""
         return {name: getattr(self, name) for name in PARAMETERS} | _not_default(self)
 
 
 def _set_checked(rotor: Rotor | DimensionalRotor, table: Mapping[str, Parameter]) -> None:
-    """Put the checked value of each parameter in place of what was given."""
+    """Replace each given parameter by its checked value."""
     for name, parameter in table.items():
         object.__setattr__(rotor, name, check_parameter(parameter, getattr(rotor, name)))
 
@@ -147,36 +147,36 @@ def _not_default(rotor: Rotor | DimensionalRotor) -> dict[str, float]:
 
 
 def without(values: dict[str, float], name: str) -> dict[str, float]:
-    """Return values by name, but for one."""
+    """Return values by name, except for one."""
     return {each: value for each, value in values.items() if each != name}
 
 
 def check_no_friction(rotor: Rotor, what: str) -> None:
-    """Raise `InputError` for a rotor with friction, where that is not known yet."""
+    """Raise `InputError` for a rotor with friction, where it is not supported."""
     if rotor.friction > 0.0:
         raise InputError(
-            f"friction must be 0 for {what}, which does not know it yet, got {rotor.friction!r}"
+            f"friction must be 0 for {what}, which does not support it, got {rotor.friction!r}"
         )
 
 
 def check_no_load(rotor: Rotor, what: str) -> None:
-    """Raise `InputError` for a rotor with a load, where the turning axes must not see one."""
+    """Raise `InputError` for a rotor with a load, where it is not supported."""
     if rotor.load > 0.0:
         raise InputError(
-            f"load must be 0 for {what}, as under a load nothing stands still on the turning axes, "
+            f"load must be 0 for {what}, as there is no synchronous whirl under a load, "
             f"got {rotor.load!r}"
         )
 
 
 def check_papers(rotor: Rotor, what: str) -> None:
-    """Raise `InputError` for a rotor with more than the paper's where that is not known yet."""
+    """Raise `InputError` for a rotor other than the paper's, where that is not supported."""
     if rotor.beyond:
         given = ", ".join(f"{name} {value!r}" for name, value in rotor.beyond.items())
-        raise InputError(f"the rotor of {what} must be the paper's, without {given}")
+        raise InputError(f"the rotor of {what} must be the paper's, got {given}")
 
 
 class ChangeOfSpeed(TypedDict, total=False):
-    """How a speed changes, without dimensions: arguments of `rotor_ida.run_up`."""
+    """A change of speed, dimensionless: arguments of `rotor_ida.run_up`."""
 
     to: float
     rate: float
@@ -189,7 +189,7 @@ class ChangeOfSpeed(TypedDict, total=False):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DimensionalRotor:
-    """The same rotor as an engineer measures it, in SI units.
+    """A rotor with contact and clearance, in SI units.
 
     Parameters
     ----------
@@ -210,8 +210,8 @@ class DimensionalRotor:
     contact_exponent : {1.5, 1.0}
         Exponent n of the contact force: 3/2 by Hertz, or 1, a linear spring.
     contact_damping : float
-        Coefficient lambda of Hunt and Crossley, by which a speed of approach adds to the contact
-        force [s/m].
+        Coefficient lambda of Hunt and Crossley: relative increase of the contact force per approach
+        speed [s/m].
     load : float
         Static load, downwards, L [N]; the weight is mass times 9.80665 m/s^2.
     friction : float
@@ -228,8 +228,8 @@ class DimensionalRotor:
 
     Notes
     -----
-    Lengths scale with D, times with 1/omega_0, where ``omega_0**2 = k D**(n - 1)/m``; the paper
-    prints ``k/m``, which has the wrong dimension for a Hertz contact. Then
+    Lengths scale with D, times with 1/omega_0, where ``omega_0**2 = k D**(n - 1)/m``. (The paper
+    prints ``k/m``, which has the wrong dimension for a Hertz contact.) Then
     ``kappa = k_s/(m omega_0**2)``, ``c = lambda D omega_0``, ``gamma = L/(m D omega_0**2)`` and
     ``rho = R/D``.
 
@@ -286,7 +286,8 @@ class DimensionalRotor:
     def damping_ratio(self) -> float:
         """Damping ratio of the critical speed, ``n/(2 sqrt(k_s m))`` [1]; NaN without a shaft.
 
-        The ``zeta`` of `Rotor` is that of the reference frequency, ``n/(2 m omega_0)``.
+        The ``zeta`` of `Rotor` is the damping ratio of the reference frequency,
+        ``n/(2 m omega_0)``.
         """
         if self.shaft_stiffness == 0.0:
             return math.nan
@@ -325,11 +326,11 @@ class DimensionalRotor:
 
     @property
     def given(self) -> dict[str, float]:
-        """What it takes to make the same machine: those of the paper's, and what is beyond it."""
+        """The arguments of an equal machine: the paper's parameters, and those not the default."""
         return {name: getattr(self, name) for name in MACHINE_PARAMETERS} | _not_default(self)
 
     def rotor(self) -> Rotor:
-        """Return the dimensionless rotor that moves like this machine."""
+        """Return the equivalent dimensionless rotor."""
         frequency = self.reference_frequency
         return Rotor(
             omega=self.speed / frequency,
@@ -355,24 +356,24 @@ class DimensionalRotor:
         duration: float | None = None,
         unit: SpeedUnit = "rad/s",
     ) -> ChangeOfSpeed:
-        """Return how the speed of this machine changes, as `rotor_ida.run_up` takes it.
+        """Convert a change of speed of this machine to the arguments of `rotor_ida.run_up`.
 
         Parameters
         ----------
         to : float, optional
             Speed at the end of a ramp [unit].
         rate : float, optional
-            Change of the speed in a second [unit/s], negative in a run-down.
+            Change of speed per second [unit/s], negative in a run-down.
         ramp_time : float, optional
-            Time of the ramp [s], in place of the rate.
+            Duration of the ramp [s], instead of the rate.
         speeds : sequence of (float, float), optional
             Pairs of time [s] and speed [unit].
         torque : tuple of float, optional
-            ``(stall, slope)``: torque of the drive at rest [N m], and by how much it falls with
-            each rad/s [N m s], whatever `unit` is. A drive that ends at a no-load speed W0 in rad/s
-            has the slope ``stall/W0``.
+            ``(stall, slope)``: torque of the drive at rest [N m], and its decrease per rad/s
+            [N m s], whatever `unit` is. A drive with the no-load speed W0 in rad/s has the slope
+            ``stall/W0``.
         inertia : float, optional
-            Moment of inertia of all that the drive turns, about the centre of mass [kg m^2].
+            Moment of inertia of all rotating parts, about the centre of mass [kg m^2].
         duration : float, optional
             Time to simulate [s].
         unit : {"rad/s", "rpm", "Hz"}
@@ -381,17 +382,17 @@ class DimensionalRotor:
         Returns
         -------
         dict
-            The arguments that were given, without dimensions.
+            The given arguments in dimensionless form.
 
         Raises
         ------
         InputError
-            If a value is no finite number; if an inertia is not positive or a speed negative; if
-            the rate does not lead from the speed of the machine to that of `to`.
+            If a value is not a finite number; if an inertia is not positive or a speed negative; if
+            the rate does not lead from the speed of the machine to `to`.
 
         Examples
         --------
-        A run-up to 3,000 rpm at 100 rpm/s, from the machine's own speed:
+        A run-up to 3,000 rpm from the speed of the machine:
 
         >>> from rotor_ida import run_up
         >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=3.2e7, damping=89.1,
@@ -433,7 +434,7 @@ class DimensionalRotor:
 
 
 def _check_way(speed: float, to: float, rate: float, unit: str) -> None:
-    """Raise `InputError` for a rate that does not lead from one speed to another, in their unit."""
+    """Raise `InputError` for a rate that does not lead from `speed` to `to`, in their unit."""
     if rate == 0.0 or to == speed or (rate > 0.0) != (to > speed):
         way = "positive" if to > speed else "negative"
         wanted = f"rate must be {way} to change the speed from {speed:g} to {to:g} {unit}"

@@ -1,4 +1,4 @@
-"""The rotors of a study: what was given for each parameter, as axes, checked once."""
+"""The rotors of a study: the given values of each parameter as axes, checked once."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from rotor_ida.model.rotor import Rotor
 
 @dataclass(frozen=True, slots=True)
 class Rotors:
-    """The rotors of a study, as a grid: each combination of the values of all parameters.
+    """The rotors of a study, as a grid: all combinations of the parameters' values.
 
     Parameters
     ----------
     axes : mapping of str to ndarray, shape (n,)
-        The values of each parameter that is given, in the order of `ALL_PARAMETERS` [1]. A
-        parameter that was given as the one number that is its default is left out.
+        The values of each given parameter, in the order of `ALL_PARAMETERS` [1]. An optional
+        parameter given as a scalar equal to its default is left out.
     numbers : frozenset of str
-        Optional parameters that were given as one number: scalar coordinates of a result, not
-        dimensions. ``omega``, ``zeta`` and ``delta0`` are dimensions always.
+        Optional parameters given as one number: scalar coordinates of a result, not dimensions.
+        ``omega``, ``zeta`` and ``delta0`` are always dimensions.
     """
 
     axes: Mapping[str, Values]
@@ -67,14 +67,14 @@ class Rotors:
 
     @property
     def values(self) -> dict[str, float | list[float]]:
-        """The values as plain numbers and lists, as a study keeps them."""
+        """The values as plain numbers and lists, as a study stores them."""
         return {
             name: axis.item() if name in self.numbers else axis.tolist()
             for name, axis in self.axes.items()
         }
 
     def axis(self, name: str) -> Values:
-        """Return the values of a parameter, of one that is not given its default."""
+        """Return the values of a parameter, or its default if not given."""
         default = DEFAULTS.get(name)
         return self.axes.get(name, np.array([math.nan if default is None else default]))
 
@@ -84,10 +84,10 @@ class Rotors:
         return Rotor(**{name: float(axis[at.get(name, 0)]) for name, axis in self.axes.items()})
 
     def extremes(self) -> list[Rotor]:
-        """Return rotors with each value of each parameter, and of all others the largest.
+        """Return rotors with each value of each parameter, and the largest of all others.
 
-        Of a damping ratio and a stiffness of the shaft the largest is enough: it is of a rotor that
-        cannot be followed if any is.
+        For the damping ratio and the shaft stiffness the largest value is enough: if any rotor
+        cannot be simulated, then this one cannot.
         """
         largest = {name: float(values.max()) for name, values in self.axes.items()}
         return [
@@ -102,19 +102,19 @@ class Rotors:
 
 
 def rotors_of(given: Mapping[str, object], largest: float = math.inf) -> Rotors:
-    """Return the rotors of a study, from the arguments that a user gave by name.
+    """Return the rotors of a study, from the user's arguments by name.
 
     Parameters
     ----------
     given : mapping of str to array_like or None
-        A number or a vector for each parameter that is given; None for `disc_radius` is no number.
+        A number or a vector for each given parameter; `disc_radius` may be None.
     largest : float
-        Largest value allowed of an optional parameter [1].
+        Largest allowed value of an optional parameter [1].
 
     Raises
     ------
     InputError
-        If a value is no finite number that is zero or positive, or if values exclude each other.
+        If a value is not a finite number that is zero or positive, or if values exclude each other.
 
     Examples
     --------

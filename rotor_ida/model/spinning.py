@@ -1,10 +1,9 @@
-"""The modes of a rotor whose speed changes: the whole model's, with angle and speed as states.
+"""The modes of a rotor whose speed changes: the general model with angle and speed as states.
 
-The unbalance pulls with ``(theta'**2 - i theta'') exp(i theta)``. All is read on axes that turn
-with it, at the speed of the moment: so the rates are those of a constant speed, as
-`rotor_ida.model.modes` has them, and what the angular acceleration adds. That is prescribed, or
-what a torque leaves against the reaction of the motion. Nothing is differentiated by a start or by
-a parameter here.
+The unbalance pulls with ``(theta'**2 - i theta'') exp(i theta)``. All vectors are given on axes
+that rotate with it, at the current speed. So the rates are those of a constant speed, from
+`rotor_ida.model.modes`, plus terms of the angular acceleration. This is prescribed, or follows from
+a torque and the reaction of the motion. There are no derivatives by a start or a parameter here.
 """
 
 from __future__ import annotations
@@ -38,28 +37,28 @@ from rotor_ida.model.modes import (
     spring_of_root,
 )
 
-# In a contact the speed stands before the time, by which no step is chosen, and the angle since the
-# contact began behind it.
+# In a contact the speed precedes the time, which does not affect the choice of a step, and the
+# angle since the contact began follows it.
 TIME = WHOLE_CONTACT.state.index("t")
 
 
 def spun(state: Numbers, rotor: Any) -> tuple[list[Number], Number, Any]:
-    """Return the state of a contact without its turn, its speed, and the rotor as it is at that."""
+    """Return the state of a contact without angle and speed, its speed, and the rotor there."""
     speed, rest = state[TIME], [*state[:TIME], state[TIME + 1], *state[TIME + 3 :]]
     return rest, speed, at_speed(speed, rotor)
 
 
 def at_speed(speed: Number, rotor: Any) -> Any:
-    """Return the rotor as it is at a speed."""
+    """Return the rotor at a speed."""
     return SimpleNamespace(**vars(rotor), omega=speed, rim=rotor.disc_radius * speed)
 
 
 def torque_left(pull: Number, velocity: Number, resisted: Number, rotor: Any) -> Number:
-    """Return the torque that is left without friction, ``tau - Im(exp(-i theta) b)``.
+    """Return the net torque without friction, ``tau - Im(exp(-i theta) b)``.
 
     b is z'' without the part of the unbalance, and without the load, which acts at the centre of
-    mass. `pull` is the force of shaft and ring, and `velocity` that of the centre, both along the
-    direction a quarter turn ahead of the unbalance; `resisted` is what `resistance` says.
+    mass. `pull` is the force of shaft and stator, and `velocity` that of the centre, both along the
+    direction a quarter turn ahead of the unbalance; `resisted` is the value of `resistance`.
     """
     return rotor.torque - rotor.slope * rotor.omega + resisted * velocity + pull
 
@@ -73,14 +72,14 @@ def torque_in_contact(state: Numbers, around: Number, rotor: Any) -> Number:
 
 
 def joined(rates: list[Number], q: Number, faster: Number, speed: Number) -> list[Number]:
-    """Return rates of a contact with those of speed and angle in their places."""
+    """Return rates of a contact with those of speed and angle inserted."""
     return [*rates[:TIME], q * faster, rates[TIME], q * speed, *rates[TIME + 1 :]]
 
 
 def spent_turning(state: Numbers, around: Number, faster: Number, here: Any) -> Number:
-    """Return what the change of the speed adds to `rotor_ida.model.modes.spent_rate`.
+    """Return the contribution of a changing speed to `rotor_ida.model.modes.spent_rate`.
 
-    That is ``q theta'' (w + h + theta' x)``: w is the velocity of the centre ahead of the
+    It is ``q theta'' (w + h + theta' x)``: w is the velocity of the centre ahead of the
     unbalance, h its angular momentum, and x its displacement along the unbalance.
     """
     q, p, _, c, s, *_ = state
@@ -124,9 +123,9 @@ def spinning_rub(state: Numbers, rotor: Any, *, drawn: bool = False) -> list[Num
 
 
 def held(rest: Numbers, here: Any, rotor: Any) -> tuple[Number, Number, Number]:
-    """Return ``theta''`` of a disc that rolls, the force F that holds it, and its grip ``mu N``.
+    """Return ``theta''`` of a disc that rolls, the rolling force F, and its grip ``mu N``.
 
-    ``F = F0 + lambda theta''``, of which F0 is that at constant speed and
+    ``F = F0 + lambda theta''``, where F0 is the force at constant speed and
     ``lambda = rho - cos(theta - phi)``, so that ``(j + lambda**2) theta'' = tau - R - lambda F0``.
     """
     c = rest[3]
@@ -160,7 +159,7 @@ def spinning_grip(state: Numbers, rotor: Any) -> list[Number]:
 
 
 def spinning_cartesian(state: Numbers, rotor: Any) -> list[Number]:
-    """Return the rates by time of displacement and velocity, and of speed and angle."""
+    """Return the time rates of displacement and velocity, and of speed and angle."""
     *rest, speed, _ = state
     here = at_speed(speed, rotor)
     x, y, vx, vy, *_ = rest
@@ -173,7 +172,7 @@ def spinning_cartesian(state: Numbers, rotor: Any) -> list[Number]:
 
 
 def _spinning(mode: Mode, rates: Any, watched: Any = None) -> Mode:
-    """Return a mode of the whole model, of a rotor whose speed changes."""
+    """Return a mode of the general model for a rotor whose speed changes."""
     before, behind = mode.state[:TIME], mode.state[TIME:]
     return replace(
         mode,
@@ -189,10 +188,10 @@ def _drawn(rates: Any) -> Any:
     return lambda state, rotor: rates(state, rotor, drawn=True)
 
 
-# Of the drive: the rate of a prescribed speed, or torque, slope and 1/j.
+# Parameters of the drive: the rate of a prescribed speed, or torque, slope and 1/j.
 OF_DRIVE = ("rate", "torque", "slope", "inverse_inertia")
-# What is fixed where the speed is prescribed, and in the paper's rotor, friction or not. There the
-# work on the ring is what the ring holds.
+# Fixed parameters for a prescribed speed, and for the paper's rotor with or without friction, where
+# the work on the stator is the elastic energy of the contact.
 PRESCRIBED = dict.fromkeys(("torque", "slope", "inverse_inertia"), 0.0)
 PLAIN = {
     **dict.fromkeys((*OF_FORCES, "linear"), 0.0),

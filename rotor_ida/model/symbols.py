@@ -1,8 +1,8 @@
-"""Symbols: what the model is run over to learn which sums, products and quotients it is made of.
+"""Symbols: running the model over them records its sums, products and quotients.
 
-A `Graph` keeps each operation once. Constants are folded, and constant factors float out of
-products and quotients, so that what is left are the products and quotients of quantities that
-change: those that cost a convolution each in a Taylor series.
+A `Graph` stores each operation once. Constants are folded, and constant factors move out of
+products and quotients. The remaining products and quotients are of quantities that change: each
+costs a convolution in a Taylor series.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ class Symbol:
     Parameters
     ----------
     graph : Graph
-        Which keeps it.
+        The graph that stores it.
     kind : str
         ``number``, ``parameter``, ``state``, ``+``, ``-``, ``*``, ``/`` or ``**``.
     arguments : tuple
-        Its operands; of a number its value, of a parameter or a state its name.
+        Its operands; the value of a number; the name of a parameter or a state.
     changes : bool
         Whether it depends on the state.
     depth : int
         Length of the longest chain of operations up to it.
     number : int
-        How many symbols were met before it.
+        How many symbols were created before it.
     name : str
-        What it is called in derived code.
+        Its name in derived code.
     """
 
     graph: Graph
@@ -84,18 +84,18 @@ class Symbol:
         return self.graph.make("**", self, float(exponent))
 
     def is_number(self, value: float) -> bool:
-        """Return whether it is that number."""
+        """Return whether it is the number `value`."""
         return self.kind == "number" and self.arguments[0] == value
 
 
 @dataclass(slots=True)
 class Graph:
-    """All operations of one run of the model, in the order in which they were met."""
+    """All operations of one run of the model, in order of creation."""
 
     nodes: dict[tuple[Any, ...], Symbol] = field(default_factory=dict)
 
     def of(self, value: Any) -> Symbol:
-        """Return a number as a symbol, and a symbol as it is."""
+        """Return a number as a symbol, or a symbol unchanged."""
         return value if isinstance(value, Symbol) else self.make("number", float(value))
 
     def parameter(self, name: str) -> Symbol:
@@ -107,7 +107,7 @@ class Graph:
         return self.make("state", name)
 
     def make(self, kind: str, *arguments: Any) -> Symbol:
-        """Return the result of an operation, the same symbol for the same operation."""
+        """Return the result of an operation; equal operations give the same symbol."""
         key = (kind, *(id(each) if isinstance(each, Symbol) else each for each in arguments))
         if key not in self.nodes:
             operands = [each for each in arguments if isinstance(each, Symbol)]
@@ -142,9 +142,9 @@ class Graph:
         return self.add(a, -b) if is_negative(b) else self.make("-", a, b)
 
     def multiply(self, a: Symbol, b: Symbol) -> Symbol:
-        """Return a product: what does not change first, and of what changes the later part first.
+        """Return a product, with constants first and then the later of two changing factors.
 
-        A coefficient of a product waits for that of its later factor.
+        A coefficient of a product must wait for that of its later factor.
         """
         if a.kind == b.kind == "number":
             return self.of(a.arguments[0] * b.arguments[0])
@@ -171,7 +171,7 @@ class Graph:
         return self._scaled(c, self.make("/", rest or self.of(1.0), b))
 
     def _constant_product(self, a: Symbol, b: Symbol) -> Symbol:
-        """Return a product of constants, of which only the first may be a number."""
+        """Return a product of constants; only the first factor may be a number."""
         first, second = sorted((a, b), key=lambda each: each.kind != "number")
         if first.kind == "number" and second.kind == "*" and second.arguments[0].kind == "number":
             factor = first.arguments[0] * second.arguments[0].arguments[0]
@@ -185,7 +185,7 @@ class Graph:
 
 
 def split(symbol: Symbol) -> tuple[Symbol, Symbol | None]:
-    """Return the constant factor of a symbol, and the rest; None where nothing in it changes."""
+    """Return the constant factor of a symbol, and the rest, or None if the symbol is constant."""
     if not symbol.changes:
         return symbol, None
     if symbol.kind == "*" and not symbol.arguments[0].changes:
@@ -194,7 +194,7 @@ def split(symbol: Symbol) -> tuple[Symbol, Symbol | None]:
 
 
 def is_negative(symbol: Symbol) -> bool:
-    """Return whether a symbol is something else times a number below 0."""
+    """Return whether a symbol has a negative number as a factor."""
     if symbol.kind == "number":
         return bool(symbol.arguments[0] < 0.0)
     return symbol.kind == "*" and is_negative(symbol.arguments[0])
@@ -202,7 +202,7 @@ def is_negative(symbol: Symbol) -> bool:
 
 @contextmanager
 def named_as_in(*sources: str) -> Iterator[None]:
-    """Name symbols as the functions in some sources do that are run meanwhile."""
+    """Name symbols by the variables of functions in some sources, while these run."""
 
     def look(frame: FrameType, event: str, _argument: Any) -> None:
         if event == "return" and any(each in frame.f_code.co_filename for each in sources):
@@ -220,7 +220,7 @@ def named_as_in(*sources: str) -> Iterator[None]:
 
 @dataclass(frozen=True, slots=True)
 class Dual:
-    """A value with what small changes of some quantities add to it: forward differentiation.
+    """A value with its derivatives by some quantities: forward differentiation.
 
     Parameters
     ----------
@@ -232,7 +232,7 @@ class Dual:
 
     value: Any
     parts: tuple[Any, ...]
-    # arrays leave the arithmetic to it
+    # NumPy arrays must defer to its operators
     __array_ufunc__: ClassVar[None] = None
 
     def __add__(self, other: Any) -> Dual:
@@ -270,7 +270,7 @@ class Dual:
         return Dual(other, (0.0,) * len(self.parts)) / self
 
     def __pow__(self, exponent: float) -> Dual:
-        # a quotient of what is known already, where a power of its own would be one more
+        # reuses the value in a quotient; a separate power would cost one more convolution
         slope = exponent * (self.value**exponent / self.value)
         return Dual(self.value**exponent, tuple(_product(slope, part) for part in self.parts))
 
@@ -280,7 +280,7 @@ def _is_none(part: Any) -> bool:
 
 
 def _product(a: Any, b: Any) -> Any:
-    """Return a product; of nothing it is nothing, whatever has no arithmetic to be done."""
+    """Return a product; a factor 0 gives 0 without any operation."""
     return 0.0 if _is_none(a) or _is_none(b) else a * b
 
 
@@ -295,7 +295,7 @@ def _each(
 
 
 def variables(values: list[Any], others: int = 0) -> list[Dual]:
-    """Return values as those by which is differentiated, one after the other."""
+    """Return values as the variables of differentiation, one after the other."""
     count = len(values) + others
     return [
         Dual(value, tuple(1.0 if place == number else 0.0 for place in range(count)))

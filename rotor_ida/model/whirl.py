@@ -1,7 +1,7 @@
-"""The sense of a whirl, and its speed over the spin speed: those of the motion itself.
+"""The sense of a whirl, and its speed over the spin speed, from the motion itself.
 
-One definition for signals, limit cycles and attractors. It knows no order of the speed: a forward
-rub stays one whatever the strongest line beside 1X is.
+One definition for signals, limit cycles and attractors. It does not depend on orders of the speed:
+a forward rub is forward whatever the strongest line beside 1X is.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 
 Complex = npt.NDArray[np.complex128]
-# A motion of which the forward and the backward part differ by less than this part of their sum
-# goes along a line; an ellipse whose minor axis is less than this part of the major one.
+# If the forward and the backward part differ by less than this fraction of their sum, the motion is
+# along a line: an ellipse whose minor axis is less than this fraction of the major one.
 ALONG_A_LINE = 0.05
 
 
@@ -25,24 +25,23 @@ def whirl_over_spin(
     Parameters
     ----------
     turned, angle : float or array_like
-        The angles by which the displacement turns about its mean, positive forwards, and by which
-        the rotor turns meanwhile [rad].
+        Angle by which the displacement rotates about its mean, positive forwards, and angle by
+        which the rotor rotates in the same time [rad].
     forward, backward : float or array_like
-        Roots of the sums of the squares of the amplitudes of all forward and of all backward lines,
-        in any unit.
+        Root sum of squares of the amplitudes of all forward and of all backward lines, in any unit.
 
     Returns
     -------
     ratio : ndarray
-        ``turned/angle``; 0 where the sense is none [1].
+        ``turned/angle``; 0 if there is no sense [1].
     sense : ndarray of int8
         1 for forward, -1 for backward, 0 for none.
 
     Notes
     -----
     There is a sense if the two amplitudes differ by more than a twentieth of their sum, and the
-    displacement turns the way of the larger one. A vibration along a line, whose lines come in
-    pairs of the same height, turns this way or that as noise has it, and has none.
+    displacement rotates in the direction of the larger one. A vibration along a line has pairs of
+    lines of equal height and rotates either way by noise: it has no sense.
 
     References
     ----------
@@ -64,14 +63,14 @@ def whirl_over_spin(
 
 
 def steps_of_turning(z: Complex) -> Values:
-    """Return the angles by which displacements turn from each to the next, from -pi to pi."""
+    """Return the angles from each displacement to the next, from -pi to pi."""
     return np.asarray(np.angle(z[1:] * z[:-1].conj()), dtype=np.float64)
 
 
 def forward_and_backward(z: Complex) -> tuple[Complex, Complex]:
-    """Return the parts of displacements at equal times that whirl forwards and backwards.
+    """Return the forward and backward parts of displacements at equally spaced times.
 
-    Those of positive and of negative frequencies; the mean is in neither.
+    They are the parts of positive and of negative frequencies; neither contains the mean.
 
     Examples
     --------
@@ -82,7 +81,7 @@ def forward_and_backward(z: Complex) -> tuple[Complex, Complex]:
     """
     from scipy.fft import fft, ifft, next_fast_len  # noqa: PLC0415 - takes long to import
 
-    # zeros behind it keep its end away from its start
+    # trailing zeros separate its end from its start
     lines = fft(z - z.mean(), 2 * next_fast_len(z.size * 5 // 8 + 1))
     half = lines.size // 2
     lines[0] = lines[half] = 0.0

@@ -1,12 +1,12 @@
-"""The C of the compiled core that follows from the model: written out, committed, and readable.
+"""Write the C of the compiled core that is derived from the model.
 
-For each mode: its field and Jacobian, how small differences grow, what the parameters add, and the
-recurrences of its Taylor series [1]_, a line a product. A build needs no Python for it. After a
-change of the model,
+For each mode: its field and Jacobian, the growth of small differences, the derivatives by the
+parameters, and the recurrences of its Taylor series [1]_, one line per product. The files are
+committed and readable, so that a build does not need Python for them. After a change of the model,
 
     python -m rotor_ida.model.writing
 
-writes it anew into `rotor_ida.core`; a test compares the two.
+writes them again into `rotor_ida.core`; a test compares the two.
 
 References
 ----------
@@ -38,21 +38,21 @@ from rotor_ida.model.spinning import OF_DRIVE, RUN_UP
 from rotor_ida.model.symbols import Symbol, split
 
 MODELS = (PAPER, WHOLE, RUN_UP)
-# When each is compiled.
+# Condition for compiling each.
 CHOSEN_BY = {
     "paper": "#ifndef WHOLE_MODEL",
     "whole": "#if defined(WHOLE_MODEL) && !defined(RUN_UP)",
     "run_up": "#ifdef RUN_UP",
 }
-# Said of names that this model has not: code for all models may use them, where it is removed, or
-# where the constant of this model leaves it as it is.
+# Marks names that this model lacks. Code for all models may use them where the compiler removes it,
+# or where the constant of this model makes no difference.
 ABSENT = "/* of other models */"
 COMMAND = "python -m rotor_ida.model.writing"
 FOLDER = Path(__file__).parents[1] / "core"
-# One vector holds so many lanes, and the same component of so many differences.
+# Lanes in a vector, or differences of which a vector contains the same component.
 LANES_A_VECTOR = 4
 DIFFERENCE = ("x", "y", "vx", "vy")
-# What has no series, in a contact: what is spent of its energy, and the heat of sliding.
+# Components of a contact without a series: the energy spent, and the heat of sliding.
 SPENT = ("spent", "heat")
 # Columns of a line inside two levels of braces.
 WIDEST = 100 - 9
@@ -67,13 +67,13 @@ class Writer:
     Parameters
     ----------
     state : callable
-        What a component of the state, given by name, is in C.
+        Returns the C expression of a component of the state, given by name.
     names : dict
-        What has been given a name already, by number of the symbol.
+        Names already given, by number of the symbol.
     one : str
         Coefficient n of the constant 1 where a series is written; empty for values.
     kind : str
-        What is computed: numbers, ``double``, or vectors of four, ``vec4``.
+        Type of the results: numbers, ``double``, or vectors of four, ``vec4``.
     """
 
     state: Callable[[str], str]
@@ -82,7 +82,7 @@ class Writer:
     kind: str = "double"
 
     def __call__(self, node: Symbol, binding: int = SUM) -> str:
-        """Return a symbol, in parentheses where it binds less than what it stands in."""
+        """Return a symbol, in parentheses where it binds less than its context."""
         text, own = self._operand(node)
         return text if own >= binding else f"({text})"
 
@@ -98,7 +98,7 @@ class Writer:
         return (self.state(node.name), ATOM) if node.kind == "state" else self.operation(node)
 
     def operation(self, node: Symbol) -> tuple[str, int]:
-        """Return the operation that makes a symbol, and how strongly it binds."""
+        """Return the operation of a symbol, and how strongly it binds."""
         a, b = node.arguments
         if node.kind == "**":
             return _power(self(a), b, self.kind if a.changes else "double"), ATOM
@@ -113,7 +113,7 @@ class Writer:
 
 
 def _power(base: str, exponent: float, kind: str) -> str:
-    """Return a power, by roots where it can be; of a vector, which has a name, lane by lane."""
+    """Return a power, by roots where possible; that of a named vector lane by lane."""
     if kind != "double":
         lanes = [_power(f"{base}[{i}]", exponent, "double") for i in range(LANES_A_VECTOR)]
         return f"({kind}){{{', '.join(lanes)}}}"
@@ -123,10 +123,10 @@ def _power(base: str, exponent: float, kind: str) -> str:
 
 
 def _names_of(nodes: Sequence[Symbol], outputs: Sequence[Symbol]) -> dict[int, str]:
-    """Return a name for what the model names, what is used more than once, and each product."""
+    """Return names for symbols that the model names or uses more than once, and for products."""
     used = Counter(operand.number for node in nodes for operand in operands(node))
     used.update(output.number for output in outputs)
-    # the first coefficient of a base is asked for by itself
+    # the first coefficient of a base is needed separately
     bases = {node.arguments[0].number for node in nodes if node.kind == "**"}
     of_state = {node.name for node in nodes if node.kind == "state"}
     names: dict[int, str] = {}
@@ -145,7 +145,7 @@ def _names_of(nodes: Sequence[Symbol], outputs: Sequence[Symbol]) -> dict[int, s
 
 
 def _values(outputs: Sequence[tuple[str, Symbol]], mode: Mode, kind: str = "double") -> list[str]:
-    """Return the lines that compute outputs, given as what is assigned and its value.
+    """Return the lines that compute outputs, given as pairs of target and value.
 
     They are numbers, or vectors of numbers.
     """
@@ -166,12 +166,12 @@ def _values(outputs: Sequence[tuple[str, Symbol]], mode: Mode, kind: str = "doub
 
 
 def _given(nodes: Sequence[Symbol], mode: Mode, row: str, kind: str = "double") -> list[str]:
-    """Return the lines that name those components of a state that are needed."""
+    """Return the lines that name the required components of a state."""
     return [f"const {kind} {name} = {row}[{_place(mode, name)}];" for name in _used(nodes, mode)]
 
 
 def _used(nodes: Sequence[Symbol], mode: Mode) -> list[str]:
-    """Return those components of a state that are needed."""
+    """Return the required components of a state."""
     used = {node.name for node in nodes if node.kind == "state"}
     return [name for name in mode.state if name in used]
 
@@ -188,7 +188,7 @@ def _function(name: str, given: str, comment: str, lines: Sequence[str]) -> list
 
 
 def write_values(derived: Derived, columns: Sequence[str]) -> list[str]:
-    """Return field, Jacobian, growth and what parameters add, as functions of the state."""
+    """Return field, Jacobian, growth and parameter derivatives, as functions of the state."""
     mode, size = derived.mode, len(derived.mode.state)
     rates = zip(mode.state, derived.drawn_rates, strict=True)
     drawn = "" if derived.drawn_rates == derived.rates else ", drawn back to where they belong"
@@ -239,7 +239,7 @@ def write_values(derived: Derived, columns: Sequence[str]) -> list[str]:
 
 
 def _write_watched(derived: Derived) -> list[str]:
-    """Return the values of what is watched beside the state, and their rates of change."""
+    """Return the function of the watched quantities and their rates of change."""
     if not derived.watched:
         return []
     places = [(f"watched[{i}]", each) for i, each in enumerate(derived.watched)]
@@ -253,7 +253,7 @@ def _write_watched(derived: Derived) -> list[str]:
 
 
 def write_spent(derived: Derived, way: str = "") -> list[str]:
-    """Return the function of what a contact spends at eight points of a step, four at once."""
+    """Return the function of a contact's energy losses at eight points of a step, four at once."""
     mode = derived.mode
     rates = dict(zip(mode.state, derived.drawn_rates, strict=True))
     outputs = [(f"rate[v][{i}]", rates[name]) for i, name in enumerate(SPENT) if name in rates]
@@ -281,9 +281,9 @@ def write_spent(derived: Derived, way: str = "") -> list[str]:
 
 
 def write_series(derived: Derived, factors: Sequence[Symbol], way: str = "") -> list[str]:
-    """Return the function that expands the state, and with it the factors of differences.
+    """Return the function that expands the state, and the factors of differences.
 
-    A lighter one has a name.
+    `way` names a lighter version.
     """
     mode = derived.mode
     outputs = [*derived.rates, *factors, *derived.watched]
@@ -326,7 +326,7 @@ def write_series(derived: Derived, factors: Sequence[Symbol], way: str = "") -> 
 
 
 def _write_lighter(mode: Mode, model: Model) -> list[str]:
-    """Return the functions that expand the state of a mode where that takes fewer products."""
+    """Return the functions that expand the state of a mode with fewer products."""
     lines = []
     for way, fixed in model.lighter.items():
         lighter = derive(mode, model, fixed)
@@ -345,7 +345,7 @@ def _is_idle(line: str, body: Sequence[str]) -> bool:
 def _recurrences(
     mode: Mode, nodes: Sequence[Symbol], names: dict[int, str]
 ) -> tuple[list[str], list[str]]:
-    """Return what is computed once, and the lines of coefficient n of each symbol with a name."""
+    """Return the lines computed once, and those of coefficient n of each named symbol."""
     first = Writer("{}_first".format)
     writer, shown = Writer(lambda name: name, names, one="one"), Writer(lambda name: name, names)
     before = [line.replace(" = ", "_first = ") for line in _given(nodes, mode, "series->terms[0]")]
@@ -423,7 +423,7 @@ def _added(name: str, factor: str, row: str) -> str:
 
 
 def _steady_part(derived: Derived) -> list[str]:
-    """Return the lines of what the pace multiplies, or of its sums where the pace is constant."""
+    """Return the lines of terms that the pace multiplies, or of their sums if it is constant."""
     moving, used, lines = derived.pace.changes, set[int](), ["/* what does not change in time */"]
     for i, name in enumerate(DIFFERENCE):
         terms = []
@@ -448,7 +448,7 @@ def _steady_part(derived: Derived) -> list[str]:
 
 
 def write_table(derived: Derived, lighter: Sequence[str]) -> list[str]:
-    """Return the table of all that is derived from a mode."""
+    """Return the table of the functions derived from a mode."""
     name = derived.mode.name
     near = derived.mode.neighbour is not None
     functions = [
@@ -470,7 +470,7 @@ def write_table(derived: Derived, lighter: Sequence[str]) -> list[str]:
 
 
 def _parameters(model: Model) -> list[str]:
-    """Return the structure of all parameters of a mode, and how it is made of a rotor."""
+    """Return the structure of all parameters of a mode, and its conversion from a rotor."""
     head = "static inline struct parameters parameters_of(const struct rotor *rotor, double felt)"
     special = {
         "felt": "felt",
@@ -499,7 +499,7 @@ def _parameters(model: Model) -> list[str]:
 
 
 def _is_plain() -> list[str]:
-    """Return the function that says whether the lightest series of a run-up serve."""
+    """Return the function that decides whether the lightest series of a run-up suffice."""
     fixed = RUN_UP.lighter["plain"]
     said = [f"m->{name} == {fixed[name]!r}" for name in RUN_UP.parameters if name in fixed]
     return [
@@ -513,7 +513,7 @@ def _is_plain() -> list[str]:
 
 
 def absent_from(model: Model) -> list[str]:
-    """Return the parameters that other models have and this one has not."""
+    """Return the parameters of other models that this one lacks."""
     named = dict.fromkeys(name for other in MODELS for name in other.parameters)
     return [name for name in named if name not in model.parameters]
 
@@ -530,7 +530,7 @@ def _places_of(model: Model) -> dict[str, list[str]]:
 
 
 def _declare_absent(model: Model) -> list[str]:
-    """Declare what other models have and this one has not: 0, in code that the compiler removes."""
+    """Declare names of other models that this one lacks: 0, in code that the compiler removes."""
     lines, own = [], _places_of(model)
     columns = dict.fromkeys(name for other in MODELS for name in other.columns)
     names = [f"BY_{name.upper()}" for name in columns if name not in model.columns]
@@ -577,7 +577,7 @@ def _rotor() -> str:
 def sources_of(model: Model) -> dict[str, str]:
     """Return the names and contents of the files that are derived from a model.
 
-    A library is compiled for one model: what belongs to the others is empty then.
+    A library is compiled for one model; the files of the others are then empty.
     """
     source = "spinning" if model is RUN_UP else "modes"
     head = [

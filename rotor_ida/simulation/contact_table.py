@@ -1,4 +1,4 @@
-"""The table of contacts: one row for each time that the rotor is on the ring."""
+"""The table of contacts: one row for each contact of the rotor with the stator."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ from rotor_ida.simulation.orbit import (
     stretches_of_rolling,
 )
 
-# Below this part of radius times speed, angular momentum is rounding: there is no whirl.
+# Below this fraction of radius times speed, angular momentum is rounding: there is no whirl.
 NO_WHIRL = 1e-12
-# Where trapezoids differ by more than this part of it from what is of higher order, the samples are
-# too far apart for a slip distance.
+# If the trapezoidal rule differs from the higher-order one by more than this fraction, the samples
+# are too far apart for a slip distance.
 NEAR_ENOUGH = 0.01
 
 
 def contact_columns(orbit: Orbit, start: State) -> dict[str, Column]:
-    """Return the contacts of an orbit from `start` as columns on the dimension ``contact``."""
+    """Return the contacts of an orbit as columns on the dimension ``contact``."""
     rotor = orbit.rotor
     contacts = {
         name: np.ascontiguousarray(orbit.contacts[name])
@@ -75,14 +75,14 @@ def contact_columns(orbit: Orbit, start: State) -> dict[str, Column]:
 def peak_forces(orbit: Orbit) -> Values:
     """Return the largest force of each contact."""
     rotor = orbit.rotor
-    if rotor.contact_damping > 0.0:  # it comes before the largest indentation
+    if rotor.contact_damping > 0.0:  # the force peaks before the indentation
         return np.ascontiguousarray(orbit.contacts["largest_force"])
     depth = orbit.contacts["peak_indentation"]
     return np.asarray(contact_force(depth, 0.0, rotor.contact_exponent))
 
 
 def contact_summary(run: xr.Dataset) -> xr.Dataset:
-    """Summarise the contacts of a run: how often, how long and how hard the rotor hits.
+    """Summarise the contacts of a run: number, duration, force and impulse.
 
     Parameters
     ----------
@@ -92,22 +92,22 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     Dataset
-        Scalars: ``contact_count``, ``contacts_per_revolution``, ``contact_fraction`` (part of the
-        time spent in contact), ``largest_force``, ``mean_peak_force``, ``total_impulse``,
-        ``impulse_per_revolution``, ``energy_lost_per_revolution``, ``forward_fraction`` (part of
-        the contacts whirled through forwards). With contact damping also ``total_contact_loss``
-        and ``contact_loss_per_revolution``, the energy that this takes. With friction
-        ``total_heat`` and ``heat_per_revolution``, the heat of sliding, ``total_slip_distance``,
-        how far the surfaces slide over each other, from the samples and NaN where these are too
-        far apart, and ``rolling_fraction``, the part of the time in contact in which the disc rolls
-        on the ring. Impulse and kinetic energy
-        are those of whole contacts, the loss that of all the time in contact; what counts per
-        revolution is NaN at ``omega = 0``, and means are NaN without contacts.
+        Scalars: ``contact_count``, ``contacts_per_revolution``, ``contact_fraction`` (fraction of
+        the time spent in contact), ``largest_force``, ``mean_peak_force``, ``total_impulse``,
+        ``impulse_per_revolution``, ``energy_lost_per_revolution``, ``forward_fraction`` (fraction
+        of the contacts with forward whirl). With contact damping also ``total_contact_loss``
+        and ``contact_loss_per_revolution``, the energy that it dissipates. With friction
+        ``total_heat`` and ``heat_per_revolution``, the heat of sliding; ``total_slip_distance``,
+        computed from the samples and NaN where these are too far apart; and ``rolling_fraction``,
+        the fraction of the time in contact during which the disc rolls on the stator.
+        Impulse and kinetic energy are those of whole contacts, the loss that of all the time in
+        contact. Values per revolution are NaN at ``omega = 0``, and means are NaN without
+        contacts.
 
     Raises
     ------
     InputError
-        If the dataset is not a run, or in SI units: the summary can be converted.
+        If the dataset is not a run, or is in SI units. (Convert the summary instead.)
 
     Examples
     --------
@@ -119,7 +119,7 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
     """
     check_instance("run", run, xr.Dataset)
     if "entry_time" not in run or "duration" not in run.attrs:
-        raise InputError("contact_summary needs a run of simulate: it has no table of contacts")
+        raise InputError("run must be a run of simulate, got one without a table of contacts")
     check_dimensionless("run", run)
     duration = float(run.attrs["duration"])
     omega = float(run["omega"])
@@ -169,13 +169,13 @@ def _states_at(orbit: Orbit, times: Values, kind: int) -> Values:
 
 
 def _angle_of_incidence(states: Values) -> Values:
-    """Return the angle between velocity and the ring's normal, positive when turning forwards."""
+    """Return the angle between velocity and the stator's normal, positive for forward whirl."""
     x, y, vx, vy = states.T
     return np.asarray(np.arctan2(x * vy - y * vx, x * vx + y * vy))
 
 
 def _whirl_direction(orbit: Orbit, moment: Values, indentation: Values) -> npt.NDArray[np.int8]:
-    """Return the sense in which the rotor goes round the bearing axis at the peaks."""
+    """Return the sense of the whirl about the bearing axis at the peaks."""
     if not moment.size:
         return np.empty(0, dtype=np.int8)
     fastest = np.abs(orbit.states[:, 2:]).max(initial=1.0)
@@ -197,10 +197,10 @@ def rolling_times(orbit: Orbit) -> Values:
 
 
 def slip_distances(orbit: Orbit, start: State) -> Values:
-    """Return how far the surfaces slide over each other in each contact, always counted up [1].
+    """Return the slip distance of each contact, never negative [1].
 
-    That is the integral of ``|v_s|``, from events and samples: trapezoids, and what the rates at
-    their ends add. NaN where these are too far apart.
+    This is the integral of ``|v_s|`` by the corrected trapezoidal rule on events and samples. NaN
+    where these are too far apart.
     """
     assert orbit.ways is not None
     times = np.concatenate([[0.0], orbit.event_times, orbit.times, [orbit.duration]])
@@ -212,7 +212,7 @@ def slip_distances(orbit: Orbit, start: State) -> Values:
     ways = orbit.ways[
         np.searchsorted(orbit.event_times, 0.5 * (times[1:] + times[:-1]), side="right")
     ]
-    # before, and behind: at an event the rate jumps
+    # before and after: at an event the rate jumps
     first, rate = _slip(orbit, times[:-1], states[:-1], spins[:-1], ways)
     last, rate_there = _slip(orbit, times[1:], states[1:], spins[1:], ways)
     sense = np.sign(first + last)
@@ -251,7 +251,7 @@ def _spins_at(orbit: Orbit, times: Values) -> Rows:
 def _slip(
     orbit: Orbit, times: Values, states: Values, spins: Rows, ways: Values
 ) -> tuple[Values, Values]:
-    """Return the slip speed, and its rate while the surfaces slide as `ways` says."""
+    """Return the slip speed, and its rate while the surfaces slide as in `ways`."""
     rotor, (x, y, vx, vy) = orbit.rotor, states.T
     angle, speed = spins["angle"], spins["speed"]
     rho = rotor.disc_radius or 0.0

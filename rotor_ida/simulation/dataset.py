@@ -37,9 +37,9 @@ def run_dataset(
     start : tuple of float
         Its start ``(x, y, vx, vy)`` [1].
     errors : EventErrors
-        What is known of the errors of its events.
+        Errors of its events.
     changes : mapping, optional
-        How its speed was asked to change, as attributes.
+        The requested change of speed, as attributes.
     """
     variables: dict[str, Column | xr.Variable] = {
         **_columns("", "t", orbit.states),

@@ -1,19 +1,19 @@
-"""Event-time error estimate, and the horizon beyond which there is none.
+"""Estimate the error of event times, and the horizon after which there is no estimate.
 
-The orbit is simulated a second time by Taylor series with thirty times tighter tolerances and few
-samples, whatever its own method: that costs a tenth of a run of CVODE and is far more exact, so the
-difference is the error itself. Of an orbit by Taylor series rounding is a part of it at tight
-tolerances. The difference is widened, since a part of the second run's own error may hide in it.
-Where the second tolerance would be below rounding both runs may round alike: the second is given a
-rotor that differs by the last bit.
+Whatever its method, the orbit is simulated a second time by Taylor series, with thirty times
+tighter tolerances and few samples. This costs a tenth of a CVODE run and is far more accurate, so
+the difference is the error itself. For an orbit by Taylor series at tight tolerances, rounding
+contributes to it. The difference is multiplied by a safety factor, since it may contain the second
+run's own error. Where the second tolerance would be below rounding, both runs may round alike: the
+second run then uses a rotor that differs in the last bit.
 
-Taylor series take a step every few radians of the fastest motion or decay that the rotor is capable
-of, even where nothing moves. On a steady whirl, or with heavy damping, CVODE lengthens its steps: a
-long run of it is repeated by CVODE itself, at thirty times looser tolerances. That difference
-stands for the error of the looser run and covers that of the tighter one.
+Taylor series take a step every few radians of the fastest possible motion or decay of the rotor,
+even where nothing moves. On a steady whirl, or with heavy damping, CVODE takes longer steps: a long
+CVODE run is repeated by CVODE itself, at thirty times looser tolerances. The difference is then the
+error of the looser run and bounds that of the tighter one.
 
-A difference that happens to vanish is no witness, so each event takes the largest of its own and
-the few before it. ``docs/events.md`` says how well this covers the events of the reference cases.
+A difference may vanish by chance, so each event takes the largest of its own difference and those
+of the few events before it. ``docs/events.md`` shows how well this covers the reference cases.
 """
 
 from __future__ import annotations
@@ -37,36 +37,36 @@ Event = tuple[int, float, float]
 
 APART = 30.0
 MEMORY = 4
-# What the difference, and the bound on rounding, is multiplied by. A run may be more exact than its
-# tolerance, and then agrees too well with the second: of 772 runs of the reference cases, by two a
+# Safety factor on the difference, and on the bound on rounding. A run may be more accurate than its
+# tolerance, and then agrees too well with the second. Of 772 runs of the reference cases, two per
 # decade of rtol, three would have needed more than 5, and none more than 9.
 WIDENING, OF_ROUNDING = 10.0, 0.5
-# Radians of the fastest motion beyond which a run is long.
+# Radians of the fastest motion above which a run is long.
 LONG = 1e6
-# Samples of the second run: where the two orbits part is seen to so many parts of the run.
+# Samples of the second run: they resolve the time at which the two orbits separate.
 MOST_SAMPLES = 64
-# Two events belong to each other when they are of one kind and no further apart than this
-# part of the time to the next or the last one.
+# Two events correspond when they are of one kind and no further apart than this fraction of the
+# time to the next or the previous one.
 SAME_EVENT = 0.25
-# Beyond this part of the motion's size the difference between two orbits says they are two.
+# Two orbits have separated when they differ by more than this fraction of the motion's size.
 ASTRAY = 1e-2
-# The motion is as large as its largest radius over so many samples on either side, some sixteenth
-# of a run in all: one sample may be near the centre, and long before the motion may have been wild.
+# The size of the motion is its largest radius over this many samples on either side, about a
+# sixteenth of a run: one sample may be near the centre, and an early transient may be large.
 NEAR = 2
 
 
 @dataclass(frozen=True, slots=True)
 class EventErrors:
-    """What is known of an orbit's error.
+    """The estimated errors of an orbit.
 
     Parameters
     ----------
     event_time_errors : ndarray, shape (m,)
-        Estimated error of each event time [1]; infinite beyond the horizon, and for a touch or
-        a departure that the tolerances do not decide.
+        Estimated error of each event time [1]; infinite after the horizon, and for a touch or
+        a departure that the tolerances do not resolve.
     horizon : float
-        Time up to which the orbit is determined by its start at these tolerances [1]; the end
-        of the run if it is throughout.
+        Time up to which the start determines the orbit at these tolerances [1]; the end of the run
+        if it does throughout.
     """
 
     event_time_errors: Values
@@ -146,12 +146,12 @@ def _nearest(rotor: Rotor) -> Rotor:
 
 
 def _partners(orbit: Orbit, other: Orbit) -> npt.NDArray[np.intp]:
-    """Return the number of the same event in the other orbit, -1 where it has none.
+    """Return the number of the same event in the other orbit, -1 where there is none.
 
-    A slight touch, or a slight departure, may appear in one orbit only: a pair of events that
-    has no partner is passed over. Where more than a pair is missing the orbits have parted.
+    A slight touch, or a slight departure, may appear in one orbit only: a pair of events without
+    a partner is skipped. If more than a pair is missing, the orbits have separated.
     """
-    if np.array_equal(orbit.event_kinds, other.event_kinds):  # as a rule all have theirs
+    if np.array_equal(orbit.event_kinds, other.event_kinds):  # the usual case
         allowed = np.minimum(_reach(orbit), _reach(other))
         if (np.abs(orbit.event_times - other.event_times) <= allowed).all():
             return np.arange(orbit.event_times.size)
@@ -181,7 +181,7 @@ def _reach(orbit: Orbit) -> Values:
 
 def _events(orbit: Orbit) -> list[Event]:
     """Return kind and time of each event, and how far away its partner may be."""
-    # a loop over plain numbers takes a fifth of one over those of NumPy
+    # a loop over Python numbers takes a fifth of the time of one over NumPy scalars
     rows = (orbit.event_kinds, orbit.event_times, _reach(orbit))
     return list(zip(*(row.tolist() for row in rows), strict=True))
 
@@ -195,7 +195,7 @@ def _is_same(own: list[Event], mine: int, others: list[Event], theirs: int) -> b
 
 
 def _remembered(differences: Values) -> Values:
-    """Return the largest of each difference and the ones before it, within the memory."""
+    """Return the largest of each difference and the few before it."""
     known = np.where(np.isfinite(differences), differences, 0.0)
     largest = known.copy()
     for back in range(1, MEMORY):
@@ -204,9 +204,9 @@ def _remembered(differences: Values) -> Values:
 
 
 def _rounding(orbit: Orbit) -> Values:
-    """Return the errors of rounding: of the time, and of the radius over its rate.
+    """Return the rounding errors: of the time, and of the radius over its rate.
 
-    An event's time is a sum of as many spans as there are events up to it, each rounded.
+    An event's time is a sum of rounded spans, one for each event up to it.
     """
     x, y, vx, vy = orbit.event_states.T
     delta0 = orbit.rotor.delta0
@@ -228,11 +228,11 @@ def _rounding(orbit: Orbit) -> Values:
 
 
 def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
-    """Return what the guards of friction are made of at each event, and how fast they change.
+    """Return the size of the friction guards at each event, and their rate of change.
 
-    Before the disc begins to roll, or slides the other way, that is the slip speed, which changes
-    by ``F - mu sigma N``; before it begins to slip, ``mu N - |F|``. Of a speed that changes the
-    angular acceleration counts, and not how that changes itself.
+    Before the disc begins to roll, or reverses its sliding, the guard is the slip speed, whose rate
+    is ``F - mu sigma N``; before it begins to slip, ``mu N - |F|``. At a changing speed the angular
+    acceleration counts, but not its rate of change.
     """
     rotor, (x, y, vx, vy) = orbit.rotor, orbit.event_states.T
     rho, n = rotor.disc_radius or 0.0, rotor.contact_exponent
@@ -271,7 +271,7 @@ def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
 def _quickening(orbit: Orbit, hold: Values, normal: Values) -> tuple[Values, Values]:
     """Return the angular acceleration before each event, and the lever of friction [1].
 
-    `hold` is the force that rolling takes at the speed of the moment, `normal` the normal force.
+    `hold` is the force that rolling needs at the current speed, `normal` the normal force.
     """
     if orbit.speed_record is None or orbit.ways is None:
         return np.zeros_like(hold), np.zeros_like(hold)
@@ -304,7 +304,7 @@ def _radial_acceleration(orbit: Orbit) -> Values:
 
 
 def _horizon(orbit: Orbit, other: Orbit, partners: npt.NDArray[np.intp]) -> float:
-    """Return the time at which the two orbits part, by their samples or by their events."""
+    """Return the time at which the two orbits separate, by their samples or by their events."""
     size = _largest_near(np.hypot(orbit.states[:, 0], orbit.states[:, 1]))
     apart = np.hypot(*(orbit.states[:, :2] - other.states[:, :2]).T)
     astray = np.flatnonzero(apart > ASTRAY * size)

@@ -19,11 +19,11 @@ from rotor_ida.simulation.neighbours import ATOL
 
 # Kinds of an extremum.
 MINIMUM, CONSTANT, MAXIMUM = -1, 0, 1
-# Knots are samples that tell whether the radius is constant; extrema lie anywhere between them.
+# Knots are samples that show whether the radius is constant; extrema lie anywhere between them.
 KNOTS_A_REVOLUTION = 64
 KNOTS_A_TIME = 16
-# A radius that varies by less than this part of it is constant: a sweep takes a whirl for steady
-# that strays from its mean by 1e-9 either way, and this is above that.
+# A radius that varies by less than this fraction is constant. A sweep accepts deviations of 1e-9
+# from the mean of a steady whirl, which is below this.
 CONSTANT_WITHIN = 1e-8
 
 
@@ -48,10 +48,10 @@ class Extrema:
 
 
 def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float, stop: Stop) -> Extrema:
-    """Return the extrema of the radius from `start`, on the rotating axes, on.
+    """Return the extrema of the radius from `start`, given on the rotating axes.
 
-    If the radius is constant, one row with its mean. SimulationError if the integration was stuck,
-    or asked to stop.
+    If the radius is constant, return one row with its mean. Raise `SimulationError` if the
+    integration is stuck, or stopped.
     """
     times = np.linspace(0.0, duration, math.ceil(duration * _knots_a_time(rotor)) + 1)
     result = follow_run(
@@ -75,7 +75,7 @@ def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float, sto
 
 
 def check_knots(name: str, rotor: Rotor, duration: float) -> None:
-    """Refuse a time in which there are more knots than memory holds."""
+    """Raise `InputError` for a time with more knots than fit into memory."""
     longest = MOST_NUMBERS / _knots_a_time(rotor)
     if duration > longest:
         raise InputError(f"{name} must be at most {longest:.6g}, got {duration!r}")

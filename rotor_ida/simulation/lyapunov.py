@@ -1,4 +1,4 @@
-"""Lyapunov exponents: how fast neighbouring motions part, or come together."""
+"""Lyapunov exponents: the rate at which neighbouring motions diverge or converge."""
 
 from __future__ import annotations
 
@@ -37,19 +37,19 @@ from rotor_ida.simulation.options import check_can_be_followed, check_rtol
 MethodOfTangents = Literal["taylor", "adams", "bdf"]
 METHODS_OF_TANGENTS: tuple[MethodOfTangents, ...] = ("taylor", "adams", "bdf")
 
-# Time after which tangent vectors are made orthonormal again, before they lean together.
+# Time after which tangent vectors are made orthonormal again, before they align.
 SPAN = 0.5
-# A batch has so many of these at least, as they are weighted by their places in it.
+# Smallest number of these spans in a batch, as weights depend on the position in it.
 FEWEST_SPANS = 20
-# From fewer batches their scatter is no error,
+# With fewer batches their scatter gives no error,
 FEWEST_BATCHES = 4
-# and so many give one to a sixth.
+# and this many give one to a sixth.
 BATCHES = 20
-# Time in which the tangent vectors of a motion that has settled turn into their directions.
+# Time in which the tangent vectors of a settled motion align with their directions.
 TURNING_TIME = 100.0
 # Points of the running mean, for a figure.
 POINTS_SHOWN = 400
-# Each span leaves four numbers in memory.
+# Each span keeps four numbers in memory.
 LONGEST = SPAN * MOST_NUMBERS
 
 
@@ -63,33 +63,33 @@ def lyapunov_exponent(
     rtol: float = 1e-10,
     method: MethodOfTangents = "taylor",
 ) -> xr.Dataset:
-    """Return the four Lyapunov exponents of the motion that a start leads to.
+    """Compute the four Lyapunov exponents of the motion from a start.
 
     Parameters
     ----------
     rotor : Rotor
         The rotor.
     start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1]; by default at rest on the axis.
+        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis.
     transient : float
-        Time to settle before the mean is taken [1], at most 5 million; the tangent vectors turn
-        into their directions in it too.
+        Time to settle before averaging [1], at most 5 million; the tangent vectors align in it
+        too.
     duration : float
-        Time over which the mean is taken [1], at least 10 for each batch, at most 5 million.
+        Time over which to average [1], at least 10 for each batch, at most 5 million.
     batches : int
         Number of parts of `duration`, at least 4, whose scatter gives the error.
     rtol : float
         Tolerance of one step, relative to the size of the state and of each tangent vector [1].
     method : {"taylor", "adams", "bdf"}
-        What follows motion and tangent vectors in contact: Taylor series, or CVODE, which is slower
-        and an independent witness.
+        Solver for motion and tangent vectors in contact: Taylor series, or CVODE, which is slower
+        and an independent check.
 
     Returns
     -------
     Dataset
         ``lyapunov_exponent`` and ``lyapunov_error`` on ``exponent``, the largest first [1];
-        their sum ``exponent_sum`` beside what is exact, the ``divergence`` of the flow with the
-        volume lost in reversals of sliding;
+        their sum ``exponent_sum`` and its exact value, the ``divergence`` of the flow including
+        the volume lost in reversals of sliding;
         ``running_exponent`` on ``t`` and ``exponent``, the plain mean so far.
 
     Raises
@@ -97,37 +97,36 @@ def lyapunov_exponent(
     InputError
         If an argument cannot be used.
     SimulationError
-        If the integration was stuck.
+        If the integration is stuck.
 
     Notes
     -----
     On the rotating axes the motion is autonomous, with state s = (Z, W). The variational
     equation ``M' = J(s) M`` is integrated along the orbit; no neighbouring orbit is used. J is
-    continuous, as the slope of the Hertz force leaves the ring like ``indentation**0.5``: M
+    continuous, as the slope of the Hertz force grows from 0 like ``indentation**0.5``: M
     passes entries and exits without a jump (no saltation). Every half unit of time M is made
-    orthonormal by Gram and Schmidt; the mean rates at which its columns were stretched are the
-    exponents.
+    orthonormal by Gram-Schmidt; the mean growth rates of its columns are the exponents.
 
-    With friction M jumps, as the tangential force does, where the disc begins to roll or to slide
-    the other way; it is multiplied by a saltation matrix there. Rolling takes a dimension away: of
-    a motion that rolls again and again the last exponent is minus infinity.
+    With friction M jumps, as the tangential force does, where the disc begins to roll or reverses
+    its sliding; there M is multiplied by a saltation matrix. Rolling removes a dimension: for a
+    motion that rolls repeatedly the last exponent is minus infinity.
 
-    The mean is weighted by ``exp(-1/(u (1 - u)))``, u from 0 to 1 along `duration`. On a
-    periodic or quasi-periodic motion it converges faster than any power of the time, where a
-    plain mean is off by its last unfinished oscillation; on a chaotic one it is a mean like
-    others. Each batch gives such a mean too. The error is the standard deviation of the batches
+    The mean is weighted by ``exp(-1/(u (1 - u)))``, with u from 0 to 1 along `duration`. On a
+    periodic or quasi-periodic motion it converges faster than any power of the time, whereas a
+    plain mean is off by its last unfinished oscillation. On a chaotic motion it is like any
+    other mean. Each batch gives such a mean too. The error is the standard deviation of the batches
     over the square root of their number, enlarged where neighbouring batches are correlated, or
-    the difference of their mean from that of the whole, if that is larger; and that by which
-    the sum of the exponents misses the divergence is added. A transient that was left too short
-    is not covered.
+    the difference of their mean from that of `duration`, if that is larger. The difference between
+    the sum of the exponents and the divergence is added. The error does not cover a transient that
+    was too short.
 
-    Witnesses: the four exponents add up to the divergence of the flow, ``-4 zeta``, the first
-    and the last, like the two between them, to ``-2 zeta`` (not so with contact damping, where
-    the divergence differs from place to place: NaN is stated; nor with friction, where reversals
-    add to it ``ln((|F| - mu N)/(|F| + mu N))`` each); on a motion that is no synchronous
-    whirl one exponent is zero, that of a shift in time (but under a load there is none); on a
-    synchronous whirl they are the real parts of its eigenvalues. A chaotic motion may be a long
-    transient: a run that leaves it half way shows by a large error.
+    Independent checks: the four exponents add up to the divergence of the flow, ``-4 zeta``, and
+    the first and the last, like the two between them, to ``-2 zeta``. (This does not hold with
+    contact damping, where the divergence varies along the orbit and NaN is reported, nor with
+    friction, where each reversal adds ``ln((|F| - mu N)/(|F| + mu N))``.) Without a load, any
+    motion but a synchronous whirl has one zero exponent, that of a shift in time. On a
+    synchronous whirl the exponents are the real parts of its eigenvalues. A chaotic motion may be
+    a long transient: a run that leaves it half way shows a large error.
 
     References
     ----------
@@ -197,10 +196,10 @@ def lyapunov_exponent(
 def exponents_of(
     rotor: Rotor, start: State, duration: float, stop: Stop, *, rtol: float = 1e-10
 ) -> tuple[Values, Values]:
-    """Return the Lyapunov exponents of a motion that has settled, falling, and their errors.
+    """Return the Lyapunov exponents of a settled motion, largest first, and their errors.
 
-    From `start`, on the rotating axes, as means over `duration`. SimulationError if the
-    integration was stuck, or request to stop.
+    Means over `duration` from `start`, on the rotating axes. Raise `SimulationError` if the
+    integration is stuck, or stopped.
     """
     spans = (math.ceil(TURNING_TIME / SPAN), BATCHES * math.ceil(duration / (BATCHES * SPAN)))
     stretches = _stretches(rotor, start, *spans, SPAN, rtol, stop, "taylor")
@@ -233,15 +232,15 @@ def _stretches(
 
 
 def _divergence(rotor: Rotor) -> float:
-    """Return the divergence of the flow; NaN where it is not the same all along an orbit."""
+    """Return the divergence of the flow; NaN where it varies along an orbit."""
     return math.nan if rotor.contact_damping > 0.0 else -4.0 * rotor.zeta
 
 
 def _means(rates: Values, count: int, divergence: float) -> tuple[Values, Values, float]:
     """Return the means of four rates, their standard errors from `count` batches, and their sum.
 
-    That is what it would be exactly: the divergence, and what jumps add, of which the rate is the
-    last of the five. A rate is minus infinity where it ever is, and has no error.
+    The sum is the exact one: the divergence plus the contribution of jumps, the last of the five
+    rates. An exponent is minus infinity if any of its rates is, and then has no error.
     """
     exact = divergence + float(_weighted(rates[:, 4:])[0])
     lost = bool((rates[:, 3] == -np.inf).any())

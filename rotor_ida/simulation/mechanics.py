@@ -1,12 +1,12 @@
-"""The rotor's equations of motion and its guards in plain Python, as the reference follows them.
+"""The rotor's equations of motion and its guards in plain Python, for the reference simulator.
 
-They are those that DESIGN and the theory page state, on fixed axes, for a speed that may change:
+They are those of the theory page, on fixed axes, for a speed that may change:
 
     z'' + 2 zeta z' + kappa z + (N + i T) z/|z| = (theta'**2 - i theta'') exp(i theta) - i gamma
 
 While the surfaces slide ``T = mu N sign(v_s)``, ``v_s = v_t + rho theta'``; while the disc rolls
-``T = F``, which keeps v_s at 0. A torque tau turns the rotor about its centre of mass, with the
-inertia j: ``j theta'' = tau - R - T (rho - cos(theta - phi))``, where R is the moment of damping,
+``T = F``, which keeps v_s at 0. A torque tau acts on the inertia j about the centre of mass:
+``j theta'' = tau - R - T (rho - cos(theta - phi))``, where R is the moment of damping,
 shaft and normal force, ``R = -Im(exp(-i theta) (2 zeta z' + kappa z + N z/|z|))``.
 """
 
@@ -35,11 +35,12 @@ from rotor_ida.simulation.spin import ANGLE, GAINED, SPEED, Driven, Spin, Steady
 
 Rates = Callable[[float, Values, Values], None]
 
-# A start on the ring is decided by the first derivative of the radius that rounding cannot hide.
+# The first derivative of the radius above rounding decides whether a start on the stator is in
+# contact.
 HIDDEN = 16.0 * ROUNDING
-# Displacement, velocity, impulse of the force since the contact began, with contact damping the
-# energy lost, and with friction the heat of sliding. Where the speed changes there are all of these
-# and what `spin` names.
+# Displacement, velocity, impulse of the force since the contact began; with contact damping the
+# energy lost; with friction the heat of sliding. If the speed changes, all of these and those that
+# `spin` names.
 X, Y, VX, VY, IMPULSE, LOST, HEAT = range(7)
 FLIGHT, FORWARDS, BACKWARDS, ROLLING, LOOSE = (
     FLIES, SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS, IS_LOOSE,
@@ -81,10 +82,9 @@ class SpinningRotor:
 def rates_of(spinning: SpinningRotor, mode: int) -> Rates:
     """Return the right-hand side of the first-order system in one mode.
 
-    In flight there is no force even beyond the ring, so that a step may look ahead smoothly; in a
-    pressed contact it may pull where the step looks beyond the release; and friction keeps its
-    sense where the step looks beyond a reversal. Rolling fixes the tangential velocity: what is
-    integrated of it is not looked at.
+    Each mode continues smoothly past its end, as a step may overshoot it: flight has no force
+    outside the clearance, a pressed contact may pull after its release, and friction keeps its
+    sense after a reversal. Rolling fixes the tangential velocity; its integrated value is unused.
     """
     rotor = spinning.rotor
     delta0, exponent, damping = rotor.delta0, rotor.contact_exponent, rotor.contact_damping
@@ -124,7 +124,7 @@ def rates_of(spinning: SpinningRotor, mode: int) -> Rates:
 def _turn_faster(
     spinning: SpinningRotor, time: float, state: Values, rate: Values, force: tuple[float, float]
 ) -> None:
-    """Add what the change of the speed brings, given N/|z| and T."""
+    """Add the contribution of a changing speed, given N/|z| and T."""
     spin, (secant, across) = spinning.spin, force
     angle, speed = spinning.spin_at(time, state)
     resisted = reaction_of(spinning, time, state, secant)
@@ -177,7 +177,7 @@ def slip_of(spinning: SpinningRotor, time: float, state: Values) -> float:
 
 
 def rolled(spinning: SpinningRotor, time: float, state: Values) -> Values:
-    """Return a state of which the tangential velocity is that of rolling, ``-rho theta'``."""
+    """Return a state with the tangential velocity of rolling, ``-rho theta'``."""
     rise, radius, exact = radial_rate_of(state), radius_of(state), state.copy()
     rim = spinning.rim_speed(time, state)
     exact[VX] = (rise * state[X] / radius + rim * state[Y]) / radius
@@ -186,7 +186,7 @@ def rolled(spinning: SpinningRotor, time: float, state: Values) -> Values:
 
 
 def hold_of_rolling(spinning: SpinningRotor, time: float, state: Values) -> float:
-    """Return the force F that rolling takes.
+    """Return the force F that rolling needs.
 
     ``F = theta'**2 sin(theta - phi) - gamma cos phi + V (2 zeta + r'/r)
     + theta'' (rho - cos(theta - phi))``.
@@ -206,13 +206,13 @@ def hold_of_rolling(spinning: SpinningRotor, time: float, state: Values) -> floa
 
 
 def hidden_slip(spinning: SpinningRotor, time: float, state: Values) -> float:
-    """Return the slip speed that rounding hides."""
+    """Return the slip speed below which it is rounding."""
     speed = math.hypot(state[VX], state[VY])
     return HIDDEN * (float(speed) + spinning.rim_speed(time, state))
 
 
 def hidden_hold(spinning: SpinningRotor, time: float, state: Values) -> float:
-    """Return the size of `hold_of_rolling` that rounding hides."""
+    """Return the size of `hold_of_rolling` below which it is rounding."""
     rotor, spin = spinning.rotor, spinning.spin
     speed, rim = spinning.spin_at(time, state)[1], spinning.rim_speed(time, state)
     turning = 2.0 * rotor.zeta + abs(radial_rate_of(state)) / radius_of(state) ** 2
@@ -227,9 +227,9 @@ def hidden_hold(spinning: SpinningRotor, time: float, state: Values) -> float:
 def pressed_mode(
     spinning: SpinningRotor, time: float, state: Values, slip: float | None = None
 ) -> int:
-    """Decide how a pressed contact goes on: it slides where it does, or where grip is not enough.
+    """Decide the mode of a pressed contact: sliding if it slips or the grip is not enough.
 
-    `slip` is 0 where that is known.
+    `slip` is exactly 0 where the disc is known not to slip.
     """
     if spinning.rotor.friction == 0.0:
         return PRESSED
@@ -245,7 +245,7 @@ def pressed_mode(
 
 
 def mode_of_start(spinning: SpinningRotor, start: State) -> int:
-    """Decide the mode at a start at time 0; a contact in which the force would pull is loose."""
+    """Decide the mode at time 0; a contact in which the force would pull is loose."""
     if not starts_in_contact(spinning, start):
         return FLIGHT
     rotor, state = spinning.rotor, first_state(spinning, start)
@@ -271,9 +271,9 @@ def first_state(spinning: SpinningRotor, start: State) -> Values:
 def starts_in_contact(spinning: SpinningRotor, start: State) -> bool:
     """Decide whether a start at time 0 is in contact.
 
-    On the ring the first of radial velocity, acceleration and jerk that is not zero decides,
-    without the force: outwards means contact. Where all vanish the rotor whirls along the ring,
-    which is flight.
+    On the stator the first nonzero one of radial velocity, acceleration and jerk decides, without
+    the force: outwards means contact. Where all vanish the rotor whirls along the stator, which
+    counts as flight.
     """
     rotor = spinning.rotor
     z, v = complex(start[0], start[1]), complex(start[2], start[3])
@@ -306,12 +306,12 @@ def radius_of(state: Values) -> float:
 
 
 def radial_rate_of(state: Values) -> float:
-    """Return ``r r' = x vx + y vy``, which changes sign where the radius turns."""
+    """Return ``r r' = x vx + y vy``, which changes sign at an extremum of the radius."""
     return float(state[X] * state[VX] + state[Y] * state[VY])
 
 
 def hold_of(rotor: Rotor, state: Values) -> float:
-    """Return ``1 + c d'``, with which the force is 0 where the contact comes loose."""
+    """Return ``1 + c d'``, which is 0 where the contact comes loose."""
     if rotor.contact_damping == 0.0:
         return 1.0
     return 1.0 + rotor.contact_damping * radial_rate_of(state) / radius_of(state)

@@ -1,9 +1,9 @@
-"""A stretch of an orbit with all that Newton's method asks of it, and all that happens on it.
+"""A segment of an orbit with the derivatives that Newton's method needs, and its events.
 
-State and four differences from it are followed together by the core, by one Taylor series in
-contact and in closed form in flight; what small changes of the parameters make of it follows. The
-field is continuous where contact begins and ends, so nothing is added there; where friction jumps,
-as the disc begins to roll or to slide the other way, differences jump with it.
+The core integrates the state and four differences from it together, by one Taylor series in
+contact and in closed form in flight; derivatives by the parameters follow. The field is continuous
+where contact begins and ends, so nothing is added there. Where friction jumps, as the disc begins
+to roll or reverses its sliding, differences jump with it.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ from rotor_ida.simulation.orbit import ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
 
 MAXIMUM = 1.0  # the kind of an extremum
 RTOL = 1e-15
-# Absolute tolerance of one step in parts of the relative one.
+# Absolute tolerance of one step, as a fraction of the relative one.
 ATOL = 1e-2
-# A slip this small beside the speeds that it is the difference of is what solving leaves.
+# A slip smaller than this fraction of the speeds that it is the difference of is solver error.
 HIDDEN_SLIP = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
 class Shot:
-    """A stretch of an orbit, from a start to its end.
+    """A segment of an orbit, from its start to its end.
 
     Parameters
     ----------
@@ -47,18 +47,18 @@ class Shot:
         Derivative of the end by the start [1].
     by_parameter : ndarray, shape (4, n)
         Derivatives of the end by the first n of `rotor_ida.core.runs.COLUMNS` [1]: omega, zeta and
-        delta0, and in the whole model the other parameters. That by delta0 is 0 without
+        delta0, and in the general model the other parameters. The derivative by delta0 is 0 without
         clearance.
     contacts : ndarray of `rotor_ida.core.runs.CONTACT`
-        The contacts [1]: entry or exit is NaN where it lies before the start, or after the end.
+        The contacts [1]; an entry before the start, or an exit after the end, is NaN.
     extrema : ndarray of `rotor_ida.core.runs.EXTREMUM`
         The minima and maxima of the radius between start and end [1].
     start_rate, end_rate : ndarray, shape (4,)
         Rate of change of the state at the start and at the end [1].
     event_kinds : ndarray, shape (k,)
-        What happens on it.
+        Kinds of its events.
     ways : ndarray, shape (k + 1,), optional
-        With friction how the rotor moves from its start, and from each event on; None without.
+        Mode of motion from the start, and from each event on; None without friction.
     """
 
     rotor: Rotor
@@ -76,7 +76,7 @@ class Shot:
 
     @property
     def rolls(self) -> bool:
-        """Whether the disc ever rolls on the ring."""
+        """Whether the disc ever rolls on the stator."""
         return self.ways is not None and bool((self.ways == ROLLS).any())
 
 
@@ -89,18 +89,18 @@ def shoot(
     *,
     whole: bool = False,
 ) -> Shot:
-    """Follow a state for a time, with the derivatives of where it ends.
+    """Follow a state for a time, with the derivatives of its end.
 
     Parameters
     ----------
     rotor : Rotor
         The rotor.
     start : ndarray, shape (4,)
-        ``(x, y, vx, vy)`` on the rotating axes [1], at time 0, when a load points down on them.
+        ``(x, y, vx, vy)`` on the rotating axes [1] at time 0, when these are the fixed axes.
     duration : float
-        Time to follow it for [1].
+        Time to simulate [1].
     stop : ndarray, shape (1,)
-        Anything but 0 asks to stop.
+        Stops the run as soon as it is not 0.
     rtol : float
         Tolerance of one step, relative to the size of the state [1].
     whole : bool
@@ -109,7 +109,7 @@ def shoot(
     Raises
     ------
     SimulationError
-        If it could not be followed.
+        If the integration fails or is stopped.
     """
     if rotor.friction > 0.0:
         start = put_on_rolling(rotor, start)
@@ -135,7 +135,7 @@ def shoot(
         status = STUCK
     if status != DONE:
         x, y, vx, vy = start.tolist()
-        reason = f"an orbit could not be followed round: {message_of(status)}"
+        reason = f"an orbit could not be followed: {message_of(status)}"
         raise SimulationError(reason, time=0.0, state=(x, y, vx, vy))
     ways = (0, 0) if result.ways is None else (int(result.ways[0]), int(result.ways[-1]))
     rates = (
@@ -149,7 +149,7 @@ def shoot(
 
 
 def put_on_rolling(rotor: Rotor, state: Values) -> Values:
-    """Return a state whose slip, if it is but rounding, is none: there the disc may roll."""
+    """Return a state with a slip of exactly 0 if it was only rounding: there the disc may roll."""
     x, y, vx, vy = state.tolist()
     radius, speed = math.hypot(x, y), math.hypot(vx, vy)
     rim = (rotor.disc_radius or 0.0) * rotor.omega
@@ -162,7 +162,7 @@ def put_on_rolling(rotor: Rotor, state: Values) -> Values:
 
 
 def _friction_at(state: Values, rotor: Rotor, time: float, way: int) -> Values:
-    """Return what the tangential force adds to the rates of a state on the rotating axes."""
+    """Return the contribution of the tangential force to the rates on the rotating axes."""
     if way not in {SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS}:
         return np.zeros(4)
     x, y, vx, vy = state.tolist()

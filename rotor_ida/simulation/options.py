@@ -25,14 +25,14 @@ TIGHTEST_ATOL = 1e-30
 LOOSEST_ATOL = 1e-2
 TIGHTEST_RTOL_OF_IDA = 1e-12
 TIGHTEST_RTOL_OF_TAYLOR, LOOSEST_RTOL_OF_TAYLOR = 1e-15, 1e-4
-# The solver controls the error of a step; a contact takes some hundred of them. Of 0.1, 0.05 and
-# 0.03, with tolerances of the size that each variable comes to, the last gives most for its time.
+# The solver controls the error of a step, and a contact takes about a hundred steps. Among 0.1,
+# 0.05 and 0.03, the last gives most accuracy for its time.
 STEP_SAFETY = 0.03
 
-# Starts beyond this leave nothing for a tolerance to hold on to.
+# For larger starts the tolerances lose their meaning.
 LARGEST = 1e6
-# The final window holds whole revolutions: those of slower rotors take too long, and of faster ones
-# it holds too many.
+# The final window contains whole revolutions: for slower rotors they take too long, and for faster
+# ones there are too many.
 SLOWEST_TO_SETTLE, FASTEST_TO_SETTLE = 1e-3, 1e3
 
 
@@ -43,16 +43,15 @@ class Options:
     Parameters
     ----------
     rtol, atol : float
-        Relative and absolute tolerance wanted of a contact [1]. The solver is given a
-        thirtieth.
+        Relative and absolute tolerance of a contact [1]. The solver uses a thirtieth of them.
     method : {"adams", "bdf", "ida", "taylor"}
         CVODE with Adams or BDF, or IDA, or Taylor series.
     flight : {"exact", "cvode"}
         Motion inside the clearance in closed form, or integrated by the same solver as the
-        contact, as ``backend="python"`` always does.
+        contact; ``backend="python"`` always integrates.
     backend : {"auto", "python", "compiled"}
         The plain-Python reference over scikit-sundae, or the compiled core, which is many times
-        faster. ``"auto"`` becomes ``"compiled"`` wherever that can be had.
+        faster. ``"auto"`` becomes ``"compiled"`` where available.
     """
 
     rtol: float = 1e-10
@@ -105,7 +104,7 @@ class Options:
 
 
 def check_rtol(method: Method, rtol: float) -> float:
-    """Return the relative tolerance, or raise `InputError` where the method does not take it."""
+    """Return the relative tolerance, or raise `InputError` if the method does not allow it."""
     if method == "taylor":
         return check_between("rtol", rtol, TIGHTEST_RTOL_OF_TAYLOR, LOOSEST_RTOL_OF_TAYLOR)
     given = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
@@ -115,7 +114,7 @@ def check_rtol(method: Method, rtol: float) -> float:
 
 
 def check_can_be_followed(rotor: Rotor, start: State, *, settling: bool = False) -> None:
-    """Raise `InputError` for a rotor or start that cannot be followed, or not until it settles."""
+    """Raise `InputError` for a rotor or start that cannot be simulated (until it settles)."""
     for name in PARAMETERS:
         value, least, most = getattr(rotor, name), OF_ROTOR[name].smallest, OF_ROTOR[name].largest
         if value > most:

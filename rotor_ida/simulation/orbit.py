@@ -1,4 +1,4 @@
-"""One simulated motion, and its invariants: a run that breaks one raises, never returns."""
+"""One simulated motion, and its invariants: a run that violates one raises an error."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ ROLL, SLIP, REVERSE = 2, -2, 3
 # How a rotor with friction moves.
 FLIES, SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS, IS_LOOSE = 0, 1, -1, 2, 3
 OF_FRICTION = (ROLL, SLIP, REVERSE)
-# A contact of an orbit is one of the core, with the largest indentation in place of its root.
+# A contact of an orbit is one of the core, with the largest indentation instead of its root.
 ORBIT_CONTACT = np.dtype(
     [
         ("peak_indentation" if name == "peak_root" else name, np.float64)
         for name in CONTACT.names or ()
     ]
 )
-# How far, in tolerances a radian, the energy of a run whose speed changes may be out of balance.
+# Allowed imbalance of energy of a run whose speed changes, in tolerances per radian.
 UNBALANCED_BY = 1e2
-# How far, in tolerances, a sample may lie on the wrong side of the ring.
+# Allowed distance of a sample on the wrong side of the stator, in tolerances.
 WRONG_SIDE = 1e3
 
 
@@ -42,12 +42,12 @@ class SpeedRecord:
     Parameters
     ----------
     profile : SpeedProfile
-        What changes it.
+        The profile of the speed.
     samples, events, end : ndarray of `rotor_ida.core.runs.SPIN`
         Angle and speed at the sample times, at the events, and at the end [1].
     energies : tuple of float, optional
-        The energy at the start and at the end, and what the drive has given less what damping and
-        contacts have taken, which is their difference [1]. None of the compiled core, which
+        The energy at the start and at the end, and the work of the drive less the losses in damping
+        and contacts, which must be their difference [1]. None for the compiled core, which
         balances each contact itself.
     """
 
@@ -69,7 +69,7 @@ class Orbit:
     options : Options
         How it was simulated.
     duration : float
-        Time that it covers, from 0 [1].
+        Duration, from time 0 [1].
     times : ndarray, shape (n,)
         Sample times [1].
     states : ndarray, shape (n, 4)
@@ -77,24 +77,24 @@ class Orbit:
     starts_in_contact : bool
         Whether it starts in contact.
     event_times, event_kinds : ndarray, shape (m,)
-        When contact begins (1) and ends (-1), and with contact damping when the surfaces in it
-        come loose (-4) and press again (4), and with friction when the disc begins to roll (2) and
-        to slip (-2), or slides the other way (3) [1].
+        When contact begins (1) and ends (-1); with contact damping when the surfaces come loose
+        (-4) and press again (4); with friction when the disc begins to roll (2) or to slip (-2), or
+        reverses its sliding (3) [1].
     event_states : ndarray, shape (m, 4)
         ``(x, y, vx, vy)`` at the events, fixed frame [1].
     contacts : ndarray of `ORBIT_CONTACT`
-        The contacts [1]: angular momentum is that at the peak, the loss and the largest force are
-        those of contact damping, the heat that of sliding. Entry or exit, and the impulse, are NaN
-        where the run began or ended inside the contact.
+        The contacts [1]: angular momentum at the peak, loss and largest force with contact damping,
+        and heat of sliding. Entry or exit, and the impulse, are NaN where the run began or ended
+        inside the contact.
     end : ndarray, shape (4,)
         State at the end, fixed frame [1].
     evaluations : int
         Evaluations of the right-hand side.
     ways : ndarray, shape (m + 1,), optional
-        With friction how the rotor moves from its start, and from each event on: in flight (0),
+        With friction, the mode from the start, and from each event on: flight (0),
         sliding forwards (1) or backwards (-1), rolling (2) or loose (3).
     extrema : ndarray of `rotor_ida.core.runs.EXTREMUM`, optional
-        The extrema of the radius, with states on the rotating axes [1], where they were asked for.
+        The extrema of the radius, with states on the rotating axes [1], if requested.
     speed_record : SpeedRecord, optional
         How the speed changed, if it did.
     """
@@ -124,17 +124,17 @@ class Orbit:
 
     @property
     def event_speeds(self) -> Values | float:
-        """The speed at each event, or at all of them [1]."""
+        """The speed at each event, or the one speed of all [1]."""
         return self.rotor.omega if self.speed_record is None else self.speed_record.events["speed"]
 
     @property
     def speeds(self) -> Values | float:
-        """The speed at each sample, or at all of them [1]."""
+        """The speed at each sample, or the one speed of all [1]."""
         return self.rotor.omega if self.speed_record is None else self.speed_record.samples["speed"]
 
 
 def stretches_of_rolling(orbit: Orbit) -> Values:
-    """Return when the disc begins to roll on the ring, and no longer does, shape (n, 2) [1]."""
+    """Return when the disc begins and ceases to roll on the stator, shape (n, 2) [1]."""
     if orbit.ways is None:
         return np.empty((0, 2))
     rolls = orbit.ways == ROLLS
@@ -144,7 +144,7 @@ def stretches_of_rolling(orbit: Orbit) -> Values:
 
 
 def check_orbit(orbit: Orbit) -> None:
-    """Raise `InvariantError` at the first place where an orbit contradicts the mechanics."""
+    """Raise `InvariantError` at the first contradiction of an orbit to the mechanics."""
     options = orbit.options
     allowed = WRONG_SIDE * (options.rtol * orbit.rotor.delta0 + options.atol)
     kept = slice(None) if orbit.speed_record is None else ~np.isin(orbit.event_kinds, OF_FRICTION)
@@ -171,7 +171,7 @@ def check_orbit(orbit: Orbit) -> None:
 
 
 def _check_speed_record(orbit: Orbit, record: SpeedRecord, allowed: float) -> None:
-    """Raise `InvariantError` where energy does not balance, or surfaces slide astray."""
+    """Raise `InvariantError` where energy does not balance, or the sense of sliding is wrong."""
     if record.energies is not None:
         _check_energies(orbit, record, record.energies)
     if orbit.ways is None:

@@ -1,20 +1,20 @@
-"""The rotor as the paper states it, followed in plain Python: what ``backend="python"`` runs.
+"""The reference simulator of ``backend="python"``: the paper's equations in plain Python.
 
-It shares with the compiled core nothing but the stated model. A first-order system in displacement
-and velocity is integrated by CVODE or IDA, through the public interface of scikit-sundae; entry and
-exit are found as roots of |z| = delta0, and the integration is restarted there, as the force has a
-kink. Flight is integrated like a contact; there is no closed form for it here.
+It shares only the stated model with the compiled core. CVODE or IDA integrates a first-order
+system in displacement and velocity, through the public interface of scikit-sundae. Entry and exit
+are found as roots of |z| = delta0, and the integration is restarted there, as the force has a
+kink. Flight is integrated like a contact, without a closed form.
 
-    decide the mode at the start: flight, pressed contact, or contact that damping holds loose;
+    decide the mode at the start: flight, pressed contact, or contact loosened by damping;
     with friction a pressed contact slides forwards, slides backwards, or rolls;
     integrate inside the mode, step by step;
-    look at the end of a step, and where the radius turns inside it, for a crossing;
-    find it as a root, record it, and begin anew in the mode that follows.
+    look for a crossing at the end of a step, and at an extremum of the radius inside it;
+    find it as a root, record it, and restart in the mode that follows.
 
-The solver's own root functions are not used. They would find another event where another sample is
-asked for, and a second one, for the radius that turns, would see rounding on a steady whirl.
-A crossing and its opposite are missed where no step ends between them and the radius turns twice
-in one step, or where the touch lies below what the tolerance lets the radius tell.
+The solver's own root functions are not used: events would depend on the sample times, and a root
+function for extrema of the radius would respond to rounding on a steady whirl.
+A crossing and its opposite are missed where no step ends between them and the radius has two
+extrema in one step, or where the touch is too slight for the tolerance.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ from rotor_ida.simulation.spin import GAINED, SPEED, SpeedProfile, steady
 
 Function = Callable[[float, Values], float]
 
-# Parts of a step that are looked at for a release, a press, and the largest force.
+# Fractions of a step checked for a release, a press, and the largest force.
 LOOKS = 4
 # SUNDIALS may need a few calls for a step: after a reading the first one only returns to its end.
 MOST_IDLE_STEPS = 100
@@ -114,7 +114,7 @@ class Integration:
     time, state : float and ndarray
         Where it begins.
     goal : float
-        A time to step towards, which limits the first step alone.
+        A time to step towards, which limits only the first step.
 
     Attributes
     ----------
@@ -158,7 +158,7 @@ class Integration:
         self.evaluations = 0
 
     def advance(self) -> None:
-        """Take one internal step; raise `SimulationError` where none can be."""
+        """Take one internal step, or raise `SimulationError`."""
         self.low, self.before = self.high, self.after
         for _ in range(MOST_IDLE_STEPS):
             found = self._solver.step(self._goal, "onestep")
@@ -182,7 +182,7 @@ class Integration:
         return state
 
     def root(self, function: Function, low: float, high: float) -> float:
-        """Return where in the last step a function of time and state, of two signs, vanishes."""
+        """Return the zero, in the last step, of a function of time and state that changes sign."""
         spacing = 4.0 * ROUNDING
         return float(
             brentq(
@@ -191,7 +191,7 @@ class Integration:
         )
 
     def failure(self, message: str) -> SimulationError:
-        """Return the error that ends the run where it stands."""
+        """Return the error that ends the run at the current time."""
         x, y, vx, vy = self.before[:IMPULSE].tolist()
         return SimulationError(message, time=self.low, state=(x, y, vx, vy))
 
@@ -201,7 +201,7 @@ class Integration:
 
 @dataclass(slots=True)
 class _Run:
-    """A run on its way: what is asked of it, and what is recorded.
+    """A run in progress: its request, and its records.
 
     Samples and events are rows of time and state, contacts those of `Orbit`, and `turns` rows of
     time, kind (-1 or 1) and state of the extrema of the radius.
@@ -223,13 +223,13 @@ class _Run:
     ended: float = 0.0
 
     def spinning_rotor_at(self, time: float) -> SpinningRotor:
-        """Return the rotor, and how it spins from a time on."""
+        """Return the rotor with its spin from a time on."""
         return SpinningRotor(self.rotor, self.profile.spins[self.profile.piece_from(time)])
 
 
 @dataclass(slots=True)
 class _Contact:
-    """A contact under way: when it was entered, where it was deepest, its largest force."""
+    """A contact in progress: its entry, its largest indentation, its largest force."""
 
     entry: float
     time: float  # of the peak
@@ -237,12 +237,12 @@ class _Contact:
     force: float = 0.0
 
     def pass_by(self, time: float, state: Values) -> None:
-        """Look at a place that may be the peak."""
+        """Record a point if it is the peak so far."""
         if radius_of(state) > radius_of(self.state):
             self.time, self.state = time, state
 
     def feel(self, rotor: Rotor, motion: Integration, end: float) -> None:
-        """Look at a step of a damped contact for the largest force."""
+        """Look for the largest force in a step of a damped contact."""
         apart = (end - motion.low) / LOOKS
         forces = [force_of(rotor, motion.at(motion.low + apart * k)) for k in range(LOOKS + 1)]
         best = max(range(LOOKS + 1), key=forces.__getitem__)
@@ -267,9 +267,9 @@ def run_reference(
     stop: Stop | None,
     profile: SpeedProfile | None = None,
 ) -> Orbit:
-    """Do as `rotor_ida.simulation.run.run` does, tolerances of a step given.
+    """Simulate as `rotor_ida.simulation.run.run`, with the tolerances of a step.
 
-    With a `profile` the speed changes as that says.
+    With a `profile` the speed changes accordingly.
     """
     profile = profile or steady(rotor.omega, duration)
     run = _Run(rotor, profile, options, tolerances, duration, sample_times.tolist(), stop)
@@ -289,7 +289,7 @@ def run_reference(
         if event in {ENTRY, EXIT}:
             state[IMPULSE:GAINED] = 0.0
             contact.entry = time if event == ENTRY else math.nan
-    if event and mode != FLIGHT:  # it touches, or goes on in another way, as the run ends
+    if event and mode != FLIGHT:  # it touches, or changes its mode, as the run ends
         ending = _Contact(contact.entry, time, state) if event == ENTRY else contact
         _record_contact(run, ending, math.nan, state)
     run.ended = time
@@ -299,9 +299,9 @@ def run_reference(
 def _follow_mode(
     run: _Run, time: float, state: Values, contact: _Contact, slack: float, mode: int
 ) -> tuple[float, Values, int]:
-    """Follow one mode until it ends or the run does; return time and state, and what happened.
+    """Follow one mode until it ends or the run does; return time, state and event.
 
-    The angular acceleration may jump where a piece of the profile ends: so does the integration.
+    The integration restarts where a piece of the profile ends: the angular acceleration may jump.
     """
     event = 0
     while not event and time < run.duration:
@@ -321,7 +321,7 @@ def _follow_piece(
     reach: tuple[float, float],
     mode: int,
 ) -> tuple[float, Values, int]:
-    """Follow one mode to the end of a piece; an event may lie a slack behind that."""
+    """Follow one mode to the end of a piece; an event may lie a slack after that."""
     spinning, (until, slack) = run.spinning_rotor_at(time), reach
     rates = rates_of(spinning, mode)
     motion = Integration(
@@ -341,9 +341,7 @@ def _follow_piece(
             event = ends if crossing <= change else kind
         end = first if event else min(motion.high, until)
         if state.size > SPEED and motion.at(end)[SPEED] < 0.0:
-            raise motion.failure(
-                "the speed fell through 0, where the torque no longer turns the rotor"
-            )
+            raise motion.failure("the speed fell through 0: the torque no longer turns the rotor")
         for candidate in (turn, end):
             if candidate <= end:
                 contact.pass_by(candidate, motion.at(candidate))
@@ -360,9 +358,9 @@ def _follow_piece(
 
 
 def _record_event(run: _Run, time: float, event: int, state: Values) -> int:
-    """Record an event, and return the mode that follows; where the surfaces stop, they roll or not.
+    """Record an event, and return the mode that follows.
 
-    What comes at the time of the event before, but for rounding, puts that right.
+    A friction event at the time of the previous event, but for rounding, is merged with it.
     """
     spinning = run.spinning_rotor_at(time)
     mode = {EXIT: FLIGHT, RELEASE: LOOSE}.get(event, ROLLING)
@@ -392,7 +390,7 @@ def _record_event(run: _Run, time: float, event: int, state: Values) -> int:
 
 
 def _change_in(motion: Integration, spinning: SpinningRotor, mode: int) -> tuple[float, int]:
-    """Return when in the last step the contact goes on in another way, or infinity; and its event.
+    """Return when in the last step the contact changes its mode, or infinity; and its event.
 
     It comes loose, or presses again; surfaces stop sliding; or the disc begins to slip.
     """
@@ -407,7 +405,7 @@ def _change_in(motion: Integration, spinning: SpinningRotor, mode: int) -> tuple
 
 
 def _drives_on(motion: Integration, spinning: SpinningRotor, mode: int) -> bool:
-    """Return whether surfaces that stand still as a step begins are driven on as they slid.
+    """Return whether surfaces without slip at the start of a step continue to slide as before.
 
     After a slip their speed grows like the square of time: the error of a step may exceed it.
     """
@@ -415,14 +413,14 @@ def _drives_on(motion: Integration, spinning: SpinningRotor, mode: int) -> bool:
 
 
 def _next(time: float) -> float:
-    """Return the time after one: that of an event where a mode is left as soon as it begins."""
+    """Return the next time: that of an event where a mode ends as soon as it begins."""
     return math.nextafter(time, math.inf)
 
 
 def _guards(
     motion: Integration, spinning: SpinningRotor, mode: int
 ) -> list[tuple[Function, int, float]]:
-    """Return what stays positive in a mode, what happens where not, and what rounding hides."""
+    """Return the guards of a mode, which stay positive in it, their events and rounding levels."""
     rotor = spinning.rotor
     guards: list[tuple[Function, int, float]] = []
     if mode == FLIGHT:
@@ -446,7 +444,7 @@ def _guards(
 
 
 def _grip(spinning: SpinningRotor, sense: int) -> Function:
-    """Return what is left of the grip against sliding in a sense, as a function."""
+    """Return the grip remaining against sliding in a sense, as a function."""
     rotor = spinning.rotor
 
     def left(time: float, state: Values) -> float:
@@ -459,7 +457,7 @@ def _grip(spinning: SpinningRotor, sense: int) -> Function:
 
 
 def _first_below(motion: Integration, within: Function, hidden: float) -> float:
-    """Return when in the last step a function first falls below 0; infinity where it does not."""
+    """Return when in the last step a function first falls below 0; infinity if never."""
     places = np.linspace(motion.low, motion.high, LOOKS + 1).tolist()
     for low, high in pairwise(places):
         if within(high, motion.at(high)) < -hidden:
@@ -474,16 +472,16 @@ def _first_below(motion: Integration, within: Function, hidden: float) -> float:
 
 
 def _turn_in(motion: Integration) -> float:
-    """Return when in the last step the radius turns; infinity where it does not."""
+    """Return when in the last step the radius has an extremum; infinity if never."""
     if radial_rate_of(motion.before) * radial_rate_of(motion.after) < 0.0:
         return motion.root(lambda _, state: radial_rate_of(state), motion.low, motion.high)
     return math.inf
 
 
 def _crossing_in(motion: Integration, turn: float, delta0: float, *, in_contact: bool) -> float:
-    """Return when in the last step the rotor first leaves its mode; infinity where it does not.
+    """Return when in the last step the rotor first leaves its mode; infinity if never.
 
-    A mode begins on the ring, to rounding on either side: only a passage out of it counts.
+    A mode begins on the stator, up to rounding on either side: only a passage out of it counts.
     """
     if delta0 == 0.0:
         return math.inf
@@ -492,20 +490,20 @@ def _crossing_in(motion: Integration, turn: float, delta0: float, *, in_contact:
     def within(_: float, state: Values) -> float:
         return side * (radius_of(state) - delta0)
 
-    hidden = HIDDEN * delta0  # so little is rounding, as of a rotor that rests on the ring
+    hidden = HIDDEN * delta0  # below this it is rounding, as for a rotor at rest on the stator
     looked_at = [motion.low, turn, motion.high] if turn < math.inf else [motion.low, motion.high]
     for low, high in pairwise(looked_at):
         if within(high, motion.at(high)) < -hidden:
             if within(low, motion.at(low)) > 0.0:
                 return motion.root(within, low, high)
-            return _next(low)  # it left as soon as it came
+            return _next(low)  # it left as soon as it entered
     return math.inf
 
 
 def _record_step(
     run: _Run, spinning: SpinningRotor, motion: Integration, turn: float, end: float, mode: int
 ) -> None:
-    """Record the samples of the last step up to its end, and where the radius turns."""
+    """Record the samples of the last step up to its end, and the extrema of the radius."""
 
     def read(time: float) -> Values:
         state = motion.at(time)
@@ -519,7 +517,7 @@ def _record_step(
 
 
 def _record_contact(run: _Run, contact: _Contact, leaving: float, end: Values) -> None:
-    """Record a contact; the impulse of a whole one alone is known."""
+    """Record a contact; only a whole one has an impulse."""
     peak = contact.state
     moment = float(peak[X] * peak[VY] - peak[Y] * peak[VX])
     depth = max(radius_of(peak) - run.rotor.delta0, 0.0)
@@ -531,7 +529,7 @@ def _record_contact(run: _Run, contact: _Contact, leaving: float, end: Values) -
 
 
 def _orbit_of(run: _Run, start: State, end: Values, *, began: bool) -> Orbit:
-    """Return what was recorded."""
+    """Return the recorded orbit."""
     width = end.size
     times = np.array(run.sample_times)
     samples = np.array(run.samples).reshape(-1, width)

@@ -1,4 +1,4 @@
-"""Run a rotor from a start: make ready, let the event loop go, and check what came of it."""
+"""Run a rotor from a start: prepare the run, call the event loop, and check the result."""
 
 from __future__ import annotations
 
@@ -48,23 +48,23 @@ def run(
     options : Options
         Method, tolerances, treatment of flight, and backend.
     slack : float
-        How far behind `duration` an event may lie and still belong to the run [1]. It keeps
-        its own time.
+        How far after `duration` an event may lie and still belong to the run [1]. Its time is
+        reported as it is.
     scale : float
         Factor on both tolerances.
     extrema : bool
         Whether the extrema of the radius are recorded; the reference records none.
     stop : ndarray, shape (1,), optional
-        Asks a run in compiled code to stop as soon as it holds anything but 0.
+        Stops a run in compiled code as soon as it is not 0.
     profile : SpeedProfile, optional
         How the speed changes, if it does.
     watch : list of callable, optional
-        Gets a function that returns how far a run in compiled code is [1].
+        Receives a function that returns the time reached by a run in compiled code [1].
 
     Raises
     ------
     SimulationError
-        If the solver gives up, or the run was asked to stop.
+        If the solver gives up, or the run was stopped.
     InvariantError
         If the result contradicts the mechanics.
     """
@@ -100,7 +100,7 @@ def run(
 
 
 def reference() -> Callable[..., Orbit]:
-    """Return the reference, which needs its solver."""
+    """Return the reference simulator, or raise `InstallationError` without scikit-sundae."""
     try:
         from rotor_ida.simulation.reference import run_reference  # noqa: PLC0415
     except ImportError as error:
@@ -121,7 +121,7 @@ def _on_axes(state: State, angle: float) -> State:
 def _compiled(
     request: RunRequest, sample_times: Values, options: Options, profile: SpeedProfile | None
 ) -> Orbit:
-    """Return an orbit of the compiled core."""
+    """Return the orbit computed by the compiled core."""
     result = follow_run(request)
     if result.status != DONE:
         kind = InvariantError if result.status == UNBALANCED else SimulationError
@@ -159,7 +159,7 @@ def _compiled(
 
 
 def _speed_record_of(result: RunResult, request: RunRequest, profile: SpeedProfile) -> SpeedRecord:
-    """Return how the speed changed: as prescribed, or as the core has integrated it."""
+    """Return how the speed changed: as prescribed, or as integrated by the core."""
     samples, events, end = result.sample_spins, result.event_spins, result.end_spin
     if not profile.is_driven:
         sampled = np.asarray(request.sample_times)[: len(samples)]
@@ -173,7 +173,7 @@ def _speed_record_of(result: RunResult, request: RunRequest, profile: SpeedProfi
 
 
 def _contacts_of(rows: Rows, rotor: Rotor) -> Rows:
-    """Return contacts by their largest indentation; the impulse of whole ones alone is known."""
+    """Return contacts with their largest indentation; only whole ones have an impulse."""
     contacts = rows.astype(ORBIT_CONTACT)
     contacts["peak_indentation"] = rows["peak_root"] ** 2
     if rotor.delta0 > 0.0:

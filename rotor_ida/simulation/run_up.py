@@ -44,16 +44,16 @@ from rotor_ida.simulation.sampling import FEWEST, sample_times
 from rotor_ida.simulation.simulate import END_SLACK, MOST_SLACK
 from rotor_ida.simulation.spin import SpeedProfile, driven, through
 
-# The disc is often 10^5 eccentricities wide, and its inertia goes with the square of that.
+# The disc is often 10^5 eccentricities wide, and its inertia grows with the square of that.
 SMALLEST_DRIVE, LARGEST_DRIVE = 1e-12, 1e15
-# More of them, of the spin or of a motion at the reference frequency, take an hour or more.
+# More radians of spin, or of motion at the reference frequency, take an hour or more.
 MOST_RADIANS = {"python": 1e7, "compiled": 1e8}
 WAYS = "by to and rate or ramp_time, by speeds, or by torque and inertia"
 
 
 @dataclass(frozen=True, slots=True)
 class _SpeedChange:
-    """How the speed is to change: the rotor as it begins, the profile, and both as attributes."""
+    """A requested change of speed: the rotor at time 0, the profile, and the attributes."""
 
     rotor: Rotor
     profile: SpeedProfile
@@ -61,7 +61,7 @@ class _SpeedChange:
 
     @property
     def largest_speed(self) -> float:
-        """The largest speed that is prescribed: where a torque drives it, that at time 0."""
+        """The largest prescribed speed; with a torque, the speed at time 0."""
         if self.profile.is_driven:
             return self.rotor.omega
         ends = np.array(self.profile.ends)
@@ -87,75 +87,76 @@ def run_up(
     backend: Backend = "auto",
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Simulate a rotor whose speed changes, with every event found by root finding.
+    """Simulate a rotor whose speed changes, and locate every event by root finding.
 
-    The speed changes in one of three ways: at a constant `rate`, or in a `ramp_time`, up or down
-    `to` another speed; as `speeds` has it, linear from one time to the next; or as a `torque` turns
-    the `inertia` of the rotor, against damping, shaft and ring.
+    Specify the change of speed in one of three ways: a ramp `to` another speed, at a constant
+    `rate` or within a `ramp_time`; `speeds` at given times, linear in between; or a `torque` that
+    accelerates the `inertia` of the rotor against damping, shaft and stator.
 
     Parameters
     ----------
     rotor : Rotor
-        The rotor: its ``omega`` is the speed at time 0, where the unbalance points along x.
+        The rotor: its ``omega`` is the speed at time 0, when the unbalance points along x.
     start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1]; by default at rest on the axis.
+        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis.
     to : float
         Speed at the end of a ramp [1].
     rate : float
-        Change of the speed in a unit of time [1], negative in a run-down.
+        Change of speed per unit time [1], negative in a run-down.
     ramp_time : float
-        Time of the ramp [1], in place of the rate.
+        Duration of the ramp [1], instead of the rate.
     speeds : sequence of (float, float)
-        Pairs of time and speed [1], with times that increase from 0. The first speed is the one
-        that counts at time 0, whatever the rotor's is.
+        Pairs of time and speed [1], with times that increase from 0. The first speed replaces the
+        rotor's ``omega``.
     torque : tuple of float
         ``(tau0, slope)``: the drive's torque is ``tau0 - slope speed`` [1].
     inertia : float
         Moment of inertia about the centre of mass, over mass times eccentricity squared [1].
     duration : float, optional
-        Time to simulate [1]. A torque needs one; otherwise it is what the change of the speed
-        takes, and beyond that the last speed is held.
+        Time to simulate [1]; required with a torque. Default: the time that the change of speed
+        takes. After that the last speed is kept.
     samples : int or array_like, shape (n,), optional
-        Number of equally spaced times at which the motion is reported, both ends included, or the
-        times themselves, increasing [1]. By default so many as `simulate` takes at the largest
-        speed of the run; that of a torque is found by a first run.
+        Increasing times at which the motion is reported [1], or the number of equally spaced times,
+        both ends included. Default: as many as `simulate` takes at the largest speed of the run;
+        with a torque a first run finds that speed.
     rtol, atol : float
-        Relative and absolute tolerance [1], as of `simulate`.
+        Relative and absolute tolerance [1], as in `simulate`.
     method : {"adams", "bdf", "ida", "taylor"}
-        CVODE with Adams or BDF, or IDA, or Taylor series, for contact, as of `simulate`. Flight,
-        which has no closed form at a speed that changes, is led by Taylor series in the compiled
-        core, and by the method itself in the reference.
+        Solver of the contacts, as in `simulate`: CVODE with Adams or BDF, IDA, or Taylor series.
+        Flight has no closed form at a changing speed: the compiled core integrates it by Taylor
+        series, the reference by the method itself.
     backend : {"auto", "python", "compiled"}
-        As of `simulate`.
+        As in `simulate`.
     progress : callable, optional
-        Called now and then with the percentage that is done, and 100.
+        Called from time to time with the percentage completed, and 100.
 
     Returns
     -------
     Dataset
-        As of `simulate`, with ``speed`` and ``angle`` on ``t``, ``event_speed`` and ``event_angle``
-        on ``event``, and ``revolutions``, the number of them in the run. ``omega`` is the speed at
-        time 0. Attributes say how the speed changed: ``to`` and ``rate``, ``speeds`` (time and
-        speed by turns), or ``torque`` and ``inertia``.
+        As from `simulate`, with ``speed`` and ``angle`` on ``t``, ``event_speed`` and
+        ``event_angle`` on ``event``, and ``revolutions``, their number in the run. ``omega`` is the
+        speed at time 0. Attributes record how the speed changed: ``to`` and ``rate``, ``speeds``
+        (alternating time and speed), or ``torque`` and ``inertia``.
 
     Raises
     ------
     InputError
         If an argument cannot be used, or the speed would pass through zero.
     SimulationError
-        If the solver gave up, or a torque let the speed fall through zero; with time and state.
+        If the solver gives up, or the torque lets the speed fall through zero; reports time and
+        state.
     InvariantError
-        If the result contradicts the mechanics, with the place.
+        If the result contradicts the mechanics; reports time and state.
 
     Notes
     -----
-    With the angle theta of the unbalance, on the left as for a constant speed,
+    With the angle theta of the unbalance,
     ``z'' + 2 zeta z' + kappa z + (N + i T) z/|z| = (theta'**2 - i theta'') exp(i theta)
-    - i gamma``. The rim runs at ``rho theta'``. With a torque
+    - i gamma``. The rim moves at ``rho theta'``. With a torque
     ``j theta'' = tau0 - slope theta' - T (rho - cos(theta - phi))
-    + Im(exp(-i theta) (2 zeta z' + kappa z + N z/|z|))``: the reaction acts about the centre of
-    mass, and the load, which acts there, has no part in it. ``docs/run_up.md`` has more.
-    ``event_time_error`` comes from a second run, as of `simulate`.
+    + Im(exp(-i theta) (2 zeta z' + kappa z + N z/|z|))``. The reaction acts about the centre of
+    mass; the load acts there and does not contribute. See ``docs/run_up.md``.
+    ``event_time_error`` comes from a second run, as in `simulate`.
 
     References
     ----------
@@ -199,7 +200,7 @@ def run_up(
 
     def run_twice(stop: Stop | None = None) -> tuple[Orbit, EventErrors]:
         fastest = change.largest_speed
-        if samples is None and change.profile.is_driven:  # how fast it turns is not known before
+        if samples is None and change.profile.is_driven:  # the largest speed is not known before
             fastest = max(fastest, float(np.max(sampled(FEWEST, fastest, stop).speeds)))
             watch.clear()
         orbit = sampled(samples, fastest, stop)
@@ -215,11 +216,11 @@ def run_up(
     return run_dataset(orbit, first, errors, change.changes)
 
 
-# ---- How the speed is to change ----
+# ---- The requested change of speed ----
 
 
 def _rate_of(rotor: Rotor, to: object, rate: object, ramp_time: object) -> float:
-    """Return the rate of a ramp that takes some time, or raise `InputError`."""
+    """Return the rate of a ramp of a given duration, or raise `InputError`."""
     if rate is not None:
         raise InputError(f"rate must be left out with ramp_time, got {shown(rate)}")
     if to is None:
@@ -230,7 +231,7 @@ def _rate_of(rotor: Rotor, to: object, rate: object, ramp_time: object) -> float
 def _speed_change_of(
     rotor: Rotor, given: dict[str, object], duration: float | None, options: Options
 ) -> _SpeedChange:
-    """Return how the speed is to change, or raise `InputError`."""
+    """Return the requested change of speed, or raise `InputError`."""
     names = ", ".join(given) or "none of them"
     ways = [name for name, sign in (("to", "rate"), ("speeds", "speeds"), ("torque", "inertia"))
             if name in given or sign in given]  # fmt: skip
@@ -251,7 +252,7 @@ def _speed_change_of(
 
 
 def _check_can_wait(change: _SpeedChange, backend: str) -> None:
-    """Raise `InputError` for a run-up that would take an hour or so."""
+    """Raise `InputError` for a run-up that would take about an hour or more."""
     end = change.profile.ends[-1]
     longest = MOST_RADIANS[backend] / max(change.largest_speed, 1.0)
     if end > longest:
@@ -286,7 +287,7 @@ def _by_ramp(rotor: Rotor, to: object, rate: object, duration: float | None) -> 
 
 
 def _piece_by_piece(rotor: Rotor, speeds: object, duration: float | None) -> _SpeedChange:
-    """Return a profile from speed to speed."""
+    """Return a piecewise linear profile of the speed."""
     table = check_array("speeds", speeds)
     if table.ndim != 2 or table.shape[1] != 2 or len(table) < 2:
         raise InputError(f"speeds must be two or more pairs of time and speed, got {shown(speeds)}")
@@ -330,18 +331,18 @@ def _checked_speed(name: str, value: object) -> float:
     number = check_real(name, value)
     if number < 0.0:
         raise InputError(
-            f"{name} must be zero or positive, as a run through zero is not known, got {number!r}"
+            f"{name} must be zero or positive: a run through zero is not supported, got {number!r}"
         )
     return check_nonnegative(name, number, LARGEST)
 
 
 def _checked_end(duration: float | None, least: float, fastest: float) -> float:
-    """Return the end of a run, no earlier than the change of the speed is over."""
+    """Return the end of a run, no earlier than the end of the speed change."""
     if duration is None:
         return least
     end = check_duration("duration", duration, fastest)
     if end < least and not math.isclose(end, least, rel_tol=1e-12):
         raise InputError(
-            f"duration must be at least {least!r}, which the change of the speed takes, got {end!r}"
+            f"duration must be at least {least!r}, the time of the speed change, got {end!r}"
         )
     return max(end, least)

@@ -1,4 +1,4 @@
-"""The times at which a run is reported: given, so many, or chosen by the revolution."""
+"""The times at which a run is reported: given, counted, or chosen per revolution."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 
-# In a period of the contact: enough for dry whip, which turns so fast at most.
+# In a period of the contact, which is the shortest period of dry whip.
 SAMPLES_A_CONTACT = 8
-# A short run is drawn from so many.
+# Smallest number of samples, for a smooth plot of a short run.
 FEWEST = 1001
-# The first limit on memory: some 160 MB in a run, and as much again while it is made.
+# Limit on memory: about 160 MB in a run, and twice as much during the run.
 MOST_CHOSEN = 2_000_000
 
 
 def sample_times(samples: object, duration: float, rotor: Rotor, fastest: float) -> Values:
-    """Return the times to report: from themselves, from their number, or by the revolution.
+    """Return the times to report: as given, equally spaced, or chosen per revolution.
 
     Parameters
     ----------

@@ -53,25 +53,25 @@ def poincare_section(
     atol: float = 1e-12,
     method: Method = "adams",
 ) -> xr.Dataset:
-    """Return the states at which a motion crosses a section, read on the rotating axes.
+    """Return the states at which a motion crosses a section, in the rotating frame.
 
     Parameters
     ----------
     rotor : Rotor
-        The rotor; it must turn.
+        The rotor, with omega above 0.
     start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1]; by default at rest on the axis.
+        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis.
     revolutions : int
         Number of revolutions in the section, at most 10 million.
     skip : int
-        Number of revolutions before these, left out as a transient, at most 10 million.
+        Number of earlier revolutions to skip as a transient, at most 10 million.
     at : {"revolution", "entry", "exit", "peak", "roll", "slip", "reverse"}
         Once a revolution, when the unbalance points along x; at each contact entry or exit; at
-        each local maximum of the distance from the bearing axis; or with friction where the disc
-        begins to roll, begins to slip, or slides the other way.
+        each local maximum of the distance from the bearing axis; or, with friction, where the disc
+        begins to roll or to slip, or reverses its sliding.
     phase : float
-        Angle from x at which the unbalance points once a revolution, below 2 pi [rad]: under a
-        load the section differs from angle to angle.
+        Angle of the unbalance from x at the section by revolutions, below 2 pi [rad]. Under a load
+        the section depends on it.
     rtol, atol : float
         Relative and absolute tolerance [1].
     method : {"adams", "bdf", "ida", "taylor"}
@@ -88,20 +88,20 @@ def poincare_section(
     InputError
         If an argument cannot be used.
     SimulationError
-        If the solver gave up.
+        If the solver gives up.
 
     Notes
     -----
-    On the rotating axes the motion is autonomous. A synchronous whirl is one point of the
-    section by revolutions; a response of period n revolutions is n points, a quasi-periodic one
-    a closed curve. At events and peaks, which lie on a surface of the phase space, a
-    motion that is periodic on the rotating axes is a few points whatever its period.
-    A load turns on these axes: under one only the section by revolutions is of a map of its own,
-    the stroboscopic one, whose fixed points and cycles are the periodic motions; at events
-    and peaks the angle of the load is left out. A disc that rolls on the ring is at most
-    three numbers there, as its velocity along the ring is that of the rim.
-    Revolutions are sampled at exactly ``(phase + 2 pi n)/omega``; entries, exits and the like are
-    the events of the simulation; peaks are roots of ``x vx + y vy``, polished to about 1e-12 of the
+    In the rotating frame the motion is autonomous. A synchronous whirl is one point of the
+    section by revolutions. A response of period n revolutions is n points, a quasi-periodic one
+    a closed curve. Events and peaks lie on a surface of the phase space: there a motion that is
+    periodic in the rotating frame is a few points, whatever its period.
+    A load rotates in this frame. Under a load only the section by revolutions is a map, the
+    stroboscopic one, whose fixed points and cycles are the periodic motions; sections at events
+    and peaks ignore the angle of the load. While the disc rolls on the stator the section has at
+    most three dimensions, since the tangential velocity is that of the rim.
+    Revolutions are sampled at exactly ``(phase + 2 pi n)/omega``. Entries, exits and the like are
+    the events of the simulation. Peaks are roots of ``x vx + y vy``, polished to about 1e-12 of the
     state. A constant radius has no peaks.
 
     References
@@ -119,7 +119,7 @@ def poincare_section(
     first = check_state("start", start)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
-        raise InputError("omega must be positive for a section, got 0.0: nothing turns")
+        raise InputError("omega must be positive for a section, got 0.0")
     count = check_count("revolutions", revolutions)
     left_out = check_count("skip", skip, minimum=0)
     check_choice("at", at, PLACES)
@@ -165,7 +165,7 @@ def poincare_section(
 def _crossings(
     rotor: Rotor, start: State, count: int, at: str, phase: float, options: Options, stop: Stop
 ) -> tuple[Values, Values]:
-    """Return the times of the crossings, from `start` on, and the states on rotating axes."""
+    """Return the times of the crossings after `start`, and the states in the rotating frame."""
     period = 2.0 * math.pi / rotor.omega
     duration = count * period
     if at == "peak":

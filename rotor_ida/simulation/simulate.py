@@ -1,4 +1,4 @@
-"""Simulate one rotor from one start."""
+"""Simulate one rotor from one initial state."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.sampling import sample_times
 
-# An event so many tolerances behind the end of a run may as well lie at it, and belongs to it.
+# An event this many tolerances after the end of a run counts as part of the run.
 END_SLACK = 100.0
 MOST_SLACK = 1e-8
-# Samples and radians, of spin, decay and contact, that Taylor series pass in some 20 ms.
+# Samples plus radians of spin, decay and contact that Taylor series cover in about 20 ms.
 SOON_PASSED = 1e4
 
 
@@ -39,36 +39,35 @@ def simulate(
     flight: Flight = "exact",
     backend: Backend = "auto",
 ) -> xr.Dataset:
-    """Simulate a rotor, with every contact entry and exit found by root finding.
+    """Simulate a rotor and locate every contact entry and exit by root finding.
 
     Parameters
     ----------
     rotor : Rotor
         The rotor.
     start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1]; by default at rest on the axis.
+        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis.
     duration : float
-        Time to simulate [1], as long as the spacing of doubles at its end is below
+        Time to simulate [1]. The spacing of doubles at its end must be below
         ``1e-6/max(omega, 1)``.
     samples : int or array_like, shape (n,), optional
-        Number of equally spaced times at which the motion is reported, both ends included, at
-        most 10 million, or the times themselves, increasing [1]. By default at least 1001, with at
-        least 32 in each revolution and each period of the shaft, ``2 pi/sqrt(kappa)``, and 8 in a
-        period of the contact, ``2 pi/sqrt(1 + kappa)``; where these are more than 2 million,
-        `samples` must be given.
+        Increasing times at which the motion is reported [1], or the number of equally spaced times,
+        both ends included, at most 10 million. Default: at least 1001, with at least 32 per
+        revolution and per period of the shaft, ``2 pi/sqrt(kappa)``, and 8 per period of the
+        contact, ``2 pi/sqrt(1 + kappa)``. `samples` is required where these exceed 2 million.
     rtol, atol : float
         Relative and absolute tolerance [1].
     method : {"adams", "bdf", "ida", "taylor"}
-        CVODE with Adams (nonstiff) or BDF (stiff), or IDA as a second opinion, with `rtol` from
+        CVODE with Adams (nonstiff) or BDF (stiff), or IDA as an independent check, with `rtol` from
         1e-13 (IDA 1e-12) to 1e-3; or Taylor series, about ten times as fast as CVODE at equal
-        error, with `rtol` from 1e-15 to 1e-4. ``docs/events.md`` says how each finds events.
+        error, with `rtol` from 1e-15 to 1e-4. ``docs/events.md`` explains how each finds events.
     flight : {"exact", "cvode"}
-        Whether motion inside the clearance is solved in closed form or integrated; with Taylor
-        series it is solved, with ``backend="python"`` it is integrated.
+        Motion inside the clearance in closed form, or integrated. Taylor series always use the
+        closed form; ``backend="python"`` always integrates.
     backend : {"auto", "python", "compiled"}
         The plain-Python reference, which restarts the solvers of scikit-sundae at each root of
-        ``|z| = delta0``, or the compiled core, many times as fast. ``"auto"`` is ``"compiled"``
-        wherever it can be had; IDA is the reference's alone.
+        ``|z| = delta0``, or the compiled core, which is many times faster. ``"auto"`` is
+        ``"compiled"`` where available. Only the reference supports IDA.
 
     Returns
     -------
@@ -76,30 +75,30 @@ def simulate(
         ``x y vx vy`` on ``t``; ``event_time event_kind event_time_error event_x event_y
         event_vx event_vy`` on ``event``; on ``contact`` ``entry_time exit_time peak_time
         peak_indentation peak_force contact_duration impulse entry_speed entry_angle
-        energy_lost whirl_direction``, with friction ``heat slip_distance rolling_time`` too, NaN
-        where the run began or ended inside the contact, or samples are too far apart; the
-        scalars ``starts_in_contact`` and ``horizon``; ``omega zeta delta0`` as coordinates.
-        With friction ``mode``, ``slip_speed`` and ``normal_force`` on ``t``, ``heat`` on
-        ``contact``, and three more kinds of event: ``roll``, ``slip`` and ``reverse``.
+        energy_lost whirl_direction``, and with friction ``heat slip_distance rolling_time``; NaN
+        where the run began or ended inside the contact, or samples are too far apart. Scalars
+        ``starts_in_contact`` and ``horizon``; coordinates ``omega zeta delta0``.
+        With friction also ``mode``, ``slip_speed`` and ``normal_force`` on ``t``, and three more
+        kinds of event: ``roll``, ``slip`` and ``reverse``.
 
     Raises
     ------
     InputError
         If an argument cannot be used.
     SimulationError
-        If the solver gave up, with time and state.
+        If the solver gives up; reports time and state.
     InvariantError
-        If the result contradicts the mechanics, with the place.
+        If the result contradicts the mechanics; reports time and state.
 
     Notes
     -----
     ``z'' + 2 zeta z' + max(|z| - delta0, 0)**1.5 z/|z| = omega**2 exp(i omega t)``. An event
-    within ``min(100 rtol, 1e-8) duration`` behind the end belongs to the run. A start
-    exactly on the ring is in contact if it moves outwards, or is about to. Grazes
+    within ``min(100 rtol, 1e-8) duration`` after the end belongs to the run. A start
+    exactly on the stator is in contact if it moves outwards, or is about to. Grazes
     below an indentation of about 1e-13 of the lengths involved may be missed or invented.
     ``event_time_error`` comes from a second run, with looser tolerances or, by Taylor series, with
-    tighter ones, and includes the spacing of doubles. It is infinite beyond ``horizon``: from there
-    on the start no longer determines the orbit at these tolerances.
+    tighter ones, and includes the spacing of doubles. It is infinite after ``horizon``, where
+    the start no longer determines the orbit at these tolerances.
 
     References
     ----------
@@ -126,7 +125,7 @@ def simulate(
         orbit = run(rotor, first, end, times, options, slack=slack, stop=stop)
         return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop)
 
-    # a thread costs 0.2 ms, half as much as a short run: Ctrl-C may wait for the end of such a one
+    # a thread costs 0.2 ms, half as much as a short run: Ctrl-C may wait until a short run ends
     rate = 1.0 + rotor.omega + rotor.zeta + max(map(abs, first))
     soon = options.method == "taylor" and rate * end + times.size <= SOON_PASSED
     orbit, errors = run_twice() if soon else interruptible(run_twice)

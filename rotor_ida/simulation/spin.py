@@ -1,7 +1,7 @@
-"""How a rotor spins: at one speed, along ramps of the speed, or as a torque drives it.
+"""How a rotor spins: at constant speed, along ramps of the speed, or driven by a torque.
 
-The unbalance pulls with ``(theta'**2 - i theta'') exp(i theta)``. Where the speed is prescribed
-the angle theta is a quadratic of time, piece by piece; where a torque is, angle and speed are
+The unbalance pulls with ``(theta'**2 - i theta'') exp(i theta)``. If the speed is prescribed,
+the angle theta is a piecewise quadratic function of time; with a torque, angle and speed are
 integrated with the motion.
 """
 
@@ -17,14 +17,14 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.core.runs import PIECE, SPIN, Rows
 
-# Where a spinning rotor's state has what the drive has given less all that was lost, and where that
-# of a driven one has angle and speed.
+# Positions in the state of a spinning rotor: the energy given by the drive less all losses; in that
+# of a driven rotor, angle and speed.
 GAINED, ANGLE, SPEED = 7, 8, 9
 
 
 @dataclass(frozen=True, slots=True)
 class Steady:
-    """One speed for ever.
+    """A constant speed.
 
     Parameters
     ----------
@@ -49,12 +49,12 @@ class Steady:
 
 @dataclass(frozen=True, slots=True)
 class Ramp:
-    """A speed that changes at a constant rate, whatever torque that takes.
+    """A speed that changes at a constant rate, whatever torque is required.
 
     Parameters
     ----------
     begin, angle, speed : float
-        When it begins, and angle and speed there [1].
+        Time at which it begins, and angle and speed there [1].
     rate : float
         The angular acceleration [1].
     """
@@ -83,12 +83,12 @@ class Ramp:
 
 @dataclass(frozen=True, slots=True)
 class Driven:
-    """A speed that changes as a torque of limited power and the reaction of the motion have it.
+    """A speed that changes under a torque of limited power and the reaction of the motion.
 
     Parameters
     ----------
     torque, slope : float
-        The torque of the drive at rest, and by how much it falls with the speed [1].
+        The torque of the drive at rest, and its decrease per unit speed [1].
     inertia : float
         Moment of inertia about the centre of mass, over mass times eccentricity squared [1].
     """
@@ -106,12 +106,12 @@ class Driven:
     def acceleration(self, speed: Any, reaction: Any, yielding: Any = 0.0) -> Any:
         """Return the angular acceleration against a reaction.
 
-        In rolling the reaction grows with the acceleration itself, by `yielding` times it.
+        In rolling the reaction grows with the acceleration itself, by the factor `yielding`.
         """
         return (self.torque - self.slope * speed - reaction) / (self.inertia + yielding)
 
     def piece(self) -> tuple[float, ...]:
-        """Return rate, torque, slope, 1/j, and the speed at the beginning, which is none's."""
+        """Return rate, torque, slope, 1/j, and 0 for the speed, which is not prescribed."""
         return 0.0, self.torque, self.slope, 1.0 / self.inertia, 0.0
 
 
@@ -120,14 +120,14 @@ Spin = Steady | Ramp | Driven
 
 @dataclass(frozen=True, slots=True)
 class SpeedProfile:
-    """How the speed changes during a run: one way to spin after the other.
+    """How the speed changes during a run: a sequence of spins.
 
     Parameters
     ----------
     ends : tuple of float
-        When each ends [1]; the last one is the end of the run.
+        Time at which each spin ends [1]; the last is the end of the run.
     spins : tuple
-        The ways to spin.
+        The spins: `Steady`, `Ramp` or `Driven`.
     """
 
     ends: tuple[float, ...]
@@ -135,7 +135,7 @@ class SpeedProfile:
 
     @property
     def angle(self) -> float:
-        """Where the unbalance is at time 0 [1]."""
+        """Angle of the unbalance at time 0 [1]."""
         first = self.spins[0]
         return first.angle if isinstance(first, Ramp) else 0.0
 
@@ -145,20 +145,20 @@ class SpeedProfile:
         return isinstance(self.spins[0], Driven)
 
     def pieces(self) -> Rows:
-        """Return a row for each way to spin, as the compiled core takes it."""
+        """Return a row for each spin, for the compiled core."""
         ends = zip(self.ends, self.spins, strict=True)
         return np.array([(end, *spin.piece()) for end, spin in ends], PIECE)
 
     def piece_from(self, time: float) -> int:
-        """Return which way to spin there is from a time on."""
+        """Return the number of the spin that applies from a time on."""
         return bisect_right(self.ends, time, hi=len(self.ends) - 1)
 
     def number_at(self, times: Values) -> Any:
-        """Return which way to spin there is at times; an end belongs to what it ends."""
+        """Return the number of the spin at each time; an end belongs to the spin it ends."""
         return np.searchsorted(self.ends[:-1], times, side="left")
 
     def spins_at(self, times: Values, states: Values) -> Rows:
-        """Return angle and speed at times, states given, as rows of `SPIN`."""
+        """Return angle and speed at given times and states, as rows of `SPIN`."""
         rows = np.empty(times.size, SPIN)
         numbers = self.number_at(times)
         for number, spin in enumerate(self.spins):
@@ -179,12 +179,12 @@ class SpeedProfile:
 
 
 def steady(speed: float, duration: float) -> SpeedProfile:
-    """Return the profile of one speed."""
+    """Return the profile of a constant speed."""
     return SpeedProfile((duration,), (Steady(speed),))
 
 
 def through(points: list[tuple[float, float]], duration: float) -> SpeedProfile:
-    """Return a profile through points of time and speed, of which the last speed is held."""
+    """Return a profile through points of time and speed that keeps the last speed."""
     spins: list[Spin] = []
     angle = 0.0
     for (begin, speed), (end, there) in pairwise(points):
@@ -199,5 +199,5 @@ def through(points: list[tuple[float, float]], duration: float) -> SpeedProfile:
 
 
 def driven(torque: tuple[float, float], inertia: float, duration: float) -> SpeedProfile:
-    """Return a profile that a torque drives."""
+    """Return the profile of a speed driven by a torque."""
     return SpeedProfile((duration,), (Driven(*torque, inertia),))

@@ -1,1 +1,1 @@
-"""The steady state that a start leads to: when a motion has settled, and on what response."""
+"""The steady state reached from a start: when a motion has settled, and on which response."""

@@ -1,7 +1,7 @@
-"""What remains of the motion at each speed: the extrema of its radius, from many starts.
+"""Bifurcation diagrams: the extrema of the radius of settled motions at each speed.
 
-Any other parameter may vary in its place. Speeds may also be passed one after the other, slowly, so
-that the motion settles at each, or on a run-up or run-down at a rate.
+Any other parameter may vary instead of the speed. Speeds may also be passed quasi-statically, where
+the motion settles at each, or on a run-up or run-down at a rate.
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ from rotor_ida.steady.sweep import DIRECTIONS, Direction, sweep_rotors
 
 Result = TypeVar("Result")
 
-# What of a sweep's variables is in the diagram.
+# Variables of a sweep that the diagram includes.
 OF_THE_SWEEP = ("response", "radius_min", "radius_max", "status", "message")
 SLOWEST, FASTEST = 1e-12, 1e6
-# Of a whirl that a run-up follows the radius drifts, and trembles by less than this part of it.
+# On a run-up the radius of a whirl drifts; oscillations below this fraction of it are ignored.
 TREMBLES_WITHIN = 1e-6
 NO_VALUES, NO_KINDS = np.empty(0), np.empty(0, np.int8)
 NO_EXTREMA = Extrema(NO_VALUES, NO_VALUES, NO_KINDS, np.empty((0, 4)))
@@ -79,35 +79,34 @@ def bifurcation_diagram(
     executor: str = "auto",
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Return the extrema of the radius that remain at each speed, from many starts.
+    """Compute a bifurcation diagram: extrema of the settled radius at each speed, from many starts.
 
     Parameters
     ----------
     omega, zeta, delta0 : array_like, shape (n,) or scalar
         The parameters to combine [1].
     shaft_stiffness, contact_exponent, contact_damping, load, friction : array_like or scalar
-        As for `rotor_ida.sweep`: more to combine, a dimension where an axis is given [1].
+        More parameters to combine, as for `rotor_ida.sweep`; an array becomes a dimension [1].
     disc_radius : array_like, shape (n,), or scalar, optional
-        The radius of the disc [1], which friction needs; likewise.
+        The radius of the disc [1], required with friction; likewise.
     starts : int or array_like, shape (n, 4)
-        Number of random starts, or the starts ``(x, y, vx, vy)`` themselves [1]. Each speed has
-        the same ones.
+        Number of random starts, or the starts ``(x, y, vx, vy)`` themselves [1], the same at each
+        speed.
     seed : int
         Seed of the random starts.
     reach : float
-        Random starts are drawn evenly from ``-reach`` to ``reach`` in each of x, y, vx, vy, at
-        most 1e6 [1].
+        Random starts are uniformly distributed from ``-reach`` to ``reach`` in each of x, y, vx and
+        vy, at most 1e6 [1].
     extrema_time : float
-        Length of the window, after the rotor has settled, in which extrema are looked for [1]; at
-        most 10 million times the step between knots. With a rate it does not matter.
+        Length of the window, after the rotor has settled, in which extrema are found [1]; at
+        most 10 million times the step between knots. Ignored with a rate.
     direction : {"up", "down", "both"}, optional
-        Without it each speed begins from the starts. With it only the first does (the last, going
-        down), and each further one from where the one before has settled: a quasi-static run-up or
-        run-down.
+        Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
+        the starts, and each other from the settled state of the one before. By default each speed
+        begins from the starts.
     rate : float, optional
-        Change of the speed in a unit of time [1]: with it the motion settles at the first speed
-        alone, and then the speed runs through the others, at this rate and without a stop. A
-        direction must be given.
+        Change of speed per unit time [1]. The motion settles only at the first speed; then the
+        speed runs through the others at this rate. Requires a direction.
     rtol, atol : float
         Relative and absolute tolerance [1].
     method : {"adams", "bdf", "ida", "taylor"}
@@ -121,31 +120,30 @@ def bifurcation_diagram(
     Returns
     -------
     Dataset
-        On ``(omega, zeta, delta0, start)``, and before ``start`` on what else is an axis:
-        ``response`` (its kind, as a flag), ``radius_min``, ``radius_max``, ``status``,
+        On ``(omega, zeta, delta0, start)``, with any other axes before ``start``:
+        ``response`` (its kind, as a flag), ``radius_min``, ``radius_max``, ``status`` and
         ``message``, as from `rotor_ida.sweep`, and ``extremum_count``. ``extremum_radius`` [1] and
-        ``extremum_kind`` (minimum, maximum, or constant where the radius is) hold the extrema of
-        all points in one table, ``extremum_count`` rows each. With a direction the last dimension
+        ``extremum_kind`` (minimum, maximum, or constant) list the extrema of all points in one
+        table, ``extremum_count`` rows each. With a direction the last dimension
         is ``direction``. With a rate ``extremum_speed`` [1] is the speed at each extremum, and a
-        point has those up to the middles between its speed and its neighbours; ``response`` then
-        says no more than whether the rotor touches there, and whether its radius
-        swings.
+        point has the extrema up to halfway between its speed and its neighbours; ``response`` then
+        reports only whether the rotor touches there, and whether its radius oscillates.
 
     Raises
     ------
     InputError
-        If an argument cannot be used, or a damping is zero: without damping no motion settles; or
+        If an argument cannot be used; if a damping is zero, as no motion settles then; or
         if there is a rate without a direction, or with speeds that do not increase. A point that
-        fails does not raise: its ``status`` and ``message`` say why, and it has no extrema.
+        fails does not raise: its ``status`` and ``message`` give the reason, and it has no extrema.
 
     Notes
     -----
     An extremum is a root of ``r r' = x vx + y vy``, found to about 1e-10 of the radius,
     or to 1e-8 where the rotor passes through the centre without clearance. On a
     synchronous whirl ``r r'`` vanishes throughout; its radius is given once. Periodic motions
-    are few values, chaotic and quasi-periodic ones fill ranges. On a run-up the radius of a whirl
-    drifts; what it trembles by less than 1e-6 of itself is left out. As the rate falls the diagram
-    tends to that of the quasi-static run-up, but for jumps, which are late: see
+    have few values, chaotic and quasi-periodic ones fill ranges. On a run-up the radius of a whirl
+    drifts; oscillations below 1e-6 of it are ignored. As the rate falls the diagram tends to that
+    of the quasi-static run-up, except that jumps are late: see
     `rotor_ida.closed_forms.late_jumps`.
 
     References
@@ -196,7 +194,7 @@ def bifurcation_diagram(
     chosen = choose(executor, workers, compiled=options.backend != "python")
 
     def settled(speeds: Values, direction: Direction | None) -> xr.Dataset:
-        """Return a sweep over some speeds, which has no direction where none is given."""
+        """Return a sweep over some speeds, without the direction if none is given."""
         some = replace(rotors, axes={**rotors.axes, "omega": speeds})
         swept = sweep_rotors(some, starts, direction, options, chosen, progress=progress)
         swept = swept.drop_dims("event")
@@ -236,9 +234,9 @@ def _checked_rate(rate: object, direction: str | None, speeds: Values) -> float:
 def _followed_on(
     settled: xr.Dataset, work: Callable[..., Result], workers: Workers
 ) -> tuple[xr.Dataset, list[Result | None]]:
-    """Return what `work` finds from the end of each point of a sweep on, None where it failed.
+    """Return the sweep, and the result of `work` from the end of each point; None where it failed.
 
-    With the sweep, in which a point whose motion cannot be followed on has failed.
+    A point of the sweep whose motion cannot be continued is marked as failed.
     """
     status = settled["status"].values.flatten()  # a copy
     message = settled["message"].values.ravel().tolist()
@@ -262,7 +260,7 @@ def _followed_on(
 
 
 def _jobs(settled: xr.Dataset, numbers: npt.NDArray[np.intp]) -> Iterator[tuple[Rotor, State]]:
-    """Yield rotor and end, on the rotating axes, of the points with these numbers."""
+    """Yield rotor and final state, on the rotating axes, of the points with these numbers."""
     status = settled["status"]
     of = {
         name: settled[name].broadcast_like(status).transpose(*status.dims).values.ravel()
@@ -279,7 +277,7 @@ def _jobs(settled: xr.Dataset, numbers: npt.NDArray[np.intp]) -> Iterator[tuple[
 def _attempt(
     job: tuple[Rotor, State], stop: Stop, *, work: Callable[..., Result]
 ) -> Result | FailedJob:
-    """Return what is found of one motion, or why it cannot be followed."""
+    """Return the result for one motion, or the reason why it cannot be continued."""
     rotor, start = job
     if stop[0]:
         return FailedJob("given up")
@@ -292,7 +290,7 @@ def _attempt(
 def _with_extrema(
     settled: xr.Dataset, window: float, options: Options, workers: Workers
 ) -> xr.Dataset:
-    """Return what is kept of a sweep with the extrema of its points from the ends of their runs."""
+    """Return the variables of a sweep with the extrema after the end of each point's run."""
     work = partial(radius_extrema, duration=window, rtol=options.step_rtol)
     after, results = _followed_on(settled, work, workers)
     extrema = [each or NO_EXTREMA for each in results]
@@ -323,22 +321,21 @@ def _extremum_table(
 
 @dataclass(frozen=True, slots=True)
 class SpeedBand:
-    """What a run-up does near one speed: up to the middles between it and its neighbours.
+    """The motion of a run-up near one speed: up to halfway to its neighbours.
 
     Parameters
     ----------
     speed : float
         The speed [1].
     speeds, radii : ndarray, shape (n,)
-        Speeds and distances from the bearing axis at the extrema [1], in order of time; where the
-        radius has none, the speed itself and the radius there.
+        Speeds and distances from the bearing axis at the extrema [1], in order of time; without
+        extrema, the speed itself and the radius there.
     kinds : ndarray of int8, shape (n,)
         -1 minimum, 1 maximum, 0 where the radius has no extremum.
     smallest, largest : float
         Range of the radius [1].
     response : int
-        What the rotor does, a flag of `schema.RESPONSE`: whether it touches, and whether its radius
-        swings.
+        A flag of `schema.RESPONSE`: whether the rotor touches, and whether its radius oscillates.
     """
 
     speed: float = np.nan
@@ -353,10 +350,10 @@ class SpeedBand:
 def ramp_extrema(
     rotor: Rotor, start: State, speeds: Values, rate: float, rtol: float, stop: Stop
 ) -> list[SpeedBand]:
-    """Return what a run from the first of some speeds to the last does near each.
+    """Return the motion near each speed of a run from the first speed to the last.
 
-    The speeds rise or fall, and `rotor` has the first of them. SimulationError if the integration
-    was stuck, or asked to stop.
+    The speeds increase or decrease, and `rotor` has the first. Raise `SimulationError` if the
+    integration is stuck, or stopped.
     """
     way = 1.0 if speeds[-1] > speeds[0] else -1.0
     middles = 0.5 * (speeds[1:] + speeds[:-1])
@@ -390,7 +387,7 @@ def ramp_extrema(
 
 
 def _classified(band: SpeedBand, radius: float, beside: Values, delta0: float) -> SpeedBand:
-    """Return a band of speeds with what the rotor does in it, less extrema that only tremble.
+    """Return a band of speeds with its response, without extrema of negligible oscillations.
 
     `radius` is that at its speed, and `beside` are those at its ends too.
     """
@@ -419,8 +416,7 @@ def _joined(
 ) -> xr.Dataset:
     """Return the diagram of runs in each direction, speeds first and directions last.
 
-    Of each direction there is the sweep of the first speed, and the bands of each of its points, by
-    the speed.
+    Each direction has the sweep of its first speed, and for each of its points the bands by speed.
     """
     first = runs[0][0]
     shape = (speeds.size, *first["status"].shape[1:], len(directions))

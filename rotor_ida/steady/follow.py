@@ -53,43 +53,43 @@ from rotor_ida.steady.response import (
 FAILED = "failed"
 # A transient that decays like exp(-zeta t) has fallen by 4e-11 after this many 1/zeta.
 DECAY_TIMES = 24.0
-# The first wait is no longer, however slight the damping: later ones double.
+# Longest first wait, however slight the damping; later waits double.
 LONGEST_FIRST_WAIT = 2000.0
-# No window begins later, unless it is the first. Until then a damping of 0.001 settles.
+# No window but the first begins later. By then a motion with damping 0.001 has settled.
 LONGEST = 40_000.0
-# Errors of single contacts add up round a cycle, and the smallest radius may be a small part of
-# the motion. So runs are made with this part of the tolerances given.
+# Errors of single contacts add up round a cycle, and the smallest radius may be a small fraction of
+# the motion. So runs use this fraction of the given tolerances.
 TIGHTER = 0.1
-# A tighter tolerance is used as it is: a tenth of it would be near the tightest that solvers take.
+# A tighter tolerance is used as it is: a tenth of it would be near the limit of the solvers.
 TIGHTENED_FROM = 1e-11
-# The first window holds whole revolutions, so many at least,
+# The first window contains at least this many whole revolutions,
 WINDOW_REVOLUTIONS = 4
-# and so much time at least: four revolutions of a fast rotor are soon over.
+# and lasts at least this long: four revolutions of a fast rotor are too short.
 WINDOW_TIME = 40.0
-# Windows double up to so many times the first, for periods of many revolutions.
+# Windows double up to this multiple of the first, for periods of many revolutions.
 LONGEST_WINDOW = 8
 # Samples of a window, whose mean is the whirl; the run itself finds the extrema between them.
 SAMPLES_PER_REVOLUTION = 64
 SAMPLES_PER_TIME = 16
-# With a loose tolerance a motion is steady that varies by so many tolerances.
+# With a loose tolerance a motion that varies by this many tolerances is steady.
 STEADY_TOLERANCES = 10.0
-# A motion recurs that misses itself by so many times what is steady: it may be that far on either
-# side of its cycle.
+# A motion recurs if it misses itself by at most this multiple of the tolerance for steady motion:
+# it may be that far on either side of its cycle.
 RECURS = 10.0
-# Chaos may be a transient: exponents are asked for only of a motion that has not settled after
-# this time, and so many 1/zeta, in which what decays like exp(-zeta t) has fallen by 2e-9.
+# Chaos may be a transient: exponents are computed only for a motion that has not settled after
+# this time, and this many 1/zeta, in which exp(-zeta t) has fallen to 2e-9.
 LATE = 3000.0
 PATIENCE = 20.0
-# An exponent is a mean over this time at least, and over so many times what came before.
+# An exponent is a mean over at least this time, and at least this multiple of the earlier time.
 EXPONENT_TIME = 20_000.0
 EXPONENT_TIMES = 2.0
-# An exponent is clear of zero when it exceeds so many errors,
+# An exponent is nonzero when it exceeds this many errors,
 CLEAR_ERRORS = 5.0
-# and when by it neighbours part by exp(20), 5e8, in the time over which it was taken.
+# and when neighbours diverge by exp(20), 5e8, in the averaging time.
 CLEAR_STRETCH = 20.0
-# It is zero when by it they neither part nor come together by 1 % in that time, and chaos that is
-# clear would have been seen. The errors are of the scatter of parts; the mean of the whole of a
-# torus is far better.
+# It is zero when neighbours neither diverge nor converge by 1 % in that time, in which clear chaos
+# would have shown. The errors are those of the scatter of parts; on a torus the mean over all parts
+# is far better.
 NO_STRETCH = 0.01
 
 _NO_TIMES = np.empty(0)
@@ -114,7 +114,7 @@ class SettledResponse:
     end : tuple of float
         State at the end, on the rotating axes [1].
     message : str
-        Why the run failed; empty if it did not.
+        The reason of a failure; empty if there was none.
     """
 
     response: str
@@ -132,7 +132,7 @@ class SettledResponse:
 class _Trajectory:
     """The runs made so far, each from the end of the one before, on the rotating axes.
 
-    Under a load each takes whole revolutions, after which the axes point as they did.
+    Under a load each takes whole revolutions, which bring the axes back to where they were.
     """
 
     rotor: Rotor
@@ -148,11 +148,11 @@ class _Trajectory:
     event_states: list[Values] = field(default_factory=lambda: [np.empty((0, 4))])
 
     def wait(self, duration: float) -> None:
-        """Simulate on from the end of the run before."""
+        """Continue the simulation from the end of the last run."""
         self._extend(duration, _NO_TIMES)
 
     def observe(self, length: float, samples: int) -> Window:
-        """Simulate on, and return what the motion does meanwhile."""
+        """Continue the simulation, and return the motion as a window."""
         times = np.linspace(0.0, length, samples)
         orbit = self._extend(length, times, extrema=True)
         self.extrema = orbit.extrema
@@ -169,12 +169,12 @@ class _Trajectory:
         )
 
     def turns(self, window: Window) -> TurningPoints:
-        """Return where the radius turns in the last window."""
+        """Return the turning points of the radius in the last window."""
         assert self.extrema is not None
         return turning_points(window.states, self.extrema)
 
     def _extend(self, duration: float, times: Values, *, extrema: bool = False) -> Orbit:
-        """Simulate from the end of the run before, where time and phase count as 0 again."""
+        """Simulate from the end of the last run, with time and phase starting from 0 again."""
         scale = TIGHTER if self.options.rtol >= TIGHTENED_FROM else 1.0
         orbit = run(
             self.rotor, self.state, duration, times, self.options,
@@ -208,16 +208,16 @@ class _Trajectory:
 
 @dataclass(slots=True)
 class _Approach:
-    """How near a motion has come to its cycle, from window to window.
+    """The distance of a motion from its cycle, from window to window.
 
     Parameters
     ----------
     recurs : bool
-        Whether it repeated itself in the last window.
+        Whether the motion repeated itself in the last window.
     distance : float
-        How far it was from its cycle at the end of that, relative to its size [1].
+        Its distance from its cycle at the end of that window, relative to its size [1].
     time : float
-        When that was [1].
+        The time of that end [1].
     """
 
     recurs: bool = False
@@ -225,7 +225,7 @@ class _Approach:
     time: float = 0.0
 
     def period(self, trajectory: _Trajectory, window: Window, turns: TurningPoints) -> float | None:
-        """Return the period of a motion that has come to a stable cycle; None for others."""
+        """Return the period of a motion that has reached a stable cycle; None for others."""
         loaded = window.rotor.load > 0.0
         repeats = (_by_revolutions if loaded else _by_turns)(window, turns)
         self.recurs = repeats is not None
@@ -236,11 +236,11 @@ class _Approach:
             trajectory.rotor, trajectory.state, repeats.period, trajectory.stop
         )
         decay = abs(multiplier) ** ((trajectory.time - self.time) / repeats.period)
-        # under a load there is no partner that tells which of the others is nearest 1
+        # under a load no paired multiplier shows which of the others is nearest 1
         held_back = 1.0 - abs(multiplier) if loaded else abs(1.0 - multiplier)
         distance = repeats.missed_by / max(held_back, ROUNDING)
         if math.isfinite(self.distance):
-            # rounding lets no motion miss itself by less, however near it has come
+            # because of rounding no motion misses itself by less, however near it is
             distance = min(distance, decay * self.distance)
         self.distance, self.time = distance, trajectory.time
         settled = abs(multiplier) < 1.0 and distance <= window.steady
@@ -270,10 +270,10 @@ def follow_to_steady_state(
     longest: float = LONGEST,
     stop: Stop | None = None,
 ) -> SettledResponse:
-    """Follow a rotor until the kind of its response is decided, or for long enough.
+    """Follow a rotor until the kind of its response is decided, or up to a time limit.
 
     The motion is observed over a window: first after the time in which damping should have
-    settled it, then each time the time has doubled.
+    settled it, then whenever the time has doubled.
 
     Parameters
     ----------
@@ -284,9 +284,9 @@ def follow_to_steady_state(
     options : Options
         How to simulate.
     longest : float
-        Time after which no further window begins [1].
+        Time after which no new window begins [1].
     stop : ndarray, shape (1,), optional
-        Ends the run, as failed, as soon as it holds anything but 0.
+        Ends the run, as failed, as soon as it is not 0.
     """
     trajectory = _Trajectory(rotor, options, start, np.zeros(1, np.uint8) if stop is None else stop)
     try:
@@ -311,7 +311,7 @@ def _decided(trajectory: _Trajectory, longest: float) -> SettledResponse:
 
 
 def _kind_of(window: Window, trajectory: _Trajectory, approach: _Approach) -> tuple[str, Features]:
-    """Return the kind of response seen in a window, and what is stated of it."""
+    """Return the kind of response in a window, and its features."""
     rotor = window.rotor
     if rotor.load > 0.0 and rotor.omega == 0.0:
         return kind_at_rest(window), _features(window)
@@ -336,17 +336,17 @@ def _kind_of(window: Window, trajectory: _Trajectory, approach: _Approach) -> tu
 
 
 def _kind_of_cycle(window: Window, period: float) -> str:
-    """Return the kind of a motion that has come to a cycle."""
+    """Return the kind of a motion that has reached a cycle."""
     if rolls_backwards(window, period):
         return ROLLING
     if window.touches:
         return BOUNCING
-    # one that stays free may come so near the ring that its bounds in `stays_free` reach beyond
+    # a contact-free one may pass so near the stator that its bounds in `stays_free` exceed it
     return FULL_CONTACT if window.ends_in_contact else CONTACT_FREE
 
 
 def _features_of_cycle(window: Window, turns: TurningPoints, period: float) -> Features:
-    """Return what is stated of a motion that has come to a cycle."""
+    """Return the features of a motion that has reached a cycle."""
     if window.rotor.load > 0.0:
         features = _features(*_last_of(window, turns, period))
     else:
@@ -357,7 +357,7 @@ def _features_of_cycle(window: Window, turns: TurningPoints, period: float) -> F
 
 
 def _features(window: Window, turns: TurningPoints | None = None) -> Features:
-    """Return what is stated of any motion over a window."""
+    """Return the features of any motion over a window."""
     radii = np.abs(window.positions)
     if turns is not None:
         radii = np.concatenate([radii, turns.radii])
@@ -366,7 +366,7 @@ def _features(window: Window, turns: TurningPoints | None = None) -> Features:
 
 
 def _last_of(window: Window, turns: TurningPoints, period: float) -> tuple[Window, TurningPoints]:
-    """Return the last period of a window, of whole revolutions, and the turns in it."""
+    """Return the last period of a window, in whole revolutions, and its turning points."""
     since = float(window.times[-1]) - period - SAME_TURN
     late, turned = window.times >= since, turns.times >= since
     return (
@@ -376,20 +376,20 @@ def _last_of(window: Window, turns: TurningPoints, period: float) -> tuple[Windo
 
 
 def _may_be_chaotic(trajectory: _Trajectory) -> bool:
-    """Return whether a motion that has not settled so late may never."""
+    """Return whether a motion that has not settled yet may never settle."""
     rotor, time = trajectory.rotor, trajectory.time
     return rotor.omega > 0.0 and time >= LATE and rotor.zeta * time >= PATIENCE
 
 
 def _kind_by_exponent(trajectory: _Trajectory) -> tuple[str, float, float]:
-    """Return the kind of a motion that never comes again, its largest exponent, and its error."""
+    """Return the kind of a motion that never repeats, its largest exponent, and its error."""
     rotor = trajectory.rotor
     duration = max(EXPONENT_TIME, EXPONENT_TIMES * trajectory.time)
     exponents, errors = exponents_of(rotor, trajectory.state, duration, trajectory.stop)
     exponent, error = float(exponents[0]), float(errors[0])
     if exponent > CLEAR_ERRORS * error and exponent * duration > CLEAR_STRETCH:
         return CHAOTIC, exponent, error
-    # without a load that of a shift in time is zero on any motion, and on a torus one more is
+    # without a load the exponent of a shift in time is zero, and on a torus one more
     zeros = slice(0, 1 if rotor.load > 0.0 else 2)
     are_zero = (np.abs(exponents[zeros]) * duration <= NO_STRETCH) & (
         errors[zeros] * duration <= CLEAR_STRETCH
@@ -407,11 +407,11 @@ def failed(rotor: Rotor, start: State, options: Options, reason: str) -> Settled
 def durations(rotor: Rotor) -> tuple[float, float, int]:
     """Return the first wait, the length of the window and its number of samples.
 
-    The window holds whole revolutions, and under a load the wait does too.
+    The window is a whole number of revolutions, and so is the wait under a load.
     """
     zeta, kappa = rotor.zeta, rotor.shaft_stiffness
     decay = DECAY_TIMES * max(1.0 / zeta, zeta) if zeta > 0.0 else math.inf
-    if 0.0 < kappa < zeta * zeta:  # in flight what the shaft draws back comes slowly
+    if 0.0 < kappa < zeta * zeta:  # overdamped: a weak shaft returns the rotor slowly in flight
         decay = max(decay, DECAY_TIMES * (zeta + math.sqrt(zeta * zeta - kappa)) / kappa)
     wait = min(decay, LONGEST_FIRST_WAIT)
     if rotor.omega == 0.0:

@@ -1,7 +1,7 @@
-"""A study on a grid: its jobs, done by whatever executor and kept as they end, and their columns.
+"""A study on a grid: run its jobs with any executor, store results as they end, collect columns.
 
-A sweep is one, many run-ups are another. Each job is of one or more points of the grid, and its
-result becomes rows of tables: one row for each point, and for each event on the way to it.
+Sweeps and run-ups are studies. Each job covers one or more points of the grid, and its result
+becomes rows of tables: one for each point, and one for each event on the way to it.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Table = npt.NDArray[np.void]
 Places = npt.NDArray[np.int64]
 Job_co = TypeVar("Job_co", covariant=True)
 
-# What solver, physics and memory raise of a point; anything else is a fault of the program's own.
+# Errors of solver, physics and memory at a point; any other error is a fault of the program.
 EXPECTED = (SimulationError, ArithmeticError, MemoryError)
 # A failure of the surroundings, not of the point: another attempt may succeed.
 PASSING = "MemoryError"
@@ -41,7 +41,7 @@ NO_COLUMNS = np.dtype([])
 
 
 def reason_of(error: Exception) -> str:
-    """Return what a message says of an error that was `EXPECTED`."""
+    """Return the message for an error that was `EXPECTED`."""
     if isinstance(error, SimulationError):
         return str(error)
     return f"{type(error).__name__}: {error}".rstrip(": ")
@@ -56,7 +56,7 @@ class Grid:
     rotors : Rotors
         The rotors, whose parameters are the first axes.
     axes : mapping of str to ndarray
-        The axes behind these in their order: the numbers of the starts, ``start``, and more [1].
+        The axes after these, in order: the numbers of the starts, ``start``, and more [1].
     starts : sequence of tuple of float
         The starts ``(x, y, vx, vy)`` [1].
     """
@@ -95,7 +95,7 @@ class Grid:
         return self.rotors.rotor(place[: len(self.rotors.dims)])
 
     def check_size(self, study: object) -> None:
-        """Refuse more points than memory, or the folder of a study, has room for."""
+        """Raise `InputError` for more points than fit into memory, or into a study folder."""
         most = MOST_NUMBERS if study is None else MOST_POINTS_OF_STUDY
         check_points(self.rotors, *self.axes.values(), most=most)
 
@@ -114,11 +114,11 @@ class Rows:
     Parameters
     ----------
     points : structured array, shape (n,)
-        What is kept of each point, its ``status`` and ``event_count`` among it.
+        The result of each point, including ``status`` and ``event_count``.
     messages : list of str
-        Why each failed; empty if it did not.
+        The reason why each failed; empty if it did not.
     events : structured array, shape (m,), optional
-        The events of one point after those of the other.
+        The events, point after point.
     """
 
     points: Table
@@ -141,26 +141,26 @@ class Plan(Protocol[Job_co]):
         """Return what a worker needs to do a job."""
 
     def places(self, number: int) -> Places:
-        """Return where the points of a job stand among all, in the order of the dimensions."""
+        """Return the positions of a job's points among all, in the order of the dimensions."""
 
     def slowest_first(self) -> Places:
-        """Return the numbers of the jobs in an order that leaves no long one to the end."""
+        """Return the numbers of the jobs, the longest ones first."""
 
 
 @dataclass(frozen=True, slots=True)
 class Task(Generic[Job, Result]):
-    """What is done of each job, and kept of it.
+    """How each job is done, and how its result is stored.
 
     Parameters
     ----------
     work : callable
-        Does a job; a function of a module, as processes need.
+        Does a job; a function of a module, as processes require.
     lost : callable
-        Returns what stands for a job whose workers died, and why they did.
+        Returns the result of a job whose workers died, with the reason.
     rows : callable
         Returns a result as rows.
     form : Form
-        How rows become arrays of a study and come back.
+        How rows are converted to arrays of a study and back.
     point, event : dtype
         The columns of a point, and of an event.
     """
@@ -174,7 +174,7 @@ class Task(Generic[Job, Result]):
 
 
 class Columns(NamedTuple):
-    """What a study has found: columns with a number for each point, and for each event."""
+    """The results of a study: columns with a number for each point, and for each event."""
 
     points: dict[str, Array]
     events: dict[str, Array]
@@ -183,9 +183,9 @@ class Columns(NamedTuple):
 def form_of(
     word: str, table: str, point: np.dtype[np.void], event: np.dtype[np.void] = NO_COLUMNS
 ) -> Form[Rows]:
-    """Return how rows are kept: one table of points, and one of events if there are such columns.
+    """Return how rows are stored: one table of points, and one of events if there are any columns.
 
-    A table has one header; arrays of their own would have one each.
+    A table has one header; separate arrays would have one each.
     """
     names, of_events = list(point.names or ()), list(event.names or ())
     return Form(
@@ -211,9 +211,9 @@ def run_study(
     workers: Workers,
     progress: Progress | None,
 ) -> Columns:
-    """Do the jobs of a study that are not kept yet, and return the columns of all.
+    """Do the jobs of a study that are not stored yet, and return the columns of all.
 
-    `design` is all that decides on the bits: a study with another one is refused.
+    `design` is everything that determines the bits: a study with another design is refused.
     """
     with open_results(study, design, plan.grid.points, task.form) as kept:
         _do_jobs(plan, task, kept, workers, progress)
@@ -229,7 +229,7 @@ def _do_jobs(
     workers: Workers,
     progress: Progress | None,
 ) -> None:
-    """Do the jobs that are not kept yet, and keep each as it ends."""
+    """Do the jobs that are not stored yet, and store each as it ends."""
     points = plan.grid.points
     if progress is not None and kept.points_done:
         progress(kept.points_done, points)
@@ -240,7 +240,7 @@ def _do_jobs(
     postponed = 0
     count = workers.number and min(
         workers.number, len(due)
-    )  # the cluster at an address has its own
+    )  # the cluster at an address has its own workers
     with closing(run_all(task.work, jobs, workers=count, executor=workers.executor)) as ended:
         for turn, result in ended:
             number = due[turn]
@@ -253,7 +253,7 @@ def _do_jobs(
             failures = np.flatnonzero(rows.points["status"] == STATUS["failed"]).tolist()
             reasons = [rows.messages[place] for place in failures]
             if died or any(reason.startswith(PASSING) for reason in reasons):
-                kept.hold(number, rows)  # another time it may be done
+                kept.hold(number, rows)  # a later run may succeed
                 postponed += plan.length
             else:
                 first = reasons[0] if reasons else ""

@@ -1,13 +1,13 @@
-"""The period of a motion that repeats itself, and how near the motion has come to its cycle.
+"""The period of a motion that repeats itself, and the distance of the motion from its cycle.
 
-The states at which the radius is largest are a Poincare section of the motion on the rotating axes.
-The motion is periodic when they come again in the same order; its period is the time that this
-takes. How near it has come is told by how far it misses itself after one period: a slow transient
-misses itself by little while it is still far off, by its distance times ``1 - mu``, mu the cycle's
-multiplier. So mu is computed too, by Taylor series; it decides when to stop, and no number that is
-stated rests on it.
+The states of largest radius are a Poincare section of the motion on the rotating axes. The motion
+is periodic when they recur in the same order; its period is the time that this takes. The distance
+follows from the difference of states one period apart. That difference is the distance times
+``1 - mu``, with mu the cycle's multiplier, so that it is small on a slow transient far from the
+cycle. So mu is computed too, by Taylor series; it decides when to stop, and no reported number
+depends on it.
 
-A load turns on these axes, once a revolution: under one a motion can only come again after whole
+A load rotates on these axes once a revolution: under a load a motion can only repeat after whole
 revolutions. There the section is stroboscopic, the states once a revolution, and the period a
 whole number of revolutions.
 """
@@ -30,13 +30,13 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.neighbours import ATOL
 from rotor_ida.steady.response import STEADY
 
-# The window must hold the period so many times: what came back once may have done so by chance.
+# Smallest number of periods in the window: a single recurrence may be chance.
 FEWEST_PERIODS = 3
-# A radius that swings no more than this many times what a state misses by may be a spiral inwards.
+# If the radius varies by at most this multiple of the states' miss, it may be a spiral inwards.
 CLEAR_SWING = 1e6
-# Tolerance of the multiplier, which decides when to stop and is stated nowhere.
+# Tolerance of the multiplier, which decides when to stop and is not reported.
 MULTIPLIER_RTOL = 1e-12
-# Times of turns that differ by less are one: rounding moves none so far, and two lie farther apart.
+# Turning points closer in time are the same: rounding shifts them less, and two lie farther apart.
 SAME_TURN = 1e-6
 
 
@@ -65,9 +65,9 @@ class TurningPoints:
 
 
 def turning_points(states: Values, extrema: Rows) -> TurningPoints:
-    """Return the extrema of the radius, as of an `Orbit`, as turning points.
+    """Return the extrema of the radius, as in an `Orbit`, as turning points.
 
-    Where the samples, shape (n, 4), of the window say that the radius is steady they are noise, and
+    Where the samples of the window, shape (n, 4), show a steady radius, extrema are noise and are
     left out.
     """
     radii = np.hypot(states[:, 0], states[:, 1])
@@ -82,7 +82,7 @@ class Recurrence:
     Parameters
     ----------
     period : float
-        Time after which it does [1].
+        Time after which it repeats [1].
     missed_by : float
         Largest difference of two states a period apart, in the last two periods, relative to the
         largest state [1].
@@ -93,7 +93,7 @@ class Recurrence:
 
 
 def recurrence(turns: TurningPoints, tolerance: float) -> Recurrence | None:
-    """Return how the motion repeats itself all over the window; None if it does not.
+    """Return how the motion repeats itself throughout the window; None if it does not.
 
     Two states a period apart may differ by `tolerance`, relative to the largest state.
     """
@@ -116,18 +116,18 @@ def recurrence(turns: TurningPoints, tolerance: float) -> Recurrence | None:
 def recurrence_by_revolutions(
     states: Values, revolution: float, size: float, tolerance: float
 ) -> Recurrence | None:
-    """Return after how many revolutions a motion comes again all over the window, if it does.
+    """Return after how many revolutions a motion repeats throughout the window, if it does.
 
     Parameters
     ----------
     states : ndarray, shape (n, 4)
         The states once a revolution [1].
     revolution : float
-        How long one takes [1].
+        Duration of a revolution [1].
     size : float
         The largest state of the motion [1].
     tolerance : float
-        By how much two states a period apart may differ, relative to that.
+        Allowed difference of two states a period apart, relative to `size`.
     """
     for count in range(1, (len(states) - 1) // FEWEST_PERIODS + 1):
         allowed = tolerance * size
@@ -148,20 +148,20 @@ def extreme_radii(turns: TurningPoints, period: float) -> tuple[float, float]:
 
 
 def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) -> complex:
-    """Return the multiplier, besides the trivial one, by which neighbours come back slowest.
+    """Return the nontrivial multiplier with which neighbours return most slowly.
 
-    Under a load, where `state` is that at the start of a revolution, none is trivial.
+    Under a load, with `state` at the start of a revolution, no multiplier is trivial.
 
     Raises
     ------
     SimulationError
-        If the cycle could not be followed, or was asked to stop.
+        If the integration fails or is stopped.
 
     Notes
     -----
     Damping is uniform, so the multipliers are 1, ``q = exp(-2 zeta period)``, mu and ``q/mu``:
     the sum of all four, the trace of the monodromy matrix, gives mu. With contact damping or
-    friction they come in no pairs.
+    friction there are no such pairs.
 
     References
     ----------
@@ -177,7 +177,7 @@ def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) ->
     )  # fmt: skip
     if seen.status != DONE:
         raise SimulationError(
-            f"a cycle could not be followed round: {message_of(seen.status)}", time=0.0, state=state
+            f"a cycle could not be followed: {message_of(seen.status)}", time=0.0, state=state
         )
     if rotor.load > 0.0:
         multipliers = np.linalg.eigvals(bundle)

@@ -1,23 +1,23 @@
-"""Kinds of response, and those of them that a single window of the motion tells.
+"""Kinds of response, and tests for those that a single window of the motion decides.
 
 ========================= ==========================================================
-``contact_free``          whirls inside the clearance and will not touch the ring again
+``contact_free``          whirls inside the clearance and will not touch the stator again
 ``synchronous``           whirls in contact with the unbalance, at constant radius
 ``bouncing``              is periodic, and enters and leaves contact (intermittent rub)
 ``full_contact``          is periodic, always in contact, radius not constant (full annular rub)
-``rolling``               whirls backwards, always in contact, and rolls on the ring in every period
-                          (dry whip)
+``rolling``               whirls backwards, always in contact, and rolls on the stator in every
+                          period (dry whip)
 ``touching``              is contact-free in the limit, through ever slighter touches
-``quasi_periodic``        never comes again, and neighbouring motions keep apart as they are
-``chaotic``               is not periodic, and neighbouring motions part
-``unresolved``            none of these, as far as it was followed
+``quasi_periodic``        never repeats, and neighbouring motions keep their distance
+``chaotic``               is not periodic, and neighbouring motions diverge
+``unresolved``            none of these within the simulated time
 ========================= ==========================================================
 
-Periods are those on the rotating axes, where a synchronous whirl stands still. Under a load they
-are whole revolutions, and the same on fixed axes. A cycle on the rotating axes whose own period is
-none becomes a torus under a slight load: quasi-periodic, and so it is on fixed axes without one. A
-rotor that does not turn comes to rest under its load: on the ring, which counts as synchronous, or
-inside the clearance, contact-free; where friction holds it, it may rest at other places.
+Periods are those on the rotating axes, where a synchronous whirl is stationary. Under a load they
+are whole revolutions, and the same on fixed axes. A cycle on the rotating axes whose period is not
+a whole number of revolutions is quasi-periodic on fixed axes, and a slight load makes it a torus.
+A rotor at speed 0 comes to rest under its load: on the stator, which counts as synchronous, or
+inside the clearance, contact-free. With friction it may rest at other places.
 """
 
 from __future__ import annotations
@@ -45,21 +45,20 @@ QUASI_PERIODIC = "quasi_periodic"
 CHAOTIC = "chaotic"
 UNRESOLVED = "unresolved"
 
-# A motion is steady that varies, or is off its whirl or its cycle, by less than this part of its
-# size: ten times the default tolerance.
+# A motion is steady if it varies, or is off its whirl or its cycle, by less than this fraction of
+# its size: ten times the default tolerance.
 STEADY = 1e-9
-# A whirl is one that the equation of motion allows when what is left over of its terms is less
-# than this part of the largest; close to a fold the rotor creeps at nearly constant radius where
-# there is no whirl.
+# A whirl satisfies the equation of motion when the residual is less than this fraction of the
+# largest term; close to a fold the rotor creeps at nearly constant radius where there is no whirl.
 RESIDUAL = 1e-6
-# A window holds a period, but for rounding, that fits into it to this part of the period.
+# A period fits into a window, up to rounding, if it does to within this fraction of the period.
 SAME_LENGTH = 1e-6
-# Fewer touches in a window tell no law.
+# Fewer touches in a window do not establish the law.
 FEWEST_TOUCHES = 3
-# Near the limit the whirl stands still: a touch comes a revolution after the last, to this part.
+# Near the limit the whirl is stationary: touches are one revolution apart, to this fraction.
 ONCE_A_REVOLUTION = 0.01
-# And 1/h grows by what the law says, to this part of it. The law is to leading order in h: after
-# 24/zeta, over speeds from 0.15 to 3 and dampings from 0.07 to 0.5, no touch missed it by over 8 %.
+# And 1/h grows by the law to within this fraction. The law is of leading order in h: after 24/zeta,
+# over speeds from 0.15 to 3 and dampings from 0.07 to 0.5, no touch missed it by over 8 %.
 LIKE_THE_LAW = 0.1
 
 
@@ -82,11 +81,10 @@ class Window:
     ends_in_contact : bool
         Whether it ends in contact.
     steady : float
-        By how much, as a part of its amplitude, a whirl may stray from its mean and still count
-        as steady [1].
+        Largest deviation from the mean, relative to the amplitude, of a whirl that counts as
+        steady [1].
     rolling : ndarray, shape (m, 2)
-        When the disc began to roll on the ring, and no longer did, from the start of the window
-        [1].
+        When the disc began and ceased to roll on the stator, from the start of the window [1].
     """
 
     rotor: Rotor
@@ -117,7 +115,7 @@ class Window:
 
 @dataclass(frozen=True, slots=True)
 class Features:
-    """What a sweep states of a motion; NaN where it has no such number.
+    """The features of a motion that a sweep reports; NaN where one does not exist.
 
     Parameters
     ----------
@@ -126,10 +124,10 @@ class Features:
     radius_min, radius_max : float
         Smallest and largest distance from the bearing axis [1].
     period : float
-        Period on the rotating axes, of a bouncing or a full-contact motion [1]; under a load a
+        Period on the rotating axes of a bouncing or full-contact motion [1]; under a load a
         whole number of revolutions.
     lyapunov_exponent, lyapunov_error : float
-        Largest Lyapunov exponent and its standard error, where they were asked for [1].
+        Largest Lyapunov exponent and its standard error, where computed [1].
     """
 
     amplitude: float = math.nan
@@ -153,7 +151,7 @@ def whirls_steadily(window: Window) -> bool:
 def _obeys_the_equation(rotor: Rotor, whirl: complex, steady: float) -> bool:
     """Return whether ``(s (1 + i mu) + kappa - omega**2 + 2 i zeta omega) Z = omega**2``.
 
-    The disc slides forwards: so friction pulls it back.
+    The disc slides forwards, so friction pulls it back.
     """
     omega = rotor.omega
     secant = float(secant_stiffness(abs(whirl), rotor.delta0, rotor.contact_exponent))
@@ -163,7 +161,7 @@ def _obeys_the_equation(rotor: Rotor, whirl: complex, steady: float) -> bool:
 
 
 def stays_free(window: Window) -> bool:
-    """Return whether it has left the ring for good, or has come to rest at the centre."""
+    """Return whether it has left the stator for good, or has come to rest at the centre."""
     rotor = window.rotor
     if rotor.omega == 0.0 and float(np.abs(window.positions).max()) <= window.steady:
         return True
@@ -177,8 +175,8 @@ def stays_free(window: Window) -> bool:
 def rolls_backwards(window: Window, period: float | None = None) -> bool:
     """Return whether it is a dry whip.
 
-    It whirls backwards, stays in contact, and has a stretch of rolling in every period, or in every
-    revolution where it has none.
+    It whirls backwards, stays in contact, and rolls at some time in every period, or in every
+    revolution if it has no period.
     """
     rotor = window.rotor
     if not len(window.rolling) or window.touches or rotor.omega == 0.0:
@@ -195,9 +193,9 @@ def rolls_backwards(window: Window, period: float | None = None) -> bool:
 
 
 def _future_if_free(rotor: Rotor, position: complex, velocity: complex) -> tuple[float, float]:
-    """Return how far a free whirl's centre would still drift, and how far out it would go.
+    """Return how far a free whirl's centre would still drift, and its largest radius.
 
-    With a shaft the energy of what is not yet settled only falls: by that both are bounded. Under a
+    With a shaft the energy of the transient only decreases, which bounds both. Under a
     load the axes must point along the fixed ones; without a shaft the rotor falls.
     """
     omega, zeta = rotor.omega, rotor.zeta
@@ -223,8 +221,8 @@ def _future_if_free(rotor: Rotor, position: complex, velocity: complex) -> tuple
 def touches_fade(window: Window) -> bool:
     """Return whether ever slighter touches follow the law of `touch_fading`.
 
-    Near its limit the whirl stands so still that it touches once a revolution, neither more nor
-    less. A motion that touches more or less often is not near it, and is not decided here.
+    Near its limit the whirl is so nearly stationary that it touches exactly once a revolution. A
+    motion that touches more or less often is not near it, and is not decided here.
     """
     growth = _growth_from_touch_to_touch(window)
     rotor = window.rotor
@@ -234,18 +232,18 @@ def touches_fade(window: Window) -> bool:
 
 
 def touches_grow_slighter(window: Window) -> bool:
-    """Return whether each touch is slighter than the last, a revolution later, by whatever law.
+    """Return whether each touch is slighter than the last, a revolution later, by any law.
 
-    A motion that does so over a whole window is on its way to touches that fade, and no chaos.
+    Such a motion over a whole window approaches fading touches, and is not chaotic.
     """
     growth = _growth_from_touch_to_touch(window)
     return growth is not None and bool((growth > 0.0).all())
 
 
 def _growth_from_touch_to_touch(window: Window) -> Values | None:
-    """Return by how much 1/h grows, h the indentation; None unless it touches once a revolution.
+    """Return the growth of 1/h, h the indentation; None unless it touches once a revolution.
 
-    With a linear contact that is ``1/sqrt(h)``.
+    With a linear contact it is the growth of ``1/sqrt(h)``.
     """
     contacts = window.contacts
     entry, leaving, depth = (contacts[name] for name in ("entry", "exit", "peak_indentation"))
@@ -260,7 +258,7 @@ def _growth_from_touch_to_touch(window: Window) -> Values | None:
 
 
 def kind_at_rest(window: Window) -> str:
-    """Return the kind of a rotor that does not turn, under a load: at rest, or unresolved."""
+    """Return the kind of a rotor at speed 0 under a load: at rest, or unresolved."""
     if window.rotor.friction > 0.0:
         return _kind_held_by_friction(window)
     place = rest(window.rotor)
@@ -272,14 +270,14 @@ def kind_at_rest(window: Window) -> str:
 
 
 def _kind_held_by_friction(window: Window) -> str:
-    """Return the kind of a rotor at rest, if it is, where friction may hold it off the bottom."""
+    """Return the kind of a rotor that friction may keep at rest away from the bottom."""
     rotor, place = window.rotor, complex(window.positions[-1])
     off = np.abs(window.states - np.array([place.real, place.imag, 0.0, 0.0])).max()
     if off > window.steady * abs(place):
         return UNRESOLVED
     radius = abs(place)
     normal = float(contact_force(radius, rotor.delta0, rotor.contact_exponent))
-    # what is left to the contact of load and shaft, along the radius and across it
+    # the force of load and shaft on the contact, along the radius and across it
     pull = (-1j * rotor.load - rotor.shaft_stiffness * place) * place.conjugate() / radius
     allowed = RESIDUAL * rotor.load
     balanced = abs(pull.real - normal) <= allowed

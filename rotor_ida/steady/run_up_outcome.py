@@ -1,9 +1,9 @@
-"""One of many run-ups: what happens on its ramp, and on what response it ends.
+"""One of many run-ups: its events on the ramp, and its final response.
 
 run the rotor along the ramp;
-summarise it: the largest radius and force, touches and exits, and at which speeds;
-hold the last speed and follow the rotor to its steady state, as a sweep does;
-say how it has ended: off the ring, in a rub, or in dry whip.
+summarise it: the largest radius and force, touches and exits, and their speeds;
+keep the last speed and follow the rotor to its steady state, as a sweep does;
+classify its ending: contact-free, in a rub, or in dry whip.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ _NO_TIMES = np.empty(0)
 
 @dataclass(frozen=True, slots=True)
 class RunUp:
-    """A ramp of the speed, with all that a worker needs to follow a rotor along it.
+    """A ramp of the speed, with everything a worker needs to simulate it.
 
     Parameters
     ----------
     rotor : Rotor
         The rotor: its ``omega`` is the speed at time 0.
     to, rate : float
-        The speed at the end of the ramp, and its change in a unit of time [1].
+        The speed at the end of the ramp, and its change per unit time [1].
     phase : float
         Angle of the unbalance at time 0 [rad].
     start : tuple of float
@@ -59,7 +59,7 @@ class RunUp:
 
     @property
     def course(self) -> SpeedProfile:
-        """How the speed changes, from the phase of the unbalance on."""
+        """The profile of the speed, beginning at the phase of the unbalance."""
         course = ramp_of(self.rotor, self.to, self.rate)
         (ramp,) = course.spins
         assert isinstance(ramp, Ramp)
@@ -78,7 +78,7 @@ class RunUp:
 
 @dataclass(frozen=True, slots=True)
 class RampSummary:
-    """What happens on a ramp; a speed is NaN where there is no such event.
+    """The events of a ramp; the speed of an event that did not occur is NaN.
 
     Parameters
     ----------
@@ -87,12 +87,12 @@ class RampSummary:
     largest_force, largest_force_speed : float
         Largest normal force, and the speed at the largest indentation of that contact [1].
     first_touch_speed, last_exit_speed, first_roll_speed : float
-        Speeds at the first entry, that at the start for one who starts in contact; at the last
-        exit; and where the disc first rolls on the ring [1].
+        Speeds at the first entry (the first speed if the start is in contact), at the last exit,
+        and where the disc first rolls on the stator [1].
     contact_count, contact_time : float
         Number of contacts and time spent in them [1].
     total_heat, total_contact_loss : float
-        What sliding has turned into heat, and what contact damping has taken [1].
+        The heat of sliding, and the energy lost to contact damping [1].
     end_angle : float
         Angle of the unbalance at the end of the ramp [rad].
     end_x, end_y, end_vx, end_vy : float
@@ -119,20 +119,20 @@ class RampSummary:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How a run-up has ended.
+    """The ending of a run-up.
 
     Parameters
     ----------
     ending : str
         ``"contact_free"``, ``"rub"``, ``"whip"``, ``"unresolved"`` or ``"failed"``.
     response : str
-        The kind of response that it settles on at the last speed, or ``"failed"``.
+        The kind of the settled response at the last speed, or ``"failed"``.
     summary : RampSummary
-        What has happened on the ramp.
+        The events of the ramp.
     features : Features
-        The motion that it settles on.
+        The features of the settled motion.
     message : str
-        Why it failed; empty if it did not.
+        The reason of a failure; empty if there was none.
     """
 
     ending: str
@@ -158,17 +158,17 @@ def follow_run_up(run_up: RunUp, stop: Stop) -> Outcome:
 
 
 def failed(reason: str, summary: RampSummary | None = None) -> Outcome:
-    """Return a run-up that failed, with what happened until then."""
+    """Return a run-up that failed, with its summary until then."""
     return Outcome(FAILED, FAILED, summary or RampSummary(), message=reason)
 
 
 def lost(_: RunUp, reason: str) -> Outcome:
-    """Return the run-up of a rotor whose workers died."""
+    """Return a run-up whose workers died."""
     return failed(reason)
 
 
 def summary_of(orbit: Orbit, run_up: RunUp) -> RampSummary:
-    """Return what happened to a rotor on its way along a ramp."""
+    """Return the summary of a ramp."""
     omega, rotor = run_up.rotor.omega, run_up.rotor
 
     def speed_of(event: int, which: int) -> float:
@@ -218,7 +218,7 @@ def _farthest(orbit: Orbit, start: State) -> tuple[float, float]:
 
 
 def _settled(run_up: RunUp, orbit: Orbit, summary: RampSummary, stop: Stop) -> Outcome:
-    """Return what a rotor settles on at the last speed."""
+    """Return the settled outcome at the last speed."""
     rotor = replace(run_up.rotor, omega=run_up.to)
     return ending_at(rotor, orbit.end, run_up.end_angle, run_up.options, stop, summary)
 
@@ -231,7 +231,7 @@ def ending_at(
     stop: Stop,
     summary: RampSummary | None = None,
 ) -> Outcome:
-    """Return how a run-up ends: what its rotor settles on once the last speed is held.
+    """Return how a run-up ends: the settled response at the constant last speed.
 
     Parameters
     ----------
@@ -244,7 +244,7 @@ def ending_at(
     options, stop
         How to simulate.
     summary : RampSummary, optional
-        What has happened until then, for the outcome.
+        The summary of the ramp, for the outcome.
     """
     summary = summary or RampSummary()
     state = _on_rotating_axes(rotor, end, angle, options, stop)
@@ -265,9 +265,9 @@ def _on_rotating_axes(
 ) -> State:
     """Return the state at the end of a ramp, or soon after, on axes along the unbalance.
 
-    Under a load these must point along the fixed ones: the last speed is kept until they do.
+    Under a load these must point along the fixed axes: the last speed is kept until they do.
     """
-    if rotor.omega == 0.0:  # what does not turn pulls nowhere
+    if rotor.omega == 0.0:  # at rest the unbalance has no force
         angle = 0.0
     elif rotor.load > 0.0:
         time = (-angle) % math.tau / rotor.omega
@@ -285,7 +285,7 @@ def _on_rotating_axes(
 def whips(rotor: Rotor, state: State, options: Options, stop: Stop) -> bool:
     """Return whether a motion is dry whip: it whirls backwards, and stays in contact.
 
-    The disc rolls or, where the unbalance is too strong for that, slides both ways by turns.
+    The disc rolls or, if the unbalance is too strong, alternately slides both ways.
     """
     if rotor.friction == 0.0 or rotor.omega == 0.0:
         return False

@@ -1,8 +1,8 @@
-"""What a run-up comes to: where it touches, how hard, and how it ends, in a row and a sentence.
+"""Summary of a run-up: touches, largest force and ending, as scalars and in a sentence.
 
 read the facts of the run-up: touches, largest radius and force, first roll;
-hold the last speed and follow the rotor to its steady state, as `run_ups` does;
-say both in words, and whether the model still holds.
+keep the last speed and follow the rotor to its steady state, as `run_ups` does;
+put both into words, with a warning outside the validity of the model.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ from rotor_ida.steady.run_up_outcome import RUB, WHIP, Outcome, ending_at, faile
 from rotor_ida.units import SPEED_UNITS
 
 NEEDED = ("t", "speed", "angle", *COMPONENTS, "event_speed", "peak_force", "peak_time")
-# Attributes of a run-up that its summary does without.
+# Attributes of a run-up that its summary omits.
 OF_CHANGE = ("to", "rate", "speeds", "torque", "inertia")
-# An indentation beyond this part of the disc's radius is not small, as every contact law assumes.
+# An indentation above this fraction of the disc's radius is not small, as contact laws assume.
 SMALL_INDENTATION = 0.1
-# The last sample may be this far from the end, in parts of the duration.
+# Allowed distance of the last sample from the end, relative to the duration.
 AT_END = 1e-9
 RUBS = {
     "synchronous": "full annular rub, forwards with the unbalance",
@@ -50,7 +50,7 @@ RUBS = {
     "bouncing": "intermittent rub, in and out of contact",
     "quasi_periodic": "rub that never repeats itself",
     "chaotic": "chaotic rub",
-    "rolling": "backward rub, rolling on the ring by turns",
+    "rolling": "backward rub, rolling on the stator at times",
 }
 
 
@@ -70,19 +70,19 @@ def summary(run: xr.Dataset) -> xr.Dataset:
         radius, negative in contact), ``largest_force``, ``largest_force_speed``,
         ``contact_count``, ``contact_time``, with friction ``first_roll_speed``, and as flags
         ``ending`` (``contact_free``, ``rub``, ``whip``, ``unresolved`` or ``failed``) and
-        ``response``: what the rotor settles on once the last speed is held, as of `run_ups`.
-        Speeds of what did not happen are NaN. The attribute ``sentence`` says it in words.
+        ``response``, the settled response at the constant last speed, as from `run_ups`. The speed
+        of an event that did not occur is NaN. The attribute ``sentence`` is the summary in words.
 
     Raises
     ------
     InputError
-        If the dataset is no run-up, or was not sampled at its end.
+        If the dataset is not a run-up, or was not sampled at its end.
 
     Notes
     -----
-    Without a contact the largest radius is that of the samples. The sentence says so where
-    the contact law ceases to hold: where the indentation exceeds a tenth of the disc's radius, or,
-    of a machine in SI units, the clearance.
+    Without a contact the largest radius is that of the samples. The sentence warns where the
+    contact law is invalid: if the indentation exceeds a tenth of the disc's radius or, for a
+    machine in SI units, the clearance.
 
     Examples
     --------
@@ -90,15 +90,15 @@ def summary(run: xr.Dataset) -> xr.Dataset:
     >>> rotor = Rotor(omega=0.2, zeta=0.1, delta0=8.0, shaft_stiffness=1.0)
     >>> found = summary(run_up(rotor, start=(0, 0, 0, 0), to=2.0, rate=0.01))
     >>> print(found.attrs["sentence"])
-    No rub: closest to the ring at a speed of 1.149, where 3.11 of the clearance of 8 are left. Held
-    at a speed of 2 it stays off the ring.
+    No rub: closest to the stator at a speed of 1.149, where 3.11 of the clearance of 8 are left.
+    Held at a speed of 2 it stays off the stator.
     """
     machine = None
     plain = check_instance("run", run, xr.Dataset)
     if is_in_si(plain):
         machine, plain = machine_of(plain), dimensionless(plain)
         if machine is None:
-            raise InputError("run must tell its machine, got one in SI units that does not")
+            raise InputError("run must have its machine's parameters, got one in SI units without")
     if "event_speed" not in plain:
         raise InputError("run must be a run of run_up, whose speed changes")
     check_run(plain, NEEDED)
@@ -116,7 +116,7 @@ def summary(run: xr.Dataset) -> xr.Dataset:
 
 
 def _facts(run: xr.Dataset, rotor: Rotor) -> dict[str, float]:
-    """Return what happens while the speed changes."""
+    """Return the facts of the run while the speed changes."""
     times = np.concatenate([run["t"].values, run["event_time"].values])
     order = np.argsort(times, kind="stable")
     speeds = np.concatenate([run["speed"].values, run["event_speed"].values])[order]
@@ -159,7 +159,7 @@ def _facts(run: xr.Dataset, rotor: Rotor) -> dict[str, float]:
 
 
 def _ending(run: xr.Dataset, rotor: Rotor) -> Outcome:
-    """Return what the rotor settles on once the last speed is held."""
+    """Return the settled outcome at the constant last speed."""
     last, duration = run.isel(t=-1), float(run.attrs["duration"])
     if not math.isclose(float(last["t"]), duration, rel_tol=AT_END):
         raise InputError(
@@ -194,16 +194,16 @@ def _in_words(
     if facts["contact_count"] and "first_roll_speed" in facts:
         rolls = facts["first_roll_speed"]
         sentences.append(
-            "The disc never rolls on the ring."
+            "The disc never rolls on the stator."
             if math.isnan(rolls)
-            else f"The disc first rolls on the ring at {_speed(rolls, machine)}."
+            else f"The disc first rolls on the stator at {_speed(rolls, machine)}."
         )
     if ended.ending == CONTACT_FREE:
         sentences.append(f"{held} {'runs clear of' if facts['contact_count'] else 'stays off'} "
-                         "the ring.")  # fmt: skip
+                         "the stator.")  # fmt: skip
     elif ended.ending == WHIP:
         sentences.append(
-            f"{held} stays in dry whip: it whirls backwards, rolling on the ring, driven by "
+            f"{held} stays in dry whip: it whirls backwards, rolling on the stator, driven by "
             "friction and not by the unbalance, until the speed is brought down."
         )
     elif ended.ending == RUB:
@@ -211,7 +211,7 @@ def _in_words(
     elif ended.ending == FAILED:
         sentences.append(f"{held} could not be followed: {ended.message}.")
     else:
-        sentences.append(f"{held} had not settled when following ended.")
+        sentences.append(f"{held} had not settled when the simulation ended.")
     beyond = _beyond_model(-facts["smallest_gap"], rotor, machine)
     return " ".join([*sentences, beyond]).rstrip()
 
@@ -219,16 +219,16 @@ def _in_words(
 def _contact_in_words(
     facts: dict[str, float], ended: Outcome, rotor: Rotor, machine: DimensionalRotor | None
 ) -> str:
-    """Return the verdict, and how close to the ring or how hard on it the rotor comes."""
+    """Return the verdict, with the closest approach to the stator or the largest force on it."""
     if not facts["contact_count"]:
         gap, clearance = _length(facts["smallest_gap"], machine), _length(rotor.delta0, machine)
         return (
-            f"No rub: closest to the ring at {_speed(facts['largest_radius_speed'], machine)}, "
+            f"No rub: closest to the stator at {_speed(facts['largest_radius_speed'], machine)}, "
             f"where {gap} of the clearance of {clearance} are left."
         )
     verdicts = {CONTACT_FREE: "Rub on the way, none at the end", WHIP: "Dry whip"}
     return (
-        f"{verdicts.get(ended.ending, 'Rub')}: it first touches the ring at "
+        f"{verdicts.get(ended.ending, 'Rub')}: it first touches the stator at "
         f"{_speed(facts['first_touch_speed'], machine)}, and presses up to "
         f"{_length(-facts['smallest_gap'], machine)} into it, with up to "
         f"{_force(facts['largest_force'], machine)} at "
@@ -237,7 +237,7 @@ def _contact_in_words(
 
 
 def _beyond_model(indentation: float, rotor: Rotor, machine: DimensionalRotor | None) -> str:
-    """Return a warning where the indentation is larger than the contact law can mean."""
+    """Return a warning if the indentation is too large for the contact law."""
     radius, bounds = rotor.disc_radius, []
     if radius is not None and indentation > SMALL_INDENTATION * radius:
         bounds.append("a tenth of the disc's radius")
@@ -247,7 +247,7 @@ def _beyond_model(indentation: float, rotor: Rotor, machine: DimensionalRotor | 
         return ""
     return (
         f"Beyond the model: an indentation of {_length(indentation, machine)} is more than "
-        f"{' and '.join(bounds)}; take the force as too large to bear, not as a number."
+        f"{' and '.join(bounds)}; the force is too large for the contact law to predict."
     )
 
 

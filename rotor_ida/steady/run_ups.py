@@ -1,4 +1,4 @@
-"""Many run-ups: along ramps of the speed, over rate, phase of the unbalance and parameters."""
+"""Many run-ups over rate, phase of the unbalance and parameters."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from rotor_ida.steady.grid import Array, Grid, Places, Rows, Task, form_of, run_
 from rotor_ida.steady.run_up_outcome import Outcome, RampSummary, RunUp, follow_run_up, lost
 from rotor_ida.steady.sweep import FEATURES
 
-# What only friction, or contact damping, gives a meaning.
+# Columns that require friction, or contact damping.
 ONLY_WITH = {
     "friction": ("first_roll_speed", "total_heat"),
     "contact_damping": ("total_contact_loss",),
@@ -67,10 +67,10 @@ def run_ups(
     study: Folder | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Run rotors up, or down, at every rate, phase, damping and clearance, and say how they end.
+    """Run rotors up or down at every rate, phase, damping and clearance, and classify the endings.
 
-    Each rotor is followed along a ramp of its speed, as by `run_up`, and on at the last speed until
-    it has settled, as by `sweep`.
+    Each rotor is simulated along a ramp of its speed, as by `run_up`, and then at the last speed
+    until it has settled, as by `sweep`.
 
     Parameters
     ----------
@@ -79,67 +79,67 @@ def run_ups(
     to : float
         Speed at the end of the ramps [1].
     rate : array_like, shape (n,) or scalar
-        Changes of the speed in a unit of time [1]: all positive up, or all negative down.
+        Changes of speed per unit time [1]: all positive (up), or all negative (down).
     zeta, delta0 : array_like, shape (n,) or scalar
         Damping ratios and clearances to combine [1].
     phase : array_like, shape (n,) or scalar
-        Angles of the unbalance at time 0, from the x axis [rad]. Without a load this is the same as
-        to turn the start the other way.
+        Angles of the unbalance at time 0, from the x axis [rad]. Without a load this is equivalent
+        to rotating the start the other way.
     shaft_stiffness, contact_exponent, contact_damping, load, friction, disc_radius
-        What a machine has beyond the paper's rotor [1], as for `sweep`.
+        Optional parameters [1], as for `sweep`.
     starts : array_like, shape (n, 4)
         Starts ``(x, y, vx, vy)`` at time 0, on fixed axes [1].
     rtol, atol, method, backend
         As for `run_up`.
     workers, executor, study, progress
-        As for `sweep`: run-ups take the place of its points. The result is the same, bit for bit.
+        As for `sweep`, with run-ups instead of points. The result is the same, bit for bit.
 
     Returns
     -------
     Dataset
-        On ``(omega, zeta, delta0, rate, phase, start)`` and what else is an axis, of each run-up:
+        On ``(omega, zeta, delta0, rate, phase, start)`` and any other axes, for each run-up:
 
         - ``ending``, as a flag: ``contact_free``, ``rub``, ``whip``, ``unresolved`` or
           ``failed``; ``response``, the kind of response at the last speed, and its ``amplitude``,
           ``phase_lag``, ``radius_min``, ``radius_max``, ``period``, ``lyapunov_exponent`` and
-          ``lyapunov_error``, as of `sweep`;
-        - of the ramp ``largest_radius``, ``largest_force`` (0 without a contact) and the speeds
-          where they were met, ``largest_radius_speed`` and ``largest_force_speed``;
+          ``lyapunov_error``, as from `sweep`;
+        - for the ramp ``largest_radius``, ``largest_force`` (0 without a contact) and their
+          speeds, ``largest_radius_speed`` and ``largest_force_speed``;
           ``first_touch_speed`` and ``last_exit_speed``; ``contact_count`` and ``contact_time``;
           with friction ``first_roll_speed`` and ``total_heat``, with contact damping
           ``total_contact_loss``; the state at its end on fixed axes and the angle of the
-          unbalance there, ``end_x``, ``end_y``, ``end_vx``, ``end_vy`` and ``end_angle``. Speeds
-          of what did not happen are NaN;
+          unbalance there, ``end_x``, ``end_y``, ``end_vx``, ``end_vy`` and ``end_angle``. The
+          speed of an event that did not occur is NaN;
         - ``status`` and ``message``.
 
-        On the same dimensions but phase and start the fractions of the endings among the run-ups
-        that did not fail, ``contact_free_fraction``, ``rub_fraction``, ``whip_fraction`` and
-        ``unresolved_fraction``, each with its standard error (``whip_fraction_error``), and
-        ``failed_count``.
+        On the same dimensions except phase and start, the fractions of the endings among the
+        run-ups that did not fail: ``contact_free_fraction``, ``rub_fraction``, ``whip_fraction``
+        and ``unresolved_fraction``, each with its standard error (such as ``whip_fraction_error``),
+        and ``failed_count``.
 
     Raises
     ------
     InputError
         If an argument cannot be used. A run-up that fails does not raise: its ``status`` and
-        ``message`` say why.
+        ``message`` give the reason.
     SimulationError
-        If one of ``"processes"`` died, or the scheduler.
+        If one of the ``"processes"``, or the scheduler, died.
 
     Notes
     -----
-    After the ramp the last speed is held. A run-up ends ``contact_free`` if the response that it
-    settles on then is contact-free, or touches ever more slightly; in ``whip`` if it whirls
-    backwards and stays in contact, the disc rolling on the ring, or sliding both ways by turns
-    where the unbalance is too strong for that; in a ``rub`` if it is anything else in contact; and
-    it is ``unresolved`` where `sweep` would call it so.
+    After the ramp the last speed is kept. The settled response decides the ending:
+    ``contact_free`` if it is contact-free, or touches ever more slightly; ``whip`` if it whirls
+    backwards and stays in contact, with the disc rolling on the stator or, if the unbalance is too
+    strong for that, alternately sliding both ways; ``rub`` for any other motion in contact;
+    ``unresolved`` as in `sweep`.
 
     The standard error of a fraction p of n run-ups is ``sqrt(p (1 - p)/n)``, as if phases and
-    starts were drawn at random. Without a load and from rest on the axis no phase differs from
-    another. Where a contact has contact damping, ``largest_force_speed`` is the speed at its
-    largest indentation, shortly after the largest force.
+    starts were drawn at random. Without a load and from rest on the axis all phases are
+    equivalent. With contact damping ``largest_force_speed`` is the speed at the largest indentation
+    of that contact, shortly after the largest force.
 
-    The events of the ramps are not kept: `run_up` has them of any single one. Its drive by a
-    torque, and speeds piece by piece, are not for many.
+    The events of the ramps are not kept; use `run_up` for those of a single one. Torques and
+    piecewise speeds are available only in `run_up`.
 
     Examples
     --------
@@ -190,7 +190,7 @@ class RunUps:
     Parameters
     ----------
     grid : Grid
-        The run-ups; the axes behind those of the rotors are ``rate``, ``phase`` and ``start``.
+        The run-ups; the axes after those of the rotors are ``rate``, ``phase`` and ``start``.
     to : float
         The speed at the end of the ramps [1].
     options : Options
@@ -204,7 +204,7 @@ class RunUps:
     length = 1
 
     def places(self, number: int) -> Places:
-        """Return where a run-up stands among all: each is a job by itself."""
+        """Return the position of a run-up among all: each is a separate job."""
         return np.array([number])
 
     def job(self, number: int) -> RunUp:
@@ -240,7 +240,7 @@ def _check_can_be_followed(plan: RunUps) -> None:
 
 
 def rows_of(outcome: Outcome) -> Rows:
-    """Return how a run-up has ended as a row."""
+    """Return the outcome of a run-up as a row."""
     row = asdict(outcome.summary) | asdict(outcome.features)
     row |= {"ending": ENDING[outcome.ending], "response": RESPONSE[outcome.response]}
     row["status"] = STATUS["failed" if outcome.response == FAILED else "done"]
@@ -272,7 +272,7 @@ def _dataset(plan: RunUps, columns: dict[str, Array]) -> xr.Dataset:
 
 
 def fractions_of(endings: Array, counted: tuple[int, ...]) -> dict[str, Array]:
-    """Return the fractions of the endings over some axes, of those that did not fail.
+    """Return the fractions of the endings over some axes, among those that did not fail.
 
     The standard error of a fraction p of n run-ups is ``sqrt(p (1 - p)/n)``.
 

@@ -1,7 +1,7 @@
 """Sweeps: the settled response at each speed, damping and clearance.
 
-The points of the grid are laid out in ramps (quasi-static run-up and run-down): each point of a
-ramp begins where the one before has ended. Without a direction each point is a ramp by itself.
+The points of the grid form ramps (quasi-static run-up and run-down): each point of a ramp begins
+where the one before has ended. Without a direction each point is a separate ramp.
 """
 
 from __future__ import annotations
@@ -96,41 +96,39 @@ def sweep(
     study: Folder | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Follow the rotor until it has settled, at every speed, damping and clearance.
+    """Compute the settled response at every speed, damping and clearance.
 
     Parameters
     ----------
     omega, zeta, delta0 : array_like, shape (n,) or scalar
         The parameters to combine [1].
     shaft_stiffness, contact_exponent, contact_damping, load, friction : array_like or scalar
-        What a machine has beyond the paper's rotor [1], numbers or of shape (n,): more to combine,
-        a dimension where an axis is given, a coordinate where a number is given that is not the
-        default.
+        Optional parameters to combine [1], numbers or of shape (n,). An array becomes a dimension
+        of the result; a number other than the default becomes a scalar coordinate.
     disc_radius : array_like, shape (n,) or scalar, optional
-        The radius of the disc [1], which friction needs; likewise.
+        The radius of the disc [1], required with friction; likewise.
     starts : array_like, shape (n, 4)
         Starts ``(x, y, vx, vy)`` [1].
     direction : {"up", "down", "both"}, optional
-        Without it each speed begins from the starts. With it only the first does (the last,
-        going down), and each further one from the end of the one before, so that jumps and
-        their hysteresis appear.
+        Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
+        the starts, and each other from the end of the one before, so that jumps and their
+        hysteresis appear. By default each speed begins from the starts.
     rtol, atol, method, flight, backend
         As for `simulate`.
     workers : int, optional
-        How many ramps of points to follow at a time; by default one for each core, or only one
+        Number of ramps to simulate at a time; default: one for each core, or only one
         with the Python backend and ``executor="auto"``.
     executor : {"auto", "serial", "threads", "processes", "dask"} or str
-        What follows them. ``"auto"`` means threads with the compiled backend; with the Python
-        backend, which holds the interpreter's lock so that threads would gain nothing, processes
-        if `workers` is above 1, and else ``"serial"``, this very process. ``"dask"`` is a cluster
-        of `workers` processes for this call, and an address such as ``"tcp://host:8786"`` the
-        cluster of that scheduler, with all its workers: see docs/clusters.md. With processes or
-        ``"dask"`` a script must guard its main part with ``if __name__ == "__main__":``. The
-        result is the same, bit for bit.
+        Where they run. ``"auto"`` means threads with the compiled backend. The Python backend keeps
+        the interpreter's lock, so that ``"auto"`` means processes if `workers` is above 1, and
+        otherwise ``"serial"``, this process. ``"dask"`` is a cluster of `workers` processes for
+        this call, and an address such as ``"tcp://host:8786"`` the cluster of that scheduler, with
+        all its workers: see docs/clusters.md. With processes or ``"dask"`` a script must guard its
+        main part with ``if __name__ == "__main__":``. The result is the same, bit for bit.
     study : path-like, optional
-        Folder in which points are kept as they are done. If it holds some of them already, only
-        the others are followed, to the same bits. It must be new, empty, or of a study of this
-        very sweep, begun with the same versions of what computes.
+        Folder in which points are stored as they are done. Points already stored there are not
+        computed again; the result has the same bits. The folder must be new, empty, or a study of
+        the same sweep, begun with the same versions of the software.
     progress : callable, optional
         Called with the number of points done and their total.
 
@@ -141,53 +139,54 @@ def sweep(
         ``amplitude`` and ``phase_lag`` of the motion at the spin speed, ``radius_min``,
         ``radius_max``, ``period`` (on the rotating axes, of bouncing and full-contact motions, and
         under a load whole revolutions; else NaN), ``lyapunov_exponent`` and ``lyapunov_error``
-        (the largest; NaN where the response was decided without), ``status``, ``message``, the
-        final window and the state at its end on the rotating axes; the events of all runs in one
-        table, ``event_count`` rows each.
+        (the largest; NaN where not needed), ``status``, ``message``, the final window and the state
+        at its end on the rotating axes; the events of all runs in one table, ``event_count`` rows
+        each.
 
     Raises
     ------
     InputError
         If an argument cannot be used. A point that fails does not raise: its ``status`` and
-        ``message`` say why; so do those of a ramp whose workers of dask keep dying.
+        ``message`` give the reason, also on a ramp whose dask workers keep dying.
     SimulationError
-        If one of ``"processes"`` died, or the scheduler.
+        If one of the ``"processes"``, or the scheduler, died.
 
     Notes
     -----
-    The motion is seen over a window: first after 24/zeta (2,000 at most), then whenever the time
-    has doubled, until its response is decided, or until 40,000. It is, in this order,
+    The motion is observed over a window: first after 24/zeta (2,000 at most), then whenever the
+    time has doubled, until its response is decided, or until 40,000. The response is, in this
+    order,
 
-    - ``synchronous`` or ``contact_free`` if it whirls steadily in contact, or has left the ring for
-      good: both follow from one state;
-    - ``bouncing`` or ``full_contact`` if the states at which its radius is largest come again all
-      over a window that holds three periods, and their misses and the cycle's slowest multiplier
-      say that it is within 1e-9 of the cycle;
-    - ``rolling`` (dry whip) instead, if it whirls backwards, stays in contact, and has a stretch of
-      rolling on the ring in each period; or in each revolution, where it has no period on the
-      rotating axes and could be ``chaotic``;
+    - ``synchronous`` or ``contact_free`` if it whirls steadily in contact, or has left the stator
+      for good: both follow from one state;
+    - ``bouncing`` or ``full_contact`` if the states of largest radius recur throughout a window of
+      at least three periods, and their differences and the cycle's slowest multiplier show that it
+      is within 1e-9 of the cycle;
+    - ``rolling`` (dry whip) instead, if it whirls backwards, stays in contact, and rolls on the
+      stator at some time in each period; or in each revolution, if it has no period on the rotating
+      axes and could be ``chaotic``;
     - ``touching`` if it touches once a revolution and 1/h, h the indentation, grows from touch to
-      touch by what `rotor_ida.closed_forms.touch_fading` says, to 10 %;
+      touch as `rotor_ida.closed_forms.touch_fading` predicts, to 10 %;
     - ``chaotic`` if it has not settled after 3,000 and 20/zeta, and its largest Lyapunov exponent,
-      over 20,000 or more from there on, exceeds five of its errors. Chaos that lasts longer may
-      still be a transient;
+      over a further 20,000 or more, exceeds five of its errors. Chaos that lasts longer may still
+      be a transient;
     - ``unresolved`` if it is none of these. Without damping nothing settles, and only the first
-      window is seen.
+      window is observed.
 
-    A load turns on the rotating axes. Under one a motion is ``bouncing`` or ``full_contact`` if its
-    states once a revolution come again all over such a window; ``contact_free`` round the place
-    where the shaft holds the load; ``touching`` never; ``quasi_periodic``, on a torus, if it might
-    be ``chaotic``, but its largest exponent is zero: by it neighbours neither part nor come
-    together by 1 % in that time. A cycle whose period is no whole number of revolutions becomes
-    that under a slight load. A rotor that does not turn comes to rest, ``contact_free``, or on the
-    ring, which is told as ``synchronous``.
+    A load rotates on the rotating axes. Under a load a motion is ``bouncing`` or ``full_contact``
+    if its states once a revolution recur throughout such a window; ``contact_free`` around the
+    point to which load and shaft deflect the rotor; never ``touching``; and ``quasi_periodic``, on
+    a torus, if it might be ``chaotic`` but its largest exponent is zero (neighbours diverge or
+    converge by less than 1 % in that time). A cycle whose period is not a whole number of
+    revolutions becomes quasi-periodic under a slight load. A rotor at speed 0 comes to rest:
+    ``contact_free``, or on the stator, which is reported as ``synchronous``.
 
-    With friction, or contact damping, there are tori without a load too: on these the two largest
+    With friction or contact damping there are tori without a load too, on which the two largest
     exponents are zero.
 
     Period and extreme radii are those of the simulated motion in its last period: the roots of
-    ``r r'``, found by simulating the window again with samples there. All runs are made with a
-    tenth of the tolerances given, down to an ``rtol`` of 1e-12, since errors add up round a cycle.
+    ``r r'``, found by simulating the window again with samples there. All runs use a tenth of the
+    given tolerances, down to an ``rtol`` of 1e-12, since errors add up round a cycle.
 
     Examples
     --------
@@ -274,8 +273,8 @@ class Ramps:
     Parameters
     ----------
     grid : Grid
-        The points. Its last axis is the direction: 1 up, -1 down; 0 where each speed begins anew,
-        in a ramp of one point.
+        The points. Its last axis is the direction: 1 up, -1 down; 0 where each point is a ramp of
+        its own.
     options : Options
         How to simulate.
     """
@@ -292,7 +291,7 @@ class Ramps:
         return self.grid.points // self.length
 
     def places(self, number: int) -> Places:
-        """Return where the points of a ramp stand among all, in the order of the dimensions."""
+        """Return the positions of a ramp's points among all, in the order of the dimensions."""
         omega, others_at = self._indices(number)
         others = np.ravel_multi_index(others_at, self.grid.shape[1:])
         speeds = self.grid.shape[0]
@@ -306,9 +305,9 @@ class Ramps:
         return RampJob(rotors, self.grid.starts[start], self.options)
 
     def slowest_first(self) -> Places:
-        """Return the numbers of the ramps in an order that leaves no long one to the end.
+        """Return the numbers of the ramps, the longest ones first.
 
-        Those with much clearance take longest: there the rotor bounces.
+        Ramps with a large clearance take longest, as the rotor bounces there.
         """
         within = np.unravel_index(np.arange(len(self)), self._order)
         rotors = self.grid.rotors

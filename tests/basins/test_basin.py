@@ -194,7 +194,7 @@ def test_an_interrupt_of_the_confirmation_keeps_the_labels(monkeypatch, figure_7
         ({"y": 0.0}, "exactly two of x, y, vx, vy must be arrays and two numbers, got 1 arrays: x"),
         ({"vx": AXIS}, "exactly two of .* got 3 arrays: x, y, vx"),
         ({"x": [0.0, 0.0]}, "x must increase, got 0.0 after 0.0"),
-        ({"x": []}, "x must hold at least one number, got none"),
+        ({"x": []}, "x must contain at least one number, got none"),
         ({"x": [[0.0]]}, r"x must be .* got an array of shape \(1, 1\)"),
         ({"x": [0.0, np.nan]}, "x must be a finite real number, got nan"),
         ({"x": [0.0, 1e7]}, r"x must lie within 1e\+06 of zero, got 10000000.0"),

@@ -249,7 +249,7 @@ def test_without_friction_no_kind_is_told_that_cannot_be():
             {"contact_damping": 60.0},
             "contact_damping must be at most 50 for a basin, got 60.0",
         ),
-        (basin, {"load": 0.25}, "load must be 0 for a basin, as under a load nothing"),
+        (basin, {"load": 0.25}, "load must be 0 for a basin, as there is no"),
         (
             basin_fractions,
             {"omega": 0.0, "load": 0.3, "friction": 0.2, "disc_radius": 1.0},

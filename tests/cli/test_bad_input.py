@@ -115,7 +115,7 @@ MISTAKES = [
     (run_ups(friction="0.1"), "disc_radius must be given with friction"),
     (
         run_ups(rate="0.1:0.3:4", delta0="1:2:13", figure="many"),
-        "figure can show at most 12 combinations of zeta, delta0 and what else varies, got 13",
+        "figure can show at most 12 combinations of zeta, delta0 and other parameters, got 13",
     ),
     # limit cycles
     (cycle(omega="0"), "omega must be above 0 for a limit cycle, got 0.0"),
@@ -173,7 +173,7 @@ MISTAKES = [
     (run_up("--to 2 --rate -0.1"), "rate must be positive to change the speed from 0.5 to 2.0"),
     (run_up("--to 0 --rate 0.1"), "rate must be negative to change the speed from 0.5 to 0.0"),
     (run_up("--to 2 --rate 0"), "rate must be positive to change the speed from 0.5 to 2.0"),
-    (run_up("--to -1 --rate -1"), "to must be zero or positive, as a run through zero is not"),
+    (run_up("--to -1 --rate -1"), "to must be zero or positive: a run through zero is not"),
     (run_up("--to 2 --rate 0.1 --in 5"), "rate must be left out with ramp_time, got 0.1"),
     (run_up("--in 5"), "to must be given with ramp_time, got None"),
     (run_up("--to 2 --in 0"), "ramp_time must be positive, got 0.0"),
@@ -239,7 +239,7 @@ MISTAKES = [
     ),
     (
         "response --omega 1 --zeta 0:1:4 --delta0 0:1:4 --figure a.png",
-        "at most 12 combinations of zeta, delta0 and what else varies, got 16",
+        "at most 12 combinations of zeta, delta0 and other parameters, got 16",
     ),
     ("response --zeta 0.1 --delta0 0 --folds --figure a.png", "figure must be of whirls"),
     (sweep(out="taken.nc"), "out must not exist unless --force is given"),

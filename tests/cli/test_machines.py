@@ -76,7 +76,7 @@ def test_a_data_sheet_that_is_implausible_is_warned_of(program: Program):
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [("clearence = 1e-4", "pump.toml must hold quantities of a machine, got 'clearence': did you "
+    [("clearence = 1e-4", "pump.toml must give quantities of a machine, got 'clearence': did you "
       "mean clearance?"),
      ("mass = 12\nspeed = 3", "pump.toml must also give contact_stiffness, clearance, damping or "
       "damping_ratio, eccentricity or unbalance or balance_grade"),
@@ -126,13 +126,13 @@ def test_a_run_up_of_a_file_begins_at_rest_and_tells_its_sentence_first(
     found = rotor_ida.summary(rotor_ida.load("pump.nc"))
     sentence, printed = found.attrs["sentence"], " ".join(answer.out.split())
     assert printed.startswith(sentence)
-    assert sentence.startswith("Rub: it first touches the ring at 5,287 rpm, and presses up to 11")
+    assert sentence.startswith("Rub: it first touches the stator at 5,287 rpm, and presses up")
     assert "speed [rpm] 0 to 6000 " in printed
     assert found.largest_force.attrs["units"] == "N"
     at_speed = program("run-up", "--machine", pump, "--from", "3000rpm", "--to", "3600rpm",
                        "--ramp-time", "1s", "--json")  # fmt: skip
     told = json.loads(at_speed.out)
-    assert told["summary"]["sentence"].startswith("No rub: closest to the ring at 3,")
+    assert told["summary"]["sentence"].startswith("No rub: closest to the stator at 3,")
     assert told["rate"] == pytest.approx(600.0 * math.pi / 30.0, rel=1e-12)
 
 

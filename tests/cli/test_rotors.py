@@ -194,7 +194,7 @@ def test_a_figure_of_too_many_machines_is_refused_before_they_are_computed(progr
     answer = program(*sweep, "--load", "0:1:13")
     assert (answer.status, answer.out) == (2, "")
     assert answer.err == (
-        "rotor-ida: figure can show at most 12 combinations of zeta, delta0 and what else varies, "
+        "rotor-ida: figure can show at most 12 combinations of zeta, delta0 and other parameters, "
         "got 13\n"
     )
 

@@ -127,7 +127,7 @@ def test_what_cannot_be_drawn_is_refused_before_anything_is_computed(program: Pr
         ("drawn", "figure must be of a sweep or basin, got a study of basin fractions"),
         (
             "many",
-            "figure can show at most 12 combinations of zeta, delta0 and what else varies, got 13",
+            "figure can show at most 12 combinations of zeta, delta0 and other parameters, got 13",
         ),
     ):
         Path(folder, "result.nc").unlink()

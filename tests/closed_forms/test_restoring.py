@@ -51,7 +51,7 @@ def test_everything_is_labelled(field):
     ("given", "message"),
     [
         ({"x": np.nan}, "x must be a finite real number, got nan"),
-        ({"y": []}, "y must hold at least one number"),
+        ({"y": []}, "y must contain at least one number"),
         ({"delta0": -1.0}, "delta0 must be zero or positive"),
     ],
 )

@@ -470,7 +470,7 @@ def test_attributes_say_what_the_dataset_is():
     [
         ({"omega": -1.0}, "omega must be zero or positive, got -1.0"),
         ({"zeta": [0.1, np.nan]}, "zeta must be a finite real number, got nan"),
-        ({"delta0": []}, "delta0 must hold at least one number"),
+        ({"delta0": []}, "delta0 must contain at least one number"),
         ({"omega": 1e-60}, "omega must be 0 or between 1e-50 and 1e\\+15, got 1e-60"),
         ({"delta0": 1e16}, "delta0 must be at most 1e\\+15, got 1e\\+16"),
     ],

@@ -90,7 +90,7 @@ def test_the_summary_of_a_synchronous_whirl_is_the_closed_form_s():
 
 
 def test_a_summary_needs_a_run():
-    with pytest.raises(InputError, match="needs a run of simulate"):
+    with pytest.raises(InputError, match="must be a run of simulate"):
         contact_summary(synchronous_response(omega=1.0, zeta=0.1, delta0=1.0))
 
 

@@ -435,9 +435,9 @@ def test_a_run_that_contradicts_itself_raises():
         orbit.event_kinds[np.argmax(orbit.event_kinds == 4)] = -4
 
     for name, change, message in (
-        ("dry whip", backwards, "surfaces slide in another sense"),
-        ("dry whip", early, "the disc slips, or cannot be held"),
-        ("dry whip", late, "the disc slips, or cannot be held"),
+        ("dry whip", backwards, "surfaces slide in a sense that contradicts"),
+        ("dry whip", early, "the disc slips, or lacks grip"),
+        ("dry whip", late, "the disc slips, or lacks grip"),
         ("dry whip", rolls_twice, "do not alternate"),
         ("everything but friction", releases_twice, "press and release, do not alternate"),
     ):

@@ -37,7 +37,7 @@ FAULTS = {
     "events change places": ("event_times", [1, 2], lambda two: two[::-1], "do not increase"),
     "two entries in a row": ("event_kinds", 3, lambda kind: -kind, "do not alternate"),
     "an event off the ring": ("event_states", 2, lambda state: 1.001 * state, "not lie at |z|"),
-    "a sample too far out": ("states", 0, lambda state: state + 2.1, "wrong side of the ring"),
+    "a sample too far out": ("states", 0, lambda state: state + 2.1, "wrong side of the stator"),
     "a peak after its exit": (
         "contacts",
         ("peak_time", 1),
@@ -65,6 +65,6 @@ def test_a_sample_in_contact_that_lies_inside_the_clearance_is_a_fault(sound):
     row = int(np.searchsorted(sound.times, entry))
     assert entry < sound.times[row] < leaving
     with pytest.raises(
-        InvariantError, match=f"wrong side of the ring .at t = {sound.times[row]:g},"
+        InvariantError, match=f"wrong side of the stator .at t = {sound.times[row]:g},"
     ):
         check_orbit(changed(sound, "states", row, lambda state: 0.5 * state))

@@ -293,7 +293,7 @@ def test_a_run_whose_energy_does_not_balance_is_refused(monkeypatch):
         check_orbit(replace(orbit, speed_record=off))
     faster = orbit.speed_record.samples.copy()
     faster["speed"] *= 1.1
-    with pytest.raises(InvariantError, match="disc slips, or cannot be held, where it should roll"):
+    with pytest.raises(InvariantError, match="disc slips, or lacks grip, where it should roll"):
         check_orbit(replace(orbit, speed_record=replace(orbit.speed_record, samples=faster)))
 
 
@@ -420,7 +420,7 @@ MISTAKES = {
     "rate must be negative to change the speed from 0.5 to 0.1, got 0.1": RAMP | {"to": 0.1},
     "rate must be positive to change the speed from 0.5 to 2.0, got 0.0": RAMP | {"rate": 0.0},
     "to must differ from the rotor's omega 0.5": RAMP | {"to": 0.5},
-    "to must be zero or positive, as a run through zero is not known, got -1.0": {
+    "to must be zero or positive: a run through zero is not supported, got -1.0": {
         "to": -1.0, "rate": -0.1,
     },
     "to must be at most 1e\\+06": {"to": 2e6, "rate": 1.0},
@@ -440,7 +440,7 @@ MISTAKES = {
     "torque 0 must be|torque must be a finite": POWER | {"torque": (1.0, np.nan)},
     "times of speeds must increase, got 1.0 after 1.0": {"speeds": [(0, 1), (1, 2), (1, 3)]},
     "the first time of speeds must be 0, got 1.0": {"speeds": [(1, 1), (2, 2)]},
-    "a speed of speeds must be zero or positive, .*, got -2.0": {"speeds": [(0, 1), (1, -2)]},
+    "a speed of speeds must be zero or positive: .*, got -2.0": {"speeds": [(0, 1), (1, -2)]},
     "speeds must be two or more pairs of time and speed": {"speeds": [(0, 1)]},
     "backend must be 'auto' or 'compiled' with taylor, got 'python'": RAMP
     | {"method": "taylor", "backend": "python"},

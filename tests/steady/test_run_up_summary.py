@@ -50,12 +50,12 @@ def test_the_words_say_how_it_ends():
     for ending, (rotor, to, rate, start) in ENDINGS.items():
         said[ending] = summary(run_up(rotor, start=start, to=to, rate=rate)).attrs["sentence"]
     assert said["contact_free"].startswith("Rub on the way, none at the end: it first touches")
-    assert said["contact_free"].endswith("Held at a speed of 2.5 it runs clear of the ring.")
-    assert said["rub"].startswith("Rub: it first touches the ring at a speed of 0.")
+    assert said["contact_free"].endswith("Held at a speed of 2.5 it runs clear of the stator.")
+    assert said["rub"].startswith("Rub: it first touches the stator at a speed of 0.")
     assert "Held at a speed of 1.2 it keeps rubbing: " in said["rub"]
-    assert said["whip"].startswith("Dry whip: it first touches the ring at a speed of 0.6")
-    assert "The disc first rolls on the ring at a speed of 0.6" in said["whip"]
-    assert "it stays in dry whip: it whirls backwards, rolling on the ring" in said["whip"]
+    assert said["whip"].startswith("Dry whip: it first touches the stator at a speed of 0.6")
+    assert "The disc first rolls on the stator at a speed of 0.6" in said["whip"]
+    assert "it stays in dry whip: it whirls backwards, rolling on the stator" in said["whip"]
 
 
 PUMP = DimensionalRotor(
@@ -69,7 +69,7 @@ def test_a_pump_of_grade_2_5_does_not_rub():
     run = run_up(PUMP.rotor(), start=REST, **PUMP.change_of_speed(to=6000, ramp_time=20.0,
                  unit="rpm"))  # fmt: skip
     found = summary(dimensional(run, PUMP))
-    assert found.attrs["sentence"].startswith("No rub: closest to the ring at 5,")
+    assert found.attrs["sentence"].startswith("No rub: closest to the stator at 5,")
     assert "of the clearance of 150 um are left. Held at 6,000 rpm it" in found.attrs["sentence"]
     zeta = PUMP.damping_ratio
     resonance = 6.6e-6 / (2.0 * zeta * math.sqrt(1.0 - zeta**2))

@@ -125,10 +125,10 @@ def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
     ("changes", "message"),
     [
         ({"omega": [1.0, -1.0]}, "omega must be zero or positive, got -1.0"),
-        ({"omega": []}, "omega must hold at least one number, got none"),
+        ({"omega": []}, "omega must contain at least one number, got none"),
         ({"omega": "fast"}, "omega must be a finite real number, got 'fast'"),
         ({"zeta": np.nan}, "zeta must be a finite real number, got nan"),
-        ({"starts": []}, "starts must hold at least one start, got none"),
+        ({"starts": []}, "starts must contain at least one start, got none"),
         ({"starts": [(0, 0)]}, r"start must be four numbers \(x, y, vx, vy\), got \(0, 0\)"),
         ({"direction": "left"}, "direction must be one of 'up', 'down', 'both', got 'left'"),
         (
