@@ -110,9 +110,9 @@ class Labelled:
 def attractors_of(followed: FollowedStarts) -> list[Attractor]:
     """Return the attractors of starts, and renumber the labels to match.
 
-    Whirls in contact come first, by amplitude, with or without starts. Then come, only if starts
-    end on them: contact-free whirls, fading touches, limit cycles by largest radius, and motions
-    without a period.
+    Whirls in contact come first, by amplitude, then the contact-free ones: both with or without
+    starts. Then come, only if starts end on them: fading touches, limit cycles by largest radius,
+    and motions without a period.
     """
     known = followed.known
     rows: list[tuple[int, Attractor]] = []
