@@ -167,7 +167,7 @@ MISTAKES = [
     (turn(parameters="omega"), "parameters must be two names NAME NAME, got 1"),
     (turn(parameters="omega mass"), "got 'mass'"),
     (turn(parameters="omega omega"), "parameters must be two of omega, zeta, delta0"),
-    (turn(kind="fold"), "limits must hold a fold of the branch through the start, got none there"),
+    (turn(kind="fold"), "limits must contain a fold of the branch through the start, got none"),
     # speeds that change
     (run_up(""), "the speed must change in one way, by to and rate or ramp_time, by speeds, or by"),
     (run_up("--to 2 --rate -0.1"), "rate must be positive to change the speed from 0.5 to 2.0"),
