@@ -319,8 +319,8 @@ def birth_between(
 ) -> Point[Shot] | None:
     """Return the cycle at which a branch is born between two of its points, if there is one.
 
-    The parameter `name` is that of the Hopf point, to rounding. The cycle oscillates little about
-    the whirl that this changes neither period nor parameter.
+    The parameter `name` is that of the Hopf point, to rounding. The cycle oscillates too little
+    about the whirl to change period or parameter.
     """
     nearer = min(last, point, key=_swing)
     whirl = _WhirlNear(nearer.stretch, name)

@@ -33,7 +33,7 @@ from rotor_ida.model.rotor import Rotor
 KINDS = {"velocity": 2, "displacement": 0}
 # Number of rounds among which shocks are divided.
 ROUNDS = 16
-# The first takes the share of this number: covers all states, directions and sizes.
+# The first takes the share of this number, to cover all states, directions and sizes.
 EXPLORING = 4
 # Number of the smallest shocks to an attractor, apart from each other, that the search continues.
 LEADING = 8

@@ -290,7 +290,7 @@ def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
         radii = np.hypot(states[:, 0], states[:, 1])
         force = contact_force(radii, rotor.delta0, rotor.contact_exponent)
         impulse = float(force.mean()) * cycle.period
-    # velocities in rotating coordinates are those of the fixed axes, rotated
+    # velocities resolved on the rotating axes are those of the fixed axes, rotated
     power = 2.0 * rotor.zeta * float((states[:, 2] ** 2 + states[:, 3] ** 2).mean())
     loss = float(np.nansum(cycle.shot.contacts["lost"])) * revolution / cycle.period
     numbers = {"contact_loss_per_revolution": loss} if rotor.contact_damping > 0.0 else {}
