@@ -46,8 +46,8 @@ from rotor_ida.simulation.neighbours import Shot
 
 # A pair that has been located on the unit circle is within this distance of it.
 ON_CIRCLE = 1e-6
-# The symplectic form ``dx ^ dvx + dy ^ dvy``: the velocity of the rotor, resolved on the rotating axes,
-# is the momentum of the displacement there.
+# The symplectic form ``dx ^ dvx + dy ^ dvy``: the velocity of the rotor, resolved on the rotating
+# axes, is the momentum of the displacement there.
 FORM = np.kron([[0.0, 1.0], [-1.0, 0.0]], np.eye(2))
 
 
