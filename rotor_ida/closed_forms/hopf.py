@@ -55,9 +55,9 @@ def hopf_points(
     -----
     At a Hopf point a pair of `eigenvalues` crosses the imaginary axis. A limit cycle in full
     contact is born with the period ``2 pi/hopf_frequency``; `limit_cycle` and `continue_cycle` show
-    whether it is stable. There are no Hopf points without both contact damping and friction, nor
-    at zeta = 0. They are the roots of a polynomial, isolated in exact arithmetic: all are found
-    except pairs that nearly coincide.
+    whether it is stable. Hopf points occur only with contact damping or friction, and never
+    without any damping. They are the roots of a polynomial, isolated in exact arithmetic: all are
+    found except pairs that nearly coincide.
 
     References
     ----------
