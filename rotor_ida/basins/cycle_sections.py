@@ -41,9 +41,9 @@ STATES = 64
 FALLS = 0.3
 # Safety factor on the width, for states that were not tried.
 CAUTION = 0.8
-# A state comes back between these parts of the period: neither at once nor after twice round.
+# A state returns between these fractions of the period: neither at once nor after two rounds.
 FIRST_RETURN, LAST_RETURN = 0.5, 1.6
-# The widest set that may be tried, in parts of the size of the cycle,
+# The widest set tried, relative to the size of the cycle,
 WIDEST = 1.0
 # and the narrowest.
 NARROWEST = 1e-5

@@ -83,7 +83,7 @@ def fractions_dataset(starts: Starts, result: Labelled, drawn: Mapping[str, obje
     """Return the fractions of the drawn starts that end on each attractor and response."""
     labels, attractors = result.labels, result.attractors
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
-    # no attractor is of these kinds, the last of them without a load or friction
+    # no attractor is of these kinds; some kinds need friction or a load
     never = {"failed", "not_found"}
     if result.rotor.friction == 0.0:
         never.add("rolling")

@@ -72,7 +72,7 @@ MOST_RETURNS = 6
 ONE_RETURN = 2e-3
 # Largest distance of a return, and of the cycle from the orbit, relative to the size of the state.
 BESIDE = 0.1
-# An orbit that reaches into the ring by less than this part of the clearance may be a whirl of the
+# An orbit with an indentation below this fraction of the clearance may be a whirl of the
 # contact-free family, which is no limit cycle.
 SLIGHT = 1e-3
 

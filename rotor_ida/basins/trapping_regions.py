@@ -64,7 +64,7 @@ from rotor_ida.schema import STABILITY
 # V must fall at this fraction of the fastest possible rate or faster: far more than the rounding of
 # matrices, which is not bounded by interval arithmetic.
 MARGIN = 1e-6
-# The largest level of a form is sought until it is known to this part,
+# The largest level of a form is determined to this relative accuracy,
 LEVEL_RTOL = 1e-3
 # or for this number of steps: if there is none the bisection tends to 0.
 BISECTIONS = 40

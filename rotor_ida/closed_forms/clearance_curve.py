@@ -62,7 +62,7 @@ def clearance_curve(
     Returns
     -------
     Dataset
-        On (omega, zeta, point), with further dimensions as `folds` has them before ``point``:
+        On (omega, zeta, point), with other dimensions as for `folds` before ``point``:
         ``delta0`` and the other variables of `response_curve`.
 
     Raises

@@ -45,7 +45,7 @@ EQUAL_HALVES = 1e-6
 # Two curves cross there, and nearby rounding may prevent any step: a doubling this near the last
 # point, relative to the scales, is the end.
 NEAR_A_DOUBLING = 1e-3
-# A step to such a cycle is taken again, this much shorter each time,
+# A step to such a cycle is repeated, shorter by this factor each time,
 SHORTENED = 0.25
 # until it is so short, a fortieth of the longest, that no special point is overlooked on the way.
 LAST_STEP = 1e-3
@@ -68,7 +68,7 @@ FARTHER = 4.0
 SAME_FREQUENCY = 0.1
 # Relative oscillation of the radius of a cycle there: its square is below rounding.
 SWING = 3e-7
-# Digits to which the parameter is sought.
+# Digits to which the parameter is determined.
 FINEST = 1e-15
 
 

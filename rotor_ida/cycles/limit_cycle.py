@@ -82,9 +82,9 @@ def limit_cycle(
         ``residual`` [1]. On ``multiplier``, by decreasing modulus, ``multiplier_real``,
         ``multiplier_imag`` and ``multiplier_error``. On ``t`` one period of ``x y vx vy``, resolved
         on the rotating axes. On ``line`` the spectrum on fixed axes: ``frequency``,
-        ``whirl_amplitude`` and ``line_kind``. ``side_line_over_spin`` is the frequency of the strongest line other than
-        1X, over the spin speed. ``whirl_over_spin`` and ``whirl_sense`` are those of the motion, as
-        of `rotor_ida.whirl_ratio`.
+        ``whirl_amplitude`` and ``line_kind``. ``side_line_over_spin`` is the frequency of the
+        strongest line other than 1X, over the spin speed. ``whirl_over_spin`` and ``whirl_sense``
+        are those of the motion, as of `rotor_ida.whirl_ratio`.
 
     Raises
     ------

@@ -133,7 +133,7 @@ def multipliers_of(shot: Shot) -> ComplexValues:
     if not has_trace(shot):
         trivial = [] if shot.rotor.load > 0.0 else [1.0]
         multipliers = np.append(trivial, _others_of(shot))
-        if shot.rolls:  # but for rounding
+        if shot.rolls:  # up to rounding
             multipliers[np.argmin(np.abs(multipliers))] = 0.0
         return np.asarray(multipliers[np.argsort(-np.abs(multipliers), kind="stable")])
     q = _contraction_of(shot)

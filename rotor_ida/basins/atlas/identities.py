@@ -54,7 +54,7 @@ KINDS = (
 
 
 def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) -> int:
-    """Number the attractors of all cells; return how many there are.
+    """Assign numbers to the attractors of all cells; return how many there are.
 
     `lines` contains the numbers of the cells along each line of the grid, one parameter rising.
     Attractors that are found by following others are added to the cells.
