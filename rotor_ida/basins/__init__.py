@@ -1,7 +1,7 @@
-"""Basins: which of very many starts of one rotor ends on which attractor.
+"""Basins of attraction: classify many starts of one rotor by the attractor they reach.
 
-*Follow each start until a trapping region holds it; follow one that none holds to its attractor,
-which then is known, with a region of its own; try the others again; count.*
+*Follow each start until it enters a trapping region; follow one that enters none to its attractor,
+which is then known and has a region; try the others again; count.*
 """
 
 from rotor_ida.basins.basin import basin, basin_fractions

@@ -24,26 +24,25 @@ from rotor_ida.steady import response
 from rotor_ida.steady.follow import SettledResponse, follow_to_steady_state
 from rotor_ida.steady.response import phase_lag_of
 
-# CVODE follows so many starts of an attractor before the attractor counts as unconfirmed.
+# Number of starts that CVODE follows before an attractor counts as unconfirmed.
 WITNESSES = 3
-# What CVODE finds agrees with the attractor to this part: radii of its largest one, its period of
-# the period.
+# Relative agreement with CVODE: of radii to the largest radius, of periods to the period.
 AGREEMENT = 1e-5
-# The numbers of an attractor, as they are told and kept.
+# The numbers of an attractor, as reported and stored.
 NUMBERS = (
     *("amplitude", "phase_lag", "radius_min", "radius_max", "period", "lifetime", "lifetime_low"),
 )
-# What the region of an attractor rests on: see `rotor_ida.schema.TRAPPING`.
+# Evidence for the region of an attractor: see `rotor_ida.schema.TRAPPING`.
 PROVEN, ESTIMATED, NOTHING = "proven", "estimated", "none"
-# Whirls that stay inside the clearance; the outermost of them is reached by touches that fade.
+# Whirls that stay inside the clearance; fading touches converge to the outermost one.
 CONTACT_FREE_FAMILY = (response.CONTACT_FREE, response.TOUCHING)
-# Whose starts come to one of the kind.
+# Kinds for which reaching any motion of the kind confirms a start.
 ONLY_BY_KIND = (*CONTACT_FREE_FAMILY, response.QUASI_PERIODIC, response.CHAOTIC)
 # Samples of one period, for the mean whirl.
 SAMPLES = 512
-# The least lifetime of chaos is the one that may be ruled out with this certainty.
+# Confidence level of the lower bound on the lifetime of chaos.
 CERTAINTY = 0.95
-# Number of labels that are worked on at a time: all of them may be more than memory holds.
+# Number of labels processed at a time: all of them may not fit into memory.
 STRETCH = 2**20
 
 
@@ -62,14 +61,14 @@ class Attractor:
     period : float
         On the rotating axes, of a limit cycle [1]; else NaN.
     trapping : {"proven", "estimated", "none"}
-        What the region rests on that holds its starts: a proof that no orbit leaves it, or orbits
-        that begin in it and were followed; or there is none, and they were followed alone.
+        Evidence for its trapping region: a proof that no orbit leaves it, or sample orbits followed
+        from it; "none" if it has no region and starts were followed one by one.
     lifetime, lifetime_low : float
-        Mean time after which a chaotic motion is left, infinite where none was, and the least one
-        that is likely at 95 % [1]; infinite for all others.
+        Mean time after which orbits leave a chaotic motion, infinite if none did, and its lower
+        95 % confidence bound [1]; infinite for all other attractors.
     confirmed : bool
-        Whether CVODE has followed one of its starts to it, or for contact-free whirls, touches and
-        chaos to one of its kind; False where that was not tried.
+        Whether CVODE has followed one of its starts to it; to one of its kind for contact-free
+        whirls, touches and chaos. False if this was not tried.
     """
 
     kind: str
@@ -86,10 +85,10 @@ class Attractor:
 
 @dataclass(frozen=True, slots=True)
 class Labelled:
-    """Starts as they were followed, and the attractors that their labels number.
+    """Followed starts, and the attractors that their labels refer to.
 
-    If nothing was interrupted, starts were followed to the attractors by CVODE with `options`; what
-    is large can go to `folder`.
+    Unless interrupted, CVODE followed starts to the attractors with `options`. Large arrays can be
+    stored in `folder`.
     """
 
     followed: FollowedStarts
@@ -109,11 +108,11 @@ class Labelled:
 
 
 def attractors_of(followed: FollowedStarts) -> list[Attractor]:
-    """Return the attractors of starts, and number the labels by them.
+    """Return the attractors of starts, and renumber the labels to match.
 
-    Whirls in contact come first, with starts or without, by amplitude; then the contact-free ones,
-    fading touches, limit cycles by largest radius, and what has no period, of these only what
-    starts end on.
+    Whirls in contact come first, by amplitude, then the contact-free ones: both with or without
+    starts. Then come, only if starts end on them: fading touches, limit cycles by largest radius,
+    and motions without a period.
     """
     known = followed.known
     rows: list[tuple[int, Attractor]] = []
@@ -147,7 +146,7 @@ def attractors_of(followed: FollowedStarts) -> list[Attractor]:
 def confirmed(
     followed: FollowedStarts, attractors: list[Attractor], starts: Starts, options: Options
 ) -> list[Attractor]:
-    """Return the attractors, each confirmed where CVODE finds it from one of its starts."""
+    """Return the attractors, each confirmed if CVODE reaches it from one of its starts."""
     rotor, rows = followed.known.rotor, []
     for each, numbers in zip(attractors, _first_decided(followed, len(attractors)), strict=True):
         states = (starts(number, number + 1)[:, 0] for number in numbers)
@@ -157,10 +156,9 @@ def confirmed(
 
 
 def _first_decided(followed: FollowedStarts, count: int) -> list[list[int]]:
-    """Return, for each of so many attractors, the numbers of the starts that were decided first.
+    """Return, for each of `count` attractors, the numbers of the starts that were decided first.
 
-    These are the least likely to lie so near to a boundary of its basin that another integrator
-    ends elsewhere.
+    They are the least likely to lie so near a basin boundary that another integrator disagrees.
     """
     first = [np.empty(0, dtype=np.int64) for _ in range(count)]
     for stretch in stretches(followed.labels.size):
@@ -178,7 +176,7 @@ def leads_to(
 ) -> bool:  # fmt: skip
     """Return whether CVODE follows a start to an attractor, or with `family` to one of its family.
 
-    Fading touches are of the contact-free family.
+    Fading touches belong to the contact-free family.
     """
     settled = follow_to_steady_state(rotor, _state(start), options, stop=stop)
     if family and attractor.kind in CONTACT_FREE_FAMILY:
@@ -212,9 +210,9 @@ def _contact_free(free: ContactFree) -> Attractor:
 
 
 def _fading(free: ContactFree, rotor: Rotor) -> Attractor:
-    """Return the limit of fading touches: the contact-free whirl that just reaches the ring.
+    """Return the limit of fading touches: the contact-free whirl that just reaches the stator.
 
-    With friction starts that no rim holds are followed to it by themselves.
+    With friction, starts outside the rim are followed to it one by one.
     """
     whirl, delta0 = free.whirl, rotor.delta0
     return Attractor(
@@ -224,14 +222,14 @@ def _fading(free: ContactFree, rotor: Rotor) -> Attractor:
 
 
 def family_of(attractors: list[Attractor]) -> tuple[int, ...]:
-    """Return the numbers of the attractors that are of the contact-free family."""
+    """Return the numbers of the attractors in the contact-free family."""
     return tuple(
         number for number, each in enumerate(attractors) if each.kind in CONTACT_FREE_FAMILY
     )
 
 
 def attractor_of_cycle(cycle: Cycle, has_section: bool, stop: Stop) -> Attractor:
-    """Return a limit cycle as an attractor, and whether a section of it holds starts."""
+    """Return a limit cycle as an attractor; `has_section` sets its trapping evidence."""
     states = sampled_orbit(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)[:-1]
     whirl = complex(states[:, 0].mean(), states[:, 1].mean())
     return Attractor(
@@ -241,9 +239,9 @@ def attractor_of_cycle(cycle: Cycle, has_section: bool, stop: Stop) -> Attractor
 
 
 def _with_lifetime(chaos: Attractor, followed: FollowedStarts) -> Attractor:
-    """Return the chaotic motions with how long they last.
+    """Return the chaotic motions with their lifetime.
 
-    Leaving is taken to be as likely at any time: of orbits watched for the time t together n left.
+    The rate of leaving is taken as constant: n orbits left during a total observed time t.
     """
     most = float(gammaincinv(followed.left + 1.0, CERTAINTY))
     return replace(
@@ -254,7 +252,7 @@ def _with_lifetime(chaos: Attractor, followed: FollowedStarts) -> Attractor:
 
 
 def _together(kind: str, motions: Values) -> Attractor:
-    """Return motions that are no cycle together, of which these rows are known."""
+    """Return motions without a period as one attractor, from the rows that are known of them."""
     amplitudes, lags, low, high = motions.T
     whirl = complex(np.mean(amplitudes * np.exp(-1j * lags)))
     return Attractor(
@@ -272,7 +270,7 @@ def _present(labels: Labels) -> set[int]:
 
 
 def _renumber(labels: Labels, kept: list[int]) -> None:
-    """Replace labels by their places in a list; those of fates stay."""
+    """Replace labels by their places in a list; labels of fates are unchanged."""
     table = np.arange(max([*kept, 0]) + 1 - LOWEST, dtype=np.int16)
     table[LOWEST:] = np.arange(LOWEST, 0)
     table[kept] = np.arange(len(kept))
@@ -286,7 +284,7 @@ def _state(values: Values) -> State:
 
 
 def stretches(size: int) -> Iterator[slice]:
-    """Yield the stretches in which a flat array of labels is worked on.
+    """Yield the slices in which a flat array of labels is processed.
 
     Examples
     --------

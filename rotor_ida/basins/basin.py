@@ -34,12 +34,12 @@ from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import LARGEST, Options, check_can_be_followed
 
-# The errors of a step that may be asked for [1].
+# Range of the error per step [1].
 TIGHTEST, LOOSEST = 1e-12, 1e-4
-# Stiffer rotors take the explicit method too many steps.
+# The explicit method needs too many steps for stiffer rotors.
 MOST_DAMPING = 20.0
 MOST_CONTACT_DAMPING = 50.0
-# Without a study all labels are in memory.
+# Without a study all labels are kept in memory.
 MOST_STARTS = 100_000_000
 
 
@@ -56,27 +56,26 @@ def basin(
     study: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Return the attractor on which the rotor ends, for every start of a plane.
+    """Compute basins of attraction on a plane of initial states.
 
     Parameters
     ----------
     rotor : Rotor
-        The rotor; damped, since without damping nothing settles.
+        The rotor. It must be damped: without damping there are no attractors.
     x, y, vx, vy : float or array_like, shape (n,)
         Components of the start [1]: exactly two are increasing arrays, two are numbers.
     rtol : float, optional
-        Error allowed in a step, relative to the size of the state and of the eccentricity [1]; by
-        default 1e-6, or 1e-11 where one of 512 starts ends elsewhere with that, for then the
-        basins are finely folded. The attribute ``labelling_rtol`` says which.
+        Error allowed per step, relative to the size of the state and of the eccentricity [1]. By
+        default 1e-6, or 1e-11 if the two disagree on any of 512 starts: then the basins are finely
+        folded. The attribute ``labelling_rtol`` reports the value used.
     workers : int, optional
-        How many batches of starts to follow at a time; by default one for each core that may be
-        used.
+        Number of batches followed at a time; by default one per available core.
     executor : {"auto", "serial", "threads", "processes", "dask"} or str
-        What follows them, as for `rotor_ida.sweep`; ``"auto"`` means threads. The result is the
-        same, bit for bit, on processors of one kind.
+        How batches are run, as for `rotor_ida.sweep`; ``"auto"`` means threads. On processors of
+        one kind the result is identical bit for bit.
     study : path-like, optional
-        Folder in which batches of starts are kept as they are done, as for `sweep`. With it, an
-        interrupted basin can go on, and one with more starts than memory holds can be computed.
+        Folder in which finished batches of starts are stored, as for `sweep`. An interrupted
+        computation can then be resumed, and the starts need not fit into memory.
     progress : callable, optional
         Called with the number of starts done and their total.
 
@@ -84,42 +83,42 @@ def basin(
     -------
     Dataset
         On the two components that vary, the later one first, so that ``label.plot()`` draws y
-        upwards: ``label``, the number of the attractor, -1 where the end
-        is not known, -2 where it was not computed; ``response``, its kind as a flag;
-        ``settling_time`` [1]. On ``attractor``: ``kind``, ``amplitude``, ``phase_lag``,
-        ``radius_min``, ``radius_max`` (NaN where they depend on the start); ``trapping``, whether
-        the region that holds starts is proven or estimated; ``confirmed``, whether CVODE has
-        followed one of its starts to it; ``count``, ``fraction`` and ``fraction_error``. Scalars:
-        ``undecided_count``, ``undecided_fraction``, ``not_computed_count``; ``agreement``, the part
-        of the labels that come out the same with the error ``agreement_rtol`` in a step, of
-        ``agreement_count`` that were found again; ``basin_entropy``, how uncertain the end of
-        a start is within a small box, and ``boundary_entropy``, the same over the boxes in which
-        starts end differently: on a fine grid more than log 2 says that the boundary is fractal.
+        upwards: ``label``, the number of the attractor, -1 where undecided, -2 where not computed;
+        ``response``, its kind as a flag; ``settling_time`` [1]. On ``attractor``: ``kind``,
+        ``amplitude``, ``phase_lag``, ``radius_min``, ``radius_max`` (NaN where they depend on the
+        start); ``trapping``, whether its trapping region is proven or estimated; ``confirmed``,
+        whether CVODE has followed one of its starts to it; ``count``, ``fraction`` and
+        ``fraction_error``. Scalars: ``undecided_count``, ``undecided_fraction``,
+        ``not_computed_count``; ``agreement``, the fraction of ``agreement_count`` recomputed labels
+        that are unchanged with the error ``agreement_rtol`` per step; ``basin_entropy``, the
+        uncertainty of the attractor within a small box, and ``boundary_entropy``, the same over
+        boxes with more than one attractor. On a fine grid a boundary entropy above log 2 shows that
+        the boundary is fractal.
 
     Raises
     ------
     InputError
         If an argument cannot be used.
     SimulationError
-        If one of ``"processes"`` died, or the scheduler.
+        If a worker process or the scheduler died.
 
     Notes
     -----
-    An interrupt from the keyboard ends it early: the starts that are not done are labelled as not
-    computed, and the attribute ``interrupted`` is 1. So are starts whose workers of dask keep
-    dying, with the attribute ``not_computed_reason``. Stable whirls in contact are listed even
-    where no start ends on them. ``fraction_error`` is ``sqrt(p (1 - p)/n)``, the standard error
-    that n random starts would have; the error of a grid, whose cells are wrong only along the
-    borders of the basins, is smaller. ``settling_time`` is the time at which a region
-    held the orbit, or else that at which the final window of an orbit followed alone ends.
+    A keyboard interrupt ends the computation early: the remaining starts are labelled as not
+    computed, and the attribute ``interrupted`` is 1. Starts whose dask workers keep dying are
+    labelled likewise, with the attribute ``not_computed_reason``. Stable whirls in contact are
+    listed even if no start ends on them. ``fraction_error`` is ``sqrt(p (1 - p)/n)``, the standard
+    error for n random starts; the error of a grid is smaller, since its cells are wrong only along
+    basin boundaries. ``settling_time`` is the time at which the orbit entered a region; for an
+    orbit followed alone it is the end of its final window.
 
-    A label is proven only where the start itself lies in a region that is. Any other rests on the
-    integration up to there, of which `agreement` is a sample. The attributes say what did what:
-    ``labelling_method`` and ``labelling_rtol`` the labels, ``left_over_method`` and
-    ``left_over_rtol`` the orbits that no region held, ``confirmation_method`` and so on what
-    `confirmed` tells, if an interrupt did not prevent it.
+    A label is proven only if the start itself lies in a proven region. Any other depends on the
+    integration up to a region, which `agreement` tests on a sample. Attributes give the methods:
+    ``labelling_method`` and ``labelling_rtol`` for the labels, ``left_over_method`` and
+    ``left_over_rtol`` for the orbits that entered no region, ``confirmation_method`` and so on for
+    `confirmed`, unless an interrupt prevented it.
 
-    With friction starts are followed as for `rotor_ida.basin_fractions`.
+    With friction, starts are followed as for `rotor_ida.basin_fractions`.
 
     Examples
     --------
@@ -167,14 +166,14 @@ def basin_fractions(
     study: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Return the fractions of random starts in a box that end on each attractor.
+    """Compute basin fractions: the share of random starts in a box that end on each attractor.
 
     Parameters
     ----------
     rotor : Rotor
-        The rotor; damped, since without damping nothing settles.
+        The rotor. It must be damped: without damping there are no attractors.
     x, y, vx, vy : float or array_like, shape (2,)
-        Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn,
+        Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn
         independently and uniformly.
     starts : int
         Number of starts: at most 100 million, or 10 billion in a study.
@@ -186,7 +185,7 @@ def basin_fractions(
     Returns
     -------
     Dataset
-        On ``attractor`` what `basin` tells of each, with ``fraction`` and its standard error
+        On ``attractor`` the variables of `basin`, with ``fraction`` and its standard error
         ``fraction_error``; on ``response`` the same for each kind of response: ``response_count``,
         ``response_fraction``, ``response_fraction_error``; the scalars of `basin`.
 
@@ -195,20 +194,20 @@ def basin_fractions(
     InputError
         If an argument cannot be used.
     SimulationError
-        If one of ``"processes"`` died, or the scheduler.
+        If a worker process or the scheduler died.
 
     Notes
     -----
     The standard error of a fraction p of n starts is ``sqrt(p (1 - p)/n)``.
 
-    Under a load, which turns on the axes on which starts are followed side by side, each is
-    followed to its attractor by itself, as in `rotor_ida.sweep` by Taylor series with `rtol`, by
-    default 1e-10: no region holds it, and no label is found again.
+    Under a load there are no trapping regions, since the load rotates on the rotating axes. Each
+    start is followed separately to its attractor, as in `rotor_ida.sweep`: by Taylor series with
+    `rtol`, by default 1e-10. No label is recomputed.
 
-    With friction starts are followed side by side for as long as the disc slides forwards, up to a
-    region of a whirl. The others are followed by themselves from the beginning on, with `rtol`
-    1e-10, to limit cycles too, of which one that rolls is dry whip. What rolls without a period is
-    one attractor together with all of its kind, as chaos is.
+    With friction, starts are followed side by side to a region of a whirl while the disc slides
+    forwards. The others are followed separately from their beginning, with `rtol` 1e-10, also to
+    limit cycles; a rolling limit cycle is dry whip. All rolling motions without a period count as
+    one attractor, as chaos does.
 
     Examples
     --------
@@ -251,13 +250,13 @@ def label(
 ) -> Labelled:
     """Follow `count` starts of a rotor, each to its attractor.
 
-    `starts` returns those from one number up to another, shape (4, n). Starts that are `drawn` do
-    not depend on how many there are. `design` describes them for a study.
+    `starts` returns those from one number up to another, shape (4, n). If `drawn`, the starts do
+    not depend on their number. `design` describes them for a study.
     """
     check_rotor(rotor, "fractions" if drawn else "a basin", one_by_one=drawn)
     most = MOST_STARTS if study is None else MOST_POINTS_OF_STUDY
     if count > most:
-        raise InputError(f"starts must be at most {most}, got {count}: a study keeps more on disk")
+        raise InputError(f"starts must be at most {most}, got {count}; a study can store more")
     check_progress(progress)
     tolerance = None if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
     place, several = choose(executor, workers, compiled=True)
@@ -280,25 +279,24 @@ def label(
 
 
 def _design(rotor: Rotor, rtol: float | None, options: Options) -> dict[str, object]:
-    """Return what decides on the bits of the labels beside the starts."""
+    """Return all that the labels depend on except the starts."""
     return {**rotor.given, "rtol": rtol, "confirmed_with_rtol": options.rtol, **computing()}
 
 
 def check_rotor(rotor: object, what: str = "a basin", *, one_by_one: bool = False) -> Rotor:
-    """Return a rotor whose starts can be labelled: under a load only where that is `one_by_one`."""
+    """Return a rotor whose starts can be labelled; a load is allowed only if `one_by_one`."""
     rotor = check_instance("rotor", rotor, Rotor)
     if not one_by_one:
         check_no_load(rotor, what)
     if rotor.omega == 0.0 < min(rotor.load, rotor.friction):
         raise InputError(
-            f"omega must be above 0 for {what} under a load with friction, which holds the rotor "
-            "at many places, got 0.0"
+            f"omega must be above 0 for {what} under a load with friction, got 0.0: friction "
+            "allows many positions of rest"
         )
     check_can_be_followed(rotor, (0.0, 0.0, 0.0, 0.0), settling=True)
     if not 0.0 < rotor.zeta <= MOST_DAMPING:
         raise InputError(
-            f"zeta must be above 0, where nothing settles, and at most {MOST_DAMPING:g} for "
-            f"{what}, got {rotor.zeta!r}"
+            f"zeta must be above 0 and at most {MOST_DAMPING:g} for {what}, got {rotor.zeta!r}"
         )
     if rotor.contact_damping > MOST_CONTACT_DAMPING:
         raise InputError(
@@ -323,7 +321,7 @@ def _axes_of(given: dict[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[s
 
 
 def drawn_from(box: Values, seed: int, first: int, last: int) -> Values:
-    """Return the starts of a box with these numbers, shape (4, n), as if drawn all in one go."""
+    """Return starts `first` to `last` of a box, shape (4, n), as if all were drawn at once."""
     bits = np.random.PCG64(seed)
     bits.advance(len(COMPONENTS) * first)
     chance = np.random.Generator(bits).random((last - first, len(COMPONENTS)))
@@ -339,7 +337,7 @@ def box_of(ranges: Mapping[str, npt.ArrayLike], starts: int) -> Values:
 
 
 def range_of(name: str, value: object) -> tuple[float, float]:
-    """Return the ends of a range; a number is a range of no length."""
+    """Return the ends of a range; a number is a range of length zero."""
     ends = check_vector(name, value, largest=LARGEST).tolist()
     if len(ends) > 2 or (len(ends) == 1 and not is_scalar(name, value)):
         raise InputError(f"{name} must be a number or a range (low, high), got {shown(value)}")

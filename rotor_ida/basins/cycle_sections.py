@@ -1,18 +1,18 @@
-"""A set on a section of a stable limit cycle that returns into itself: it holds what passes it.
+"""Trapping sets on a section of a stable limit cycle: sets that return into themselves.
 
 The section is the plane across the field at the state c of the cycle where its radius is largest.
-Near c an orbit comes back to it by ``s - c -> Pi (s - c)``, with the monodromy matrix seen on the
-section. The multipliers of the cycle but for the trivial one are the eigenvalues of Pi; a sum of
-the squared amplitudes of its modes falls from return to return,
+Near c an orbit returns by ``s - c -> Pi (s - c)``, where Pi is the monodromy matrix restricted to
+the section. Its eigenvalues are the nontrivial multipliers of the cycle. A weighted sum of the
+squared amplitudes of its modes falls from return to return,
 
     V(s) = sum w_i |l_i . (s - c)|**2 = |L (s - c)|**2,    l_i the left eigenvectors,
 
-by the largest ``|mu_i|**2`` at least. How large the set ``V <= 1`` can be is found by following
-states of it: the largest is sought of which every one of many states, spread over it, comes back
-with a smaller V. So it is an estimate, not a proof as for the whirls (`trapping_regions`).
+at least by the largest ``|mu_i|**2``. The size of the set ``V <= 1`` is found by following states:
+it is the largest set from which all of many states, spread over it, return with a smaller V. It is
+therefore an estimate, not a proof as for the whirls (`trapping_regions`).
 
-Where the largest multiplier is near -1, a return adds to V what the next one takes away again: the
-square of a state off the cycle, ``x -> -x + b x**2``. There states are followed twice round.
+Where the largest multiplier is near -1, one return increases V and the next decreases it again:
+``x -> -x + b x**2``. There states are followed for two returns.
 """
 
 from __future__ import annotations
@@ -31,33 +31,33 @@ from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.errors import SimulationError
 from rotor_ida.simulation.neighbours import MAXIMUM, shoot
 
-# Of a step of the kernel: close to a graze the set is small.
+# Tolerance of a step of the kernel: close to a graze the set is small.
 TOLERANCE = 1e-10
-# States are spread over shells of these sizes, in parts of the set:
+# Relative sizes of the shells over which states are spread,
 SHELLS = (1.0, 0.8, 0.6, 0.4, 0.2)
-# so many over each.
+# and the number of states on each.
 STATES = 64
-# V must fall by this part of what it does in the linear motion.
+# V must fall by this fraction of its decrease in the linear motion.
 FALLS = 0.3
-# The set is taken this much narrower than where it does, for the states that were not tried.
+# Safety factor on the width, for states that were not tried.
 CAUTION = 0.8
-# A state comes back between these parts of the period: neither at once nor after twice round.
+# A state returns between these fractions of the period: neither at once nor after two rounds.
 FIRST_RETURN, LAST_RETURN = 0.5, 1.6
-# The widest set that may be tried, in parts of the size of the cycle,
+# The widest set tried, relative to the size of the cycle,
 WIDEST = 1.0
 # and the narrowest.
 NARROWEST = 1e-5
-# The widest that serves is sought among so many, each 0.68 of the one before.
+# Number of widths tried, each 0.68 of the one before.
 WIDTHS = 31
 # Weights of the mode with the multiplier exp(-2 zeta T), or of the faster pair, against the others.
 MODE_RATIOS = (0.1, 1.0, 10.0)
-# Multipliers that are as large as the largest but for this part are a pair: it is their rounding.
+# Multipliers within this fraction of the largest count as a pair: the difference is rounding.
 SAME_MODULUS = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class CycleSection:
-    """A section of a limit cycle with a set on it that returns into itself.
+    """A section of a limit cycle with a trapping set on it, which returns into itself.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class CycleSection:
     centre, normal : ndarray, shape (4,)
         Its state on the section, and the direction of the field there [1].
     form : ndarray, shape (3, 4)
-        L: the set is ``|L (s - centre)| <= 1``. All infinite where no such set was found.
+        L: the set is ``|L (s - centre)| <= 1``. All infinite if no such set was found.
     """
 
     cycle: Cycle
@@ -81,7 +81,7 @@ class CycleSection:
 
     @property
     def row(self) -> Rows:
-        """The section as the kernel takes it; nothing passes one whose centre is infinite."""
+        """The section in the kernel's format; no orbit passes one whose centre is infinite."""
         if not self.exists:
             return np.array((np.full(4, np.inf), np.ones(4), np.ones((3, 4)), 0.0), dtype=SECTION)
         widest = 1.0 / np.linalg.svd(self.form, compute_uv=False)[-1]
@@ -89,10 +89,10 @@ class CycleSection:
 
 
 def cycle_section(cycle: Cycle, stop: Stop) -> CycleSection:
-    """Return a section of a stable limit cycle with a set that returns into itself, if there is.
+    """Return a section of a stable limit cycle with a trapping set, if there is one.
 
-    Under a load, where what an orbit does next hangs on time as well, none is sought, nor where the
-    disc rolls, where lanes do not follow it. With friction it slides forwards all round from every
+    None is sought under a load, where the motion also depends on time, nor where the disc rolls,
+    which the kernel cannot follow. With friction the disc slides forwards throughout from every
     state of the set.
     """
     if cycle.rotor.load > 0.0 or cycle.shot.rolls:
@@ -125,7 +125,7 @@ def _widest_section(cycle: Cycle, stop: Stop) -> CycleSection:
 
 
 def _forms(monodromy: Values, normal: Values) -> list[Values]:
-    """Return the forms L that weigh the modes of the return differently, of size 1 or so."""
+    """Return forms L of size about 1, with different weights of the modes of the return."""
     plane = np.linalg.svd(normal[None])[2][1:]  # three directions across the field
     values, vectors = np.linalg.eig(plane @ monodromy @ plane.T)
     if np.linalg.cond(vectors) > MOST_SKEW:
@@ -147,9 +147,9 @@ def _density(form: Values) -> float:
 
 
 def _width(section: CycleSection, form: Values, rounds: int, allowed: float, stop: Stop) -> float:
-    """Return about the largest width at which all states come back nearer; 0 if there is none.
+    """Return about the largest width at which all states return with a smaller V; 0 if none.
 
-    They are followed for so many rounds, after which so much of V is allowed.
+    They are followed for `rounds` returns, after which V may be at most `allowed`.
     """
     cycle = section.cycle
     before = (rounds - 1) * cycle.period

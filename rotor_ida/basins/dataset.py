@@ -1,4 +1,4 @@
-"""Datasets of basins: what the starts of one rotor end on, over a grid or in fractions."""
+"""Datasets of basins: the attractors of the starts of one rotor, on a grid or as fractions."""
 
 from __future__ import annotations
 
@@ -24,39 +24,40 @@ from rotor_ida.schema import FATE, RESPONSE, TRAPPING, Column, labelled, labelle
 from rotor_ida.simulation.options import Options
 
 LABELLING = (
-    "every start followed beside others by DOP853 on the rotating axes, with the error "
-    "labelling_rtol in a step, until a region holds it; where some are left over, limit cycles "
-    "found by Newton's method, some orbits followed one by one by Taylor series, as in a sweep "
-    "with left_over_rtol, and what lasts told to be chaotic by an exponent of its own, or followed "
-    "on; some starts labelled again with the error agreement_rtol"
+    "all starts followed side by side by DOP853 on the rotating axes, with the error "
+    "labelling_rtol per step, until they enter a trapping region; for those that enter none, "
+    "limit cycles found by Newton's method, and some orbits followed one by one by Taylor series, "
+    "as in a sweep with left_over_rtol; motions that do not settle identified as chaotic by their "
+    "Lyapunov exponent, or followed further; some starts labelled again with the error "
+    "agreement_rtol"
 )
 LABELLING_RUBS = (
-    "every start followed beside others by DOP853 on the rotating axes, with the error "
-    "labelling_rtol in a step, for as long as the disc slides forwards, until a region holds it; "
+    "all starts followed side by side by DOP853 on the rotating axes, with the error "
+    "labelling_rtol per step, while the disc slides forwards, until they enter a trapping region; "
     "the others followed from their starts one by one by Taylor series, as in a sweep with "
     "left_over_rtol, limit cycles found by Newton's method; some starts labelled again with the "
     "error agreement_rtol"
 )
-# What follows starts side by side, in the core.
+# The method that follows starts side by side, in the core.
 LABELLING_METHOD = "dop853"
 # Under a load.
-ONE_BY_ONE = "every start followed by itself by Taylor series, as in a sweep with labelling_rtol"
+ONE_BY_ONE = "every start followed separately by Taylor series, as in a sweep with labelling_rtol"
 ENTROPIES = ("basin_entropy", "boundary_entropy")
 # Width of a box of a grid, in starts.
 WIDTH = 5
-# A box of a random sample holds about as many starts as that.
+# A box of a random sample contains about as many starts.
 IN_BOX = WIDTH * WIDTH
-# Of a larger sample the first so many starts tell the entropies.
+# Entropies are computed from at most this many starts, the first of a larger sample.
 MOST_IN_ENTROPY = 1_000_000
 
 
 def basin_dataset(
     axes: Mapping[str, Values], fixed: Mapping[str, float], result: Labelled
 ) -> xr.Dataset:
-    """Return what each start of a grid ends on, over the two components that vary.
+    """Return the attractor of each start of a grid, over the two components that vary.
 
-    The starts are numbered along the last component first. The dataset has that component first,
-    as xarray draws the first dimension upwards.
+    Start numbers run along the last component first. That component is the first dimension of the
+    dataset, as xarray draws the first dimension upwards.
     """
     attractors, shape = result.attractors, tuple(values.size for values in axes.values())
     labels, times = result.labels.reshape(shape), result.followed.times.reshape(shape)
@@ -74,15 +75,15 @@ def basin_dataset(
     coordinates |= {name: (name, values) for name, values in axes.items()}
     coordinates |= {name: ((), value) for name, value in fixed.items()}
     coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
-    title = "Rotor in a clearance: what each start ends on"
+    title = "Rotor in a clearance: attractor of each start"
     return labelled_dataset(title, variables, coordinates, _attributes(result), kind="basin")
 
 
 def fractions_dataset(starts: Starts, result: Labelled, drawn: Mapping[str, object]) -> xr.Dataset:
-    """Return which parts of the starts, drawn as told, end on which attractor and response."""
+    """Return the fractions of the drawn starts that end on each attractor and response."""
     labels, attractors = result.labels, result.attractors
     missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
-    # no attractor is of these kinds, the last of them without a load or friction
+    # no attractor is of these kinds; some kinds need friction or a load
     never = {"failed", "not_found"}
     if result.rotor.friction == 0.0:
         never.add("rolling")
@@ -123,7 +124,7 @@ def _entropies(values: tuple[float, float]) -> dict[str, xr.Variable]:
 
 
 def labelled_how(tolerance: float, rotor: Rotor | None = None) -> dict[str, object]:
-    """Return as attributes what labelled starts, where a step might have such an error [1]."""
+    """Return, as attributes, the method that labelled starts with a given error per step [1]."""
     if rotor is not None and followed_alone(rotor):
         return {
             "labelling": ONE_BY_ONE,
@@ -142,12 +143,12 @@ def labelled_how(tolerance: float, rotor: Rotor | None = None) -> dict[str, obje
 
 
 def followed_by(purpose: str, options: Options) -> dict[str, object]:
-    """Return as attributes the method and tolerances with which orbits were followed to an end."""
+    """Return, as attributes, the method and tolerances with which orbits were followed."""
     return {f"{purpose}_{name}": value for name, value in options.attributes().items()}
 
 
 def agreement_of(rechecked: npt.NDArray[np.int64]) -> dict[str, float]:
-    """Return how many labels were found again, and the part of them that came out the same."""
+    """Return the number of recomputed labels, and the fraction of them that are unchanged."""
     count, alike = rechecked.tolist()
     return {"agreement": alike / count if count else math.nan, "agreement_count": count}
 
@@ -182,9 +183,9 @@ def _responses(
     attractors: Sequence[Attractor],
     folder: Path | None,
 ) -> xr.Variable:
-    """Return the kind of response of each start; those not computed have a number of their own."""
+    """Return the kind of response of each start; those not computed have a separate number."""
     kinds = [RESPONSE[each.kind] for each in attractors]
-    # the two fates stand at the end of the table, where negative numbers find them
+    # the two fates are at the end of the table, where negative indices find them
     table = np.array([*kinds, FATE["not_computed"], RESPONSE["unresolved"]], dtype=np.int8)
     responses = scratch(labels.shape, np.int8, folder)
     flat, result = labels.reshape(-1), responses.reshape(-1)
@@ -236,7 +237,7 @@ def _fractions(counts: npt.NDArray[np.int64], total: int) -> tuple[Values, Value
 
 
 def grid_entropy(labels: Labels, alike: Sequence[int] = ()) -> tuple[float, float]:
-    """Return basin and boundary entropy of a grid of starts, in whole boxes of 5 by 5.
+    """Return basin and boundary entropy of a grid of starts, in complete boxes of 5 by 5.
 
     The labels `alike` count as one.
 
@@ -272,9 +273,9 @@ def sample_entropy(
 ) -> tuple[float, float]:
     """Return basin and boundary entropy of random starts, in boxes of about 25 of them.
 
-    The boxes come from halving the sample at the median of one component after the other: each
-    holds as much of the distribution as any other, whatever it is. States have the shape (4, n),
-    and the labels `alike` count as one.
+    The sample is halved repeatedly at the median of one component after the other, so all boxes
+    contain the same share of any distribution. States have the shape (4, n). The labels `alike`
+    count as one.
     """
     varied = states[np.ptp(states, axis=1) > 0.0]
     if labels.size < IN_BOX or not varied.size:
@@ -296,7 +297,7 @@ def sample_entropy(
 
 
 def _entropy_of_boxes(boxes: Labels, alike: Sequence[int]) -> Values:
-    """Return the entropy of each row of labels; NaN where one has none that was computed."""
+    """Return the entropy of each row of labels; NaN for a row without computed labels."""
     if len(alike) > 1:
         boxes = np.where(np.isin(boxes, alike), alike[0], boxes)
     known = boxes != NOT_COMPUTED
@@ -309,7 +310,7 @@ def _entropy_of_boxes(boxes: Labels, alike: Sequence[int]) -> Values:
 
 
 def _means(total: float, mixed: int, boxes: int) -> tuple[float, float]:
-    """Return the mean over all boxes, and over those with more than one end."""
+    """Return the mean over all boxes, and over those with more than one attractor."""
     if not boxes:
         return math.nan, math.nan
     return total / boxes, total / mixed if mixed else 0.0

@@ -1,17 +1,18 @@
-"""What becomes of a batch of starts: all are followed until that is decided.
+"""Classify a batch of starts: follow all of them until the attractor of each is decided.
 
-*Match* all against the regions that hold starts. *Seed* a limit cycle where one that is left over
-comes back to where it is: Newton's method finds it, it is known then, with a region of its own.
-*Label* one that does not come back by following it alone to its attractor, as in a sweep. After
-each, match the others again. Where that one does not settle, all that last as long are looked at
-each by itself: chaos is told by the exponent of each orbit; the others are followed on.
+*Match* all orbits against the trapping regions. *Seed* a limit cycle where a remaining orbit
+returns to itself: Newton's method finds the cycle, which is then known and has a region. *Label* an
+orbit that does not return by following it alone to its attractor, as in a sweep. After each step,
+match the others again. If that orbit does not settle, all that last as long are examined one by
+one: chaos is identified by the exponent of each orbit; the others are followed further.
 
-The label of a start hangs on the rotor and on the start alone: what else is in the batch, or is
-known by then, decides when it is found, and at what cost.
+The label of a start depends on the rotor and on the start alone. The rest of the batch, and what is
+known already, only affects when the label is found and at what cost.
 
-Under a load, which turns on these axes, no region holds a start: each is followed by itself. With
-friction so is what no region holds, or does not slide forwards throughout, from its start on; where
-it comes to a limit cycle on which the disc slides forwards, this holds others.
+Under a load, which rotates on these axes, there are no trapping regions: each start is followed
+separately. With friction the same holds for starts that enter no region or do not slide forwards
+throughout. If one reaches a limit cycle on which the disc slides forwards, this cycle can trap
+others.
 """
 
 from __future__ import annotations
@@ -52,62 +53,62 @@ from rotor_ida.steady.follow import (
 
 Numbers = npt.NDArray[np.int64]
 
-# Where no more than this part is left over, it is followed for longer before one is looked at: it
+# A remaining fraction no larger than this is followed for longer before one orbit is examined: it
 # may only be slow.
 FEW = 0.05
 # Orbits that need longer are followed side by side until this time, then one by one.
 LONGEST_TOGETHER = 4000.0
-# Beside a cycle that attracts them slowly they are, for as long as a sweep follows a motion.
+# Near a cycle that attracts them slowly: for as long as a sweep follows a motion.
 LONGEST_BESIDE_CYCLE = 40_000.0
 
-# A limit cycle is sought where an orbit comes back within so many revolutions: where omega is 1.7
-# and delta0 2, one takes 17.4.
+# A limit cycle is sought where an orbit returns within this number of revolutions: one at omega 1.7
+# and delta0 2 takes 17.4.
 RETURN_REVOLUTIONS = 20.0
-# And within so long: revolutions of a slow rotor take time.
+# And within this time: revolutions of a slow rotor are long.
 RETURN_TIME = 500.0
-# It is sought at so many of the closest returns, for the closest may be to a part of the cycle.
+# Number of closest returns tried, as the closest may be to another part of the cycle.
 MOST_RETURNS = 6
-# Returns are one where they come within this part of the time of each other.
+# Returns closer in time than this fraction count as one.
 ONE_RETURN = 2e-3
-# The cycle is beside the orbit, and a return is one, up to this part of the size of the state.
+# Largest distance of a return, and of the cycle from the orbit, relative to the size of the state.
 BESIDE = 0.1
-# An orbit that reaches into the ring by less than this part of the clearance may be a whirl of the
+# An orbit with an indentation below this fraction of the clearance may be a whirl of the
 # contact-free family, which is no limit cycle.
 SLIGHT = 1e-3
 
-# A period is twice another to this part: doubled cycles leave with exactly that, and drift from it.
+# Relative tolerance for a doubled period: exact where the cycles branch off, then drifting.
 TWICE = 0.2
 
 # How an orbit is followed alone: as in a sweep.
 ALONE = Options(method="taylor", rtol=1e-10)
-# A whirl on which an orbit has settled has the amplitude of a known one, to this part of it.
+# Relative tolerance for identifying a settled whirl with a known one by amplitude.
 SAME_AMPLITUDE = 1e-5
-# An orbit's exponent is told by a neighbour this far off, in parts of the size of its state,
+# The exponent of an orbit is measured with a neighbour at this relative distance,
 NEIGHBOUR = 1e-7
-# put back to there after each span, in which even strong chaos leaves it close. It is told anew
-# after so many of them,
+# reset after each span, short enough even for strong chaos, and evaluated after this number of
+# spans,
 SPAN, SPANS = 120.0, 20
-# of which the first ones, in which it turns to the direction that grows most, do not count.
+# without the first ones, in which it aligns with the fastest-growing direction.
 FIRST_SPANS = 10
-# It is no chaos if it does not exceed so many errors after some spans; where it does but is not
-# clear of 0, it is followed on, for so many in all.
+# Not chaotic if it does not exceed this number of standard errors after some spans; if it does but
+# is not clearly above 0, it is followed further, up to a total number of spans.
 MAYBE_ERRORS, SOME_SPANS, MOST_SPANS = 2.0, 60, 200
-# Both are followed this closely: what steps leave must not be taken for growth.
+# Tolerance for both: step errors must not be taken for growth.
 CLOSELY = 1e-11
-# Labels of motions that have no period, and are told by their kinds alone.
+# Labels of motions that have no period and are distinguished by kind alone.
 APERIODIC = {
     response.ROLLING: ROLLING,
     response.QUASI_PERIODIC: QUASI_PERIODIC,
     response.CHAOTIC: CHAOTIC,
 }
-# Beside an unstable cycle whose period has just doubled, the doubled one is sought aside at these
-# parts of the size of the state.
+# Relative displacements at which a doubled cycle is sought near an unstable one whose period has
+# just doubled.
 ASIDE = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
 
 
 @dataclass(slots=True)
 class Batch:
-    """Starts under way, n of them, with what is decided of each."""
+    """A batch of n starts being followed, with what is decided about each."""
 
     known: Known  # the rotor and its attractors; those that are found are added
     states: Values  # on the rotating axes, shape (4, n): of a copy, overwritten as they move [1]
@@ -115,8 +116,8 @@ class Batch:
     stop: Stop
     labels: Labels = field(init=False)
     times: Times = field(init=False)  # for how long each was followed [1]
-    left: int = 0  # number of orbits that left a chaotic motion while this was watched,
-    watched: float = 0.0  # and for how long all of them together were watched [1]
+    left: int = 0  # number of observed orbits that left a chaotic motion
+    watched: float = 0.0  # total time for which chaotic orbits were observed [1]
     # the first motion without a period of each kind, by its label
     aperiodic: dict[int, SettledResponse] = field(default_factory=dict)
     matched: Known | None = None  # what was known when orbits were last followed together
@@ -132,11 +133,11 @@ class Batch:
         return self.known is not self.matched
 
     def passed(self, numbers: Numbers) -> float:
-        """Return for how long at most orbits were followed [1]."""
+        """Return the longest time for which any of the orbits was followed [1]."""
         return float(self.times[numbers].max(initial=0.0))
 
     def follow(self, numbers: Numbers, duration: float) -> Numbers:
-        """Follow some orbits until a region holds them, or for a time; return those left over."""
+        """Follow orbits until they enter a region, or for a time; return the remaining ones."""
         if not numbers.size or duration <= 0.0:
             return numbers
         self.matched = self.known
@@ -149,7 +150,7 @@ class Batch:
         return left
 
     def label_of(self, cycle: Cycle) -> int:
-        """Return the label of a limit cycle, which is known from now on."""
+        """Return the label of a limit cycle, adding it to the known ones."""
         label = self.known.label_of_cycle(cycle)
         if label is None:
             label = self.known.first_cycle + len(self.known.cycles)
@@ -158,7 +159,7 @@ class Batch:
 
 
 def decide(batch: Batch) -> Batch:
-    """Follow all starts of a batch until what becomes of them is decided; return it."""
+    """Follow all starts of a batch until the attractor of each is decided; return the batch."""
     rotor, every = batch.known.rotor, np.arange(batch.labels.size)
     waiting = every[:0]
     if followed_alone(rotor):
@@ -178,9 +179,9 @@ def decide(batch: Batch) -> Batch:
 
 
 def label_rubs(batch: Batch) -> None:
-    """Label starts with friction: where no region holds them, each from its start by itself.
+    """Label starts with friction: those that enter no region separately, from their beginning.
 
-    As long as some are held that were not before, the others may only be slow.
+    As long as further orbits enter regions, the others may only be slow.
     """
     starts, every = batch.states.copy(), np.arange(batch.labels.size)
     waiting, before = batch.follow(every, batch.known.first_wait), every.size
@@ -196,14 +197,14 @@ def label_rubs(batch: Batch) -> None:
 
 
 def _label_from(batch: Batch, starts: Values, numbers: Numbers) -> None:
-    """Label some starts by following each to its attractor by itself, from its beginning on."""
+    """Label some starts by following each separately from its beginning to its attractor."""
     batch.labels[numbers], batch.times[numbers] = NOT_COMPUTED, 0.0
     batch.states[:, numbers] = starts[:, numbers]
     label_one_by_one(batch, numbers, ALONE)
 
 
 def label_one_by_one(batch: Batch, numbers: Numbers, options: Options) -> None:
-    """Label some starts by following each to its attractor by itself, as in a sweep."""
+    """Label some starts by following each separately to its attractor, as in a sweep."""
     for number in numbers.tolist():
         if batch.stop[0]:
             return
@@ -218,7 +219,7 @@ def label_one_by_one(batch: Batch, numbers: Numbers, options: Options) -> None:
 
 
 def match_all(batch: Batch) -> Numbers:
-    """Follow all orbits until a region holds them, the last few for longer; return those left."""
+    """Follow all orbits until they enter a region, the last few longer; return the remaining."""
     count, longest = batch.labels.size, min(LONGEST_TOGETHER, _late(batch))
     waiting = batch.follow(np.arange(count), batch.known.first_wait)
     if batch.known.rotor.omega == 0.0:  # energy only falls: all comes to rest
@@ -230,10 +231,10 @@ def match_all(batch: Batch) -> Numbers:
 
 
 def match(batch: Batch, waiting: Numbers, longest: float, until: float = 0.0) -> Numbers:
-    """Follow orbits on until a region holds them; return those left over.
+    """Follow orbits further until they enter a region; return the remaining ones.
 
-    Where a cycle has been found since, for the time in which damping settles most. Or else for as
-    long again as they were followed, and at least `until`, unless that was for the longest time.
+    If a cycle has been found since, they are followed for the time in which damping settles most.
+    Otherwise the time followed is doubled, and is at least `until`, up to the longest time.
     """
     if batch.cycle_found:
         return batch.follow(waiting, batch.known.first_wait)
@@ -242,15 +243,15 @@ def match(batch: Batch, waiting: Numbers, longest: float, until: float = 0.0) ->
 
 
 def seed(batch: Batch, waiting: Numbers) -> bool:
-    """Return whether the first orbit is beside a stable limit cycle that may yet hold it."""
+    """Return whether the first orbit is near a stable limit cycle that may still trap it."""
     in_time = batch.passed(waiting) < LONGEST_BESIDE_CYCLE
     return beside_cycle(batch, int(waiting[0])) and (batch.cycle_found or in_time)
 
 
 def label(batch: Batch, waiting: Numbers) -> Numbers:
-    """Label the first orbit by following it alone; return the others that are left over then.
+    """Label the first orbit by following it alone; return the others that then remain.
 
-    Where it does not settle, all are labelled by what each does that lasts as long.
+    If it does not settle, all that last as long are labelled one by one.
     """
     first, others = int(waiting[0]), waiting[1:]
     fate = fate_of(batch, first)
@@ -264,7 +265,7 @@ def label(batch: Batch, waiting: Numbers) -> Numbers:
 
 
 def beside_cycle(batch: Batch, number: int) -> bool:
-    """Return whether an orbit is beside a stable limit cycle, which is known then."""
+    """Return whether an orbit is near a stable limit cycle, and add that to the known ones."""
     rotor, state = batch.known.rotor, batch.states[:, number].copy()
     duration = min(RETURN_REVOLUTIONS * 2.0 * math.pi / rotor.omega, RETURN_TIME)
     try:
@@ -285,7 +286,7 @@ def beside_cycle(batch: Batch, number: int) -> bool:
 
 
 def _closest(times: Values, misses: Values, apart: float) -> list[float]:
-    """Return the times of the closest returns, each apart from the others, as they come."""
+    """Return the times of the closest separate returns, in order of time."""
     chosen: list[float] = []
     for place in np.argsort(misses, kind="stable").tolist():
         time = float(times[place])
@@ -307,7 +308,7 @@ def _stable_cycle(batch: Batch, state: Values, period: float) -> Cycle | None:
 
 
 def _doubled(cycle: Cycle, stop: Stop) -> Cycle | None:
-    """Return the stable cycle of twice the period beside one whose period has just doubled."""
+    """Return the stable cycle of twice the period near one whose period has just doubled."""
     multipliers, vectors = np.linalg.eig(cycle.shot.monodromy)
     aside = np.real(vectors[:, np.argmin(multipliers.real)])
     aside *= np.linalg.norm(cycle.state) / np.linalg.norm(aside)
@@ -323,10 +324,10 @@ def _doubled(cycle: Cycle, stop: Stop) -> Cycle | None:
 
 
 def fate_of(batch: Batch, number: int, longest: float = LONGEST) -> int:
-    """Return the label of one orbit, followed alone to its attractor; a new limit cycle is added.
+    """Return the label of one orbit, followed alone to its attractor; add a new limit cycle.
 
-    UNDECIDED where it has none after the time that a sweep gives it. The time that it took is
-    added where it has one.
+    UNDECIDED if it reaches none within the time limit of a sweep; otherwise the time that it took
+    is added.
     """
     x, y, vx, vy = batch.states[:, number].tolist()
     settled = follow_to_steady_state(
@@ -364,10 +365,10 @@ def _whirl_of(known: Known, amplitude: float) -> int:
 
 
 def label_lasting(batch: Batch, waiting: Numbers) -> None:
-    """Label orbits that have not settled after so long, each by what it does itself.
+    """Label orbits that have not settled after a long time, each by its own motion.
 
-    Those that are chaotic are watched for as long again, and those that leave are counted. The
-    others are followed for as long as a sweep follows a motion, and then one by one.
+    The chaotic ones are observed for as long again, and those that leave are counted. The others
+    are followed for as long as a sweep follows a motion, and then one by one.
     """
     late = _late(batch)
     waiting = batch.follow(waiting, late - batch.passed(waiting))
@@ -388,9 +389,9 @@ def label_lasting(batch: Batch, waiting: Numbers) -> None:
 
 
 def are_chaotic(batch: Batch, numbers: Numbers) -> npt.NDArray[np.bool_]:
-    """Follow orbits on; return which part from a neighbour at a rate that is clear of 0.
+    """Follow orbits further; return which of them diverge from a neighbour at a rate above 0.
 
-    Those of which it may be, but is not yet, are looked at for longer.
+    Undecided ones are followed for longer.
     """
     states = np.ascontiguousarray(batch.states[:, numbers])
     beside = states.copy()
@@ -416,9 +417,9 @@ def are_chaotic(batch: Batch, numbers: Numbers) -> npt.NDArray[np.bool_]:
 def _parting(
     batch: Batch, states: Values, beside: Values, spans: int
 ) -> tuple[Values, Values, Values]:
-    """Follow orbits and their neighbours; return both at the end, and how fast they part.
+    """Follow orbits and their neighbours; return both at the end, and their rates of divergence.
 
-    The rates are a row for each span.
+    The rates have one row for each span.
     """
     bare, rates = Known(batch.known.rotor, [], None), np.zeros((spans, states.shape[1]))
     for span in range(spans):
@@ -433,7 +434,7 @@ def _parting(
 
 
 def _motion_of(batch: Batch, number: int) -> SettledResponse:
-    """Return what a chaotic motion does over a window."""
+    """Return the features of a chaotic motion over a window."""
     x, y, vx, vy = batch.states[:, number].tolist()
     rotor = batch.known.rotor
     return follow_to_steady_state(rotor, (x, y, vx, vy), ALONE, longest=0.0, stop=batch.stop)

@@ -1,4 +1,4 @@
-"""Follow many starts of one rotor on all cores, and keep of each only its result."""
+"""Follow many starts of one rotor on all cores, and store only the result of each."""
 
 from __future__ import annotations
 
@@ -42,21 +42,21 @@ Starts = Callable[[int, int], Values]
 SMALLEST_BATCH = 512
 # A larger one would seldom report progress.
 LARGEST_BATCH = 8192
-# Starts under a load, which are followed one by one, come in smaller ones,
+# Smaller batches for starts under a load, which are followed one by one,
 SMALLEST_ALONE = 4
-# and so do those with friction, of which some are.
+# and for starts with friction, some of which are.
 SMALLEST_RUBBING = LANES
-# Between these, so many share the work evenly. Who does it has no say in that: it leaves no trace
-# in the result.
+# Between these, this number of batches. It does not depend on the workers, so that the result does
+# not either.
 FEWEST_BATCHES = 64
-# Before all others so many starts are followed, from which limit cycles become known.
+# Number of starts followed first, to find limit cycles.
 SCOUTS = 128
 # The error of a step [1],
 RTOL = 1e-6
-# but this one where with it one of so many starts ends elsewhere.
+# but this one if it changes the attractor of any of this number of starts.
 SMALL_RTOL = 1e-11
 CHECKED = 512
-# A first look shows only what whirls hold soon.
+# A first look shows only what is soon trapped by whirls.
 RTOL_OF_FIRST_LOOK = 1e-4
 
 
@@ -67,13 +67,13 @@ class FollowedStarts:
     known: Known  # the rotor, and its whirls
     labels: Labels  # number of the attractor, by `first_cycle` from `known` and `cycles`, or a fate
     times: Times  # when each was decided, or given up [1]; NaN where not computed
-    # those that starts end on, in the order in which batches met them
+    # those that starts end on, in the order in which batches found them
     cycles: list[Cycle] = field(default_factory=list)
-    has_section: list[bool] = field(default_factory=list)  # whether a section of each holds starts
+    has_section: list[bool] = field(default_factory=list)  # whether each has a trapping section
     # amplitude, phase lag and extreme radii of motions without a period, by label, shape (k, 4) [1]
     aperiodic: dict[int, Values] = field(default_factory=dict)
-    left: float = 0.0  # number of orbits that left a chaotic motion while this was watched,
-    watched: float = 0.0  # and for how long all of them together were watched [1]
+    left: float = 0.0  # number of observed orbits that left a chaotic motion
+    watched: float = 0.0  # total time for which chaotic orbits were observed [1]
     interrupted: bool = False  # by the user
     not_computed_reason: str = ""  # why starts were not computed, other than by an interrupt
     tolerance: float = RTOL  # error allowed in a step [1]
@@ -83,9 +83,9 @@ class FollowedStarts:
 
 @dataclass(frozen=True, slots=True)
 class _Job:
-    """A stretch of the starts, (4, n) from number `first` on, with all that a process needs.
+    """A batch of starts, (4, n), from number `first` on, with all that a process needs.
 
-    So many of them are labelled again, with a smaller error.
+    Some of them are labelled again, with a smaller error.
     """
 
     known: Known
@@ -107,10 +107,10 @@ def follow_starts(
     progress: Progress | None,
     drawn: bool = False,
 ) -> FollowedStarts:
-    """Follow so many starts until the attractor of each is decided, or for the time allowed.
+    """Follow starts until the attractor of each is decided, or for the time allowed.
 
-    Batches that are kept already are not followed again; a tolerance of None is chosen, by the
-    first starts where they are `drawn`, which are the same however many follow.
+    Batches that are stored already are not followed again. A tolerance of None is replaced by one
+    chosen from a few starts: if they are `drawn` the first ones, which do not depend on the number.
     """
     alone = followed_alone(known.rotor)
     smallest = SMALLEST_RUBBING if may_roll(known.rotor) else SMALLEST_BATCH
@@ -143,7 +143,7 @@ def follow_starts(
                     if progress is not None:
                         progress(kept.points_done, count)
     except KeyboardInterrupt:
-        if kept.folder is not None:  # a study goes on another time, from what it has kept
+        if kept.folder is not None:  # a study can be resumed later from what it has stored
             raise
         interrupted = True
     followed = _gathered(known, count, kept)
@@ -162,10 +162,9 @@ def follow_here(known: Known, states: Values, tolerance: float, stop: Stop) -> F
 
 
 def first_look(rotor: Rotor, states: Values, duration: float, stop: Stop) -> FollowedStarts:
-    """Follow starts of shape (4, n) for a short time: those that no whirl holds yet are undecided.
+    """Follow starts of shape (4, n) briefly: those not yet trapped by a whirl stay undecided.
 
-    It takes a small part of the time in which all of them are decided, and no limit cycle is
-    sought.
+    This takes a small part of the time needed to decide all of them. No limit cycle is sought.
     """
     known = known_from_closed_forms(rotor, stop, fading=False)
     batch = Batch(known, states, RTOL_OF_FIRST_LOOK, stop)
@@ -191,16 +190,16 @@ def _scouted(
 
 
 def _with_cycles(known: Known, scouts: Values, tolerance: float, stop: Stop) -> Known:
-    """Return what is known once scouts have been followed, where these tell limit cycles."""
+    """Return what is known once scouts have been followed, with the limit cycles they reveal."""
     if followed_alone(known.rotor):
         return known
     return decide(Batch(known, scouts, tolerance, stop)).known
 
 
 def _few(starts: Starts, count: int, most: int, drawn: bool) -> Values:
-    """Return a few starts, shape (4, n): spread over all, or where they are drawn the first.
+    """Return a few starts, shape (4, n): spread over all, or the first ones if they are drawn.
 
-    So what is chosen by these does not hang on how many are drawn, even where that is fewer.
+    What is chosen from these then does not depend on the number drawn, even if that is smaller.
     """
     if drawn:
         return starts(0, most)
@@ -209,7 +208,7 @@ def _few(starts: Starts, count: int, most: int, drawn: bool) -> Values:
 
 
 def _follow(job: _Job, stop: Stop) -> BatchResult:
-    """Follow a batch of starts until what becomes of them is decided."""
+    """Follow a batch of starts until the attractor of each is decided."""
     batch = decide(Batch(job.known, job.states, job.tolerance, stop))
     rechecked = count_agreeing(
         batch.known, job.states, batch.labels, batch.times, job.tolerance,
@@ -225,7 +224,7 @@ def _follow(job: _Job, stop: Stop) -> BatchResult:
 
 
 def _motion_row(motion: SettledResponse) -> Values:
-    """Return what is kept of a motion without a period, shape (1, 4)."""
+    """Return the stored numbers of a motion without a period, shape (1, 4)."""
     features = motion.features
     return np.array(
         [[features.amplitude, features.phase_lag, features.radius_min, features.radius_max]]
@@ -274,7 +273,7 @@ def _renumbered(
     return labels
 
 
-# What is kept of a limit cycle: state, period, and 1 where a section of it holds starts.
+# What is stored of a limit cycle: state, period, and 1 if it has a trapping section.
 CYCLE = 6
 # Of a motion without a period: amplitude, phase lag, smallest and largest radius.
 NO_MOTION = np.empty((0, 4))
@@ -294,17 +293,17 @@ class BatchResult:
     times : ndarray of float32, shape (n,)
         Time at which the start was decided, or given up [1]; NaN where not computed.
     cycles : ndarray, shape (m, 6)
-        State, period, and whether a section holds starts, of each limit cycle that was known [1].
+        State, period, and whether there is a trapping section, of each known limit cycle [1].
     watched : ndarray, shape (2,)
-        Number of orbits that left a chaotic motion while this was watched, and for how long all of
-        them together were watched [1].
+        Number of observed orbits that left a chaotic motion, and the total time for which chaotic
+        orbits were observed [1].
     tolerance : ndarray, shape ()
         Error allowed in a step [1].
     rechecked : ndarray of int64, shape (2,)
         Number of starts labelled again with a smaller error, and of those with the same label.
     aperiodic : dict of int to ndarray, shape (k, 4)
-        Amplitude, phase lag and extreme radii of one motion of each kind without a period that was
-        met, by its label [1].
+        Amplitude, phase lag and extreme radii of one motion of each kind without a period, by its
+        label [1].
     """
 
     first: int
@@ -317,7 +316,7 @@ class BatchResult:
     aperiodic: dict[int, Values] = field(default_factory=dict)
 
 
-# What a study calls the motions without a period.
+# Names of the motions without a period in a study.
 _KEPT_AS = {CHAOTIC: "chaos", QUASI_PERIODIC: "torus", ROLLING: "rolling"}
 
 
@@ -335,27 +334,27 @@ def _from_arrays(arrays: Arrays) -> BatchResult:
 FORM = Form("batch of starts", _as_arrays, _from_arrays)
 
 
-# Labels are checked in one batch of this number,
+# Labels are recomputed in one of this number of batches,
 ONE_BATCH_OF = 8
-# for one of this number of its starts. It takes less than a twentieth of the time; fewer at a
-# time would leave lanes of the kernel idle.
+# for one of this number of its starts. This takes less than a twentieth of the time; fewer starts
+# at a time would leave lanes of the kernel idle.
 ONE_START_OF = 12
-# In an atlas they are checked for one of this number of a rotor's starts,
+# In an atlas they are recomputed for one of this number of a rotor's starts,
 ONE_OF_ROTOR = 32
 # up to this number of them.
 MOST_OF_ROTOR = 32
-# They are followed with this part of the error that was allowed in a step,
+# They are followed with this fraction of the error per step,
 TIGHTER = 1e-4
-# but never with less than doubles hold.
+# but never with less than double precision allows.
 TIGHTEST = 1e-13
 # Longest time for which a start is followed again [1].
 LONGEST = 4000.0
-# Parts of it lie evenly, and in step with no grid.
+# Multiples of it modulo 1 are spread evenly and match no grid.
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 def tighter_than(tolerance: float) -> float:
-    """Return the error in a step with which starts are followed again.
+    """Return the error per step with which starts are followed again.
 
     Examples
     --------
@@ -381,8 +380,8 @@ def count_agreeing(
 ) -> npt.NDArray[np.int64]:  # fmt: skip
     """Return how many starts were labelled again, and how many of them got the same label.
 
-    So many are chosen of the n starts, shape (4, n), but those without an attractor are left out.
-    None is followed for longer again than the longest of them was.
+    They are chosen evenly from the n starts, shape (4, n), without those that have no attractor.
+    None is followed for longer than the longest of them was before.
     """
     chosen = _spread(labels.size, rechecked)
     chosen = chosen[labels[chosen] >= 0]
@@ -397,6 +396,6 @@ def count_agreeing(
 
 
 def _spread(count: int, few: int) -> npt.NDArray[np.int64]:
-    """Return `few` numbers below `count`, spread evenly and in step with no grid."""
+    """Return `few` numbers below `count`, spread evenly without matching a grid."""
     places = np.arange(1, few + 1) * GOLDEN % 1.0
     return np.unique((count * places).astype(np.int64))

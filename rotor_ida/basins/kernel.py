@@ -1,9 +1,9 @@
-"""Many starts followed side by side, each until a region holds it or its time is up.
+"""Follow many starts side by side, each until it enters a trapping region or its time is up.
 
-The core does it, on the rotating axes: ``core/lanes.c``. What it is called with is checked here.
+The core does this on the rotating axes: ``core/lanes.c``. Its arguments are checked here.
 
-Labels: first come the whirls in contact, by number; then the whirls that never touch the ring again
-(`free_label`), those that touch it ever more slightly (`fading_label`), and the limit cycles.
+Order of the labels: the whirls in contact, the whirls that never touch the stator again
+(`free_label`), those with fading touches (`fading_label`), and the limit cycles.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ Labels = npt.NDArray[np.int16]
 Times = npt.NDArray[np.float32]
 Rows = npt.NDArray[np.void]
 
-# Labels of starts that are no numbers of attractors; those that roll do so without a period.
+# Labels of starts that are not numbers of attractors; ROLLING is without a period.
 ROLLING, QUASI_PERIODIC, CHAOTIC, NOT_COMPUTED, UNDECIDED = -5, -4, -3, -2, -1
 LOWEST = ROLLING
-# Of starts that have yet to be followed alone, as their discs do not slide forwards throughout.
+# Label of starts still to be followed alone, as their discs do not slide forwards throughout.
 NOT_FORWARDS = -6
-# So many orbits are followed at a time: they keep the vector units busy.
+# Number of orbits followed at a time: enough to keep the vector units busy.
 LANES = 64
 # A trapping region: its centre, and the upper triangle of R, where its form is ``R^T R``.
 REGION = np.dtype([("centre", np.float64, 4), ("factor", np.float64, 10)])
@@ -57,28 +57,27 @@ def follow(
     tolerance: float,
     stop: Stop,
 ) -> None:
-    """Follow each start, in the core, until an attractor holds it or `duration` has passed.
+    """Follow each start, in the core, until it enters a region or `duration` has passed.
 
     Parameters
     ----------
     states : ndarray, shape (4, n)
         Starts on the rotating axes [1]; overwritten by the states at the end.
     labels : ndarray of int16, shape (n,)
-        Becomes the number of the trapping region, ``len(regions)`` for the contact-free ones, one
-        more for fading touches, from two more on that of the limit cycle, or UNDECIDED; with
-        friction NOT_FORWARDS where the disc may not slide forwards throughout. What is not done
-        when `stop` is set stays NOT_COMPUTED. Starts that have a label of zero or more already
-        are left alone.
+        Set to the number of the trapping region, ``len(regions)`` for contact-free whirls, one more
+        for fading touches, two more and above for limit cycles, or UNDECIDED; with friction
+        NOT_FORWARDS if the disc may not slide forwards throughout. Starts not finished when `stop`
+        is set keep NOT_COMPUTED. Starts whose label is already zero or more are skipped.
     times : ndarray of float32, shape (n,)
-        The time that each took is added [1].
+        The time that each start took is added [1].
     rotor : Rotor
-        The rotor; without damping there must be no contact-free whirl.
+        The rotor; without damping it must have no contact-free whirl.
     regions : ndarray of REGION, shape (m,)
         The trapping regions.
     free : ndarray of CONTACT_FREE, shape ()
         The contact-free whirl.
     sections : ndarray of SECTION, shape (k,)
-        Of each limit cycle a section with the set on it that returns into itself.
+        A section of each limit cycle with its trapping set.
     duration, tolerance : float
         Longest time to follow, and tolerance of a step [1].
     stop : ndarray of uint8, shape (1,)
@@ -101,7 +100,7 @@ def follow(
     most, highest = np.iinfo(np.int16).max, region_count + section_count + 1
     if highest > most:
         raise ValueError(f"labels of attractors must be at most {most}, got {highest}")
-    # whether it was stopped is told by the labels
+    # the labels show whether it was stopped
     library_of(rotor).core_follow_lanes(
         byref(RotorStruct.of(rotor)), pointer(states, np.float64, writeable=True),
         pointer(labels, np.int16, writeable=True), pointer(times, np.float32, writeable=True),
@@ -120,7 +119,7 @@ def measure_returns(
     values: Values,
     stop: Stop,
 ) -> None:
-    """Write the least ``|L (s - c)|**2`` with which states pass a section, found by the core.
+    """Compute, in the core, the least ``|L (s - c)|**2`` with which states pass a section.
 
     Parameters
     ----------
@@ -133,10 +132,10 @@ def measure_returns(
     times : tuple of float
         Earliest and latest time [1].
     tolerance : float
-        Of a step [1].
+        Tolerance of a step [1].
     values : ndarray, shape (n,)
-        Becomes the values; infinite where a state does not pass it, or with friction the disc may
-        not slide forwards until then [1].
+        Set to the values [1]; infinite if a state does not pass the section, or if with friction
+        the disc may not slide forwards until then.
     stop : ndarray of uint8, shape (1,)
         Set to 1 by another thread to end early.
 
@@ -149,7 +148,7 @@ def measure_returns(
     _check_shape("section", section, ())
     _check_shape("values", values, (values.size,))
     _check_shape("stop", stop, (1,))
-    # who stops it looks at no values
+    # a caller that stops it does not read the values
     library_of(rotor).core_measure_returns(
         byref(RotorStruct.of(rotor)), pointer(states, np.float64), values.size,
         pointer(section, SECTION), *times, tolerance,

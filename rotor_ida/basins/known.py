@@ -1,7 +1,7 @@
-"""What is known of the attractors of a rotor while starts are followed, and what holds the starts.
+"""The known attractors of a rotor while starts are followed, and their trapping regions.
 
-Whirls in contact have trapping regions and contact-free whirls room, which are proven to hold an
-orbit; limit cycles have sections, and fading touches a rim of that room, which are estimated.
+The regions of whirls in contact, and the room of contact-free whirls, are proven to trap orbits.
+The sections of limit cycles, and the rim of that room for fading touches, are estimated.
 """
 
 from __future__ import annotations
@@ -36,27 +36,27 @@ from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 from rotor_ida.steady.follow import durations
 
-# Two cycles of one rotor are the same when period and largest radius differ by less than this part.
+# Two cycles of one rotor are the same if period and largest radius agree to this fraction.
 SAME = 1e-6
 
 
 def followed_alone(rotor: Rotor) -> bool:
-    """Return whether each start is followed by itself, as a load leaves no region."""
+    """Return whether starts are followed one by one, as there are no regions under a load."""
     return rotor.load > 0.0
 
 
 def may_roll(rotor: Rotor) -> bool:
-    """Return whether the disc of a rotor may roll, or slide backwards: with friction.
+    """Return whether the disc of a rotor may roll or slide backwards, that is, has friction.
 
-    Lanes follow it for as long as it slides forwards. What they cannot follow, or no region holds,
-    is followed by itself.
+    The kernel follows it while it slides forwards. Starts that the kernel cannot follow, or that
+    enter no region, are followed one by one.
     """
     return rotor.friction > 0.0
 
 
 @dataclass(slots=True)
 class Known:
-    """A rotor with what is known of its attractors."""
+    """A rotor with its known attractors."""
 
     rotor: Rotor
     whirls: list[TrappingRegion]  # of each stable whirl in contact, in order of amplitude
@@ -66,12 +66,12 @@ class Known:
 
     @property
     def free_label(self) -> int:
-        """Label of the starts that never touch the ring again."""
+        """Label of the starts that never touch the stator again."""
         return len(self.whirls)
 
     @property
     def fading_label(self) -> int:
-        """Label of the starts that touch it ever more slightly."""
+        """Label of the starts whose touches fade for ever."""
         return len(self.whirls) + 1
 
     @property
@@ -81,7 +81,7 @@ class Known:
 
     @property
     def first_wait(self) -> float:
-        """Time in which damping settles most starts [1]: what is left over then is looked at."""
+        """Time in which damping settles most starts [1]: the remaining ones are then examined."""
         return durations(self.rotor)[0]
 
     def label_of_cycle(self, cycle: Cycle) -> int | None:
@@ -92,7 +92,7 @@ class Known:
         return None
 
     def tables(self) -> tuple[Rows, Rows, Rows]:
-        """Return whirls, contact-free whirl and cycles as the kernel takes them."""
+        """Return whirls, contact-free whirl and cycles in the kernel's format."""
         return (
             np.array([each.row for each in self.whirls], dtype=REGION),
             NO_CONTACT_FREE if self.free is None else self.free.row,
@@ -102,9 +102,9 @@ class Known:
     def follow(
         self, states: Values, duration: float, tolerance: float, stop: Stop
     ) -> tuple[Labels, Times]:
-        """Follow states, shape (4, n), in place, until a region holds them, or for a time.
+        """Follow states, shape (4, n), in place, until they enter a region, or for a time.
 
-        Return their labels, UNDECIDED where none does, and the times that it took [1].
+        Return their labels, UNDECIDED if they enter none, and the times that they took [1].
         """
         labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
         times = np.zeros(labels.size, dtype=np.float32)
@@ -113,7 +113,7 @@ class Known:
 
 
 def same_cycle(one: Cycle, other: Cycle) -> bool:
-    """Return whether two limit cycles of a rotor are one, whatever their phases."""
+    """Return whether two limit cycles of a rotor are the same, regardless of phase."""
     return same_numbers(one.period, one.radius_max, other)
 
 
@@ -126,14 +126,14 @@ def same_numbers(period: float, radius_max: float, cycle: Cycle) -> bool:
 def known_from_closed_forms(rotor: Rotor, stop: Stop, *, fading: bool = True) -> Known:
     """Return the attractors of a damped rotor that closed forms give.
 
-    Without `fading` it is not sought which touches fade; that takes longest.
+    Without `fading` the rim of fading touches, which takes longest, is not computed.
     """
-    if rotor.load > 0.0:  # nothing holds starts then
+    if rotor.load > 0.0:  # then there are no trapping regions
         free = contact_free_whirls(rotor, stop, fading=False)
         whirls = [_rest_on_the_ring(rotor)] if free is None and rotor.omega == 0.0 else []
         return Known(rotor, whirls, free)
     if rotor.omega == 0.0 and rotor.delta0 == 0.0:
-        # All comes to rest, for energy only falls, but as slowly as 1/t**2: close by is enough.
+        # Energy only falls, so all comes to rest, but as slowly as 1/t**2: near rest is enough.
         near = TrappingRegion(0.0, 0.0, np.zeros(4), 1e4 * np.eye(4))
         return Known(rotor, [near], None)
     whirls = trapping_regions(rotor) if rotor.omega > 0.0 else []
@@ -141,22 +141,22 @@ def known_from_closed_forms(rotor: Rotor, stop: Stop, *, fading: bool = True) ->
 
 
 def _rest_on_the_ring(rotor: Rotor) -> TrappingRegion:
-    """Return where a rotor that does not turn lies under its load: no state is in this region."""
+    """Return the position of rest under a load at zero speed, as a region without states."""
     radius = radius_at_rest(rotor)
     centre = np.array([0.0, -radius, 0.0, 0.0])
     return TrappingRegion(radius, 0.5 * np.pi, centre, np.full((4, 4), np.inf))
 
 
 def with_cycle(known: Known, cycle: Cycle, stop: Stop) -> Known:
-    """Return what is known with one limit cycle more."""
+    """Return the known attractors with one more limit cycle."""
     section = cycle_section(cycle, stop)
     return Known(known.rotor, known.whirls, known.free, [*known.cycles, section])
 
 
-# Slight touches are followed nearly to rounding: the law is held against differences of 1/h.
+# Slight touches are followed nearly to rounding: the law is compared with differences of 1/h.
 HOW = Options(method="taylor", rtol=1e-12)
-# The kernel takes touches to fade only where the drift that is left is at most this part of how
-# much too far out it ends: the same number as in core/lanes.c.
+# The kernel assumes fading touches only if the remaining drift is at most this fraction of the
+# final excess of the centre: the same number as in core/lanes.c.
 MOST_DRIFT = 0.3
 # Number of states with such a drift that are followed,
 STATES = 24
@@ -165,46 +165,46 @@ MOST_DRAWN = 240
 # The law is to leading order in C h, with a linear contact in C sqrt(h): the first excess tried is
 # where that is this small.
 LARGEST_EXCESS = 0.1
-# Nor is it more than this part of the room, where C is small.
+# Nor is it more than this fraction of the room, where C is small.
 LARGEST_PART_OF_ROOM = 0.2
-# It is halved so often, before no touches are taken to fade.
+# Number of halvings before touches are assumed not to fade.
 HALVINGS = 8
 # A drift falls like exp(-2 zeta t): after this multiple of 1/zeta to a part of 1e-7.
 DRIFT_ENDS = 8.0
-# With so little damping that this takes longer, no fading touches are sought.
+# If this takes longer, as with little damping, no fading touches are sought.
 LONGEST_DRIFT = 4000.0
-# Revolutions for which touches are watched after that.
+# Revolutions for which touches are observed after that.
 REVOLUTIONS = 24
 # Number of the last ones that are compared with the law.
 LAST_TOUCHES = 4
-# They come a revolution after one another, to this part of it,
+# They are a revolution apart, to this fraction of it,
 ONCE_A_REVOLUTION = 0.02
-# and 1/h grows as the law says, to this part: touches are less slight yet than where a sweep asks.
+# and 1/h grows by the law to this fraction: touches are deeper here than in a sweep.
 LIKE_THE_LAW = 0.25
 
 
 @dataclass(frozen=True, slots=True)
 class ContactFree:
-    """The whirls that stay inside the clearance, and those beside them whose touches fade."""
+    """The whirls that stay inside the clearance, and the neighbouring ones with fading touches."""
 
     whirl: complex  # displacement from its centre, on the rotating axes [1]
     room: float  # how far the centre may lie from the bearing axis, or xi reach [1]
-    excess: float  # how much farther out touches still fade [1]; 0 where none are known to
-    alone: bool = False  # whether a shaft leaves this one whirl of the family
+    excess: float  # how much farther out touches still fade [1]; 0 if none are known to
+    alone: bool = False  # whether a shaft makes this the only whirl of the family
     sag: float = 0.0  # how far below the bearing axis a load moves its centre [1]
 
     @property
     def row(self) -> Rows:
-        """The whirl as the kernel takes it."""
+        """The whirl in the kernel's format."""
         fading = (self.room + self.excess) ** 2 if self.excess > 0.0 else -1.0
         whirl = self.whirl.real, self.whirl.imag
         return np.array((whirl, self.room**2, fading), dtype=CONTACT_FREE)
 
 
 def contact_free_whirls(rotor: Rotor, stop: Stop, *, fading: bool) -> ContactFree | None:
-    """Return the contact-free whirls of a rotor, if they fit; with `fading`, what touches fade.
+    """Return the contact-free whirls of a rotor, if they fit; with `fading`, also the rim.
 
-    Under a load there is one where a shaft holds it: about that place, or at rest there.
+    Under a load there is one only with a shaft: about its sagging position, or at rest there.
     """
     kappa, load = rotor.shaft_stiffness, rotor.load
     if load > 0.0 and kappa == 0.0:
@@ -222,7 +222,7 @@ def contact_free_whirls(rotor: Rotor, stop: Stop, *, fading: bool) -> ContactFre
 
 
 def _fading_excess(rotor: Rotor, whirl: complex, stop: Stop) -> float:
-    """Return how much too far out a contact-free whirl may lie for touches to fade; 0 for none."""
+    """Return the largest excess of a contact-free whirl at which touches fade; 0 for none."""
     growth = touch_fading(rotor)
     if math.isnan(growth) or DRIFT_ENDS / rotor.zeta > LONGEST_DRIFT:  # NaN where nothing turns
         return 0.0
@@ -243,7 +243,7 @@ def _order(rotor: Rotor) -> float:
 
 
 def _states_too_far_out(rotor: Rotor, whirl: complex, excess: float) -> list[Values]:
-    """Return states out of contact whose whirl comes to rest too far out, by up to `excess`."""
+    """Return states out of contact whose whirl ends too far out, by up to `excess`."""
     room, random = rotor.delta0 - abs(whirl), np.random.default_rng(0)
     states: list[Values] = []
     for _ in range(MOST_DRAWN):

@@ -1,41 +1,41 @@
-"""Trapping regions: ellipsoids round a stable whirl that no orbit leaves, proven.
+"""Trapping regions: ellipsoids around a stable whirl that provably no orbit leaves.
 
 On the rotating axes a synchronous whirl is an equilibrium. A quadratic Lyapunov function ``V`` of
-the distance to it in state space falls along every orbit on the ellipsoid ``V <= 1``: no orbit
-leaves the ellipsoid, and all in it converge to the whirl.
+the distance to it in state space falls along every orbit in the ellipsoid ``V <= 1``. So no orbit
+leaves the ellipsoid, and all orbits in it converge to the whirl.
 
 Notes
 -----
-Write ``xi`` for the state minus that of the whirl, ``v`` for its position. The equation is linear
-but for the contact force F, for which the mean-value form holds:
+Let ``xi`` be the state minus that of the whirl, and ``v`` its position. The equation is linear
+except for the contact force F, for which the mean-value form gives
 
     F(v) - F(v*) = K (v - v*),    K = mean of DF along the segment from v* to v,
     DF = s I + (f' - s) n n^T,    n = v/|v|,  s = f(|v|)/|v|.
 
 So ``xi' = (L - E K) xi`` with a constant L and a symmetric 2 x 2 matrix K that varies. Over a
-convex set of positions K lies in the smallest box (three entries) that holds every DF there: a
+convex set of positions K lies in the smallest box (three entries) that contains every DF there: a
 mean of members of a convex set is a member. ``d/dt xi^T P xi = xi^T (J^T P + P J) xi`` with
 ``J = L - E K`` is affine in K. So if ``J^T P + P J`` is negative definite at the eight corners of
-the box it is so throughout, with one margin, and V decays exponentially: quadratic stability over a
-polytope of matrices [1]_. The positions of the ellipsoid ``xi^T P xi <= c`` are an ellipse with
-half-widths ``sqrt(c S)``, ``S`` the diagonal of ``P^-1``; its bounding rectangle, along and across
-the whirl, gives the box. The largest such c is found by bisection, and P is the form of largest
-volume among those that weigh the two modes of the linear motion differently; a free search over
-all P gained 5 % in width. The rectangle stays outside the clearance and off the centre, where DF
-is not as written above.
+the box, it is so throughout, with one margin, and V decays exponentially: quadratic stability over
+a polytope of matrices [1]_. The positions of the ellipsoid ``xi^T P xi <= c`` are an ellipse with
+half-widths ``sqrt(c S)``, where ``S`` is the diagonal of ``P^-1``; its bounding rectangle, along
+and across the whirl, gives the box. The largest such c is found by bisection. P is the form of
+largest volume among those that weigh the two modes of the linear motion differently; a free search
+over all P gained 5 % in width. The rectangle excludes the clearance and the centre, where DF is
+not as written above.
 
-A shaft adds to L alone. With contact damping c the force is ``N = f(r) (1 + c r')`` and hangs on
-the velocity as well. With w the velocity on the rotating axes, t across n, and ``g = 1 + c n.w``,
+A shaft changes only L. With contact damping c the force ``N = f(r) (1 + c r')`` also depends on
+the velocity. With w the velocity on the rotating axes, t normal to n, and ``g = 1 + c n.w``,
 
     DF = g s I + g (f' - s) n n^T + c f (t.w)/r n t^T      by v,      c f n n^T      by w,
 
-so the box has seven entries, four and three, and 128 corners. How large w is on the ellipsoid
-bounds g, which must stay above 0: where the contact lets go the force is not as written.
+so the box has seven entries, four and three, and 128 corners. The bound on w over the ellipsoid
+bounds g, which must stay above 0: where contact is lost the force is not as written.
 
-Friction turns the force of a ring on which the disc slides forwards, ``N (1 + i mu) n``: each DF is
-multiplied by one constant matrix, so J stays affine in the same entries, though K is symmetric no
-more. The slip speed is ``t.w + omega (|v| + rho)``. It must stay above 0 on the ellipsoid, where
-|t.w| is bounded as g is.
+Friction rotates the contact force while the disc slides forwards, ``N (1 + i mu) n``: each DF is
+multiplied by one constant matrix, so J stays affine in the same entries, though K is no longer
+symmetric. The slip speed ``t.w + omega (|v| + rho)`` must stay above 0 on the ellipsoid, where
+|t.w| is bounded in the same way.
 
 References
 ----------
@@ -64,13 +64,14 @@ from rotor_ida.schema import STABILITY
 # V must fall at this fraction of the fastest possible rate or faster: far more than the rounding of
 # matrices, which is not bounded by interval arithmetic.
 MARGIN = 1e-6
-# The largest level of a form is sought until it is known to this part,
+# The largest level of a form is determined to this relative accuracy,
 LEVEL_RTOL = 1e-3
-# or so often: where there is none the bisection runs towards 0.
+# or for this number of steps: if there is none the bisection tends to 0.
 BISECTIONS = 40
 # Weights of the faster mode against the slower one, each in its squared amplitude.
 MODE_RATIOS = np.geomspace(1e-2, 1e2, 17)
-# Near a double eigenvalue the modes are nearly parallel: beyond this condition they give no form.
+# Near a double eigenvalue the modes are nearly parallel: above this condition number they are not
+# used.
 MOST_SKEW = 1e6
 # Too close to a fold, decay slower than this fraction of the fastest motion is lost in rounding.
 SLOWEST = 1e-9
@@ -80,7 +81,7 @@ MOST_ECCENTRIC = 1e10
 
 @dataclass(frozen=True, slots=True)
 class TrappingRegion:
-    """An ellipsoid of states, all of which converge to one stable whirl in contact.
+    """An ellipsoid of states that all converge to one stable whirl in contact.
 
     Parameters
     ----------
@@ -90,7 +91,7 @@ class TrappingRegion:
         Its state on the rotating axes [1].
     form : ndarray, shape (4, 4)
         Positive definite P: the region is ``(z - centre)^T P (z - centre) <= 1``. All infinite
-        where no such region was found.
+        if no such region was found.
     """
 
     amplitude: float
@@ -105,8 +106,8 @@ class TrappingRegion:
 
     @property
     def row(self) -> Rows:
-        """The region as the kernel takes it."""
-        if not self.exists:  # with a centre at infinity it holds nothing
+        """The region in the kernel's format."""
+        if not self.exists:  # with a centre at infinity it contains nothing
             return np.array((np.full(4, np.inf), np.eye(4)[np.triu_indices(4)]), dtype=REGION)
         factor = np.linalg.cholesky(self.form).T
         return np.array((self.centre, factor[np.triu_indices(4)]), dtype=REGION)
@@ -120,7 +121,7 @@ class TrappingRegion:
 
 
 def trapping_regions(rotor: Rotor) -> list[TrappingRegion]:
-    """Return a trapping region for each stable whirl in contact of a rotor that turns, damped.
+    """Return a trapping region for each stable whirl in contact of a damped, turning rotor.
 
     Examples
     --------
@@ -150,7 +151,7 @@ def _state_on(rotor: Rotor, amplitude: float, lag: float) -> Values:
 
 
 def _trapping_region(rotor: Rotor, amplitude: float, lag: float) -> TrappingRegion:
-    """Return the largest region among those that the linear motion suggests."""
+    """Return the largest of the regions suggested by the linear motion."""
     problem = _Problem(rotor, amplitude)
     forms = problem.candidates()
     levels = problem.largest_levels(forms)
@@ -168,11 +169,11 @@ def _trapping_region(rotor: Rotor, amplitude: float, lag: float) -> TrappingRegi
 
 
 class _Problem:
-    """The motion near one whirl, on axes along and across it; of many forms P at a time."""
+    """The motion near one whirl, on axes along and across it, for many forms P at a time."""
 
     def __init__(self, rotor: Rotor, amplitude: float):
         self.rotor, self.amplitude = rotor, amplitude
-        # what friction makes of the normal force, as long as the disc slides forwards
+        # factor of friction on the normal force, while the disc slides forwards
         self.friction = np.array([[1.0, -rotor.friction], [rotor.friction, 1.0]])
         self.linear = rotating_jacobian((0.0, 0.0, 0.0, 0.0), Rotor(
             omega=rotor.omega, zeta=rotor.zeta, delta0=1.0,
@@ -192,7 +193,7 @@ class _Problem:
         return found
 
     def damped_matrices(self, stiffness: Values, drag: Values) -> Values:
-        """Return J where the force hangs on v and on w by such matrices, shape (..., 2, 2)."""
+        """Return J if the force depends on v and w by these matrices, shape (..., 2, 2)."""
         found = np.tile(self.linear, (*stiffness.shape[:-2], 1, 1))
         # w is the velocity of the state less that of the axes, i omega v
         turned = self.rotor.omega * np.array([[0.0, -1.0], [1.0, 0.0]])
@@ -201,11 +202,11 @@ class _Problem:
         return found
 
     def with_friction(self, of_normal: Values) -> Values:
-        """Return the derivative of the whole force from that of the normal force."""
+        """Return the derivative of the total force from that of the normal force."""
         return self.friction @ of_normal if self.rotor.friction > 0.0 else of_normal
 
     def corners(self, half_along: Values, half_across: Values) -> Values:
-        """Return J at the corners of the boxes that hold DF on rectangles, shape (m, 8, 4, 4)."""
+        """Return J at the corners of the boxes that contain DF on rectangles, (m, 8, 4, 4)."""
         nearest = self.amplitude - half_along
         farthest = np.hypot(self.amplitude + half_along, half_across)
         angle = np.arctan2(half_across, nearest)
@@ -221,7 +222,7 @@ class _Problem:
     def damped_corners(self, half: Values) -> Values:
         """Return the same with contact damping, shape (m, 128, 4, 4).
 
-        `half` has the half-widths of v along and across and of w along and across, shape (m, 4).
+        `half`, shape (m, 4), contains the half-widths of v and of w, each along and across.
         """
         half_along, half_across, w_along, w_across = half.T
         nearest = self.amplitude - half_along
@@ -276,7 +277,7 @@ class _Problem:
         return inside
 
     def slides(self, inverse: Values, levels: Values) -> npt.NDArray[np.bool_]:
-        """Return on which ellipsoids the disc slides forwards, of those that stay off the axis."""
+        """Return on which ellipsoids that avoid the axis the disc slides forwards."""
         along, across = (np.sqrt(levels * inverse[:, place, place]) for place in (0, 1))
         w_along, w_across = self.widths_of_velocity(inverse, levels)
         nearest = np.maximum(self.amplitude - along, 0.0)
@@ -285,7 +286,7 @@ class _Problem:
         return np.asarray(self.rotor.omega * rim > (1.0 + MARGIN) * (sine * w_along + w_across))
 
     def widths_of_velocity(self, inverse: Values, levels: Values) -> tuple[Values, Values]:
-        """Return how large w becomes on some ellipsoids, along and across the whirl."""
+        """Return the largest w on some ellipsoids, along and across the whirl."""
         omega = self.rotor.omega
         rows = np.array([[0.0, omega, 1.0, 0.0], [-omega, 0.0, 0.0, 1.0]])
         along, across = np.sqrt(levels * np.einsum("ki,nij,kj->kn", rows, inverse, rows))
@@ -307,10 +308,10 @@ class _Problem:
         return low
 
     def candidates(self) -> Values:
-        """Return forms that the linear motion makes fall, with different weights of its modes.
+        """Return forms that decrease in the linear motion, with different weights of its modes.
 
-        All eigenvalues of a stable whirl have nearly the same real part, but for much damping: any
-        weighted sum of the squared amplitudes of its modes falls at the slowest rate of them.
+        Except at strong damping, all eigenvalues of a stable whirl have nearly the same real part:
+        any weighted sum of the squared amplitudes of its modes falls at their slowest rate.
         """
         radius = np.asarray(self.amplitude)
         tangent, secant = self.stiffnesses(radius)

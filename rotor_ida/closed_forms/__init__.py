@@ -1,7 +1,6 @@
 """Exact results: synchronous whirls, their folds and stability, free flight and vibration.
 
-Nothing here knows the simulator, and the simulator knows nothing of this: each is the
-other's independent witness.
+This code and the simulator do not import each other: each is an independent check of the other.
 """
 
 from rotor_ida.closed_forms.backward_whirl import backward_whirl

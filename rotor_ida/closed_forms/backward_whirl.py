@@ -1,22 +1,22 @@
-"""Backward whirl by friction alone: the whirl that slips on the ring, and dry whip, which rolls.
+"""Backward whirl by friction alone: the slipping dry whirl, and dry whip, which rolls.
 
-Without unbalance a whirl ``z = r exp(i Omega t)`` that slips forwards on the ring obeys
+Without unbalance a whirl ``z = r exp(i Omega t)`` that slips forwards on the stator obeys
 
     kappa + f(r)/r - Omega**2 = 0,    2 zeta Omega + mu f(r)/r = 0,
 
-whose one solution with a force that pushes is ``Omega = -(zeta + sqrt(zeta**2 + mu**2 kappa))/mu``,
-whatever the law of contact, the clearance and the speed. It is a saddle: with ``a = kappa + f'(r) -
-Omega**2`` and ``m = 2 zeta + c f(r)`` its eigenvalues, beside the 0 of its phase, are the roots of
+whose one solution with a repulsive force is ``Omega = -(zeta + sqrt(zeta**2 + mu**2 kappa))/mu``,
+for any contact law, clearance and speed. It is a saddle: with ``a = kappa + f'(r) - Omega**2`` and
+``m = 2 zeta + c f(r)`` its eigenvalues, besides the 0 of its phase, are the roots of
 
     L**3 + (m + 2 zeta) L**2 + (2 zeta m + a + 2 Omega (2 Omega + mu c f)) L
         + 2 zeta a + 2 Omega (2 zeta Omega + mu f'),
 
-the last term of which is ``2 zeta (f' - f/r) (1 - 2 Omega**2 r/f)``, always negative.
+whose last term is ``2 zeta (f' - f/r) (1 - 2 Omega**2 r/f)``, always negative.
 
-A disc that rolls backwards on the ring has ``r phi' = -V`` with ``V = rho omega``, and its radius
-obeys ``r'' + 2 zeta r' + kappa r + N = V**2/r``: it settles where ``r f + kappa r**2 = V**2``. What
-holds it is the force ``2 zeta V``, which friction can give as long as it is at most ``mu f(r)``.
-Both whirls are one where it can just do so, at the speed ``r |Omega|/rho`` of their birth.
+A disc that rolls backwards on the stator has ``r phi' = -V`` with ``V = rho omega``. Its radius
+obeys ``r'' + 2 zeta r' + kappa r + N = V**2/r`` and settles where ``r f + kappa r**2 = V**2``.
+Rolling needs the force ``2 zeta V``, which friction can supply while it is at most ``mu f(r)``.
+At the limit both whirls coincide, at the speed ``r |Omega|/rho`` of their birth.
 """
 
 from __future__ import annotations
@@ -40,40 +40,39 @@ _SMALLEST_FRICTION = 1e-20
 
 
 def backward_whirl(rotor: Rotor) -> xr.Dataset:
-    """Return the backward whirls that friction alone keeps up: the slipping one and dry whip.
+    """Compute the backward whirls sustained by friction alone: dry whirl (slipping) and dry whip.
 
     Parameters
     ----------
     rotor : Rotor
-        A rotor with friction, whose unbalance is left out of account.
+        A rotor with friction; its unbalance is ignored.
 
     Returns
     -------
     Dataset
         On ``whirl``, the slipping one and the rolling one (``kind``, flags): ``amplitude`` and
-        ``whirl_speed``, negative as it is backwards [1], ``stability`` (flags) and ``growth_rate``
+        ``whirl_speed``, negative for backward whirl [1], ``stability`` (flags) and ``growth_rate``
         [1], and the ``normal_force`` and ``tangential_force`` of the contact [1]; NaN and the flag
-        ``absent`` where the rotor is too slow for them. ``birth_omega`` is the speed at which both
-        are born [1]; NaN where friction is too weak at any speed. The parameters are scalar
+        ``absent`` if the rotor is too slow for them. ``birth_omega`` is the speed at which both
+        are born [1]; NaN if friction is too weak at any speed. The parameters are scalar
         coordinates.
 
     Raises
     ------
     InputError
-        If `rotor` is no `Rotor`, has no friction, less than 1e-20, no disc radius or a load, or a
+        If `rotor` is not a `Rotor`, has friction below 1e-20, no disc radius or a load, or a
         parameter is above 1e15.
 
     Notes
     -----
     The slipping whirl has the speed ``Omega = -(zeta + sqrt(zeta**2 + mu**2 kappa))/mu`` and the
-    radius at which ``f(r)/r = Omega**2 - kappa``, which a linear contact never reaches where that
-    is 1 or more. It is a saddle: below it a whirl dies, above it grows until the disc rolls. Dry
-    whip rolls at ``-rho omega/r`` with ``r f + kappa r**2 = (rho omega)**2``; its radius obeys an
-    equation that damping makes stable, and friction holds it (``tangential_force`` is at most mu
-    times ``normal_force``) from the birth on. Without damping any touch is driven, and there is
-    no slipping whirl between.
+    radius at which ``f(r)/r = Omega**2 - kappa``; in a linear contact there is none if this is 1 or
+    more. It is a saddle: a smaller whirl dies out, a larger one grows until the disc rolls. Dry
+    whip rolls at ``-rho omega/r`` with ``r f + kappa r**2 = (rho omega)**2``. Damping makes its
+    radius stable, and from the birth on friction can sustain it (``tangential_force`` is at most mu
+    times ``normal_force``). Without damping any touch is driven, and there is no slipping whirl.
 
-    With unbalance whip at these speeds may roll and slip by turns.
+    With unbalance, whip at these speeds may alternate between rolling and slipping.
 
     References
     ----------
@@ -136,7 +135,7 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
             **{name: ((), value) for name, value in rotor.given.items()},
             "whirl": ("whirl", np.arange(len(rows))),
         },
-        {"source": "rotor_ida closed forms: whirls that friction keeps up"},
+        {"source": "rotor_ida closed forms: whirls sustained by friction"},
         kind="backward_whirl",
     )
 
@@ -159,7 +158,7 @@ def _checked(rotor: Rotor) -> float:
 
 
 def _slipping_depth(secant: float, rotor: Rotor) -> float:
-    """Return the indentation at which ``f(r)/r`` is `secant`, NaN where there is none."""
+    """Return the indentation at which ``f(r)/r`` is `secant`; NaN if there is none."""
     delta0 = rotor.delta0
     if rotor.contact_exponent != HERTZ_EXPONENT:
         return secant * delta0 / (1.0 - secant) if secant < 1.0 else math.nan

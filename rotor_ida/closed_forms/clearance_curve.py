@@ -46,7 +46,7 @@ def clearance_curve(
     contact_damping: object = 0.0,
     friction: object = 0.0,
 ) -> xr.Dataset:
-    """Return every synchronous whirl over the clearance, in order along the curve.
+    """Compute the response curve over the clearance: all synchronous whirls, in order along it.
 
     Parameters
     ----------
@@ -55,30 +55,30 @@ def clearance_curve(
     limits : tuple of two floats
         Smallest and largest clearance [1].
     points : int
-        Number of points between one fold, tip, first touch or limit and the next.
+        Number of points from one fold, tip, first touch or limit to the next.
     shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
         As for `folds`, numbers or axes [1].
 
     Returns
     -------
     Dataset
-        On (omega, zeta, point), with further dimensions as `folds` has them before ``point``:
+        On (omega, zeta, point), with other dimensions as for `folds` before ``point``:
         ``delta0`` and the other variables of `response_curve`.
 
     Raises
     ------
     InputError
-        If `limits` are not two clearances, the smaller one first, a damping ratio is above zero
-        and below 1e-20, or 0 in a linear contact without friction, or a value is none that
-        `synchronous_response` takes.
+        If `limits` are not two clearances, the smaller one first; if a damping ratio is between 0
+        and 1e-20, or 0 in a linear contact without friction; or if `synchronous_response` does not
+        accept a value.
 
     Notes
     -----
     With ``q = omega**2`` a whirl of amplitude A needs ``s = q +- sqrt(q**2/A**2 - 4 zeta**2 q)``,
-    so ``A <= omega/(2 zeta)``, and as ``s = u**3/A`` (the Hertz exponent) the clearance is
+    so ``A <= omega/(2 zeta)``. As ``s = u**3/A`` (the Hertz exponent), the clearance is
     ``A - (s A)**(2/3)``. The flanks meet at the largest A, where theta is a quarter turn; without
-    damping they never do. A whirl is stable where the clearance rises with A on the stiffer
-    flank, theta below a quarter turn, and where it falls on the softer one.
+    damping they never do. On the stiffer flank, with theta below a quarter turn, a whirl is stable
+    where the clearance rises with A; on the softer one where it falls.
 
     There is at most one fold on either side of the largest value of
 
@@ -91,7 +91,7 @@ def clearance_curve(
 
     A shaft takes its stiffness kappa from s. Below its resonance, ``q <= kappa``, all whirls in
     contact lie on the stiffer flank. In a linear contact the clearance is ``A - s A``. Friction
-    turns the force of the contact (see `contacting_whirls`): with ``m = 1 + mu**2``,
+    rotates the contact force (see `contacting_whirls`): with ``m = 1 + mu**2``,
     ``p = (q - kappa - 2 mu zeta omega)/m`` and ``q' = q/sqrt(m)`` the force is
     ``p A + q' cos(t)``, where ``A = A_m sin(t)`` and ``A_m = q' m/(2 zeta omega + mu (q - kappa))``
     is the largest amplitude. The folds are those above with ``R = A_m p/q'``, ``q'`` for q and
@@ -141,9 +141,9 @@ def clearance_curve(
 
 @dataclass(frozen=True, slots=True)
 class _WhirlsAtSpeed:
-    """The whirls of one speed: with ``A = largest sin(t)`` the contact pushes ``p A + q cos(t)``.
+    """The whirls of one speed: with ``A = largest sin(t)`` the force is ``p A + q cos(t)``.
 
-    The angle t is that by which the whirl lags, less that of friction: see `clearance_curve`.
+    The angle t is the phase lag less the angle of friction: see `clearance_curve`.
     """
 
     p: float

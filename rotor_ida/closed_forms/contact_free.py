@@ -1,4 +1,4 @@
-"""Motion inside the clearance, which is linear and so known exactly."""
+"""Exact motion inside the clearance, which is linear."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ from rotor_ida.closed_forms.exponentials import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 
-_LARGEST_PHASE = 1e15  # the double nearest to a time then still tells one turn from the next
+_LARGEST_PHASE = 1e15  # doubles then still resolve single revolutions
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ContactFreeWhirl:
-    """The family of whirls that do not reach into the ring.
+    """The family of whirls that stay inside the clearance.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class ContactFreeWhirl:
     phase_lag : float
         Phase by which it lags the unbalance [rad].
     largest_centre_offset : float
-        How far the centre may lie from the bearing axis, ``delta0 - A_f`` [1]; NaN where the
+        Largest distance of the centre from the bearing axis, ``delta0 - A_f`` [1]; NaN if the
         clearance is too small for the whirl.
 
     Examples
@@ -115,7 +115,7 @@ def _held_amplitude(omega: Values, zeta: Values, kappa: Values) -> ComplexValues
 
 
 def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
-    """Return the neutral family of contact-free whirls, or the one that a shaft leaves.
+    """Return the neutral family of contact-free whirls, or the single one with a shaft.
 
     Parameters
     ----------
@@ -138,10 +138,10 @@ def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
     ``A_f = omega/sqrt(omega**2 + 4 zeta**2)`` and ``theta = atan2(2 zeta, -omega)``. At
     omega = 0 the rotor rests: amplitude and phase lag are 0.
 
-    A shaft of stiffness kappa leaves one whirl, ``z = A_f exp(i (omega t - theta))`` with
+    With a shaft of stiffness kappa there is one whirl, ``z = A_f exp(i (omega t - theta))`` with
     ``A_f = omega**2/sqrt((kappa - omega**2)**2 + 4 zeta**2 omega**2)`` and
-    ``theta = atan2(2 zeta omega, kappa - omega**2)``; it attracts all motion that stays free of
-    contact, if there is damping. `touch_speeds` says where it fits into the clearance.
+    ``theta = atan2(2 zeta omega, kappa - omega**2)``. With damping it attracts all motion that
+    stays free of contact. `touch_speeds` gives the speeds at which it fits into the clearance.
 
     References
     ----------
@@ -168,7 +168,7 @@ def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
 
 
 def touch_speeds(*, zeta: float, delta0: float, shaft_stiffness: float = 0.0) -> Values:
-    """Return the speeds at which the contact-free whirl just reaches the ring.
+    """Compute the speeds at which the contact-free whirl just reaches the stator.
 
     Parameters
     ----------
@@ -178,21 +178,21 @@ def touch_speeds(*, zeta: float, delta0: float, shaft_stiffness: float = 0.0) ->
     Returns
     -------
     ndarray, shape (2,)
-        Speeds [1]: from the first on the whirl is too large for the clearance, from the second
-        on it fits again; NaN where there is none. Without a second one it does not fit again.
+        Speeds [1]: above the first the whirl is too large for the clearance, above the second it
+        fits again; NaN if there is none. Without a second one it does not fit again.
 
     Raises
     ------
     InputError
-        If a value is not a finite real number that is zero or positive, or is above 1e15.
+        If a value is not a finite real number from 0 to 1e15.
 
     Notes
     -----
     ``omega**4 = delta0**2 ((kappa - q)**2 + 4 zeta**2 q)`` is a quadratic in ``q = omega**2``,
     ``(1 - delta0**2) q**2 + 2 delta0**2 (kappa - 2 zeta**2) q - delta0**2 kappa**2 = 0``, with
     the discriminant ``4 delta0**2 (kappa**2 - 4 zeta**2 delta0**2 (kappa - zeta**2))``. At high
-    speed the whirl approaches 1: below that clearance there is one speed, above it two or none,
-    none where the largest whirl fits, too.
+    speed the amplitude approaches 1. For a clearance below 1 there is one speed; above it there are
+    two, or none if the largest whirl fits too.
 
     References
     ----------
@@ -208,7 +208,7 @@ def touch_speeds(*, zeta: float, delta0: float, shaft_stiffness: float = 0.0) ->
     z = check_nonnegative("zeta", zeta, LARGEST_NUMBER)
     d = check_nonnegative("delta0", delta0, LARGEST_NUMBER)
     kappa = check_nonnegative("shaft_stiffness", shaft_stiffness, LARGEST_NUMBER)
-    # exactly, as two speeds may nearly be one
+    # exactly, as two speeds may nearly coincide
     z2, d2, k = (Fraction(z) ** 2, Fraction(d) ** 2, Fraction(kappa))
     inside = k * k - 4 * z2 * d2 * (k - z2)
     sum_, lead = d2 * (2 * z2 - k), 1 - d2
@@ -224,7 +224,7 @@ def touch_speeds(*, zeta: float, delta0: float, shaft_stiffness: float = 0.0) ->
 
 
 def touch_fading(rotor: Rotor) -> float:
-    """Return by how much 1/h grows from one touch to the next, where touches fade for ever.
+    """Return the growth of 1/h from one touch to the next, for touches that fade for ever.
 
     Parameters
     ----------
@@ -234,24 +234,24 @@ def touch_fading(rotor: Rotor) -> float:
     Returns
     -------
     float
-        The constant C [1]; NaN where there is no such motion: without damping, at rest, or where
-        the contact-free whirl does not fit into the clearance with room to spare.
+        The constant C [1]; NaN if there is no such motion: without damping, at rest, or if the
+        contact-free whirl does not fit into the clearance with room to spare.
 
     Notes
     -----
-    A contact-free whirl whose centre lies a little too far out touches the ring once a revolution,
-    at a depth h. There the radius is ``delta0 + h - kappa t**2/2`` with
-    ``kappa = omega**2 A_f (1 - A_f/delta0)``, so the Hertz force gives the impulse
-    ``(3 pi/8) h**2 sqrt(2/kappa)`` towards the bearing axis, and damping lets it carry the centre
-    inwards by ``1/(2 zeta)`` of that. The next touch is the slighter::
+    A contact-free whirl whose centre lies slightly too far out touches the stator once a
+    revolution, at a depth h. There the radius is ``delta0 + h - kappa t**2/2`` with
+    ``kappa = omega**2 A_f (1 - A_f/delta0)``. The Hertz force gives the impulse
+    ``(3 pi/8) h**2 sqrt(2/kappa)`` towards the bearing axis, which under damping moves the
+    centre inwards by ``1/(2 zeta)`` times that. The next touch is shallower::
 
         h - h' = C h**2,   C = (3 pi/(16 zeta)) sqrt(2/kappa)
 
-    so 1/h grows by C from touch to touch, and the n-th has ``h = 1/(C n)``, to leading order in
-    h: the touches never end, and the limit is the whirl that just reaches the ring. A linear
-    contact gives the impulse ``(4/3) h**1.5 sqrt(2/kappa)``; there ``1/sqrt(h)`` grows, by
-    ``C = sqrt(2/kappa)/(3 zeta)``. Contact damping does not count to leading order,
-    nor does friction, which carries the centre along the ring.
+    so 1/h grows by C from touch to touch, and the n-th has ``h = 1/(C n)`` to leading order in
+    h. The touches never end, and the limit is the whirl that just reaches the stator. A linear
+    contact gives the impulse ``(4/3) h**1.5 sqrt(2/kappa)``; there ``1/sqrt(h)`` grows by
+    ``C = sqrt(2/kappa)/(3 zeta)``. To leading order contact damping has no effect; nor has
+    friction, which moves the centre along the stator.
 
     Examples
     --------
@@ -275,7 +275,7 @@ def touch_fading(rotor: Rotor) -> float:
 def flight(
     time: npt.ArrayLike, *, rotor: Rotor, start: object = AT_REST, start_time: float = 0.0
 ) -> Values:
-    """Return the motion inside the clearance, as if the ring were not there.
+    """Compute the motion inside the clearance, ignoring the stator.
 
     Parameters
     ----------
@@ -286,7 +286,7 @@ def flight(
     start : tuple of four floats
         ``(x, y, vx, vy)`` at `start_time` [1]; by default at rest on the axis.
     start_time : float
-        Time of the start [1]: it sets the direction of the unbalance.
+        Time of the start [1], which sets the direction of the unbalance.
 
     Returns
     -------
@@ -296,9 +296,9 @@ def flight(
     Raises
     ------
     InputError
-        If a number is not finite, a time lies before `start_time`, `start` is not four
-        numbers, or ``omega t`` exceeds 1e15; with a shaft or a load also if ``sqrt(kappa) t``
-        does, or a parameter.
+        If a number is not finite, a time lies before `start_time`, `start` is not four numbers, or
+        ``omega t`` exceeds 1e15; with a shaft or a load also if ``sqrt(kappa) t`` or a parameter
+        does.
 
     Notes
     -----
@@ -308,18 +308,18 @@ def flight(
         z = z0 + v0 phi + a exp(i omega t0) [exp(i omega tau) - 1 - i omega phi]
         v = v0 exp(-2 zeta tau) + i omega a exp(i omega t0) [exp(i omega tau) - exp(-2 zeta tau)]
 
-    Written with ``expm1`` these hold for every zeta and omega, zero included, where phi = tau.
-    Phases ``omega t`` are formed with 32 digits, so late times lose nothing.
+    Written with ``expm1`` these hold for every zeta and omega, including zero, where phi = tau.
+    Phases ``omega t`` are formed with 32 digits, so late times are as accurate.
 
     With a shaft or a load, and the roots a and b of ``L**2 + 2 zeta L + kappa``::
 
         z = C z0 + S v0 + omega**2 exp(i omega t0) exp[i omega, a, b] - i gamma exp[0, a, b]
         S = exp[a, b],   C = exp(a tau) - a S
 
-    where ``exp[...]`` are divided differences of ``exp(x tau)`` by x: S is the answer to a unit
-    impulse, and the two others those to ``exp(i omega tau)`` and to a unit step. In forms without
-    cancellation they hold near critical damping, ``kappa = zeta**2``, in resonance and as kappa
-    tends to 0.
+    where ``exp[...]`` are divided differences of ``exp(x tau)`` by x: S is the response to a unit
+    impulse, and the two others are those to ``exp(i omega tau)`` and to a unit step. They are
+    computed without cancellation near critical damping, ``kappa = zeta**2``, in resonance, and as
+    kappa tends to 0.
 
     References
     ----------
@@ -371,7 +371,7 @@ def _parts(position: ComplexValues, velocity: ComplexValues) -> Values:
 def _held_flight(
     rotor: Rotor, position: complex, velocity: complex, began: float, elapsed: DoubleDouble
 ) -> tuple[ComplexValues, ComplexValues]:
-    """Return where a shaft and a load lead, and how fast, from a place and a velocity."""
+    """Return position and velocity with a shaft or a load, from those at the start."""
     omega, kappa = rotor.omega, rotor.shaft_stiffness
     for name in ("omega", "zeta", "shaft_stiffness", "load"):
         check_nonnegative(name, getattr(rotor, name), LARGEST_NUMBER)
@@ -405,7 +405,7 @@ def _held_flight(
 
 
 def _reach(elapsed: Values, zeta: float) -> Values:
-    """Return ``(1 - exp(-2 zeta tau))/(2 zeta)``: how far unit velocity carries in tau."""
+    """Return ``(1 - exp(-2 zeta tau))/(2 zeta)``: the distance covered from unit velocity."""
     exponent = 2.0 * zeta * elapsed
     shrinking = np.divide(
         -np.expm1(-exponent), exponent, out=np.ones_like(exponent), where=exponent > 1e-300

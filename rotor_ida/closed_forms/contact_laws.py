@@ -1,4 +1,4 @@
-"""Both contact laws, by Hertz and of a linear spring, over arrays; and what restores one rotor."""
+"""The Hertz and the linear contact law over arrays, and the restoring law of one rotor."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rotor_ida.model.contact import (
 from rotor_ida.model.parameters import DEFAULTS, check_clearance_needed, check_exponent
 from rotor_ida.model.rotor import Rotor
 
-# Smallest, but zero, and largest value of a parameter [1].
+# Smallest value above zero, and largest value, of a parameter [1].
 Range = tuple[float, float]
 
 
@@ -42,7 +42,7 @@ def stiffnesses(
 ) -> tuple[Values, Values]:
     """Return the slope ``f'(r)`` and the secant stiffness ``f(r)/r`` [1].
 
-    Where a linear contact begins, the slope is 1, and the secant without clearance as well.
+    Where a linear contact begins, the slope is 1; so is the secant without clearance.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def stiffnesses(
 
 
 def force_at_depth(depth: float, rotor: Rotor) -> tuple[float, float]:
-    """Return the force and its slope at one indentation [1], of a rotor that touches.
+    """Return the force and its slope at one indentation [1] of a rotor in contact.
 
     Examples
     --------
@@ -73,10 +73,10 @@ def force_at_depth(depth: float, rotor: Rotor) -> tuple[float, float]:
 
 @dataclass(frozen=True, slots=True)
 class RestoringLaw:
-    """What springs back on one rotor, and rubs [1].
+    """Stiffness of contact and shaft, and friction, of one rotor [1].
 
-    In terms of ``u = sqrt(A - delta0)`` the amplitude A, the force ``g(A) = f(A) + kappa A`` of
-    contact and shaft together and ``W = A f'(A) - f(A)`` are polynomials, by Hertz as well.
+    The amplitude A, the force ``g(A) = f(A) + kappa A`` of contact and shaft together, and
+    ``W = A f'(A) - f(A)`` are polynomials in ``u = sqrt(A - delta0)``, also for a Hertz contact.
     """
 
     delta0: float
@@ -88,7 +88,7 @@ class RestoringLaw:
     def checked(
         cls, values: Mapping[str, object], ranges: Mapping[str, Range] = MappingProxyType({})
     ) -> RestoringLaw:
-        """Return the law of numbers that a user gave by name, some of them within a range.
+        """Return the law from numbers that a user gave by name, some of them within a range.
 
         Examples
         --------
@@ -112,7 +112,7 @@ class RestoringLaw:
 
     @property
     def coordinates(self) -> dict[str, Column]:
-        """Parameters beside the clearance that are not the paper's, as coordinates of a result."""
+        """Parameters other than the clearance that are not default, as coordinates of a result."""
         return {
             name: ((), value)
             for name, value in asdict(self).items()

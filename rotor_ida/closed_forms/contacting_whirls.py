@@ -1,4 +1,4 @@
-"""Every synchronous whirl that touches the ring, with none lost and none invented.
+"""All synchronous whirls in contact, with none lost and none invented.
 
 With ``u = sqrt(A - delta0)`` and ``q = omega**2`` a contacting whirl is a root u > 0 of
 
@@ -7,11 +7,11 @@ With ``u = sqrt(A - delta0)`` and ``q = omega**2`` a contacting whirl is a root 
 where ``p = q - kappa`` with a shaft of stiffness kappa, and q without. It is a polynomial because
 the Hertz exponent is 3/2, which makes the force u**3. Between two neighbouring extrema of P there
 is at most one root, so the extrema are found first, from those of the derivative, and so on down
-to a quadratic. What decides whether a root exists is the sign of P at an extremum, and that is
-computed with 32 digits. As ``dP/du = 4 u A D``, where D is the determinant that decides stability,
-a whirl is stable exactly where P rises through zero.
+to a quadratic. A root exists depending on the sign of P at an extremum, which is computed with 32
+digits. As ``dP/du = 4 u A D``, where D is the determinant that decides stability, a whirl is stable
+exactly where P rises through zero.
 
-Friction turns the force of the contact by the angle ``arctan(mu)``. With ``h = 2 zeta omega`` and
+Friction rotates the contact force by the angle ``arctan(mu)``. With ``h = 2 zeta omega`` and
 ``m = 1 + mu**2``, the equation of a whirl that slips forwards, times ``1 - i mu``, is
 
     m u**3 + (mu h - p) A + i (h + mu p) A = (1 - i mu) q exp(i theta),
@@ -46,10 +46,10 @@ class ContactingWhirls:
     Parameters
     ----------
     amplitude, phase_lag, determinant : ndarray, shape (n, 5)
-        Amplitudes [1], phase lags [rad] and stability determinants D [1], positive where the
-        whirl does not run away; NaN where a rotor has fewer whirls.
+        Amplitudes [1], phase lags [rad] and stability determinants D [1], positive if the whirl
+        does not diverge; NaN where a rotor has fewer whirls.
     contact_free : ndarray of bool, shape (n,)
-        Whether the whirl that does not reach into the ring exists.
+        Whether the contact-free whirl exists.
     """
 
     amplitude: Values
@@ -93,7 +93,7 @@ class _Equation:
 
 
 def contacting_whirls(rotors: RotorColumns) -> ContactingWhirls:
-    """Return all whirls in contact of rotors with ``omega > 0`` and the Hertz exponent.
+    """Compute all whirls in contact of rotors with ``omega > 0`` and the Hertz exponent.
 
     Parameters
     ----------
@@ -107,9 +107,9 @@ def contacting_whirls(rotors: RotorColumns) -> ContactingWhirls:
 
     Notes
     -----
-    ``P(0) = q**2 ((delta0/A_f)**2 - 1)``, with a shaft too: its sign says whether the contact-free
-    whirl of amplitude A_f fits into the clearance, so that exactly one of the two kinds appears or
-    vanishes there.
+    ``P(0) = q**2 ((delta0/A_f)**2 - 1)``, also with a shaft: its sign shows whether the
+    contact-free whirl of amplitude A_f fits into the clearance. At a change of sign exactly one
+    whirl of each kind appears or vanishes.
 
     References
     ----------
@@ -157,7 +157,7 @@ def contacting_whirls(rotors: RotorColumns) -> ContactingWhirls:
 
 @dataclass(frozen=True, slots=True)
 class Turned:
-    """The terms of the whirl's equation, turned until the force of the contact is real."""
+    """The terms of the whirl's equation, rotated so that the contact force is real."""
 
     lead: DoubleDouble  # m = 1 + mu**2
     p: DoubleDouble  # p - mu h
@@ -176,8 +176,8 @@ def turned_by_friction(p: DoubleDouble, rotors: RotorColumns) -> Turned:
 def _extrema(q: Values, p: Values, stiffness: Values, delta0: Values) -> Values:
     """Return 0, the extrema of P in ascending order and a bound on its roots, shape (n, 6).
 
-    ``stiffness`` is ``p**2 + 4 zeta**2 q``. Extrema that do not exist repeat the bound. For
-    ``p <= 0`` none does: no term of the slope of P is negative then.
+    ``stiffness`` is ``p**2 + 4 zeta**2 q``. Missing extrema repeat the bound. For ``p <= 0`` there
+    are none, as no term of the slope of P is negative.
     """
     softens = p > 0.0
     bound = 1.000001 * (np.maximum(p, 0.0) + np.cbrt(q * (delta0 + 1.0)))
@@ -201,7 +201,7 @@ def _extrema(q: Values, p: Values, stiffness: Values, delta0: Values) -> Values:
 
 
 def _bounded(points: Values, bound: Values) -> Values:
-    """Return 0, `points` and `bound` in order; points that are missing repeat the bound."""
+    """Return 0, `points` and `bound` in order; missing points repeat the bound."""
     inside = np.where(np.isnan(points), bound[:, None], np.minimum(points, bound[:, None]))
     edges = (np.zeros_like(bound)[:, None], np.sort(inside, axis=1), bound[:, None])
     return np.concatenate(edges, axis=1)
@@ -244,7 +244,7 @@ def _polished(
     estimate: Values,
     rising: npt.NDArray[np.bool_],
 ) -> DoubleDouble:
-    """Return the roots to 32-digit residuals, the last Newton step kept as the low part."""
+    """Return the roots with 32-digit residuals, keeping the last Newton step as the low part."""
     rows, columns = np.nonzero(np.isfinite(estimate))
 
     def evaluate(u: Values, chosen: Rows) -> tuple[Values, Values]:
@@ -263,7 +263,7 @@ def _polished(
 
 
 def _packed(values: Values, rows: Rows, shape: tuple[int, ...]) -> Values:
-    """Return the `values` of each row moved to its front, NaN behind them."""
+    """Return the `values` of each row moved to the front, followed by NaN."""
     packed = np.full(shape, np.nan)
     first = np.searchsorted(rows, rows)  # rows are sorted: how many came before this row
     packed[rows, np.arange(rows.size) - first] = values
@@ -280,8 +280,8 @@ def bracketed_newton(
     """Return the root of each function between `low` and `high`, where it changes sign.
 
     ``evaluate(points, rows)`` gives values and slopes of the functions number `rows`; `rising`
-    says which are negative at `low`. Newton's method, with bisection whenever a step would leave
-    the bracket or fails to halve the one before (Press et al., "Numerical Recipes", ``rtsafe``).
+    marks those that are negative at `low`. Newton's method is used, with bisection if a step would
+    leave the bracket or fails to halve the last one (Press et al., "Numerical Recipes").
     """
     low, high = low.copy(), high.copy()
     root = 0.5 * (low + high) if start is None else np.clip(start, low, high)
@@ -317,7 +317,7 @@ def _roots_between(
     """Return the one root in each interval where a monotone function changes sign, NaN elsewhere.
 
     `breakpoints` are ascending ends of the intervals, shape (n, k + 1), and `at_breakpoints` the
-    values there or their signs. Beside the roots, shape (n, k): whether the function rises there.
+    values there or their signs. Also return, shape (n, k), whether the function rises there.
     """
     left, right = np.sign(at_breakpoints[:, :-1]), np.sign(at_breakpoints[:, 1:])
     rows, columns = np.nonzero(left * right < 0.0)

@@ -4,10 +4,10 @@ A whirl that slips forwards obeys, with ``f = f(A)`` and ``g = kappa A + f``,
 
     P = (A**2 - 1) w**4 + A (4 zeta**2 A - 2 g) w**2 + 4 mu zeta A f w + g**2 + mu**2 f**2 = 0
 
-at the speed w. Without friction it is a quadratic in w**2; friction brings in an odd power, and
-speeds come from a quartic. By Descartes' rule of signs there is one speed for ``A < 1`` and there
-are two or none for ``A > 1``: the two flanks. A point of the curve at which something happens is a
-root of a second polynomial in w as well:
+at the speed w. Without friction it is a quadratic in w**2; friction adds an odd power, and speeds
+are roots of a quartic. By Descartes' rule of signs there is one speed for ``A < 1``, and two or
+none for ``A > 1``: the two flanks. A special point of the curve is also a root of a second
+polynomial in w:
 
 - a fold, of the determinant D of `stability_determinant`, times A;
 - a Hopf point, of Hurwitz' determinant ``a3 a2 a1 - a1**2 - a3**2 a0`` of the eigenvalues, where
@@ -21,7 +21,7 @@ eigenvalues of a whirl without friction are the roots of ``L**4 + a3 L**3 + a2 L
     a2 = K + S + 2 zeta m + 2 q,    a0 = (K - q)(S - q) + 4 zeta**2 q = D.
 
 All coefficients are polynomials in ``u = sqrt(A - delta0)``, or in ``A - delta0`` in a linear
-contact. Both have a root in common where their resultant vanishes, Bezout's determinant [1]_, whose
+contact. They have a common root where their resultant, Bezout's determinant [1]_, vanishes. Its
 roots are isolated in exact arithmetic: see `exact_polynomials`.
 
 References
@@ -179,7 +179,7 @@ class _Terms:
 
 
 def equations_of(rotors: RotorColumns) -> list[CurveEquations]:
-    """Return those of each of many rotors."""
+    """Return the equations of each of many rotors."""
     rows = zip(rotors.zeta.tolist(), rotors.laws, rotors.contact_damping.tolist(), strict=True)
     return [CurveEquations(*row) for row in rows]
 
@@ -216,8 +216,8 @@ def exact_hopf_points(equations: CurveEquations) -> tuple[HopfPoint, ...]:
 def exact_tips(equations: CurveEquations) -> list[Tip]:
     """Return amplitude, above 1, and speed where the flanks meet, in order of amplitude.
 
-    There P has a double root: its discriminant by the speed vanishes, less the factor
-    ``A**2 - 1``. On either side of a tip there are two speeds and none.
+    There P has a double root: its discriminant in the speed, without the factor ``A**2 - 1``,
+    vanishes. On one side of a tip there are two speeds, on the other none.
     """
     c0, c1, c2, _, c4 = equations.curve
     if _vanishes(c1):
@@ -250,7 +250,7 @@ def flanks(A: Values, equations: CurveEquations) -> tuple[Values, Values, npt.ND
     """Return the slower and the faster speed at amplitudes above delta0, and whether they exist.
 
     Up to A = 1 there is one flank, and the faster speed is infinite. Beyond a tip both speeds are
-    those at which P is least. ``P/w**2`` is convex in w where ``A > 1``.
+    the one of the minimum of P. ``P/w**2`` is convex in w for ``A > 1``.
 
     Examples
     --------
@@ -289,7 +289,7 @@ def flanks(A: Values, equations: CurveEquations) -> tuple[Values, Values, npt.ND
 
 
 def _coefficients(A: Values, equations: CurveEquations) -> tuple[DoubleDouble, ...]:
-    """Return those of P at amplitudes, of the powers 0, 1, 2 and 4, with 32 digits."""
+    """Return the coefficients of P at amplitudes, of powers 0, 1, 2 and 4, with 32 digits."""
     law = equations.law
     zeta, kappa, mu, d, one, four = (
         DoubleDouble.of(0.0 * A + each)
@@ -354,7 +354,7 @@ def _less(one: Equation, two: Equation) -> Equation:
 def _crossings(first: Equation, second: Equation) -> list[tuple[Fraction, Fraction]]:
     """Return root and speed, both positive, at which both equations hold."""
     even = all(_vanishes(each) for equation in (first, second) for each in equation[1::2])
-    if even:  # in the square of the speed: else every root would be double
+    if even:  # in the square of the speed: otherwise every root would be double
         first, second = first[::2], second[::2]
     found = []
     for root in positive_roots(_resultant(first, second)):
@@ -365,14 +365,14 @@ def _crossings(first: Equation, second: Equation) -> list[tuple[Fraction, Fracti
 
 
 def _square_root(value: Fraction) -> Fraction:
-    """Return a square root to some 60 bits."""
+    """Return a square root to about 60 bits."""
     below = value.denominator
     places = max(0, 64 - (value.numerator * below).bit_length() // 2)
     return Fraction(math.isqrt(value.numerator * below << 2 * places), below << places)
 
 
 def _resolved(root: Root, first: Equation, second: Equation) -> tuple[Fraction, Fraction | None]:
-    """Return a root and what both equations have in common there, the root narrowed enough."""
+    """Return a sufficiently narrowed root, and the common root of both equations there."""
     for power in FINER:
         ends = root.narrowed(power)
         low, high = (

@@ -1,10 +1,10 @@
-"""A response curve as a curve: chains of flanks, cut at marks, drawn as points in order.
+"""Trace response curves: chains of flanks, cut at marks, as points in order.
 
 At a given amplitude A a contacting whirl has at most two speeds, one on each flank of the
 resonance, and at a given speed at most two clearances. So the curve is traced along A, flank by
-flank. The points at which it turns or leaves the range are computed apart, each exactly: tips,
-where the flanks meet, folds, the first touch, and the whirls at the limits of the range. Between
-two of them it is monotone, and points are set where it is long or bends.
+flank. The points at which it turns or leaves the range are computed separately and exactly: tips
+(where the flanks meet), folds, the first touch, and the whirls at the limits of the range. Between
+two of them it is monotone, and points are placed where it is long or bends.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _REFERENCES = "Mechanika 25(6), 2019, eqs (10) and (21)-(23), with the force cor
 _SOURCE = "rotor_ida closed forms: the amplitude equation, solved at given amplitudes"
 # Rounds in which points move to where the curve is long or bends.
 _ROUNDS = 4
-# Between one landmark and the next; a figure shows some hundred.
+# Largest number of points from one landmark to the next; a figure shows some hundred.
 MOST_POINTS = 100_000
 
 
@@ -64,8 +64,8 @@ class Piece(NamedTuple):
 class Chain(NamedTuple):
     """Both flanks of a part of the curve: from `begin` up to `top` and down to `end`.
 
-    A flank is +1 where a whirl is stable as the value rises with the amplitude, -1 where as it
-    falls. A place is infinite where the flank never ends.
+    On flank +1 a whirl is stable where the value rises with the amplitude, on flank -1 where it
+    falls. A place is infinite if the flank never ends.
     """
 
     flank: int  # from begin to top; the other one leads from top to end
@@ -84,13 +84,13 @@ class Arc(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class CurveLaw:
-    """How one curve runs, and how it is to be traced."""
+    """The course of one curve, and how to trace it."""
 
     value: Callable[[int, Values], Values]  # on a flank, at amplitudes
     lag: Callable[[Values, Values], Values]  # [rad], at amplitudes and such values
     limits: tuple[float, float]
     points: int  # of each monotone arc
-    damped: bool  # a whirl that is not unstable is stable then, and neutral otherwise
+    damped: bool  # if so, a whirl that is not unstable is stable, otherwise neutral
 
 
 def marks_at(slope: Values, amplitude: Values, value: Values) -> list[Mark]:
@@ -108,7 +108,7 @@ def traced(chains: Sequence[Chain], marks: Sequence[Mark], law: CurveLaw) -> lis
         ends = [sorted((arc.begin.value, arc.end.value)) for arc in arcs]
         inside = [low <= first <= last <= high for first, last in ends]
         if begin == end and math.isfinite(top.amplitude) and not all(inside):
-            # a closed curve of which a part is left out begins behind that
+            # a closed curve that is partly outside the limits begins behind that part
             first = inside.index(False)
             arcs, inside = arcs[first:] + arcs[:first], inside[first:] + inside[:first]
         for kept, group in groupby(zip(inside, arcs, strict=True), key=itemgetter(0)):
@@ -142,7 +142,7 @@ def _drawn(arc: Arc, law: CurveLaw) -> Piece:
 
 
 def piece_of(value: Values, amplitude: Values, stability: str, in_contact: int) -> Piece:
-    """Return a piece of one stability."""
+    """Return a piece with uniform stability."""
     columns = np.broadcast_arrays(value, amplitude, float(STABILITY[stability]), in_contact)
     return Piece(*columns)
 
@@ -164,8 +164,8 @@ def spread(
 ) -> tuple[Values, Values]:
     """Return points of a monotone arc, more of them where it is long, bends or the lag changes.
 
-    Lengths and angles are those in the arc's own frame, scaled to a unit square; a quarter turn
-    of the line and half a turn of the phase lag count as much as a side.
+    Lengths and angles are measured with the arc scaled to a unit square. A quarter turn of the line
+    and half a turn of the phase lag count as much as a side.
     """
     (first, low), (last, high) = ends
 
@@ -190,7 +190,7 @@ def spread(
 
 
 def driven(piece: Piece, varied: str, rotor: RotorColumns) -> Piece:
-    """Return a piece on which whirls that contact damping or friction drives are unstable."""
+    """Return a piece with whirls driven by contact damping or friction marked as unstable."""
     rotors = RotorColumns.of(asdict(rotor) | {varied: piece.value})
     unstable = STABILITY["unstable"]
     chosen = np.nonzero(
@@ -245,15 +245,15 @@ def _phase_lag(amplitude: Values, rotors: RotorColumns) -> Values:
 
 
 def check_damped(rotors: Rotors) -> None:
-    """Refuse curves of a linear contact without damping or friction, which run to infinity."""
+    """Raise InputError for a linear contact without damping or friction: infinite curves."""
     if (
         (rotors.axis("zeta") == 0.0).any()
         and (rotors.axis("contact_exponent") != HERTZ_EXPONENT).any()
         and (rotors.axis("friction") == 0.0).any()
     ):
         raise InputError(
-            "zeta must be positive for the curve of a linear contact, which is infinite in "
-            "resonance without damping, got 0.0"
+            "zeta must be positive for the curve of a linear contact without friction, got 0.0: "
+            "without damping it is infinite in resonance"
         )
 
 

@@ -1,8 +1,8 @@
 """Numbers kept as an unevaluated sum of two doubles: about 32 digits, in plain numpy.
 
-Near a fold two whirls almost coincide, and a residual rounded to 16 digits cannot tell them
-apart. The error-free transformations below can, on every platform (``longdouble`` is only a
-plain double on some).
+Near a fold two whirls almost coincide, and a residual rounded to 16 digits cannot separate them.
+The error-free transformations below can, on every platform (``longdouble`` is a plain double on
+some).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class DoubleDouble:
     Parameters
     ----------
     high, low : ndarray
-        Leading part and what it leaves out.
+        Leading part and remainder.
 
     References
     ----------

@@ -1,8 +1,8 @@
 """Polynomials with rational coefficients, and their positive roots in exact arithmetic.
 
-Parameters are doubles, so whatever follows from them by sums and products is a fraction. The roots
-of a polynomial are isolated by Descartes' rule of signs: none is lost and none invented [1]_, but
-for two that nearly coincide.
+Parameters are doubles, so all sums and products of them are fractions. The roots of a polynomial
+are isolated by Descartes' rule of signs: none is lost or invented [1]_, except two that nearly
+coincide.
 
 References
 ----------
@@ -18,14 +18,13 @@ from fractions import Fraction
 from functools import reduce
 from itertools import accumulate, pairwise
 
-# Two roots nearer to each other than this power of two, in parts of the largest there can be, are
-# not told from none.
+# Two roots closer than this power of two, relative to the largest possible root, cannot be
+# distinguished from none.
 _DEEPEST = 400
-# Roots are narrowed to these powers of two, in parts of themselves, one after the other, until
-# what follows from them is the same at both ends: a whirl next to amplitude 1 may have nearly any
-# speed.
+# Roots are narrowed to these relative powers of two, one after the other, until the result is the
+# same at both ends: a whirl near amplitude 1 may have nearly any speed.
 FINER = (70, 140, 280, 560, 1120)
-# The same, in parts of itself.
+# Relative tolerance for that.
 SAME = Fraction(1, 10**17)
 
 
@@ -72,14 +71,14 @@ def constant(value: Fraction | int) -> Polynomial:
 
 @dataclass(frozen=True, slots=True)
 class Root:
-    """A root of a polynomial with whole coefficients, alone between two places."""
+    """A root of a polynomial with integer coefficients, alone between two places."""
 
     whole: tuple[int, ...]
     low: Fraction
     high: Fraction
 
     def narrowed(self, power: int) -> tuple[Fraction, Fraction]:
-        """Return places round the root that are apart by so small a power of two, in parts of it.
+        """Return places around the root that are 2**-power apart, relative to the root.
 
         Examples
         --------
@@ -101,7 +100,7 @@ class Root:
 
 
 def positive_roots(polynomial: Polynomial) -> list[Root]:
-    """Return the positive roots of odd order, each by itself.
+    """Return the positive roots of odd order, each isolated.
 
     Examples
     --------
@@ -122,7 +121,7 @@ def positive_roots(polynomial: Polynomial) -> list[Root]:
 
 
 def _bound(whole: list[int]) -> int:
-    """Return a power of two that no root exceeds: twice the largest root of a quotient."""
+    """Return an upper bound of the roots, a power of two: twice the largest root of a quotient."""
     degree, highest = len(whole) - 1, abs(whole[-1]).bit_length() - 1
     powers = [
         math.ceil((abs(each).bit_length() - highest) / (degree - place))
@@ -133,15 +132,15 @@ def _bound(whole: list[int]) -> int:
 
 
 def _isolated(whole: list[int], power: int) -> list[tuple[Fraction, Fraction]]:
-    """Return intervals of positive numbers that hold one root each, by Descartes' rule.
+    """Return intervals of positive numbers that contain one root each, by Descartes' rule.
 
-    A root on the boundary of two of them is an interval of its own, of no width.
+    A root on the boundary of two of them is a separate interval of zero width.
     """
     degree, width = len(whole) - 1, Fraction(2) ** power
     scaled = [each * width**place for place, each in enumerate(whole)]
     below = math.lcm(*(each.denominator for each in scaled))
     found = []
-    # polynomials on [0, 1], with the interval that this is: its number among 2**depth
+    # polynomials on [0, 1], with the interval represented: its number among 2**depth
     todo = [([int(each * below) for each in scaled], 0, 0)]
     while todo:
         here, number, depth = todo.pop()

@@ -1,9 +1,9 @@
-"""Divided differences of the exponential: how a damped oscillator answers, whatever its roots.
+"""Divided differences of the exponential: the response of a damped oscillator for any roots.
 
-With the roots a and b of ``L**2 + 2 zeta L + kappa`` the answer of the oscillator to a unit impulse
-is ``exp[a, b] = (exp(a t) - exp(b t))/(a - b)``, that to ``exp(c t)`` is ``exp[a, b, c]``, whether
-two of the three are equal, nearly equal or far apart. Written as here nothing cancels; angles are
-formed with 32 digits.
+With the roots a and b of ``L**2 + 2 zeta L + kappa`` the response of the oscillator to a unit
+impulse is ``exp[a, b] = (exp(a t) - exp(b t))/(a - b)``, and to ``exp(c t)`` it is
+``exp[a, b, c]``. The forms here do not cancel, even if two rates are equal or nearly equal. Angles
+are formed with 32 digits.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ import numpy as np
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.closed_forms.double_double import DoubleDouble
 
-# Below this a product of rates and time is taken by the series about 0, of so many terms.
+# Below this product of rates and time the series about 0 is used, with this number of terms.
 NEAR, TERMS = 1.0, 24
 
 
 @dataclass(frozen=True, slots=True)
 class Exponent:
-    """A complex rate: of growth, and of turning."""
+    """A complex rate: growth and rotation."""
 
     growth: float
     turning: DoubleDouble
@@ -42,7 +42,7 @@ def exponent(growth: float, turning: float = 0.0) -> Exponent:
 
 
 def roots(zeta: float, kappa: float) -> tuple[Exponent, Exponent]:
-    """Return the roots of ``L**2 + 2 zeta L + kappa``, of real ones that nearer 0 first.
+    """Return the roots of ``L**2 + 2 zeta L + kappa``; of real ones the one nearer 0 first.
 
     Examples
     --------
@@ -89,7 +89,7 @@ def of_two(one: Exponent, other: Exponent, elapsed: DoubleDouble) -> ComplexValu
 
 
 def of_three(rates: tuple[Exponent, Exponent, Exponent], elapsed: DoubleDouble) -> ComplexValues:
-    """Return ``exp[a, b, c] = (exp[a, b] - exp[b, c])/(a - c)``, also where they are equal.
+    """Return ``exp[a, b, c] = (exp[a, b] - exp[b, c])/(a - c)``, also for equal rates.
 
     Examples
     --------
@@ -110,7 +110,7 @@ def of_three(rates: tuple[Exponent, Exponent, Exponent], elapsed: DoubleDouble) 
 
 
 def turn_less_one(turning: DoubleDouble, elapsed: DoubleDouble) -> ComplexValues:
-    """Return ``exp(i turning t) - 1``, with the low part of the angle turned as well."""
+    """Return ``exp(i turning t) - 1``, including the low part of the angle."""
     angle = turning * elapsed
     most, rest = _circle_less_one(angle.high), _circle_less_one(angle.low)
     return np.asarray(most + rest + most * rest)
@@ -123,10 +123,10 @@ def _circle_less_one(angle: Values) -> ComplexValues:
 
 
 def _series(rates: tuple[Exponent, Exponent, Exponent], elapsed: Values) -> ComplexValues:
-    """Return ``t**2 (1/2! + h_1/3! + h_2/4! + ...)``, h_k of the products of rates and time.
+    """Return ``t**2 (1/2! + h_1/3! + h_2/4! + ...)``, with h_k of the products of rates and time.
 
-    They are the complete homogeneous symmetric polynomials, ``1/((1 - a t x) (1 - b t x) ...)`` as
-    a series in x.
+    The h_k are the complete homogeneous symmetric polynomials, the coefficients of
+    ``1/((1 - a t x) (1 - b t x) ...)`` as a series in x.
     """
     a, b, c = (rate.value * elapsed for rate in rates)
     by_last, by_second, by_third = a + b + c, a * b + b * c + c * a, a * b * c

@@ -1,4 +1,4 @@
-"""Where folds lie: one curve for each restoring law, from which each damping picks its folds.
+"""The locus of folds: one curve for each restoring law, on which each damping has its folds.
 
 Let theta be the phase lag, ``g(A) = f(A) + kappa A`` the force of contact and shaft together,
 ``W = A f' - f``, ``q = omega**2``, ``a = -cos(theta)`` and ``b = A - a``. A contacting whirl obeys
@@ -15,13 +15,13 @@ the larger; the sides meet where ``A**2 W = 4 g``, and at a = 1 the locus ends, 
 
 rises and falls; each crossing of the given damping is a fold, with ``omega**2 = g/b``.
 
-The turning points of the damping along a side are sought as changes of sign of its slope between
-nodes, which stand closer than the turning points that have been met. That none lies between two
-nodes is not proven: ``tests/closed_forms/test_folds.py`` compares the number of folds with the
-real roots of a resultant, which is exact, and with a search at 50 digits.
+The turning points of the damping along a side are found as sign changes of its slope between nodes,
+which are closer than any turning points encountered. It is not proven that none is missed:
+``tests/closed_forms/test_folds.py`` compares the number of folds with the real roots of a
+resultant, which is exact, and with a search at 50 digits.
 
-The shaft falls out of W. By Hertz ``W = u (A + 2 delta0)/2`` with ``u = sqrt(A - delta0)``, in a
-linear contact ``W = delta0``: without clearance such a rotor is linear and has no fold.
+The shaft cancels in W. For Hertz contact ``W = u (A + 2 delta0)/2`` with ``u = sqrt(A - delta0)``.
+For a linear contact ``W = delta0``: without clearance such a rotor is linear and has no fold.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ from rotor_ida.closed_forms.double_double import DoubleDouble
 
 _NODES_PER_DECADE = 24
 _NODES_BETWEEN = 65
-# A bracket is cut into so many parts at a time.
+# Number of parts into which a bracket is cut at a time.
 _PARTS = 32
 _MOST_ROUNDS = 30
 _ROUNDING = 1e-14
-# A root of a polynomial is real if its imaginary part is so much smaller; as a node it does no harm
-# if it is not.
+# A root of a polynomial counts as real if its relative imaginary part is below this; a false one is
+# harmless as a node.
 _REAL = 1e-5
 
 
@@ -58,12 +58,12 @@ class LocusSide:
     law: RestoringLaw
     side: int  # 0 where a is the smaller root, 1 where it is the larger
     u: Values  # ascending, with every turning point of the damping
-    damping: Values  # 4 zeta**2 there; NaN where the locus is not
+    damping: Values  # 4 zeta**2 there; NaN off the locus
 
 
 @dataclass(frozen=True, slots=True)
 class LocusPoints:
-    """Points of a locus; NaN where it is not."""
+    """Points of a locus; NaN where there is none."""
 
     a: Values  # -cos(theta)
     b: Values  # A + cos(theta)
@@ -83,7 +83,7 @@ NO_CUSP = Cusp(math.nan, math.nan, math.nan)
 
 
 def locus_points(u: npt.ArrayLike, law: RestoringLaw, side: int) -> LocusPoints:
-    """Return the points of one side of the locus at some ``u = sqrt(A - delta0)``, above zero.
+    """Return the points of one side of the locus at given ``u = sqrt(A - delta0)``, above zero.
 
     Examples
     --------
@@ -115,10 +115,10 @@ def locus_points(u: npt.ArrayLike, law: RestoringLaw, side: int) -> LocusPoints:
 
 
 def fold_locus(law: RestoringLaw, smallest_damping: float) -> list[LocusSide]:
-    """Return the two sides of the locus of folds without friction; none where there is no fold.
+    """Return the two sides of the locus of folds without friction; none if there is no fold.
 
-    The damping ``4 zeta**2`` vanishes where the locus runs to u = 0 and to infinity; it is
-    followed far enough for the smallest that will be asked for.
+    The damping ``4 zeta**2`` vanishes as the locus tends to u = 0 and to infinity. The locus is
+    followed far enough for the smallest damping needed.
 
     Examples
     --------
@@ -147,7 +147,7 @@ def _reach(law: RestoringLaw, least: float) -> tuple[float, float]:
     if law.hertz:
         first_touch = d * np.cbrt(least) or np.inf
         return 0.1 * min(least, first_touch), highest
-    # the locus of a linear contact may begin at the ring itself
+    # the locus of a linear contact may begin at the stator itself
     return 1e-8 * min(least, d * np.sqrt(least * d), d), highest
 
 
@@ -179,7 +179,7 @@ def positive_roots(polynomial: np.poly1d) -> Values:
 
 
 def _side(nodes: Values, law: RestoringLaw, side: int) -> LocusSide:
-    """Return one side, its turning points found and put among the nodes."""
+    """Return one side, with its turning points included in the nodes."""
     slope = locus_points(nodes, law, side).slope
     before = np.nonzero(slope[:-1] * slope[1:] < 0.0)[0]
     rising = slope[before] > 0.0
@@ -193,7 +193,7 @@ def _side(nodes: Values, law: RestoringLaw, side: int) -> LocusSide:
 
 
 def folds_on_side(locus: LocusSide, zeta: Values) -> list[list[Fold]]:
-    """Return the folds on one side of the locus, those of each damping apart.
+    """Return the folds on one side of the locus, separately for each damping.
 
     Examples
     --------
@@ -221,9 +221,9 @@ def folds_on_side(locus: LocusSide, zeta: Values) -> list[list[Fold]]:
 
 
 def last_before(low: Values, high: Values, before: Callable[[Values], Flags]) -> Values:
-    """Return, cut down to neighbouring doubles, where `before` holds for the last time.
+    """Return the last place where `before` is true, to neighbouring doubles.
 
-    Each round asks for many places between `low` and `high` at once, on a new first axis.
+    Each round evaluates many places between `low` and `high` at once, on a new first axis.
     """
     parts = np.linspace(0.0, 1.0, _PARTS + 1)[1:-1, None]
     column = np.arange(low.size)
@@ -245,7 +245,7 @@ def _polished(
     law: RestoringLaw,
     side: int,
 ) -> tuple[Values, Values]:
-    """Return speed and amplitude after Newton steps, the last of which is kept as a low part."""
+    """Return speed and amplitude after Newton steps, keeping the last one as a low part."""
     for _ in range(4):
         step_u, step_smaller = _newton_step(u, smaller, zeta, law, side)
         u, smaller = np.clip(u - step_u, *bounds), smaller - step_smaller
@@ -318,7 +318,7 @@ def undamped_folds(law: RestoringLaw) -> list[Fold]:
 
 
 def frictionless_cusp(law: RestoringLaw) -> Cusp:
-    """Return the cusp without friction: the largest damping along the locus; NaN without folds."""
+    """Return the cusp without friction: the largest damping on the locus; NaN without folds."""
     best, place, side = 0.0, 0.0, 0
     for locus in fold_locus(law, 1e-3):
         damping = np.where(np.isfinite(locus.damping), locus.damping, -1.0)

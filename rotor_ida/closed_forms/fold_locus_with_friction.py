@@ -1,4 +1,4 @@
-"""Where folds lie with friction: `fold_locus` once more, and the cusp at its largest damping.
+"""The locus of folds with friction, as in `fold_locus`, and the cusp at its largest damping.
 
 With g, W, a and b as for `fold_locus`, ``s = sqrt(1 - a**2) = sin(theta)`` and friction mu
 a whirl that slips forwards obeys ``g = q b`` and ``2 zeta A omega = q s - mu f``. The condition of
@@ -7,8 +7,8 @@ a fold, D = 0, loses speed and damping again and becomes
     (a - mu s) b = g/W,    a + b = A.                                                (locus)
 
 With ``t = tan((pi - theta)/2)`` it is a quartic in t for each ``u = sqrt(A - delta0)``. The damping
-along it is ``zeta = (q s - mu f)/(2 A sqrt(q))`` with ``q = g/b``, where that is not negative: with
-much friction it is nowhere, and then there is no fold.
+along it is ``zeta = (q s - mu f)/(2 A sqrt(q))`` with ``q = g/b``, where this is not negative. With
+strong friction it is negative everywhere, and there is no fold.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.fold_locus import NO_CUSP, Cusp
 
 _NODES = 8000
-# So much damping, as 4 zeta**2, must the largest have that is looked for.
+# Smallest value, as 4 zeta**2, of the largest damping that is sought.
 _LEAST = 1e-8
 _STEP = 1e-7
-# The damping where the locus ends without any is 0 up to the root of rounding.
+# The damping at an undamped end of the locus is 0 to the root of rounding.
 _ROUNDING = 1e-7
 
 
 def friction_locus(u: Values, law: RestoringLaw) -> tuple[Values, Values]:
-    """Return phase lags and damping ratios of the folds at some u, shape (n, 4); NaN if fewer.
+    """Return phase lags and damping ratios of the folds at given u, shape (n, 4); NaN if fewer.
 
     Examples
     --------
@@ -60,11 +60,11 @@ def friction_locus(u: Values, law: RestoringLaw) -> tuple[Values, Values]:
 
 
 def friction_cusp(law: RestoringLaw) -> Cusp:
-    """Return damping ratio, speed and amplitude where the last two folds merge; NaN without any."""
+    """Return damping ratio, speed and amplitude where the last two folds merge; NaN if none."""
     highest = 1.0 + math.sqrt(law.delta0) + math.cbrt(1.0 / _LEAST) + math.cbrt(law.shaft_stiffness)
     highest = highest + ((1.0 + law.shaft_stiffness) / _LEAST) ** 0.25
     nodes = np.geomspace(1e-6 * min(1.0, law.delta0), highest, _NODES)
-    if not law.hertz:  # the locus of a linear contact may begin at the ring itself
+    if not law.hertz:  # the locus of a linear contact may begin at the stator itself
         nodes = np.concatenate([[0.0], nodes])
     lag, zeta = friction_locus(nodes, law)
     if not (zeta > _ROUNDING).any():
@@ -84,7 +84,7 @@ def friction_cusp(law: RestoringLaw) -> Cusp:
 def _on_locus(
     u: npt.ArrayLike, lag: npt.ArrayLike, law: RestoringLaw
 ) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
-    """Return the damping, and by how much a place misses the locus."""
+    """Return the damping, and the deviation of a place from the locus."""
     root, theta = np.asarray(u), np.asarray(lag)
     A, g, W = law.forces(root)
     sine, b = np.sin(theta), A + np.cos(theta)
@@ -96,7 +96,7 @@ def _on_locus(
 
 
 def _speed_squared(u: npt.ArrayLike, lag: npt.ArrayLike, law: RestoringLaw) -> npt.NDArray[Any]:
-    """Return ``q = g/b = W (a - mu s)`` on the locus: by what is not a small difference."""
+    """Return ``q = g/b = W (a - mu s)`` on the locus, in the form without cancellation."""
     root, theta = np.asarray(u), np.asarray(lag)
     A, g, W = law.forces(root)
     b, beside = A + np.cos(theta), -np.cos(theta) - law.friction * np.sin(theta)

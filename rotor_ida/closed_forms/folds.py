@@ -1,4 +1,4 @@
-"""Folds: where a synchronous whirl vanishes, what is left to jump to, and the cusp beyond them."""
+"""Folds, at which a synchronous whirl vanishes, the whirls to jump to there, and the cusp."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.rotors import Rotors
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
-# Beyond these the locus leaves the range of doubles.
+# Beyond these values the locus leaves the range of doubles.
 _RANGE = (1e-20, 1e6)
 RANGES = dict.fromkeys(("zeta", "delta0", "shaft_stiffness", "friction"), _RANGE)
-# Of which the two sides of the locus are one.
+# The law for which both sides of the locus coincide throughout.
 _MEETS_ALL_ALONG = RestoringLaw(1.0, contact_exponent=1.0)
-# At a fold two whirls are one, up to the root of rounding.
+# At a fold two whirls coincide, to the root of rounding.
 _SAME = 1e-5
-# Between these clearances the damping of the cusp rises to its one maximum and falls again.
+# Between these clearances the damping of the cusp has its only maximum.
 _HUMP = (0.5, 0.8)
 
 
@@ -48,43 +48,41 @@ def folds(
     contact_damping: object = 0.0,
     friction: object = 0.0,
 ) -> xr.Dataset:
-    """Return every fold of the contacting whirls.
+    """Compute all folds of the contacting whirls.
 
     Parameters
     ----------
     zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
         Damping ratios and clearances [1].
     shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
-        As for `Rotor`, numbers or axes [1]. Contact damping moves no fold.
+        As for `Rotor`, numbers or axes [1]. Contact damping does not move folds.
 
     Returns
     -------
     Dataset
         ``fold_omega`` and ``fold_amplitude`` [1] on the dimensions (zeta, delta0, fold), in
-        order of speed; NaN where there are fewer folds than the dimension is long. Each of the last
-        four parameters that is given as a sequence is a dimension before ``fold``, as a number
-        that is not the default a coordinate.
+        order of speed, padded with NaN. Of the last four parameters, a sequence becomes a dimension
+        before ``fold``, and a number other than the default becomes a coordinate.
 
     Raises
     ------
     InputError
-        If a value is not a finite real number that is zero or positive, or is above 1e6, or is
-        above zero and below 1e-20; if an exponent is neither 1.5 nor 1; if there is contact damping
-        or friction without clearance.
+        If a value is not a finite real number that is 0 or from 1e-20 to 1e6; if an exponent is
+        neither 1.5 nor 1; if there is contact damping or friction without clearance.
 
     Notes
     -----
     At a fold two whirls merge: the determinant D of `stability_determinant` is zero on the
-    curve. The phase lag there exceeds a quarter turn, and speed and damping can be eliminated
-    (see `fold_locus`), which leaves crossings of one function. There are up to four folds for
-    ``0 < delta0 < 1``, two of them near first touch; for ``delta0 >= 1`` the contacting branch
-    is an isola between two folds; large damping leaves none. Without damping the branches
-    never close at large amplitude, and only one fold is left, at ``A = 3 - 2 delta0`` if
+    curve. The phase lag there exceeds a quarter turn. Speed and damping can be eliminated (see
+    `fold_locus`), so that folds are the crossings of one function. There are up to four folds for
+    ``0 < delta0 < 1``, two of them near first touch. For ``delta0 >= 1`` the contacting branch
+    is an isola between two folds. With large damping there are none. Without damping the branches
+    never close at large amplitude, and there is only one fold, at ``A = 3 - 2 delta0`` if
     ``delta0 < 1``.
 
-    The point where a branch first touches the ring, at A = delta0, is not a fold. With a shaft or a
-    linear contact too the locus is that of `fold_locus`; a linear contact has folds only with
-    clearance and damping, or friction. With friction the folds are roots of a polynomial in
+    The first touch of a branch, at A = delta0, is not a fold. The locus of `fold_locus` also
+    applies with a shaft or a linear contact. A linear contact has folds only with clearance and
+    damping, or with friction. With friction the folds are roots of a polynomial in
     ``u = sqrt(A - delta0)``, isolated in exact arithmetic: see `curve_polynomials`.
 
     References
@@ -134,7 +132,7 @@ def jumps(
     contact_damping: object = 0.0,
     friction: object = 0.0,
 ) -> xr.Dataset:
-    """Return every fold with the whirl that is left there to jump to.
+    """Compute all folds, each with the amplitude of the whirl to jump to.
 
     Parameters
     ----------
@@ -147,8 +145,8 @@ def jumps(
     -------
     Dataset
         On (zeta, delta0, fold), or the dimensions of `folds`: ``fold_omega`` and
-        ``fold_amplitude`` [1] of `folds`, and ``landing_amplitude`` [1], the amplitude of the one
-        other whirl at that speed that is not unstable; NaN where there is none, or a choice.
+        ``fold_amplitude`` [1] of `folds`, and ``landing_amplitude`` [1], the amplitude of the only
+        other whirl at that speed that is not unstable; NaN if there is none or more than one.
 
     Raises
     ------
@@ -157,8 +155,8 @@ def jumps(
 
     Notes
     -----
-    A rotor that jumps need not land on a synchronous whirl: with clearance it may go on
-    bouncing. What is given is where the curve lets it land.
+    A rotor that jumps need not land on a synchronous whirl: with clearance it may keep bouncing.
+    The result considers only the whirls on the curve.
 
     References
     ----------
@@ -215,20 +213,19 @@ def cusp_zeta(
     Returns
     -------
     float
-        Largest damping ratio with a fold [1]; NaN where none has: in a linear contact without
-        clearance, or with too little, or with much friction.
+        Largest damping ratio with a fold [1]; NaN if there are no folds: in a linear contact with
+        too little or no clearance, or with strong friction.
 
     Raises
     ------
     InputError
-        If `delta0` or the stiffness is not a finite real number, is negative or above 1e6, or lies
-        between 0 and 1e-20; if the exponent is neither 1.5 nor 1; if there is friction without
-        clearance.
+        If `delta0` or the stiffness is not a finite real number that is 0 or from 1e-20 to 1e6; if
+        the exponent is neither 1.5 nor 1; if there is friction without clearance.
 
     Notes
     -----
-    The maximum of the damping along the locus of `fold_locus`, where two folds merge. With friction
-    the locus is that of `fold_locus_with_friction`.
+    It is the maximum of the damping along the locus of `fold_locus`, where two folds merge. With
+    friction the locus is that of `fold_locus_with_friction`.
 
     References
     ----------
@@ -259,37 +256,37 @@ def cusp(
     contact_damping: object = 0.0,
     friction: object = 0.0,
 ) -> xr.Dataset:
-    """Return the cusp of each clearance: damping above which the response curve has no fold.
+    """Compute the cusp of each clearance: damping above which the response curve has no fold.
 
     Parameters
     ----------
     delta0 : float or sequence of float, shape (k,), optional
-        Clearances [1]. By default the one whose cusp has the largest damping: above that no
-        rotor jumps, whatever its clearance; this is known of the paper's rotor alone.
+        Clearances [1]. By default the one whose cusp has the largest damping: above that no rotor
+        jumps at any clearance. The default applies to the paper's rotor only.
     shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
         As for `folds`.
 
     Returns
     -------
     Dataset
-        On delta0, and further dimensions as `folds` has them: ``cusp_zeta``, the supremum of the
+        On delta0, and other dimensions as for `folds`: ``cusp_zeta``, the supremum of the
         damping ratios at which the response curve has any fold, and ``cusp_omega`` and
-        ``cusp_amplitude``, where the last two folds merge [1]; NaN where there is no fold.
+        ``cusp_amplitude``, where the last two folds merge [1]; NaN if there is no fold.
 
     Raises
     ------
     InputError
-        If a value is none that `folds` takes, or `delta0` is left out with a shaft, another contact
+        If `folds` does not accept a value, or `delta0` is left out with a shaft, another contact
         law, contact damping or friction.
 
     Notes
     -----
-    `cusp_zeta` says how it is found. The number of folds need not fall as the damping
-    grows: at ``delta0 = 0.7237`` it goes 4, 2, 4, 2, 0. The cusp is where it becomes 0 for good.
+    See `cusp_zeta` for the method. The number of folds need not fall monotonically as the damping
+    grows: at ``delta0 = 0.7237`` it is 4, 2, 4, 2, 0. The cusp is where it finally becomes 0.
 
     References
     ----------
-    Fig. 6 of the paper, Mechanika 25(6), 2019, which shows jumps and does not say where they end.
+    Fig. 6 of the paper, Mechanika 25(6), 2019, which shows jumps but not where they cease.
 
     Examples
     --------
@@ -322,7 +319,7 @@ def cusp(
 
 
 def _worst_clearance() -> float:
-    """Return the clearance whose cusp has the largest damping, which has one hump over it."""
+    """Return the clearance whose cusp has the largest damping, its only maximum."""
 
     def falling(delta0: float) -> float:
         return -_cusp(RestoringLaw(float(delta0))).zeta
@@ -337,7 +334,7 @@ def _cusp(law: RestoringLaw) -> Cusp:
 
 
 def fold_table(rotors: Rotors) -> Values:
-    """Return speed and amplitude of every fold, as `folds` labels them: dimensions, fold, 2."""
+    """Return speed and amplitude of every fold, shape as of `folds`: dimensions, fold, 2."""
     dampings = tuple(rotors.axis("zeta").tolist())
     others = {name: axis for name, axis in rotors.axes.items() if name != "zeta"}
     laws = RotorColumns.grid(replace(rotors, axes=others)).laws
@@ -352,11 +349,11 @@ def fold_table(rotors: Rotors) -> Values:
 
 @lru_cache(maxsize=16)
 def _locus(law: RestoringLaw, power: int) -> tuple[LocusSide, ...]:
-    """Return the locus of folds down to a power of ten of the damping: kept for many dampings."""
+    """Return the locus of folds down to a power of ten of the damping, cached for many dampings."""
     return tuple(fold_locus(law, 10.0**power))
 
 
-# The response curve needs them, and so does whoever marks them on it.
+# Cached: the response curve and its markers both need them.
 @lru_cache(maxsize=16)
 def _folds_of(dampings: tuple[float, ...], law: RestoringLaw) -> list[list[Fold]]:
     """Return the folds of each damping, in order of speed."""

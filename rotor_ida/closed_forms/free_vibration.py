@@ -1,8 +1,8 @@
-"""Free, undamped vibration, the nonlinearity seen on its own: periods, speeds, amplitudes.
+"""Free, undamped vibration: periods, speeds and amplitudes of the nonlinear oscillator.
 
-The powers 2/5, 1/4, 3/4, 4/5 and 5/4 follow from the Hertz exponent 3/2, by which the paper's rotor
-vibrates; the Beta function is that of any exponent n. A shaft springs back too: with a linear
-contact the periods are closed still, with Hertz's that on a line is an integral.
+The powers 2/5, 1/4, 3/4, 4/5 and 5/4 follow from the Hertz exponent 3/2 of the paper's rotor; the
+Beta function applies to any exponent n. With a shaft the periods of a linear contact are still in
+closed form, but the planar period of a Hertz contact is an integral.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.schema import labelled, labelled_dataset
 
 SMALLEST_DEPTH = 1e-200
-# Places and weights of Gauss's quadrature from 0 to 1, of an analytic integrand.
+# Nodes and weights of Gauss quadrature from 0 to 1, for an analytic integrand.
 _NODES, _WEIGHTS = (0.5 * each for each in np.polynomial.legendre.leggauss(96))
 
 
@@ -33,12 +33,12 @@ def circular_period(
     shaft_stiffness: float = 0.0,
     contact_exponent: float = HERTZ_EXPONENT,
 ) -> float:
-    """Return the period of a free whirl on a circle round the bearing axis.
+    """Compute the period of a free circular whirl about the bearing axis.
 
     Parameters
     ----------
     amplitude, delta0 : float
-        Radius A of the circle, and clearance, which is less [1].
+        Radius A of the circle, and clearance, which must be smaller [1].
     shaft_stiffness, contact_exponent : float
         As of `Rotor` [1].
 
@@ -86,12 +86,12 @@ def planar_period(
     shaft_stiffness: float = 0.0,
     contact_exponent: float = HERTZ_EXPONENT,
 ) -> float:
-    """Return the period of free vibration on a straight line through the bearing axis.
+    """Compute the period of free vibration on a straight line through the bearing axis.
 
     Parameters
     ----------
     amplitude, delta0 : float
-        Largest distance A from the axis, and clearance, which is less [1].
+        Largest distance A from the axis, and clearance, which must be smaller [1].
     shaft_stiffness, contact_exponent : float
         As of `Rotor` [1].
 
@@ -107,15 +107,15 @@ def planar_period(
 
     Notes
     -----
-    A quarter of it is the time to leave the contact,
+    A quarter of the period consists of the time to leave the contact,
     ``(1/sqrt 5) B(2/5, 1/2) (A - delta0)**(-1/4)``, and the flight across `delta0` at the
     speed ``sqrt(4/5) (A - delta0)**(5/4)`` of `centre_speed`.
 
     With another exponent n and h = A - delta0 the time to leave the contact is
     ``B(1/(n + 1), 1/2) h**((1 - n)/2)/sqrt(2 (n + 1))``. With a shaft the flight takes
-    ``arctan(sqrt(kappa) delta0/v)/sqrt(kappa)``, v the speed at the ring; a linear contact is left
-    after ``arctan2(v/sqrt(1 + kappa), kappa delta0/(1 + kappa))/sqrt(1 + kappa)``, a Hertz contact
-    after an integral over the energy, which has no closed form and is computed to rounding.
+    ``arctan(sqrt(kappa) delta0/v)/sqrt(kappa)`` with the speed v at the stator. A linear contact is
+    left after ``arctan2(v/sqrt(1 + kappa), kappa delta0/(1 + kappa))/sqrt(1 + kappa)``. For a Hertz
+    contact this time is an integral over the energy without closed form, computed to rounding.
 
     References
     ----------
@@ -144,12 +144,12 @@ def centre_speed(
     shaft_stiffness: float = 0.0,
     contact_exponent: float = HERTZ_EXPONENT,
 ) -> float:
-    """Return the speed with which a planar vibration crosses the bearing axis.
+    """Compute the speed at which a planar vibration crosses the bearing axis.
 
     Parameters
     ----------
     amplitude, delta0 : float
-        Largest distance A from the axis, and clearance, which is less [1].
+        Largest distance A from the axis, and clearance, which must be smaller [1].
     shaft_stiffness, contact_exponent : float
         As of `Rotor` [1].
 
@@ -192,7 +192,7 @@ def amplitude_from_speed(
     shaft_stiffness: float = 0.0,
     contact_exponent: float = HERTZ_EXPONENT,
 ) -> float:
-    """Return how far a rotor comes that leaves the bearing axis with some speed.
+    """Compute the amplitude of a rotor that leaves the bearing axis with a given speed.
 
     Parameters
     ----------
@@ -205,13 +205,13 @@ def amplitude_from_speed(
     -------
     float
         Amplitude ``delta0 + (1.25 speed**2)**0.4`` [1]; with a shaft or another exponent that of
-        `centre_speed`, and ``speed/sqrt(kappa)`` where a shaft holds the rotor off the ring.
+        `centre_speed`, and ``speed/sqrt(kappa)`` if a shaft keeps the rotor off the stator.
 
     Raises
     ------
     InputError
-        If a value is not finite or `delta0` or the stiffness is negative, or `speed` is zero and
-        so the rotor never reaches the ring; if the exponent is neither 1.5 nor 1.
+        If a value is not finite, `delta0` or the stiffness is negative, `speed` is zero, or the
+        exponent is neither 1.5 nor 1.
 
     References
     ----------
@@ -224,7 +224,7 @@ def amplitude_from_speed(
     """
     leaving = check_nonnegative("speed", abs(check_real("speed", speed)), LARGEST_NUMBER)
     if leaving == 0.0:
-        raise InputError("speed must not be zero, got 0.0: the rotor would stay where it is")
+        raise InputError("speed must not be zero, got 0.0: the rotor would not move")
     law = RestoringLaw.checked(
         {
             "delta0": delta0,
@@ -242,7 +242,7 @@ def free_periods(
     shaft_stiffness: float = 0.0,
     contact_exponent: float = HERTZ_EXPONENT,
 ) -> xr.Dataset:
-    """Return the periods of free whirl on a circle and of free vibration on a line.
+    """Compute the periods of free circular whirl and of free vibration on a line.
 
     Parameters
     ----------
@@ -254,8 +254,8 @@ def free_periods(
     Returns
     -------
     Dataset
-        ``circular_period`` and ``planar_period`` [1] on (delta0, amplitude); NaN where the
-        rotor does not reach the ring.
+        ``circular_period`` and ``planar_period`` [1] on (delta0, amplitude); NaN if the rotor does
+        not reach the stator.
 
     Raises
     ------
@@ -265,9 +265,9 @@ def free_periods(
 
     Notes
     -----
-    Without clearance both fall like ``A**(-1/4)``: the ring hardens. With clearance the flight
-    takes ever longer as the amplitude comes down to it, and the periods grow without bound; a
-    shaft of stiffness kappa bounds them by ``2 pi/sqrt(kappa)``.
+    Without clearance both fall like ``A**(-1/4)``: the contact hardens. With clearance the periods
+    grow without bound as the amplitude approaches it, as the flight takes ever longer. A shaft of
+    stiffness kappa bounds them by ``2 pi/sqrt(kappa)``.
 
     References
     ----------
@@ -318,13 +318,13 @@ def _depth(amplitude: float, law: RestoringLaw) -> float:
 
 
 def _push(depth: float, law: RestoringLaw) -> float:
-    """Return the speed to which the contact alone brings the rotor, ``sqrt(2 V)``."""
+    """Return the speed gained from the contact alone, ``sqrt(2 V)``."""
     power = law.contact_exponent + 1.0
     return math.sqrt(2.0 / power) * math.pow(depth, 0.5 * power)
 
 
 def _flight_time(depth: float, law: RestoringLaw) -> float:
-    """Return the time from the ring to the axis."""
+    """Return the time from the stator to the axis."""
     frequency, clearance = math.sqrt(law.shaft_stiffness), law.delta0
     by_shaft = frequency * math.sqrt(depth) * math.sqrt(2.0 * clearance + depth)
     speed = math.hypot(by_shaft, _push(depth, law))
@@ -334,7 +334,7 @@ def _flight_time(depth: float, law: RestoringLaw) -> float:
 
 
 def _leaving_time(depth: float, law: RestoringLaw) -> float:
-    """Return the time from rest at the largest indentation to the ring."""
+    """Return the time from rest at the largest indentation to the end of contact."""
     kappa, clearance, power = law.shaft_stiffness, law.delta0, law.contact_exponent + 1.0
     if kappa == 0.0:
         factor = float(beta(1.0 / power, 0.5)) / math.sqrt(2.0 * power)

@@ -1,7 +1,7 @@
-"""Hopf points: where a synchronous whirl in contact begins to oscillate, exactly and all of them.
+"""All Hopf points, at which a synchronous whirl in contact begins to oscillate, exactly.
 
-Contact damping acts along the radius alone, and where the whirl is faster than what springs back
-can hold, it drives the motion; so does friction. What is solved stands in `curve_polynomials`.
+Contact damping acts only along the radius. Where the whirl is faster than its stiffness allows,
+contact damping drives the motion; so does friction. `curve_polynomials` contains the equations.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def hopf_points(
     contact_damping: object = 0.0,
     friction: object = 0.0,
 ) -> xr.Dataset:
-    """Return every Hopf point of the contacting whirls.
+    """Compute all Hopf points of the contacting whirls.
 
     Parameters
     ----------
@@ -41,24 +41,23 @@ def hopf_points(
     Dataset
         ``hopf_omega`` and ``hopf_amplitude``, the speed and the amplitude of the whirl, and
         ``hopf_frequency``, at which it begins to oscillate on the rotating axes [1], on the
-        dimensions (zeta, delta0, hopf), in order of speed; NaN where there are fewer than the
-        dimension is long. Each of the last four parameters that is given as a sequence is a
-        dimension before ``hopf``, as a number that is not the default a coordinate.
+        dimensions (zeta, delta0, hopf), in order of speed, padded with NaN. Of the last four
+        parameters, a sequence becomes a dimension before ``hopf``, and a number other than the
+        default becomes a coordinate.
 
     Raises
     ------
     InputError
-        If a value is not a finite real number that is zero or positive, or is above 1e6, or is
-        above zero and below 1e-20; if an exponent is neither 1.5 nor 1; if there is contact damping
-        or friction without clearance.
+        If a value is not a finite real number that is 0 or from 1e-20 to 1e6; if an exponent is
+        neither 1.5 nor 1; if there is contact damping or friction without clearance.
 
     Notes
     -----
-    There a pair of `eigenvalues` crosses the imaginary axis, and a limit cycle in full contact is
-    born with the period ``2 pi/hopf_frequency``, stable or not: `limit_cycle` and `continue_cycle`
-    tell. Friction brings some as well. With neither it nor contact damping there is
-    none, nor without any damping. They are the roots of a polynomial, isolated in exact arithmetic:
-    all are found but for pairs that nearly coincide.
+    At a Hopf point a pair of `eigenvalues` crosses the imaginary axis. A limit cycle in full
+    contact is born with the period ``2 pi/hopf_frequency``; `limit_cycle` and `continue_cycle` show
+    whether it is stable. Hopf points occur only with contact damping or friction, and never
+    without any damping. They are the roots of a polynomial, isolated in exact arithmetic: all are
+    found except pairs that nearly coincide.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""A radial impact on the ring with contact damping, solved exactly: what the ring gives back."""
+"""Exact restitution and indentation of a radial impact with contact damping."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points
 from rotor_ida.closed_forms.rotor_columns import checked_rotors
 from rotor_ida.schema import labelled_dataset
 
-# Powers of smaller ones leave the range of doubles.
+# Powers of smaller values leave the range of doubles.
 SMALLEST = 1e-100
-# From here on the bound of `restitution` is the root, to rounding.
+# Above this the bound of `restitution` is the root, to rounding.
 _FAST = 30.0
 _TERMS = 20
 
@@ -20,12 +20,12 @@ _TERMS = 20
 def impact(
     *, entry_speed: object, contact_damping: object, contact_exponent: object = 1.5
 ) -> xr.Dataset:
-    """Return what a radial impact on the ring gives back, and how deep it goes.
+    """Compute the restitution and the peak indentation of a radial impact on the stator.
 
     Parameters
     ----------
     entry_speed : float or sequence of float, shape (n,)
-        Speeds v at which the rotor reaches the ring, straight outwards [1].
+        Speeds v at which the rotor reaches the stator, radially outwards [1].
     contact_damping : float or sequence of float, shape (m,)
         Contact damping c of `Rotor` [1].
     contact_exponent : float or sequence of float
@@ -35,14 +35,14 @@ def impact(
     -------
     Dataset
         On (entry_speed, contact_damping): ``restitution``, the speed at exit over that at entry,
-        and ``peak_indentation`` [1]. An exponent that is given as a sequence is a dimension behind
-        them; as a number that is not the default it is a coordinate.
+        and ``peak_indentation`` [1]. A sequence of exponents becomes a dimension after these; a
+        number other than the default becomes a coordinate.
 
     Raises
     ------
     InputError
-        If a value is not a finite real number that is zero or positive, is above 1e15, or above
-        zero and below 1e-100; if an exponent is neither 1.5 nor 1.
+        If a value is not a finite real number that is 0 or from 1e-100 to 1e15; if an exponent is
+        neither 1.5 nor 1.
 
     Notes
     -----
@@ -53,7 +53,7 @@ def impact(
 
         ``phi(x) = phi(-e x)``, that is ``x (1 + e) = ln((1 + x)/(1 - e x))``,
 
-    whatever the exponent, and the largest indentation is
+    for any exponent, and the largest indentation is
     ``((n + 1) phi(x)/c**2)**(1/(n + 1))``: for c = 0 ``((n + 1) v**2/2)**(1/(n + 1))``.
     For small x, ``e = 1 - 2 x/3``. The force stays positive to the end, as ``e x < 1``.
 
@@ -84,7 +84,7 @@ def impact(
     dims = ("entry_speed", "contact_damping", *contacts.dims)
     shape = (speeds.size, dampings.size, *contacts.sizes)
     return labelled_dataset(
-        "Radial impacts on a ring with contact damping",
+        "Radial impacts on a stator with contact damping",
         {
             "restitution": (dims, restitution(x).reshape(shape)),
             "peak_indentation": (dims, indentation.reshape(shape)),
@@ -101,8 +101,8 @@ def impact(
 def restitution(x: Values) -> Values:
     """Return the coefficient of restitution e at contact damping times speed: see `impact`.
 
-    It is sought by Newton's method in ``e**2 g(-e x) = g(x)`` with ``g(x) = phi(x)/x**2``, which
-    is convex in e, from a bound above the root: ``phi(-y) > y**2/2`` and
+    Newton's method solves ``e**2 g(-e x) = g(x)`` with ``g(x) = phi(x)/x**2``, which is convex in
+    e. It begins at a bound above the root, from ``phi(-y) > y**2/2`` and
     ``phi(-y) > -1 - ln(1 - y)``.
 
     Examples

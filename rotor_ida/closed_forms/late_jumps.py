@@ -1,14 +1,14 @@
-"""Late jumps: how far a run-up or run-down gets beyond a fold before the rotor has left the whirl.
+"""Late jumps: how far a run-up or run-down passes a fold before the rotor leaves the whirl.
 
-Beside a fold all motion on the rotating axes but one direction decays fast. Along that direction
-the amplitude ``A = A_fold + x`` obeys [1]_
+Near a fold all motion on the rotating axes decays fast, except in one direction. Along it the
+amplitude ``A = A_fold + x`` obeys [1]_
 
     x' = alpha (omega - omega_fold) + b x**2 + e (omega - omega_fold) x + c x**3 + ...
 
-whose coefficients are known exactly. What stands on the right has the small eigenvalue of the whirl
-for its slope, ``-D/a1 - a2 D**2/a1**3 - ...`` with the determinant D and the coefficients of the
-polynomial of the eigenvalues, ``L**4 + a3 L**3 + a2 L**2 + a1 L + D``, and vanishes where the
-response curve ``P(A, omega) = 0`` does, of which ``dP/dA = 2 A D``. So
+whose coefficients are known exactly. The slope of the right-hand side is the small eigenvalue of
+the whirl, ``-D/a1 - a2 D**2/a1**3 - ...``, where D is the determinant and
+``L**4 + a3 L**3 + a2 L**2 + a1 L + D`` is the characteristic polynomial. The right-hand side
+vanishes on the response curve ``P(A, omega) = 0``, which has ``dP/dA = 2 A D``. So
 
     b = -(dD/dA)/(2 a1),    alpha = -(dP/domega)/(2 A a1),
 
@@ -54,24 +54,23 @@ def late_jumps(
     contact_damping: object = 0.0,
     friction: object = 0.0,
 ) -> xr.Dataset:
-    """Return at which speed a slow run-up or run-down jumps, beyond each fold.
+    """Compute the speed at which a slow run-up or run-down jumps, beyond each fold.
 
     Parameters
     ----------
     rate : float or sequence of float
-        Change of the speed in a unit of time [1], without its sign: which way leads over a fold is
-        known.
+        Absolute rate of change of the speed [1]; the direction follows from the fold.
     zeta, delta0, shaft_stiffness, contact_exponent, contact_damping, friction
         As for `folds`.
 
     Returns
     -------
     Dataset
-        What `folds` returns, and on the same dimensions ``fold_drift``, ``fold_curvature`` and
+        The variables of `folds`, and on the same dimensions ``fold_drift``, ``fold_curvature`` and
         ``fold_remainder``, the coefficients alpha, b and K of the Notes [1], and ``fold_passage``,
-        the way that leads over the fold (a flag: up, down, or none where no stable whirl leads to
-        it); on ``rate`` as well, if that is a sequence, ``jump_omega``, the speed of the jump by
-        the law [1], NaN where that is none above zero.
+        the direction of speed that passes the fold (a flag: up, down, or none if no stable whirl
+        leads to it). Also ``jump_omega``, the predicted speed of the jump [1], on ``rate`` too if
+        that is a sequence; NaN if it is not above zero.
 
     Raises
     ------
@@ -82,8 +81,9 @@ def late_jumps(
     -----
     With ``A' = alpha (omega - omega_fold) + b (A - A_fold)**2`` the speed of the jump lies beyond
     that of the fold by ``2.33811 rate**(2/3)/|alpha b|**(1/3)``, where -2.33811 is the first root
-    of Airy's function. That is the limit of a slow rate: what is left is
-    ``rate (K ln(1/rate) + C)``, where ``K = -c/(3 b**2)`` and C hangs on where one calls it a jump.
+    of Airy's function. This is the limit of a slow rate. The remainder is
+    ``rate (K ln(1/rate) + C)``, where ``K = -c/(3 b**2)`` and C depends on the definition of a
+    jump.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Every synchronous whirl that touches a ring which springs back linearly.
+"""All synchronous whirls in a linear contact.
 
 With the exponent 1, ``q = omega**2``, a shaft of stiffness kappa, ``k = 1 + kappa - q`` and
 ``G = k**2 + 4 zeta**2 q`` a contacting whirl is a root A > delta0 of the quadratic
@@ -9,8 +9,8 @@ With the exponent 1, ``q = omega**2``, a shaft of stiffness kappa, ``k = 1 + kap
 where D is the determinant that decides stability. The roots are
 ``(k delta0 +- sqrt(S))/G`` with ``S = q**2 G - 4 zeta**2 q delta0**2``.
 
-With friction, turned as in `contacting_whirls`, and ``m = 1 + mu**2``, delta0 is ``m delta0``, q**2
-is ``m q**2`` and ``4 zeta**2 q`` is ``(2 zeta omega + mu (q - kappa))**2`` here, with
+With friction, rotated as in `contacting_whirls`, and ``m = 1 + mu**2``, replace delta0 by
+``m delta0``, q**2 by ``m q**2`` and ``4 zeta**2 q`` by ``(2 zeta omega + mu (q - kappa))**2``, with
 ``k = m - (q - kappa) + 2 mu zeta omega`` and ``dP/dA = 2 m A D``.
 """
 
@@ -24,12 +24,12 @@ from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls, turned_by
 from rotor_ida.closed_forms.double_double import DoubleDouble
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 
-_COLUMNS = 5  # as many as with a Hertz contact, beside which these stand
+_COLUMNS = 5  # as many as with a Hertz contact, to share its tables
 _LARGEST = 1e100  # squares of larger amplitudes leave the range of doubles
 
 
 def linear_whirls(rotors: RotorColumns) -> ContactingWhirls:
-    """Return all whirls in contact of rotors with ``omega > 0`` and the exponent 1.
+    """Compute all whirls in contact of rotors with ``omega > 0`` and the exponent 1.
 
     Parameters
     ----------
@@ -43,9 +43,9 @@ def linear_whirls(rotors: RotorColumns) -> ContactingWhirls:
 
     Notes
     -----
-    There is one where the contact-free whirl does not fit into the clearance, ``P(delta0) < 0``;
-    otherwise two or none: two where ``S > 0`` and ``k > G``. In resonance without damping
-    (G = 0) there is none, and beside it none with an amplitude above 1e100.
+    There is one if the contact-free whirl does not fit into the clearance, ``P(delta0) < 0``.
+    Otherwise there are two if ``S > 0`` and ``k > G``, else none. In resonance without damping
+    (G = 0) there is none, and near it none with an amplitude above 1e100.
 
     Examples
     --------

@@ -32,7 +32,7 @@ def backbone(
     shaft_stiffness: float = 0.0,
     contact_exponent: float = HERTZ_EXPONENT,
 ) -> Values:
-    """Return the speed on the backbone: that of a free circular whirl.
+    """Compute the backbone: the speed of a free circular whirl at each amplitude.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def speeds_at_amplitude(
     contact_exponent: float = HERTZ_EXPONENT,
     friction: float = 0.0,
 ) -> Values:
-    """Return the two speeds at which a contacting whirl has a given amplitude.
+    """Compute the two speeds at which a contacting whirl has a given amplitude.
 
     Parameters
     ----------
@@ -100,8 +100,8 @@ def speeds_at_amplitude(
     Returns
     -------
     ndarray, shape (n, 2)
-        The slower and the faster speed [1]: the flank below resonance and the one above; NaN
-        where the curve has no such point, and inside the clearance.
+        The slower and the faster speed [1], on the flanks below and above resonance; NaN where the
+        curve has no such point, and inside the clearance.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def speeds_at_amplitude(
     With ``q = omega**2`` and ``s = kappa + f(A)/A`` the curve is the quadratic
     ``(A**2 - 1) q**2 + A**2 (4 zeta**2 - 2 s) q + A**2 s**2 = 0``. Unlike the curve at given
     speeds it needs no search, and it has full resolution near the tip, whose amplitude is
-    `peak_amplitude`. Below A = 1 only the flank below resonance is left. With friction mu it is a
+    `peak_amplitude`. Below A = 1 there is only the flank below resonance. With friction mu it is a
     quartic in omega, with ``4 mu zeta A f(A) omega + (mu f(A))**2`` added: see `curve_polynomials`.
 
     References
@@ -186,21 +186,21 @@ def peak_amplitude(
     contact_exponent: float = HERTZ_EXPONENT,
     friction: float = 0.0,
 ) -> float:
-    """Return the largest amplitude on the response curve of contacting whirls.
+    """Compute the largest amplitude on the response curve of contacting whirls.
 
     Parameters
     ----------
     zeta, delta0 : float
-        Damping ratio, above zero, since without damping and friction the curve has no tip, and
-        clearance [1].
+        Damping ratio and clearance [1]. Without friction zeta must be above zero, as the undamped
+        curve has no tip.
     shaft_stiffness, contact_exponent, friction : float
         As of `Rotor` [1].
 
     Returns
     -------
     float
-        Amplitude of the tip [1]; NaN where the damping is so strong that the amplitude stays
-        below 1 and only approaches it at high speed.
+        Amplitude of the tip [1]; NaN if the damping is so strong that the amplitude stays below 1
+        and only approaches it at high speed.
 
     Raises
     ------
@@ -210,12 +210,12 @@ def peak_amplitude(
 
     Notes
     -----
-    At the tip the two speeds of `speeds_at_amplitude` are one, which is where
+    At the tip the two speeds of `speeds_at_amplitude` coincide:
     ``h(A) = (A - delta0)**1.5 / (A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``. Beyond the last
     maximum of h, a root of ``3 A**4 - (12 delta0**2 - 1) A**2 - 8 delta0 A + 16 delta0**2``,
-    h falls for ever. With friction the discriminant of a quartic vanishes: see
-    `curve_polynomials`. Friction bounds the amplitude without damping too, by
-    ``sqrt(1 + 1/mu**2)`` without a shaft.
+    h falls monotonically. With friction the discriminant of a quartic vanishes: see
+    `curve_polynomials`. Friction bounds the amplitude even without damping; without a shaft the
+    bound is ``sqrt(1 + 1/mu**2)``.
 
     References
     ----------
@@ -244,11 +244,11 @@ def peak_amplitude(
 
 
 def tips(zeta: float, law: RestoringLaw) -> list[Tip]:
-    """Return where the flanks meet, above amplitude 1, in order of amplitude.
+    """Return the tips, where the flanks meet above amplitude 1, in order of amplitude.
 
     Without friction ``g/(A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2`` there, where g is the force of
-    contact and shaft. Between two neighbouring extrema of the left-hand side,
-    ``(A g' - 2 g) sqrt(A**2 - 1) = A g``, is at most one tip, of the speed
+    contact and shaft. Between two neighbouring extrema of the left-hand side, at
+    ``(A g' - 2 g) sqrt(A**2 - 1) = A g``, there is at most one tip, at the speed given by
     ``omega**2 = A**2 (g/A - 2 zeta**2)/(A**2 - 1)``. Without damping there is none.
     """
     if law.friction > 0.0:
@@ -276,12 +276,12 @@ def tips(zeta: float, law: RestoringLaw) -> list[Tip]:
         if (excess(low) >= 0.0) != (excess(high) >= 0.0):
             u = float(brentq(excess, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
             A, g, above = terms(u)
-            if A > 1.0:  # at 1 itself they meet at no speed
+            if A > 1.0:  # at A = 1 they meet at no finite speed
                 found.append(Tip(A, math.sqrt(A * (g - least * A) / above)))
     return found
 
 
-# Studies ask for the tips of one law at many dampings.
+# Cached: studies need the tips of one law at many dampings.
 @lru_cache(maxsize=1024)
 def _extrema_between_flanks(law: RestoringLaw) -> Values:
     """Return where ``(A g' - 2 g) sqrt(A**2 - 1) = +- A g``, in u, ascending."""
@@ -299,7 +299,7 @@ def peaks(
     contact_exponent: npt.ArrayLike = HERTZ_EXPONENT,
     friction: npt.ArrayLike = 0.0,
 ) -> xr.Dataset:
-    """Return the largest contacting whirl for each damping and clearance.
+    """Compute the largest contacting whirl for each damping and clearance.
 
     Parameters
     ----------
@@ -311,8 +311,8 @@ def peaks(
     Returns
     -------
     Dataset
-        On (zeta, delta0) and those of the others that are a sequence: ``peak_amplitude``,
-        ``peak_omega`` and ``peak_contact_force`` [1]; NaN where the damping leaves no peak.
+        On (zeta, delta0) and any others that are sequences: ``peak_amplitude``, ``peak_omega`` and
+        ``peak_contact_force`` [1]; NaN if the damping allows no peak.
 
     Raises
     ------
@@ -325,7 +325,7 @@ def peaks(
     -----
     At the tip the quadratic of `speeds_at_amplitude` has one root,
     ``omega**2 = A**2 (s - 2 zeta**2)/(A**2 - 1)`` with ``s = kappa + f(A)/A``. Contact damping
-    does not change it; of friction, see `peak_amplitude`.
+    does not change it; for friction see `peak_amplitude`.
 
     References
     ----------

@@ -1,13 +1,13 @@
-"""Motion inside the clearance while the speed changes at a constant rate: error functions.
+"""Motion inside the clearance while the speed changes at a constant rate, by error functions.
 
 With ``E = exp(i theta)`` and ``theta = omega t + rate t**2/2`` the centre of mass ``w = z + E``
-obeys ``w'' + 2 zeta w' + kappa w = 2 zeta E' + kappa E``. Both roots L of
-``L**2 + 2 zeta L + kappa`` draw in the unbalance by
+obeys ``w'' + 2 zeta w' + kappa w = 2 zeta E' + kappa E``. For both roots L of
+``L**2 + 2 zeta L + kappa`` the unbalance enters by
 
     I = integral of exp(L (t - s) + i theta(s)) over s from 0 to t,
 
-the exponential of a quadratic, which is an error function of complex argument. By Faddeeva's
-function ``w(x) = exp(-x**2) erfc(-i x)`` it neither cancels nor overflows.
+an integral of the exponential of a quadratic, hence an error function of complex argument.
+Faddeeva's function ``w(x) = exp(-x**2) erfc(-i x)`` avoids cancellation and overflow.
 """
 
 from __future__ import annotations
@@ -33,26 +33,26 @@ from rotor_ida.model.rotor import Rotor
 
 _LARGEST_PHASE = 1e12
 SMALLEST_RATE = 1e-12
-# Nearer to critical damping the two roots are one, and their difference is rounding.
+# Nearer to critical damping the two roots coincide to rounding.
 _APART = 1e-3
 
 
 def ramp_flight(
     time: npt.ArrayLike, *, rotor: Rotor, start: object = AT_REST, rate: float
 ) -> Values:
-    """Return the motion inside the clearance on a ramp of the speed, as if there were no ring.
+    """Compute the motion inside the clearance on a ramp of the speed, ignoring the stator.
 
     Parameters
     ----------
     time : array_like, shape (...)
         Times [1], none below 0.
     rotor : Rotor
-        The rotor, without a load; its ``omega`` is the speed at time 0, where the unbalance points
+        The rotor, without a load. Its ``omega`` is the speed at time 0, when the unbalance points
         along x. The clearance is not used.
     start : tuple of four floats
         ``(x, y, vx, vy)`` at time 0 [1]; by default at rest on the axis.
     rate : float
-        Change of the speed in a unit of time [1], negative in a run-down.
+        Rate of change of the speed [1], negative in a run-down.
 
     Returns
     -------
@@ -101,7 +101,7 @@ def ramp_flight(
     theta = (rotor.omega + 0.5 * slope * times) * times
     speed, turned = rotor.omega + slope * times, np.exp(1j * theta)
     begin, moving = complex(x, y) + 1.0, complex(vx, vy) + 1j * rotor.omega
-    if a == b:  # neither damping nor shaft: the centre of mass goes straight on
+    if a == b:  # neither damping nor shaft: the centre of mass moves on a straight line
         centre, rising = begin + moving * times, moving + 0.0 * times
     else:
         drawn_a, drawn_b = (_drawn_in(each, times, theta, rotor.omega, slope) for each in (a, b))
@@ -136,10 +136,10 @@ def _drawn_in(
 ) -> ComplexValues:
     """Return I of a root at times.
 
-    With ``p = i rate/2``, ``q = i omega - L`` and ``k = sqrt(-p)`` it is
-    ``sqrt(pi)/(2 k) (exp(L t) w(i k c) - exp(i theta) w(i k (t + c)))``, ``c = q/(2 p)``, for
-    either sign of k: the one with which w does not overflow at t. Where it would at 0, that is at
-    the other side of the resonance, ``w(x) = 2 exp(-x**2) - w(-x)``.
+    With ``p = i rate/2``, ``q = i omega - L``, ``k = sqrt(-p)`` and ``c = q/(2 p)`` it is
+    ``sqrt(pi)/(2 k) (exp(L t) w(i k c) - exp(i theta) w(i k (t + c)))`` for either sign of k. The
+    sign is chosen so that w does not overflow at t. If it would at 0, on the other side of the
+    resonance, ``w(x) = 2 exp(-x**2) - w(-x)`` is used.
     """
     p, q = 0.5j * rate, 1j * omega - root
     k, c = np.sqrt(-p), 0.5 * q / p

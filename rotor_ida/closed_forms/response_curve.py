@@ -34,7 +34,7 @@ from rotor_ida.closed_forms.peaks import speeds_of_stiffness, tips
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, checked_rotors
 from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED, whirls_in_contact
 
-# Speeds between which a contact-free whirl fits into the clearance.
+# Range of speeds in which a contact-free whirl fits into the clearance.
 _Span = tuple[float, float]
 
 
@@ -49,7 +49,7 @@ def response_curve(
     contact_damping: object = 0.0,
     friction: object = 0.0,
 ) -> xr.Dataset:
-    """Return every synchronous whirl over the spin speed, in order along the curve.
+    """Compute the response curve over the speed: all synchronous whirls, in order along it.
 
     Parameters
     ----------
@@ -58,45 +58,44 @@ def response_curve(
     limits : tuple of two floats
         Lowest and highest speed [1].
     points : int
-        Number of points between one fold, tip, first touch or limit and the next.
+        Number of points from one fold, tip, first touch or limit to the next.
     shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
         As for `folds`, numbers or axes [1].
 
     Returns
     -------
     Dataset
-        On (zeta, delta0, point), with further dimensions as `folds` has them before ``point``:
-        ``omega``, ``amplitude`` [1], ``phase_lag`` [rad],
-        ``stability`` and ``in_contact`` (flags), and ``piece``, the number of the connected
-        piece: first the contact-free whirl, then those in contact. An isola ends with the point
-        that it begins with. A curve with fewer points than another ends in NaN, the flag
-        ``absent`` and piece -1.
+        On (zeta, delta0, point), with other dimensions as for `folds` before ``point``: ``omega``,
+        ``amplitude`` [1], ``phase_lag`` [rad], ``stability`` and ``in_contact`` (flags), and
+        ``piece``, the number of the connected piece: first the contact-free whirl, then those in
+        contact. The first and the last point of an isola are the same. Shorter curves are padded
+        with NaN, the flag ``absent`` and piece -1.
 
     Raises
     ------
     InputError
-        If `limits` are not two speeds, the lower one first and the higher one at most 1e15, or
-        a value is none that `folds` takes, or `zeta` is 0 in a linear contact without friction.
+        If `limits` are not two speeds, the lower one first and the higher one at most 1e15; if
+        `folds` does not accept a value; or if `zeta` is 0 in a linear contact without friction.
 
     Notes
     -----
     With ``q = omega**2`` and ``s = f(A)/A`` the amplitude equation is a quadratic in q at given
     A (see `speeds_at_amplitude`). The flanks meet at the tips, where
     ``h(A) = (A - delta0)**1.5 / (A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``; without damping they
-    never do. From the implicit derivative of P (see `contacting_whirls`), ``dP/dA = 2 A D`` and
-    ``dP/dq = -q (1 + cos(theta)**2 + 2 A cos(theta))``: the last factor is positive on the slower
-    flank and negative on the faster, so there a whirl is stable where the speed rises with A,
-    here where it falls, and stability changes at folds alone. A fold has the stability of what
-    comes before it on the curve. Without damping the flanks of ``delta0 >= 1`` meet at rest; they
-    count as two pieces.
+    never do. The derivatives of P (see `contacting_whirls`) are ``dP/dA = 2 A D`` and
+    ``dP/dq = -q (1 + cos(theta)**2 + 2 A cos(theta))``. The last factor is positive on the slower
+    flank and negative on the faster. So a whirl on the slower flank is stable where the speed rises
+    with A, on the faster where it falls, and stability changes only at folds. A fold has the
+    stability of the preceding part of the curve. Without damping the flanks of ``delta0 >= 1`` meet
+    at rest; they count as two pieces.
 
-    A shaft adds its stiffness kappa to s. The contact-free whirl then has a resonance of its own,
-    and for ``delta0 > 1`` two pieces where that reaches the ring: see `touch_speeds`. Contact
-    damping may make a whirl unstable away from folds, which is told point by point.
+    A shaft adds its stiffness kappa to s. The contact-free whirl then has a separate resonance, and
+    for ``delta0 > 1`` two pieces if that reaches the stator: see `touch_speeds`. Contact damping
+    may make a whirl unstable away from folds, which is decided point by point.
 
-    So may friction, with which the speeds at given A are the positive roots of a quartic in omega,
-    two at most as well: see `curve_polynomials`. A whirl is on the slower flank where
-    ``omega (1 + A cos(theta)) > zeta A sin(theta)``. Without damping the flanks meet too then.
+    So may friction. The speeds at given A are then the positive roots of a quartic in omega, also
+    at most two: see `curve_polynomials`. A whirl is on the slower flank if
+    ``omega (1 + A cos(theta)) > zeta A sin(theta)``. The flanks then meet even without damping.
 
     References
     ----------
@@ -137,7 +136,7 @@ def response_curve(
 
 
 def _contact_free_pieces(equations: CurveEquations, limits: _Span, points: int) -> list[Piece]:
-    """Return the contact-free whirl over the speeds at which it fits into the clearance."""
+    """Return the contact-free whirl at the speeds at which it fits into the clearance."""
     first, second = _touch_speeds(equations)
     spans = [
         (max(limits[0], low), min(limits[1], high))
@@ -156,7 +155,7 @@ def _touch_speeds(equations: CurveEquations) -> list[float]:
 
 
 def _contact_free_piece(equations: CurveEquations, ends: _Span, points: int) -> Piece:
-    """Return the contact-free whirl between two speeds, monotone on either side of its largest."""
+    """Return the contact-free whirl between two speeds, monotone on either side of its peak."""
     zeta, kappa = equations.zeta, equations.law.shaft_stiffness
 
     def amplitude(omega: Values) -> Values:
@@ -178,7 +177,7 @@ def _contact_free_piece(equations: CurveEquations, ends: _Span, points: int) -> 
 def _contacting_pieces(
     equations: CurveEquations, turns: Values, limits: _Span, points: int
 ) -> list[Piece]:
-    """Return the whirls in contact; `turns` has speed and amplitude of the folds."""
+    """Return the whirls in contact; `turns` contains speed and amplitude of the folds."""
     zeta, law = equations.zeta, equations.law
 
     def speed(flank: int, A: Values) -> Values:

@@ -1,4 +1,4 @@
-"""Where a rotor that does not turn rests under its load, and how it vibrates there."""
+"""Position of rest of a rotor at zero speed under its load, and vibration about it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
 
 def rest(rotor: Rotor) -> xr.Dataset:
-    """Return where the rotor rests under its load while it does not turn.
+    """Compute the position of rest of a rotor at zero speed under its load, and its stability.
 
     Parameters
     ----------
@@ -25,24 +25,24 @@ def rest(rotor: Rotor) -> xr.Dataset:
     Returns
     -------
     Dataset
-        ``x`` and ``y`` of the place of rest and the ``indentation`` there [1], its ``stability``
+        ``x`` and ``y`` of the position of rest and the ``indentation`` there [1], its ``stability``
         (flags), the undamped circular frequencies ``radial_frequency`` and
-        ``tangential_frequency`` of small vibration [1] and the ``growth_rate``, the largest real
+        ``tangential_frequency`` of small vibration [1], and the ``growth_rate``, the largest real
         part of the eigenvalues [1].
 
     Raises
     ------
     InputError
-        If `rotor` is no `Rotor`, or a parameter is above 1e15.
+        If `rotor` is not a `Rotor`, or a parameter is above 1e15.
 
     Notes
     -----
     With a shaft the rotor hangs at ``z = -i gamma/kappa`` if that is inside the clearance, else
-    at ``z = -i r`` with ``kappa r + (r - delta0)**n = gamma``; without one it lies on the ring at
-    the depth ``gamma**(1/n)``. Along the radius the stiffness is ``kappa + f'(r)`` and the damping
-    ``2 zeta + c f(r)``, across it ``kappa + f(r)/r`` and ``2 zeta``. Without load and shaft it
-    rests wherever it is put inside the clearance, and is told to be at the centre: neutral. So
-    is every place without damping.
+    at ``z = -i r`` with ``kappa r + (r - delta0)**n = gamma``. Without a shaft it lies on the
+    stator at the depth ``gamma**(1/n)``. Along the radius the stiffness is ``kappa + f'(r)`` and
+    the damping ``2 zeta + c f(r)``, across it ``kappa + f(r)/r`` and ``2 zeta``. Without load and
+    shaft every position inside the clearance is neutral; the centre is reported. Without damping
+    every position of rest is neutral.
 
     References
     ----------
@@ -91,7 +91,7 @@ def rest(rotor: Rotor) -> xr.Dataset:
 
 
 def radius_at_rest(rotor: Rotor) -> float:
-    """Return how far from the bearing axis a rotor that does not turn rests under its load [1]."""
+    """Return the distance from the bearing axis at which a rotor rests under its load [1]."""
     depth = _depth(rotor)
     if depth > 0.0:
         return rotor.delta0 + depth

@@ -20,12 +20,12 @@ def restoring_field(
     shaft_stiffness: float = 0.0,
     contact_exponent: float = HERTZ_EXPONENT,
 ) -> xr.Dataset:
-    """Return restoring force and potential over a grid of places.
+    """Compute restoring force and potential on a grid of positions.
 
     Parameters
     ----------
     x, y : float or sequence of float, shapes (n,) and (m,)
-        Places [1].
+        Positions [1].
     delta0 : float or sequence of float, shape (k,)
         Clearances [1].
     shaft_stiffness, contact_exponent : float
@@ -74,7 +74,7 @@ def restoring_field(
     potential = potential + 0.5 * kappa * radius**2
     dims = ("delta0", "y", "x")
     return labelled_dataset(
-        "Restoring force and potential of a ring with clearance",
+        "Restoring force and potential of a stator with clearance",
         {
             "restoring_x": (dims, secant * across),
             "restoring_y": (dims, secant * up[:, None]),

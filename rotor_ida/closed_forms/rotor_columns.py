@@ -1,4 +1,4 @@
-"""The parameters of many rotors that whirl with the unbalance, as columns: one entry a rotor."""
+"""The parameters of many rotors in synchronous whirl, as columns with one entry per rotor."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from rotor_ida.model.rotors import Rotors, rotors_of
 
 @dataclass(frozen=True, slots=True)
 class RotorColumns:
-    """What the whirls of many rotors depend on [1]; arrays of the same shape.
+    """Parameters of the whirls of many rotors [1]; arrays of the same shape.
 
-    A parameter that is not given is the paper's, and NaN if the paper's rotor has to have it.
+    A parameter that is not given has its default, or NaN if it is required.
     """
 
     omega: Values
@@ -57,7 +57,7 @@ class RotorColumns:
 
     @property
     def laws(self) -> list[RestoringLaw]:
-        """What springs back and rubs on each rotor."""
+        """Stiffness and friction of each rotor."""
         columns = self.delta0, self.shaft_stiffness, self.contact_exponent, self.friction
         return [RestoringLaw(*row) for row in zip(*(c.tolist() for c in columns), strict=True)]
 
@@ -74,7 +74,7 @@ def checked_rotors(given: Mapping[str, object], ranges: Mapping[str, Range]) -> 
     given : mapping of str to array_like
         A number or a vector for each parameter.
     ranges : mapping of str to tuple of two floats
-        Smallest and largest value of some; of the others zero and 1e15.
+        Smallest and largest value of some; for the others zero and 1e15.
 
     Examples
     --------

@@ -1,14 +1,14 @@
-"""Sommerfeld's curve: the torque that a synchronous whirl takes at each speed, and what holds it.
+"""Sommerfeld's curve: the torque of a synchronous whirl at each speed, and its driven stability.
 
-Damping and friction brake the spin of a rotor that whirls with the unbalance, by
+Damping and friction brake the spin of a rotor in synchronous whirl by
 
     torque = 2 zeta omega A**2 + mu f(A) (A + rho).
 
-A drive whose torque falls with the speed, ``tau0 - slope speed``, holds it where both are equal.
-Amplitude and speed are then free to change together: seen on the axes that turn with the
+A drive whose torque falls with the speed, ``tau0 - slope speed``, balances this where both are
+equal. Amplitude and speed are then free to change together. On the axes that rotate with the
 unbalance, whirl and speed are an equilibrium of five equations, four of the motion and one of the
-spin [1]_. It lasts where their five eigenvalues decay. One of them passes through 0 where the
-slope of the curve is minus that of the drive, and there the speed jumps: Sommerfeld's effect [2]_.
+spin [1]_. It is stable if all five eigenvalues decay. One of them passes through 0 where the slope
+of the curve is minus that of the drive, and there the speed jumps: Sommerfeld's effect [2]_.
 
 References
 ----------
@@ -41,7 +41,7 @@ from rotor_ida.model.parameters import check_exponent
 from rotor_ida.schema import STABILITY, labelled
 
 SMALLEST_INERTIA, LARGEST_INERTIA = 1e-12, 1e15
-# Below this part of the largest eigenvalue a growth rate is rounding.
+# Below this fraction of the largest eigenvalue a growth rate is rounding.
 ROUNDED = 1e-12
 
 
@@ -55,7 +55,7 @@ def whirl_torque(
     friction: npt.ArrayLike = 0.0,
     disc_radius: npt.ArrayLike | None = None,
 ) -> Values:
-    """Return the torque that holds the speed of a rotor on a synchronous whirl.
+    """Compute the torque that maintains the speed of a rotor on a synchronous whirl.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def whirl_torque(
     omega, zeta, delta0, contact_exponent, friction : array_like
         As for `Rotor` [1]; all but the exponent broadcast.
     disc_radius : array_like, optional
-        Radius rho of the disc [1], which friction needs.
+        Radius rho of the disc [1], required with friction.
 
     Returns
     -------
@@ -75,12 +75,12 @@ def whirl_torque(
     ------
     InputError
         If a value is not a finite real number, or is negative, the exponent is neither 1.5 nor 1,
-        or there is friction without a radius of the disc.
+        or there is friction without a disc radius.
 
     Notes
     -----
-    ``torque = 2 zeta omega A**2 + mu f(A) (A + rho)``: friction acts at the rim, on the far side
-    of which the centre of mass lies. Neither shaft nor contact damping take any.
+    ``torque = 2 zeta omega A**2 + mu f(A) (A + rho)``: friction acts at the rim of the disc.
+    Neither shaft nor contact damping needs any torque.
 
     References
     ----------
@@ -145,7 +145,7 @@ def sommerfeld_curve(
     friction: object = 0.0,
     disc_radius: float | None = None,
 ) -> xr.Dataset:
-    """Return the torque of every synchronous whirl over the speed, and which of them a drive holds.
+    """Compute the torque of all synchronous whirls over the speed, and their driven stability.
 
     Parameters
     ----------
@@ -155,30 +155,30 @@ def sommerfeld_curve(
         Moment of inertia about the centre of mass, over mass times eccentricity squared [1], as for
         `rotor_ida.run_up`.
     slope : float
-        By how much the drive's torque falls with the speed [1].
+        Decrease of the drive's torque per unit of speed [1].
     disc_radius : float, optional
-        Radius of the disc [1], which friction needs.
+        Radius of the disc [1], required with friction.
 
     Returns
     -------
     Dataset
-        What `response_curve` returns, and beside it ``torque`` [1], which the whirl takes, and
-        ``driven_stability`` (a flag), which says whether the whirl lasts where its speed is free:
-        ``stability`` is that at a fixed speed. ``inertia`` and ``slope`` are attributes.
+        The variables of `response_curve`, the ``torque`` of the whirl [1], and
+        ``driven_stability`` (a flag), the stability with a free speed; ``stability`` is that at a
+        fixed speed. ``inertia`` and ``slope`` are attributes.
 
     Raises
     ------
     InputError
-        As `response_curve`; or if the inertia is not positive, or there is friction without a
-        radius of the disc.
+        As `response_curve`; or if the inertia is not positive, or there is friction without a disc
+        radius.
 
     Notes
     -----
-    A motor ``tau0 - slope speed`` holds the speeds at which its line crosses the curve. Where the
-    curve falls more steeply than the line, no speed is held; a rotor that comes there jumps to
-    another. The stability is that of all five eigenvalues, so that it also tells where whirl and
-    speed begin to oscillate together. The contact-free whirl without a shaft, whose centre may lie
-    anywhere, is neutral where the speed is held.
+    A motor ``tau0 - slope speed`` can run at the speeds at which its line crosses the curve. Where
+    the curve falls more steeply than the line, these are unstable, and the speed jumps. The
+    stability depends on all five eigenvalues, so it also shows where whirl and speed begin to
+    oscillate together. The contact-free whirl without a shaft, whose centre may lie anywhere, is
+    neutral where the speed is stable.
 
     References
     ----------
@@ -228,7 +228,7 @@ def sommerfeld_curve(
     ).assign_attrs(
         title="Torque of the synchronous whirls of a rotor with contact and clearance",
         result_kind="torque_curve",
-        source="rotor_ida closed forms: the power that damping and friction take on each whirl",
+        source="rotor_ida closed forms: the power dissipated by damping and friction on each whirl",
         references="A. Sommerfeld, Zeitschrift des Vereines deutscher Ingenieure 46, 1902",
         inertia=moment, slope=falling,
     )  # fmt: skip
@@ -243,7 +243,7 @@ def _stability(jacobian: Values) -> npt.NDArray[np.int8]:
 
 
 class _Drive(NamedTuple):
-    """Radius of the disc, fall of the drive's torque with the speed, and inertia [1]."""
+    """Radius of the disc, decrease of the drive's torque with the speed, and inertia [1]."""
 
     disc_radius: float
     slope: float
@@ -255,8 +255,8 @@ def _jacobian(
 ) -> Values:
     """Return the derivatives of the rates of radius, displacement across, velocities and speed.
 
-    Displacement and velocity are those along the radius of the whirl and across it, on axes that
-    turn with the unbalance; the velocity is the one on fixed axes.
+    Displacement and velocity are resolved along the radius of the whirl and across it, on axes that
+    rotate with the unbalance. The velocity is relative to the fixed axes.
     """
     rho, slope, inertia = drive
     omega, zeta, delta0, kappa = rotors.omega, rotors.zeta, rotors.delta0, rotors.shaft_stiffness
@@ -265,7 +265,7 @@ def _jacobian(
     f = np.where(free, 0.0, force(A, delta0, exponent))
     steep, secant = np.where(free, 0.0, steep), np.where(free, 0.0, secant)
     cos, sin, none = np.cos(lag), np.sin(lag), np.zeros_like(A)
-    # of N, which knows of the radial velocity, p + omega t, too
+    # of N, which also depends on the radial velocity, p + omega t
     normal = np.stack([steep, damping * f * omega, damping * f, none, none])
     along = np.stack([kappa + none, -mu * secant, 2.0 * zeta, none, none]) + normal
     across = np.stack([none, kappa + secant, none, 2.0 * zeta, none]) + mu * normal

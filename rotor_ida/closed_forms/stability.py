@@ -1,8 +1,8 @@
 """Stability of a synchronous whirl, in closed form.
 
-Seen in the frame that turns with the unbalance, a whirl is an equilibrium, and its four
-eigenvalues follow from two quadratic equations, one inside the other. Contact damping acts along
-the radius alone, friction across it, and then they are roots of a polynomial of degree 4.
+In the frame that rotates with the unbalance a whirl is an equilibrium. Its four eigenvalues follow
+from two nested quadratic equations. With contact damping, which acts only along the radius, or
+friction, which acts across it, they are the roots of a quartic.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def stability_determinant(
     contact_damping: npt.ArrayLike = 0.0,
     friction: npt.ArrayLike = 0.0,
 ) -> Values:
-    """Return the determinant whose sign changes at the folds of contacting whirls.
+    """Compute the determinant whose sign changes at the folds of contacting whirls.
 
     Parameters
     ----------
@@ -38,20 +38,20 @@ def stability_determinant(
     omega, zeta, delta0 : array_like
         Spin speed, damping ratio and clearance [1]; all broadcast.
     shaft_stiffness, contact_exponent, contact_damping, friction : array_like
-        As for `Rotor` [1]. The contact damping does not matter here.
+        As for `Rotor` [1]. The contact damping has no effect here.
 
     Returns
     -------
     ndarray
         D [1]: positive for a stable whirl, negative for an unstable one, zero at a fold. With
-        contact damping or friction a whirl may be unstable where D is positive, too: see
+        contact damping or friction a whirl may also be unstable where D is positive: see
         `eigenvalues`.
 
     Raises
     ------
     InputError
         If a value is not a finite real number within 1e15 of zero, or shapes do not broadcast; if
-        stiffness, contact damping or friction is negative or the exponent is neither 1.5 nor 1; if
+        stiffness, contact damping or friction is negative; if the exponent is neither 1.5 nor 1; if
         there is contact damping or friction without clearance.
 
     Notes
@@ -106,7 +106,7 @@ def eigenvalues(
     contact_damping: npt.ArrayLike = 0.0,
     friction: npt.ArrayLike = 0.0,
 ) -> ComplexValues:
-    """Return the four eigenvalues of a synchronous whirl in the rotating frame.
+    """Compute the four eigenvalues of a synchronous whirl in the rotating frame.
 
     Parameters
     ----------
@@ -126,11 +126,10 @@ def eigenvalues(
     Notes
     -----
     ``lambda = -zeta +- sqrt(zeta**2 + sigma)`` with
-    ``sigma**2 + (f' + s + 2 q + 2 kappa) sigma + D = 0`` and ``s = f/A``. With contact damping c,
-    which acts along the radius alone, with a and b as for `stability_determinant`, they are the
-    roots of ``(L**2 + (2 zeta + c f) L + a)(L**2 + 2 zeta L + b) + 4 q (L + zeta)**2``. There b may
-    be negative, so that contact damping drives the whirl: it may lose its stability at a Hopf
-    point, which it cannot without.
+    ``sigma**2 + (f' + s + 2 q + 2 kappa) sigma + D = 0`` and ``s = f/A``. Contact damping c acts
+    only along the radius. With a and b as for `stability_determinant` the eigenvalues are then the
+    roots of ``(L**2 + (2 zeta + c f) L + a)(L**2 + 2 zeta L + b) + 4 q (L + zeta)**2``. If b is
+    negative, contact damping drives the whirl, which may lose its stability at a Hopf point.
 
     References
     ----------
@@ -158,7 +157,7 @@ def eigenvalues(
 
 
 def growth_rate(amplitude: Values, determinant: Values, rotors: RotorColumns) -> Values:
-    """Return the largest real part of the eigenvalues of whirls whose D is known already."""
+    """Return the largest real part of the eigenvalues of whirls with known D."""
     return np.asarray(_eigenvalues(determinant, amplitude, rotors).real.max(axis=-1))
 
 
@@ -210,7 +209,7 @@ def _eigenvalues(determinant: Values, amplitude: Values, rotors: RotorColumns) -
     others = (drag > 0.0) | (mu > 0.0)
     if others.any():
         b = secant + kappa - q
-        # what friction adds to the coefficients of L and L**2
+        # contributions of friction to the coefficients of L and L**2
         turns = 2.0 * rotors.omega * mu
         first = turns * (tangent + secant)
         first = first + mu * drag * (2.0 * damping * rotors.omega + mu * secant)
@@ -228,9 +227,9 @@ def _eigenvalues(determinant: Values, amplitude: Values, rotors: RotorColumns) -
 def _roots_of_quartic(*terms: Values) -> ComplexValues:
     """Return the roots of ``L**4 + c3 L**3 + c2 L**2 + c1 L + c0``; the lowest term is first.
 
-    They are those of the companion matrix, improved by Newton's method.
+    They are eigenvalues of the companion matrix, refined by Newton's method.
     """
-    # lengths of time in which all roots are of order 1 or less
+    # time units in which all roots are of order 1 or less
     sizes = [np.abs(term) ** (1.0 / (4 - order)) for order, term in enumerate(terms)]
     scale = np.max(sizes, axis=0)
     scaled = [term / scale ** (4 - order) for order, term in enumerate(terms)]
@@ -243,6 +242,6 @@ def _roots_of_quartic(*terms: Values) -> ComplexValues:
         value = c0 + roots * (c1 + roots * (c2 + roots * (c3 + roots)))
         slope = c1 + roots * (2.0 * c2 + roots * (3.0 * c3 + 4.0 * roots))
         step = np.divide(value, slope, out=np.zeros_like(roots), where=slope != 0.0)
-        # two roots that nearly coincide would be thrown far
+        # a step would move two nearly coincident roots far away
         roots = roots - np.where(np.abs(step) < 1e-6, step, 0.0)
     return np.asarray(roots * scale[:, None])

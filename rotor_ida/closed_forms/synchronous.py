@@ -1,4 +1,4 @@
-"""Every synchronous whirl of a rotor, over whole grids of parameters."""
+"""All synchronous whirls of a rotor, over grids of parameters."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def synchronous_response(
     contact_damping: object = 0.0,
     friction: object = 0.0,
 ) -> xr.Dataset:
-    """Return all synchronous whirls, contact-free and contacting, with their stability.
+    """Compute all synchronous whirls, contact-free and contacting, with their stability.
 
     Parameters
     ----------
@@ -50,37 +50,33 @@ def synchronous_response(
     Dataset
         On the dimensions (omega, zeta, delta0, branch): ``amplitude`` [1], ``phase_lag``
         [rad], ``stability`` and ``in_contact`` (flags) and ``growth_rate`` [1]. The branches
-        are in order of amplitude; where there are fewer than the dimension is long, NaN, the
-        flag ``absent``, and 0 for ``in_contact``. Each of the last four parameters that is
-        given as a sequence is a dimension before ``branch``, in the order of the arguments; as a
-        number that is not the default it is a coordinate.
+        are in order of amplitude, padded with NaN, the flag ``absent``, and 0 for ``in_contact``.
+        Of the last four parameters, a sequence becomes a dimension before ``branch``, in the order
+        of the arguments, and a number other than the default becomes a coordinate.
 
     Raises
     ------
     InputError
-        If a value is not a finite real number that is zero or positive, is above 1e15, or is
-        a speed above zero and below 1e-50; if an exponent is neither 1.5 nor 1; if there is
-        contact damping or friction without clearance.
+        If a value is not a finite real number from 0 to 1e15, or is a speed between 0 and 1e-50; if
+        an exponent is neither 1.5 nor 1; if there is contact damping or friction without clearance.
 
     Notes
     -----
     A whirl ``z = A exp(i (omega t - theta))`` is an exact solution when
     ``A**2 ((kappa + s - omega**2)**2 + 4 zeta**2 omega**2) = omega**4`` with ``s = f(A)/A`` and
     the stiffness kappa of the shaft; ``theta = atan2(2 zeta omega, kappa + s - omega**2)``.
-    The contact-free whirl without a shaft, of amplitude
-    ``omega/sqrt(omega**2 + 4 zeta**2)``, is neutral, because its centre stays wherever the
-    motion left it; at rest (omega = 0) it has amplitude and phase lag 0. A shaft holds the
-    centre, and with damping this whirl is then stable. A contacting whirl is stable exactly where
-    the determinant of `stability_determinant` is positive; without damping it is neutral there,
-    since nothing then decays. Contact damping leaves amplitudes and lags as they are, since the
-    indentation of a whirl is constant, but it may take its stability where the whirl lags by more
-    than a quarter turn: see `eigenvalues`.
+    The contact-free whirl without a shaft, of amplitude ``omega/sqrt(omega**2 + 4 zeta**2)``, is
+    neutral, because its centre remains wherever the motion left it; at rest (omega = 0) it has
+    amplitude and phase lag 0. A shaft fixes the centre, and with damping this whirl is then stable.
+    A contacting whirl is stable exactly where the determinant of `stability_determinant` is
+    positive; without damping it is neutral there, since nothing decays. Contact damping does not
+    change amplitudes and lags, as the indentation of a whirl is constant. It may destabilise a
+    whirl that lags by more than a quarter turn: see `eigenvalues`.
 
-    With friction mu the disc slips forwards on the ring, whatever its radius, and
-    ``(kappa A + f - omega**2 A)**2 + (2 zeta omega A + mu f)**2 = omega**4``, where theta is the
-    angle whose cosine and sine go with what is squared. Friction too may take a whirl its
-    stability where D is positive: at a Hopf point, see `hopf_points`. Without damping it takes it
-    from all.
+    With friction mu the disc slips forwards on the stator, for any disc radius, and
+    ``(kappa A + f - omega**2 A)**2 + (2 zeta omega A + mu f)**2 = omega**4``. The squared terms are
+    proportional to the cosine and the sine of theta. Friction too may destabilise a whirl where D
+    is positive, at a Hopf point: see `hopf_points`. Without damping it destabilises all of them.
 
     References
     ----------
@@ -160,7 +156,7 @@ def _branches(rotors: RotorColumns) -> dict[str, npt.NDArray[np.generic]]:
 def _growth_rates(
     rotors: RotorColumns, amplitude: Values, determinant: Values, touches: Flags
 ) -> tuple[Values, Flags]:
-    """Return the largest real parts of the eigenvalues, and where friction alone drives a whirl."""
+    """Return the largest real parts of the eigenvalues, and where only friction drives a whirl."""
     lossless = (rotors.zeta == 0.0) & (rotors.contact_damping == 0.0)
     present = np.isfinite(amplitude)
     touches = touches & present
@@ -174,7 +170,7 @@ def _growth_rates(
 
 
 def whirls_in_contact(rotors: RotorColumns) -> ContactingWhirls:
-    """Return the contacting whirls of rotors with ``omega > 0``, under either contact law."""
+    """Return the contacting whirls of rotors with ``omega > 0``, for either contact law."""
     linear = rotors.contact_exponent == 1.0
     if linear.all():
         return linear_whirls(rotors)
@@ -190,7 +186,7 @@ def whirls_in_contact(rotors: RotorColumns) -> ContactingWhirls:
 def _contact_free_growth(rotors: RotorColumns) -> Values:
     """Return the largest real part of ``L**2 + 2 zeta L + kappa = 0``, in the fixed frame."""
     zeta = rotors.zeta
-    # at rest without clearance a linear contact holds the rotor too
+    # at rest without clearance a linear contact centres the rotor too
     at_rest = (rotors.omega == 0.0) & (rotors.delta0 == 0.0)
     kappa = rotors.shaft_stiffness + (at_rest & (rotors.contact_exponent == 1.0))
     frequency = np.sqrt(kappa)
@@ -201,7 +197,7 @@ def _contact_free_growth(rotors: RotorColumns) -> Values:
 
 
 def _side_by_side(free: Values, touching: Values, contact_free: Flags) -> Values:
-    """Return the contact-free value, where that whirl exists, before the contacting ones."""
+    """Return the contact-free value, if that whirl exists, before the contacting ones."""
     nothing = np.full((len(free), 1), np.nan)
     with_free = np.concatenate([free[:, None], touching], axis=1)
     without = np.concatenate([touching, nothing], axis=1)

@@ -38,8 +38,7 @@ from rotor_ida.results.studies.results import Results
 
 Kind = Literal["fold", "period_doubling", "torus"]
 
-# Points of a branch, each way, on which a first bifurcation is sought: as many as a branch has by
-# default.
+# Points of a branch, each way, on which a first bifurcation is sought: the default of a branch.
 MOST_POINTS_OF_BRANCH = 2000
 
 
@@ -60,26 +59,26 @@ def bifurcation_curve(
     rotor : Rotor
         The rotor.
     start : array_like, shape (4,), or Dataset
-        A special point of a branch of this kind, ``branch.isel(special=...)``; or a limit cycle, a
+        A special point of this kind of a branch, ``branch.isel(special=...)``. Or a limit cycle, a
         point of a branch, or a start ``(x, y, vx, vy)`` that leads to a cycle [1], by default at
-        rest on the axis: then the branch over the first parameter is followed to the nearest one.
+        rest on the axis; then the branch over the first parameter is followed to the nearest one.
     kind : {"fold", "period_doubling", "torus"}
-        What to follow. A torus is born only with contact damping or a load.
+        The bifurcation to follow. A torus is born only with contact damping, friction or a load.
     parameters : tuple of str
-        The two parameters to vary, of those that `continue_cycle` takes.
+        The two parameters to vary, as for `continue_cycle`.
     limits : mapping of str to tuple, or two tuples
-        The least and the largest value of each [1].
+        The smallest and the largest value of each [1].
     points : int
         The largest number of points each way.
     progress : callable, optional
-        Called with the number of points found and the largest there can be.
+        Called with the number of points found and the largest possible number.
 
     Returns
     -------
     Dataset
-        On ``point`` both parameters and the same variables as of a branch, see `continue_cycle`;
-        on ``special`` its cusps and grazes, with ``special_value`` of the first parameter and
-        ``special_second_value`` of the other.
+        On ``point`` both parameters and the variables of a branch, see `continue_cycle`. On
+        ``special`` the cusps and grazes, with ``special_value`` of the first parameter and
+        ``special_second_value`` of the second.
 
     Raises
     ------
@@ -90,8 +89,8 @@ def bifurcation_curve(
 
     Notes
     -----
-    The test function is differentiated by finite differences of M, which is itself integrated; the
-    points are as exact as those of a branch, as only the equations decide on these.
+    The test function is differentiated by finite differences of the integrated matrix M. The points
+    are as exact as those of a branch, as they depend on the equations alone.
 
     References
     ----------
@@ -114,7 +113,7 @@ def bifurcation_curve(
     if kind == TORUS and not may_have_tori(guess.rotor):
         raise InputError(
             "contact_damping, friction or load must be above 0 for a torus to be born, got a rotor "
-            "without"
+            "with none"
         )
     bounds = _checked_limits((first, second), limits, guess.rotor)
     go_on = np.zeros(1, np.uint8)
@@ -176,4 +175,4 @@ def _nearest(
                 if special.name == kind:
                     shot = special.point.stretch
                     return Guess(shot.rotor, shot.start, shot.duration, kind)
-    raise InputError(f"limits must hold a {kind} of the branch through the start, got none there")
+    raise InputError(f"limits must contain a {kind} of the branch through the start, got none")

@@ -1,13 +1,13 @@
 """A curve of limit cycles, followed both ways until it closes or ends.
 
-What can happen on the way is told by test functions of the multipliers (fold, period doubling,
-torus), and by the number of contacts (graze). A branch of doubled cycles may come back to the
-one that it left, where its cycles become two equal halves.
+Special points on the way are detected by test functions of the multipliers (fold, period doubling,
+torus) and by the number of contacts (graze). A branch of doubled cycles may return to the branch
+that it left, where its cycles become two equal halves.
 
-A branch may be born from a synchronous whirl, at a Hopf point. Followed through it, it comes back
-along itself, half a period later: the field at the start, which vanishes with the swing of the
-radius, turns round. The whirl that begins to oscillate there is known in closed form, and so is
-where.
+A branch may be born from a synchronous whirl, at a Hopf point. Followed through that point it
+retraces itself, half a period later: the field at the start, which vanishes with the oscillation of
+the radius, reverses. The whirl that begins to oscillate there is known in closed form, and so is
+the point.
 """
 
 from __future__ import annotations
@@ -39,41 +39,41 @@ LIMITS, CLOSED, CONTACT_FREE, HALVED, BORN, STUCK, UNSTABLE, ENOUGH = (
     "limits", "closed", "contact_free", "halved", "hopf", "step_too_small", "too_unstable",
     "points",
 )  # fmt: skip
-# A cycle is twice one of half its period when the extreme radii of both halves agree to this part;
-# beside a doubling they differ by the root of the distance from it.
+# A cycle repeats one of half its period if the extreme radii of both halves agree to this fraction;
+# near a doubling they differ by the root of the distance from it.
 EQUAL_HALVES = 1e-6
-# Two curves cross there, and beside that rounding may let no step be taken: a doubling this near
-# the last point, in parts of the scales, is the end.
+# Two curves cross there, and nearby rounding may prevent any step: a doubling this near the last
+# point, relative to the scales, is the end.
 NEAR_A_DOUBLING = 1e-3
-# A step to such a cycle is taken again, this much shorter each time,
+# A step to such a cycle is repeated, shorter by this factor each time,
 SHORTENED = 0.25
 # until it is so short, a fortieth of the longest, that no special point is overlooked on the way.
 LAST_STEP = 1e-3
-# No branch comes back within so many points: the first steps are short.
+# No branch returns within this number of points: the first steps are short.
 FEWEST_POINTS_ROUND = 8
-# Its step back to the first point passes that within this part of its own length,
+# The step back to the first point passes it within this fraction of its length,
 PASSES_WITHIN = 0.25
-# and the cycle there is the same to this part, far above rounding.
+# and the cycle there is the same to this fraction, far above rounding.
 SAME_CYCLE = 1e-6
-# Rounding at the start is carried along by M, and changes M itself by 1e-16 times its square: where
-# M is larger than this, multipliers that hang on more than its trace tell nothing.
+# Rounding at the start grows with M, and changes M itself by 1e-16 times its square: where M is
+# larger than this, multipliers that depend on more than its trace are meaningless.
 LARGEST_M = 1e7
-# Where a curve of bifurcations ends this near a graze, in parts of the clearance, that is why.
+# If a curve of bifurcations ends this near a graze, relative to the clearance, that is the reason.
 NEAR_A_GRAZE = 1e-4
-# What rounding may do to a period that stands still, in parts of it.
+# Relative rounding of a constant period.
 ROUNDING_OF_PERIOD = 1e-14
-# The bifurcation is sought so many times farther than two points by it tell.
+# Factor on the range, estimated from two nearby points, in which the bifurcation is sought.
 FARTHER = 4.0
-# The whirl's frequency is that of a cycle close by, to this part.
+# Relative agreement of the whirl's frequency with that of a nearby cycle.
 SAME_FREQUENCY = 0.1
-# By how much a cycle there swings, in parts of its size: its square is below rounding.
+# Relative oscillation of the radius of a cycle there: its square is below rounding.
 SWING = 3e-7
-# Digits to which the parameter is sought.
+# Digits to which the parameter is determined.
 FINEST = 1e-15
 
 
 class SpecialBehind(NamedTuple):
-    """A special point, and the number of the point of its side behind which it lies."""
+    """A special point, and the number of the point of its side that precedes it."""
 
     place: int
     special: Special[Shot]
@@ -81,7 +81,7 @@ class SpecialBehind(NamedTuple):
 
 @dataclass(slots=True)
 class Side:
-    """What has been followed one way from the first point.
+    """The part of a curve followed one way from the first point.
 
     Parameters
     ----------
@@ -92,9 +92,9 @@ class Side:
     length : float
         Length of the next step.
     end : str
-        Why it ended; empty while it goes on.
+        Why it ended; empty while it continues.
     reason : str
-        What stood in the way where no step led on; else empty.
+        Why no further step was possible; else empty.
     """
 
     points: list[Point[Shot]]
@@ -113,7 +113,7 @@ def advance(branch: Continuation, side: Side) -> None:
         _end_where_stuck(branch, side, error.reason)
         return
     point = step.point
-    # two real multipliers of product 1 make no torus
+    # two real multipliers of product 1 are no torus
     specials = [
         each for each in step.specials if each.name != TORUS or on_unit_circle(each.point.stretch)
     ]
@@ -129,14 +129,14 @@ def advance(branch: Continuation, side: Side) -> None:
         specials = [each for each in specials if _passed(branch, each.point) is None]
     elif len(side.points) > FEWEST_POINTS_ROUND and _comes_back(branch, last, point):
         point, side.end = branch.first, CLOSED
-        # behind its first point the branch goes on as it began
+        # behind its first point the branch continues as it began
         specials = [
             each for each in specials if not any(_same(each, known) for _, known in side.specials)
         ]
     if halved is not None:
         specials, point, side.end = [*specials, Special(DOUBLING, halved)], halved, HALVED
     elif (born := _birth(branch, last, step.point)) is not None:
-        # what follows on the step is what came before, half a period later
+        # the rest of the step repeats what came before, half a period later
         specials = [each for each in specials if not turns_round(last, each.point)]
         specials, point, side.end = [*specials, Special(HOPF, born)], born, BORN
     side.specials += [SpecialBehind(len(side.points) - 1, each) for each in specials]
@@ -151,7 +151,7 @@ def advance(branch: Continuation, side: Side) -> None:
 
 
 def _step_from(branch: Continuation, side: Side) -> tuple[Step[Shot], Point[Shot] | None]:
-    """Return the next step of a side, and the cycle that doubles its period on it, if any does.
+    """Return the next step of a side, and the cycle on it that doubles its period, if any.
 
     A step to such a cycle is short.
     """
@@ -166,7 +166,7 @@ def _step_from(branch: Continuation, side: Side) -> tuple[Step[Shot], Point[Shot
 
 
 def _end_where_stuck(branch: Continuation, side: Side, reason: str) -> None:
-    """End a side from which no step leads on; at the doubling close by, if there is one."""
+    """End a side that allows no further step; at the doubling close by, if there is one."""
     last = side.points[-1]
     if len(branch.limits) == 1 and _halves_agree(last.stretch, NEAR_A_DOUBLING):
         halved = _cycle_of_half(branch, last)
@@ -181,7 +181,7 @@ def _end_where_stuck(branch: Continuation, side: Side, reason: str) -> None:
     linear, delta0 = last.stretch.rotor.contact_exponent == 1.0, last.stretch.rotor.delta0
     if len(branch.limits) > 1 and linear and abs(gap) <= NEAR_A_GRAZE * delta0:
         side.reason += (
-            f"; the radius comes within {abs(gap):.2g} of the ring, and at a graze of a linear "
+            f"; the radius comes within {abs(gap):.2g} of the stator, and at a graze of a linear "
             "contact the curve has a corner"
         )
 
@@ -193,7 +193,7 @@ def _is_close_by(branch: Continuation, last: Point[Shot], halved: Point[Shot]) -
 
 
 def _is_too_unstable(shot: Shot) -> bool:
-    """Return whether rounding hides multipliers that hang on more than the trace of M."""
+    """Return whether rounding hides multipliers that depend on more than the trace of M."""
     return not has_trace(shot) and bool(np.abs(shot.monodromy).max() > LARGEST_M)
 
 
@@ -207,8 +207,8 @@ def _birth(branch: Continuation, last: Point[Shot], point: Point[Shot]) -> Point
 
 def _how_unstable(shot: Shot) -> str:
     return (
-        f"neighbours part by a factor of {np.abs(shot.monodromy).max():.2g} in a period of "
-        f"{shot.duration:.6g}: rounding hides the multipliers, "
+        f"neighbouring orbits separate by a factor of {np.abs(shot.monodromy).max():.2g} in a "
+        f"period of {shot.duration:.6g}, so rounding hides the multipliers, "
         "as where a period grows without bound"
     )
 
@@ -216,9 +216,9 @@ def _how_unstable(shot: Shot) -> str:
 def _halved(branch: Continuation, last: Point[Shot], step: Step[Shot]) -> Point[Shot] | None:
     """Return the cycle that doubles its period on a step along a branch, if there is one.
 
-    There the branch of doubled cycles ends, as a cycle twice round. A step either comes to such a
-    cycle itself, or passes to the same branch half a period later: the parameter turns back, and
-    there is no fold.
+    There the branch of doubled cycles ends, as a cycle followed twice. A step either reaches such a
+    cycle, or passes to the same branch half a period later: the parameter turns back without a
+    fold.
     """
     point = step.point
     twice = _is_twice_round(point.stretch)
@@ -232,7 +232,7 @@ def _halved(branch: Continuation, last: Point[Shot], step: Step[Shot]) -> Point[
 def _cycle_of_half(branch: Continuation, near: Point[Shot]) -> Point[Shot] | None:
     """Return the cycle of half the period, near a point, that doubles its period, if there is one.
 
-    Under a load it takes whole revolutions.
+    Under a load it takes a whole number of revolutions.
     """
     if branch.half is None and near.stretch.rotor.load > 0.0:
         return None
@@ -249,7 +249,7 @@ def _is_twice_round(shot: Shot) -> bool:
 
 
 def _halves_agree(shot: Shot, part: float) -> bool:
-    """Return whether the extreme radii of both halves of a cycle agree to a part of the largest."""
+    """Return whether the extreme radii of both halves agree to a fraction of the largest."""
     radii = shot.extrema["radius"].tolist()
     half, odd = divmod(len(radii), 2)
     if odd or not half:
@@ -259,7 +259,7 @@ def _halves_agree(shot: Shot, part: float) -> bool:
 
 
 def _passed(branch: Continuation, point: Point[Shot]) -> tuple[int, float] | None:
-    """Return the place and the value of a limit that a point has passed, or None."""
+    """Return the index and the value of a limit that a point has passed, or None."""
     for place, (low, high) in branch.limits.items():
         here = float(point.unknowns[place])
         if not low <= here <= high:
@@ -268,12 +268,12 @@ def _passed(branch: Continuation, point: Point[Shot]) -> tuple[int, float] | Non
 
 
 def _comes_back(branch: Continuation, last: Point[Shot], point: Point[Shot]) -> bool:
-    """Return whether a step passes the first point of its branch, led as there.
+    """Return whether a step passes the first point of its branch in the same direction.
 
-    A branch comes back at any phase: the cycles are compared by what does not hang on it.
+    A branch may return at any phase: the cycles are compared by quantities independent of it.
     """
     between = (branch.first.unknowns - last.unknowns) * (branch.first.unknowns - point.unknowns)
-    # under a load the period may stand still, but for rounding
+    # under a load the period may be constant, except for rounding
     apart = (point.unknowns - last.unknowns) ** 2 + (ROUNDING_OF_PERIOD * branch.line.scale) ** 2
     if (between[PLACE - 1 :] > apart[PLACE - 1 :]).any():
         return False
@@ -283,7 +283,7 @@ def _comes_back(branch: Continuation, last: Point[Shot], point: Point[Shot]) -> 
     miss = np.linalg.norm(goal - here - part * along)
     if not (0.0 <= part <= 1.0 and miss <= PASSES_WITHIN * np.linalg.norm(along)):
         return False
-    # the parameter that changes most there tells the place
+    # the parameter that changes most there gives the place
     place = PLACE + int(np.argmax(np.abs(branch.first.tangent[PLACE:])))
     try:
         again = branch.line.crossing(last, point, place, float(branch.first.unknowns[place]))
@@ -294,14 +294,14 @@ def _comes_back(branch: Continuation, last: Point[Shot], point: Point[Shot]) -> 
 
 
 def _same(special: Special[Shot], known: Special[Shot]) -> bool:
-    """Return whether two special points are one, at whatever phase."""
+    """Return whether two special points are the same, at any phase."""
     one, other = _signature(special.point), _signature(known.point)
     near = np.linalg.norm(one - other) <= SAME_CYCLE * np.linalg.norm(other)
     return special.name == known.name and bool(near)
 
 
 def _signature(point: Point[Shot]) -> Values:
-    """Return numbers of a cycle that do not hang on its phase."""
+    """Return numbers of a cycle that do not depend on its phase."""
     cycle = Cycle(point.stretch, 0.0)
     return np.array([*point.unknowns[4:], cycle.radius_min, cycle.radius_max])
 
@@ -310,7 +310,7 @@ def _signature(point: Point[Shot]) -> Values:
 
 
 def turns_round(last: Point[Shot], point: Point[Shot]) -> bool:
-    """Return whether a step of a branch has passed a whirl, where the swing of a cycle vanishes."""
+    """Return whether a step has passed a whirl, where the oscillation of the radius vanishes."""
     return float(last.stretch.start_rate @ point.stretch.start_rate) < 0.0
 
 
@@ -319,8 +319,8 @@ def birth_between(
 ) -> Point[Shot] | None:
     """Return the cycle at which a branch is born between two of its points, if there is one.
 
-    The parameter `name` is that of the Hopf point, to rounding; the cycle swings by so little about
-    the whirl there that it changes neither period nor parameter.
+    The parameter `name` is that of the Hopf point, to rounding. The cycle oscillates too little
+    about the whirl to change period or parameter.
     """
     nearer = min(last, point, key=_swing)
     whirl = _WhirlNear(nearer.stretch, name)
@@ -349,7 +349,7 @@ def _crossing(
 ) -> float | None:
     """Return where a pair of eigenvalues crosses the imaginary axis near two points of a branch.
 
-    The parameter changes with the square of the swing.
+    The parameter changes with the square of the oscillation.
     """
     (one, p), (two, q) = ((_swing(each) ** 2, float(each.unknowns[-1])) for each in (last, point))
     apart = FARTHER * abs(p - q) if one == two else 0.0
@@ -363,7 +363,7 @@ def _crossing(
 
 
 class _WhirlNear:
-    """The whirl nearest to a cycle whose swing is small, over a parameter."""
+    """The whirl nearest to a cycle with a small oscillation, over a parameter."""
 
     def __init__(self, shot: Shot, name: str) -> None:
         cycle = Cycle(shot, 0.0)
@@ -372,15 +372,15 @@ class _WhirlNear:
         self._frequency = 2.0 * math.pi / shot.duration
 
     def rotor_at(self, place: float) -> Rotor:
-        """Return the rotor with the parameter at a place."""
+        """Return the rotor for a value of the parameter."""
         return replace(self._rotor, **{self._name: place})
 
     def growth(self, place: float) -> float:
-        """Return how fast the oscillation of the whirl grows that is as fast as the cycle's."""
+        """Return the growth rate of the whirl's oscillation at the frequency of the cycle."""
         return self.at(place)[1].real
 
     def at(self, place: float) -> tuple[Values, complex]:
-        """Return state and eigenvalue of the whirl with the parameter at a place."""
+        """Return state and eigenvalue of the whirl for a value of the parameter."""
         given = self.rotor_at(place).given
         given.pop("load", None)
         given.pop("disc_radius", None)
@@ -388,7 +388,7 @@ class _WhirlNear:
         touching = whirls["in_contact"].values.ravel() == 1
         amplitudes = whirls["amplitude"].values.ravel()[touching]
         if not amplitudes.size:
-            raise ValueError("no whirl is in contact")
+            raise ValueError("there is no whirl in contact")
         nearest = int(np.argmin(np.abs(amplitudes - self._amplitude)))
         amplitude = float(amplitudes[nearest])
         lag = float(whirls["phase_lag"].values.ravel()[touching][nearest])

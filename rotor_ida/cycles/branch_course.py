@@ -1,4 +1,4 @@
-"""What a branch of limit cycles is between its special points: stable or not, and where."""
+"""Stability of a branch of limit cycles between its special points."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.schema import words_of
 
-# At each of these a cycle that was stable is so no more, or the other way round.
+# Special points at which a cycle may gain or lose stability.
 CHANGES = ("fold", "period_doubling", "torus")
 # Ends that are points of a branch, and at which its stability changes.
 BORDERS = ("halved", "hopf")
@@ -28,12 +28,12 @@ class Course:
     value: Values  # the continued parameter [1]
     low: Values  # smallest radius, in the units of the branch
     high: Values  # largest radius
-    stability: list[str]  # n - 1 words: what the cycles between each two points are
+    stability: list[str]  # n - 1 words: stability of the cycles between each two points
     response: list[str]
 
 
 def parameters_of(name: str, dataset: xr.Dataset, attribute: str, number: int) -> list[str]:
-    """Return the parameters that vary along a branch or curve, as one of its attributes tells."""
+    """Return the parameters that vary along a branch or curve, from one of its attributes."""
     varied = dataset.attrs.get(attribute, "")
     words = str(varied).split()
     if len(words) != number or not set(words) <= set(ALL_PARAMETERS):
@@ -50,7 +50,7 @@ def course_of(branch: xr.Dataset) -> Course:
     response, kinds = words_of(branch["response"]), words_of(inside["special_kind"])
     points, specials = branch.sizes["point"], inside.sizes["special"]
     places = np.concatenate([np.arange(points), inside["special_point"].values])
-    order = np.argsort(places, kind="stable")  # a point stands before the special ones behind it
+    order = np.argsort(places, kind="stable")  # a point comes before the special ones behind it
     value, low, high = (
         np.concatenate([branch[name].values, inside[special].values])[order]
         for name, special in (
@@ -68,7 +68,7 @@ def course_of(branch: xr.Dataset) -> Course:
             here, kind = stability[number], response[number]
         elif kinds[number - points] in CHANGES:
             here = "unstable" if here == "stable" else "stable"
-            # where tori are born, two things may make a cycle unstable: the next point tells
+            # where tori are born, a cycle may be unstable in two ways: the next point decides
             if several and np.sum(inside["special_point"].values == places[number]) == 1:
                 here = stability[min(int(places[number]) + 1, points - 1)]
         else:  # a graze, behind which the cycles are as at the next point
@@ -79,7 +79,7 @@ def course_of(branch: xr.Dataset) -> Course:
 
 
 def runs_of(words: Sequence[object]) -> list[tuple[int, int]]:
-    """Return the first and the last point of each run of stretches of which the same is told.
+    """Return the first and the last point of each run of intervals with the same word.
 
     Examples
     --------
@@ -91,7 +91,7 @@ def runs_of(words: Sequence[object]) -> list[tuple[int, int]]:
 
 
 def stable_ranges(branch: xr.Dataset) -> list[tuple[float, float]]:
-    """Return the ranges of the continued parameter [1] over which a branch is stable, along it.
+    """Return the ranges of the continued parameter [1] in which a branch is stable, along it.
 
     Examples
     --------
@@ -111,14 +111,14 @@ def stable_ranges(branch: xr.Dataset) -> list[tuple[float, float]]:
 
 
 def _beside_halves(branch: xr.Dataset) -> xr.Dataset:
-    """Return a branch less the special points that are points of it: ends halved, or born."""
+    """Return a branch without special points that are also points: halved or Hopf ends."""
     ends = {0: "first_end", branch.sizes["special"] - 1: "last_end"}
     left_out = [place for place, end in ends.items() if branch.attrs.get(end) in BORDERS]
     return branch.drop_isel(special=left_out)
 
 
 def _of_neighbours(branch: xr.Dataset, stability: list[str]) -> list[str]:
-    """Return stability where ends at which it changes have that of their neighbours."""
+    """Return stability in which ends where it changes take that of their neighbours."""
     inner = stability[1:-1]
     first = inner[:1] if branch.attrs.get("first_end") in BORDERS else stability[:1]
     last = inner[-1:] if branch.attrs.get("last_end") in BORDERS else stability[-1:]

@@ -1,4 +1,4 @@
-"""All branches of limit cycles that the responses of a sweep lie on."""
+"""All branches of limit cycles on which the responses of a sweep lie."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from rotor_ida.parallel import Progress
 from rotor_ida.schema import EXACT, check_dimensionless
 
 NEEDED = ("lies_on", "exact_period", "exact_radius_max", *(f"end_{name}" for name in COMPONENTS))
-# Two cycles of one rotor are the same when period and largest radius differ by less than this.
+# Two cycles of one rotor are the same if period and largest radius differ by less than this.
 SAME_CYCLE = 1e-7
-# Between points of a branch its cycles are taken to lie on straight lines, which are off by up to
-# 0.004 on the isolas. A guess that agrees with a cycle to this part is worth closing.
+# Between points of a branch its cycles are interpolated linearly, with errors of up to 0.004 on the
+# isolas. A guess that agrees with a cycle to this fraction is worth closing.
 WORTH_CLOSING = 0.02
 
 
@@ -36,28 +36,28 @@ def branches_through(
     points: int = 2000,
     progress: Progress | None = None,
 ) -> list[xr.Dataset]:
-    """Return the branches over the speed of all limit cycles that simulated responses lie on.
+    """Compute the branches over the speed of all limit cycles found by a sweep.
 
     Parameters
     ----------
     compared : Dataset
-        What `rotor_ida.compare` returned of a sweep.
+        Result of `rotor_ida.compare` for a sweep.
     limits : tuple of float
         The lowest and the highest speed to which they are followed [1].
     points : int
-        The largest number of points of each, each way.
+        The largest number of points of each branch, each way.
     progress : callable, optional
-        Called with the number of responses looked at and that of all.
+        Called with the number of responses processed and their total.
 
     Returns
     -------
     list of Dataset
-        As of `rotor_ida.continue_cycle`, each once, in the order in which they were met.
+        The branches as of `rotor_ida.continue_cycle`, each once, in the order found.
 
     Raises
     ------
     InputError
-        If the dataset is no such comparison.
+        If the dataset is not such a comparison.
 
     Examples
     --------

@@ -1,16 +1,16 @@
 """Follow a curve of closed orbits of any flow: pseudo-arclength continuation.
 
-A point of the curve is ``u = (s, T, p...)``: a state, the period, and one parameter, or two where a
-further condition holds. It solves the equations of shooting, and the distance from the point before
-is kept along the tangent there, so that folds are passed like other points [1]_. What a flow is
-asked for is a `Stretch`: the end of an orbit, and its derivatives. Lengths are measured with each
-unknown in parts of its scale. A step:
+A point of the curve is ``u = (s, T, p...)``: a state, the period, and one parameter, or two with a
+further condition. It solves the shooting equations at a given distance along the tangent of the
+previous point, so that folds are passed like other points [1]_. The flow has to supply a `Stretch`:
+the end of an orbit, and its derivatives. Lengths are measured with each unknown relative to its
+scale. A step:
 
 1. *predict* by a polynomial through the last three points, with the tangents there,
 2. *correct* by Newton's method in the plane across it,
-3. try a shorter one where that fails, or the curve bends too much; let the next be longer where it
-   was easy,
-4. *locate* what happened on the way: where a test function changes its sign, or a count its value.
+3. retry with a shorter step if that fails or the curve bends too much; lengthen the next step after
+   an easy one,
+4. *locate* special points on the way: where a test function changes sign, or a count its value.
 
 References
 ----------
@@ -34,45 +34,45 @@ from rotor_ida.arrays import Values
 from rotor_ida.cycles.special_points import FINEST, Count, S, Special, Stretch, Way, specials_on
 from rotor_ida.errors import SimulationError
 
-# Lengths are in parts of the scales.
+# Lengths are relative to the scales.
 
-# Steps of Newton's method at most: a good prediction takes one or two, a first guess some more.
+# Largest number of Newton steps: a good prediction takes one or two, a first guess some more.
 MOST_NEWTON_STEPS = 10
-# The first ones may grow, while the method finds its way; after that each must be smaller.
+# The first ones may grow; after that each must be smaller.
 FREE_STEPS = 3
 # A step this small leaves an error of its square, or near a graze of its power 1.5: after it the
 # error is rounding.
 CONVERGED = 1e-9
-# One this small, some hundred roundings, is not taken at all.
+# A step this small, some hundred roundings, is not taken at all.
 ROUNDING_STEP = 2e-14
-# And with one this large, the size of the state itself, the method is on its way elsewhere.
+# At a step this large, the size of the state itself, the method has left the curve.
 LEAVES = 1.0
 
 # Steps along the curve. The first is short, as only its tangent is known there.
 FIRST_STEP = 5e-3
 LONGEST_STEP = 4e-2
-# Where even this one fails no step can be taken.
+# If even this one fails, no step can be taken.
 SHORTEST_STEP = 1e-10
 # A step that fails is tried again, shorter by this factor.
 CUT = 0.5
-# One fails where the curve bends by more than 23 degrees,
+# A step fails if the curve bends by more than 23 degrees,
 LEAST_COSINE = 0.92
-# or Newton's method corrects it by more than this part of its length.
+# or if Newton's method corrects it by more than this fraction of its length.
 MOST_CORRECTION = 0.25
-# where a count changes it may have a corner. It is passed with a step no longer than this, at
-# which it may turn by as much as 84 degrees.
+# Where a count changes the curve may have a corner. It is passed with a step no longer than this,
+# with a turn of up to 84 degrees.
 CORNER, SHARPEST = 1e-7, 10.0
-# After an easy one, with so few steps of Newton's method and a turn below 10 degrees,
+# After an easy one, with at most this number of Newton steps and a turn below 10 degrees,
 EASY_STEPS = 4
 GOOD_COSINE = 0.985
 # the next is longer by this factor.
 GROWTH = 1.5
-# The direction that states do not move along is kept, so that points lie in one plane, until the
+# The direction along which states do not move is kept, so that points lie in one plane, until the
 # field has turned from it by 18 degrees.
 KEPT_COSINE = 0.95
-# Points before the last one that the next is predicted from, with their tangents.
+# Number of points before the last one from which, with their tangents, the next is predicted.
 EARLIER = 2
-# Steps of the secant method at most; none is longer than the longest along the curve.
+# Largest number of secant steps; none is longer than the longest along the curve.
 MOST_SECANTS = 30
 
 
@@ -85,12 +85,12 @@ class Point(Generic[S]):
     unknowns : ndarray, shape (m,)
         State, period and parameters.
     stretch : Stretch
-        The orbit, followed once round.
+        The orbit, followed for one period.
     tangent : ndarray, shape (m,)
-        Direction of the curve in parts of the scales, of length 1.
+        Direction of the curve relative to the scales, of length 1.
     direction : ndarray, shape (n,)
-        The direction that the state does not move along from there on: the field there, or at a
-        point before.
+        The direction along which the state may not move from there on: the field there, or at an
+        earlier point.
     """
 
     unknowns: Values
@@ -99,7 +99,7 @@ class Point(Generic[S]):
     direction: Values
 
     def reversed(self) -> Point[S]:
-        """Return the point with the curve led the other way."""
+        """Return the point with the direction of the curve reversed."""
         return replace(self, tangent=-self.tangent)
 
 
@@ -110,18 +110,19 @@ class Problem(Generic[S]):
     Parameters
     ----------
     shoot : callable
-        Returns the stretch that unknowns mean; SimulationError where there is none.
+        Returns the stretch for given unknowns; SimulationError if there is none.
     equations : callable
-        Returns, of unknowns, their stretch, and a direction that the state may not move along, what
-        the equations miss, shape (m - 1,), and their derivatives, shape (m - 1, m).
+        Returns the residuals of the equations, shape (m - 1,), and their derivatives, shape
+        (m - 1, m), from the unknowns, their stretch, and a direction along which the state may not
+        move.
     check : callable
-        Raises SimulationError if a stretch that closes is not what is sought.
+        Raises SimulationError if a closed stretch is not a solution of the kind sought.
     tests : mapping of str to callable
-        Functions of a point and of that before it, each 0 at a special point of that name.
+        Functions of a point and the previous one, each 0 at a special point of that name.
     counts : mapping of str to Count
-        Whole numbers of an orbit, each of which changes at a special point of that name.
+        Integers of an orbit, each of which changes at a special point of that name.
     autonomous : bool
-        Whether an orbit may begin anywhere on a cycle. If not, no direction is held.
+        Whether an orbit may begin anywhere on a cycle. If not, no direction is fixed.
     """
 
     shoot: Callable[[Values], S]
@@ -139,11 +140,11 @@ class Step(Generic[S]):
     Parameters
     ----------
     point : Point
-        The point that it comes to.
+        The point reached.
     specials : list of Special
-        The special points on the way, in their order.
+        The special points on the way, in order.
     taken, length : float
-        Its length, and that of the next one, in parts of the scales.
+        Its length, and that of the next one, relative to the scales.
     """
 
     point: Point[S]
@@ -155,9 +156,9 @@ class Step(Generic[S]):
 def shooting_equations(
     stretch: Stretch, direction: Values, *columns: Values
 ) -> tuple[Values, Values]:
-    """Return what the equations of shooting miss, and their derivatives.
+    """Return the residuals of the shooting equations, and their derivatives.
 
-    The state may not move along `direction`, the field at some point close by; `columns` are the
+    The state may not move along `direction`, the field at a nearby point; `columns` are the
     derivatives of the end by the parameters.
 
     Returns
@@ -188,14 +189,14 @@ class Curve(Generic[S]):
     problem : Problem
         Its equations.
     scale : ndarray, shape (m,)
-        Sizes of the unknowns, in parts of which lengths are measured.
+        Sizes of the unknowns, relative to which lengths are measured.
     """
 
     problem: Problem[S]
     scale: Values
 
     def first(self, guess: Values) -> Point[S]:
-        """Return the point near a guess with the same last parameter; it is led to larger ones."""
+        """Return the point near a guess with the same last parameter, directed to larger ones."""
         try:
             return self.near(guess, _unit(guess.size, -1))
         except SimulationError:  # the curve turns back there
@@ -204,7 +205,7 @@ class Curve(Generic[S]):
     def _across(self, guess: Values) -> Values:
         """Return the normal of a plane across a curve whose last parameter turns back.
 
-        It points along the period or, where the parameters decide on that, along the curve.
+        It points along the period or, if the parameters determine the period, along the curve.
         """
         if self.problem.autonomous:
             return _unit(guess.size, -2)
@@ -217,7 +218,7 @@ class Curve(Generic[S]):
         return self._corrected(guess, plane)[0]
 
     def step(self, last: Point[S], length: float, earlier: Sequence[Point[S]] = ()) -> Step[S]:
-        """Take a step of this length, or of less where the curve demands it.
+        """Take a step of this length, or a shorter one if necessary.
 
         `earlier` are points before the last, the nearest first. SimulationError if even the
         shortest step fails, with the reason of the last attempt.
@@ -239,7 +240,7 @@ class Curve(Generic[S]):
                 reason = "the curve bends too much"
             except SimulationError as error:
                 reason = error.reason
-            # behind a kink, what lies before it says nothing
+            # behind a kink, earlier points are no guide
             length, earlier = length * CUT, ()
             if length < SHORTEST_STEP:
                 raise SimulationError(f"no step can be taken: {reason}")
@@ -255,7 +256,7 @@ class Curve(Generic[S]):
         )
 
     def crossing(self, last: Point[S], point: Point[S], place: int, value: float) -> Point[S]:
-        """Return the point at which an unknown has a value that it passes on a step."""
+        """Return the point at which an unknown has a value that it passes in a step."""
         length = float((point.unknowns - last.unknowns) / self.scale @ last.tangent)
 
         def beyond(part: float) -> float:
@@ -269,7 +270,7 @@ class Curve(Generic[S]):
         return found if float(found.tangent @ last.tangent) > 0.0 else found.reversed()
 
     def root(self, near: Point[S], test: Callable[[S], float]) -> Point[S]:
-        """Return the point close by at which a test function is 0, by the secant method.
+        """Return the nearby point at which a test function is 0, by the secant method.
 
         SimulationError if it finds none.
         """
@@ -285,9 +286,9 @@ class Curve(Generic[S]):
         raise SimulationError("no special point was found close by")
 
     def direction_at(self, stretch: S, before: Values) -> Values:
-        """Return the direction that the state does not move along from a point on.
+        """Return the direction along which the state may not move from a point on.
 
-        It is that at the point before, so that points lie in one plane as long as it can be.
+        It is that of the previous point while possible, so that points lie in one plane.
         """
         if not self.problem.autonomous:
             return before
@@ -296,7 +297,7 @@ class Curve(Generic[S]):
         return before if kept else rate
 
     def _led_on(self, point: Point[S]) -> Point[S]:
-        """Return a point with the direction from there on, and the tangent across it."""
+        """Return a point with the direction from there on, and the tangent normal to it."""
         direction = self.direction_at(point.stretch, point.direction)
         if direction is point.direction:
             return point
@@ -310,10 +311,10 @@ class Curve(Generic[S]):
         return self._corrected(guess, last.tangent, last.direction)[0]
 
     def _guess(self, last: Point[S], others: Sequence[Point[S]], length: float) -> Values:
-        """Return about the point a length along the tangent.
+        """Return an approximation of the point a length along the tangent.
 
-        It lies on the tangent, or on the polynomial by the length along it that has, at the last
-        point and at others before or after, their places and tangents (Hermite's).
+        It lies on the tangent, or on the Hermite polynomial, in the length along the tangent,
+        through the last point and others before or after it.
         """
         lengths, chords, slopes = [0.0], [np.zeros(self.scale.size)], [last.tangent]
         for other in others:
@@ -331,13 +332,13 @@ class Curve(Generic[S]):
             along += basis**2 * ((1.0 - 2.0 * bend * beyond) * chord + beyond * slope)
         move, direction = along * self.scale, last.direction
         if self.problem.autonomous:
-            # what rounding moves it along the direction would grow from step to step
+            # rounding along the direction would grow from step to step
             n = direction.size
             move[:n] -= (direction @ move[:n]) / (direction @ direction) * direction
         return last.unknowns + move
 
     def _beside(self, last: Point[S], other: Point[S]) -> tuple[Values, Values]:
-        """Return where another point lies from the last one, and its tangent, at the same phase.
+        """Return the offset of another point from the last one, and its tangent, at equal phase.
 
         Its state is shifted along its orbit into the plane across the direction at the last one.
         """
@@ -379,7 +380,7 @@ class Curve(Generic[S]):
         raise SimulationError("Newton's method does not converge to the curve")
 
     def _point(self, unknowns: Values, stretch: S, plane: Values, direction: Values) -> Point[S]:
-        """Return a closed orbit as a point of the curve, led as `plane` is."""
+        """Return a closed orbit as a point of the curve, directed like `plane`."""
         self.problem.check(stretch)
         _, matrix = self._bordered(unknowns, stretch, direction, plane)
         tangent = _solved(matrix, _unit(plane.size, -1))
@@ -388,7 +389,7 @@ class Curve(Generic[S]):
     def _bordered(
         self, unknowns: Values, stretch: S, direction: Values, plane: Values
     ) -> tuple[Values, Values]:
-        """Return what the equations miss, and their derivatives, in parts of the scales."""
+        """Return the residuals of the equations, and their derivatives, relative to the scales."""
         miss, matrix = self.problem.equations(unknowns, stretch, direction)
         bordered, right = np.empty((plane.size, plane.size)), np.zeros(plane.size)
         np.multiply(matrix, self.scale, out=bordered[:-1])
@@ -398,7 +399,7 @@ class Curve(Generic[S]):
     def _specials(
         self, last: Point[S], others: tuple[Point[S], ...], length: float
     ) -> list[Special[S]]:
-        """Return the special points of a step, in their order."""
+        """Return the special points of a step, in order."""
         behind = [float(self._beside(last, each)[0] @ last.tangent) for each in others[1:]]
         known = [(0.0, last), (length, others[0]), *zip(behind, others[1:], strict=True)]
         way = Way(

@@ -48,14 +48,14 @@ CONTINUED: tuple[Parameter, ...] = get_args(Parameter)
 Direction = Literal["both", "forward", "backward"]
 
 WAYS: dict[str, tuple[int, ...]] = {"both": (0, 1), "forward": (0,), "backward": (1,)}
-# Points between two pieces that a study keeps.
+# Number of points in each piece that a study stores.
 PIECE = 50
-# What is kept of these points, as arrays.
+# What is stored of these points, as arrays.
 KEPT = (
     *("unknowns", "tangents", "special_place", "special_kind", "special_unknowns"),
     *("special_tangents", "length", "end"),
 )
-NO_REASON = {"reason": np.array("")}  # as before reasons were kept
+NO_REASON = {"reason": np.array("")}  # for old files without reasons
 FORM: Form[Arrays] = Form(
     "stretch of a branch",
     dict,
@@ -74,7 +74,7 @@ def continue_cycle(
     study: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Follow a limit cycle over a parameter, round folds and through grazes.
+    """Follow a limit cycle over a parameter, around folds and through grazes.
 
     Parameters
     ----------
@@ -82,25 +82,26 @@ def continue_cycle(
         The rotor.
     start : array_like, shape (4,), or Dataset
         A start ``(x, y, vx, vy)`` that leads to the cycle [1], by default at rest on the axis; or
-        what `limit_cycle` returned; or one point of a branch, ``branch.isel(point=...)``; or one of
-        its special points,
-        ``branch.isel(special=...)``: at a period doubling the branch of doubled cycles is followed.
+        the result of `limit_cycle`; or one point of a branch, ``branch.isel(point=...)``; or one of
+        its special points, ``branch.isel(special=...)``. From a period doubling the branch of
+        doubled cycles is followed.
     parameter : {"omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", \
             "friction", "disc_radius"}
-        The parameter to vary; the others stay as they are. A load cannot fall to 0, where cycles
-        have other periods.
+        The parameter to vary; the others are constant. A load cannot reach 0, where cycles have
+        other periods.
     limits : tuple of float
-        The least and the largest value of it [1].
+        Its smallest and largest value [1].
     direction : {"both", "forward", "backward"}
-        Which way to go from the start. Forward is towards larger values of the parameter, or from a
-        point of a branch on along that branch. From where a period doubles there is but one way.
+        Direction from the start. Forward is towards larger values of the parameter, or from a point
+        of a branch onwards along that branch. From a period doubling there is only one direction.
     points : int
         The largest number of points each way.
     study : path-like, optional
-        Folder in which points are kept as they are found. If it holds some already, only the others
-        are sought, to the same bits. It must be new, empty, or of a study of this very branch.
+        Folder in which points are stored as they are found. Points that it contains already are not
+        computed again; the result is identical bit for bit. It must be new, empty, or of a study of
+        the same branch.
     progress : callable, optional
-        Called with the number of points found and the largest there can be.
+        Called with the number of points found and the largest possible number.
 
     Returns
     -------
@@ -111,9 +112,9 @@ def continue_cycle(
         [1]. On ``special``, in order along the branch, ``special_kind`` (fold, period doubling,
         graze, torus, sliding, hopf), ``special_value`` of the parameter, ``special_period`` and the
         state there; ``special_point`` is the point before it. The attribute ``closed`` is 1 if the
-        branch comes back to its beginning; ``first_end`` and ``last_end`` say why it ends, and
-        ``first_reason`` and ``last_reason`` what stood in the way where no step led on, or what
-        hides the multipliers.
+        branch returns to its beginning. ``first_end`` and ``last_end`` are the kinds of its ends,
+        ``first_reason`` and ``last_reason`` explain why no step was possible, or what hides the
+        multipliers.
 
     Raises
     ------
@@ -124,23 +125,26 @@ def continue_cycle(
 
     Notes
     -----
-    Pseudo-arclength continuation by Keller of ``(s, T, p)``, a state, the period and the parameter,
-    by single shooting with Taylor series of order 19; see docs/cycles.md. With M the monodromy
-    matrix and ``q = exp(-2 zeta T)`` a fold is a zero of ``2 (1 + q) - tr M``, a period doubling
-    one of ``tr M``; a graze is where the number of contacts changes, and an extremum of the radius
-    touches the ring; likewise ``sliding`` is where the number of times changes that the disc begins
-    to roll, or slides the other way: there the slip speed just comes to 0, multipliers jump, and
-    the branch has a corner, round which it is followed. With contact damping, friction or a load
-    there are no such pairs of multipliers, and
-    the products of ``1 - mu`` and of ``1 + mu`` over those that are not trivial stand in; there a
+    Keller's pseudo-arclength continuation of ``(s, T, p)``, a state, the period and the parameter,
+    by single shooting with Taylor series of order 19; see docs/cycles.md. Let M be the monodromy
+    matrix and ``q = exp(-2 zeta T)``. A fold is a zero of ``2 (1 + q) - tr M``, a period doubling
+    one of ``tr M``. At a graze the number of contacts changes: an extremum of the radius touches
+    the stator. At ``sliding`` the number of times changes that the disc begins to roll or slides
+    the other way: the slip speed just reaches 0, multipliers jump, and the branch has a corner,
+    around which it is followed.
+
+    With contact damping, friction or a load the multipliers do not form such pairs. Then the test
+    functions are the products of ``1 - mu`` and of ``1 + mu`` over the nontrivial multipliers. A
     complex pair may cross the unit circle, where the product of ``1 - mu_i mu_j`` is 0: a torus is
-    born, on which the motion never repeats itself. Under a load the period is that of k
-    revolutions, ``k 2 pi/omega``, all along the branch. Each is found to rounding along the branch.
-    A branch ends at the limits, closed, at ``halved`` (a doubled cycle has come back to one of half
-    its period), at ``hopf`` (its cycles shrink to a whirl, from which they are born: located by the
-    closed form), at ``contact_free`` (its last contact vanishes), where no step can be taken, after
-    `points`, or, where the trace does not tell all, at ``too_unstable``: neighbours part so far in
-    a period that rounding hides the multipliers, as where the period grows without bound.
+    born, on which the motion never repeats. Under a load the period is that of k revolutions,
+    ``k 2 pi/omega``, along the whole branch. Special points are located to rounding.
+
+    A branch ends at the limits, closed, at ``halved`` (a doubled cycle has become one of half its
+    period), at ``hopf`` (its cycles shrink to the whirl from which they are born, located by the
+    closed form), at ``contact_free`` (its last contact vanishes), where no step can be taken, or
+    after `points`. With other multipliers than pairs it may end at ``too_unstable``: neighbouring
+    orbits separate so far in a period that rounding hides the multipliers, as where the period
+    grows without bound.
 
     References
     ----------
@@ -164,7 +168,7 @@ def continue_cycle(
 
 
 def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, float]:
-    """Return the limits of a parameter if they can be used and hold that of the rotor."""
+    """Return the limits of a parameter if they are valid and contain that of the rotor."""
     values = check_vector("limits", limits)
     if values.size != 2 or not 0.0 <= values[0] < values[1]:
         raise InputError(f"limits must be two increasing numbers from 0 on, got {shown(limits)}")
@@ -176,19 +180,19 @@ def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, f
     here = getattr(rotor, parameter)
     if parameter == "disc_radius" and rotor.friction == 0.0:
         raise InputError(
-            "friction must be above 0 for disc_radius to be continued, got 0.0: without it nothing "
-            "hangs on the disc"
+            "friction must be above 0 for disc_radius to be continued, got 0.0: without it the "
+            "disc has no effect"
         )
     if parameter == "load" and here == 0.0:
         raise InputError(
-            "load must be above 0 to be continued, got 0.0: without one a cycle has a period of "
-            "its own"
+            "load must be above 0 to be continued, got 0.0: without a load cycles have other "
+            "periods"
         )
     if parameter == "delta0" and here == 0.0:
         raise InputError("delta0 must be above 0 to be continued, got 0.0")
     if not low <= here <= high:
         raise InputError(
-            f"limits must hold the {parameter} of the start, {here!r}, got {shown(limits)}"
+            f"limits must contain the {parameter} of the start, {here!r}, got {shown(limits)}"
         )
     return low, high
 
@@ -239,7 +243,7 @@ def branch_from(
 def follow_sides(
     branch: Continuation, ways: tuple[int, ...], kept: Results[Arrays], progress: Progress | None
 ) -> tuple[Side, Side]:
-    """Follow a curve of cycles forward, 0, and backward, 1; a side not wanted keeps one point."""
+    """Follow a curve of cycles forward, 0, and backward, 1; an unused side keeps one point."""
     sides = (Side([branch.first]), Side([branch.first.reversed()]))
     pieces, total = dict(kept.results()), len(ways) * (branch.most - 1)
     for way in ways:
@@ -264,7 +268,7 @@ def follow_sides(
 
 
 def _counted(branch: Continuation, side: Side, added: int, left: int) -> int:
-    """Return for how many points a piece counts: the last one for all that are not needed."""
+    """Return the number of points that a piece counts as: the last one includes unused points."""
     if side.end == CLOSED:
         return left
     return added + branch.most - len(side.points) if side.end else added
@@ -292,7 +296,7 @@ def _stacked(rows: list[Values], size: int) -> Values:
 
 
 def _restore(branch: Continuation, side: Side, piece: Arrays) -> None:
-    """Do the reverse of `_piece`: put what a study has kept behind what is there."""
+    """Append the points of a stored piece to a side: the inverse of `_piece`."""
     kinds = by_number(SPECIAL)
     for unknowns, tangent in zip(piece["unknowns"], piece["tangents"], strict=True):
         side.points.append(_point(branch, unknowns, tangent, side.points[-1]))

@@ -1,4 +1,4 @@
-"""The numbers of limit cycles as labelled columns: of one, of a branch, of a bifurcation curve."""
+"""Limit cycles, branches and bifurcation curves as labelled datasets."""
 
 from __future__ import annotations
 
@@ -45,19 +45,19 @@ from rotor_ida.schema import (
 )
 from rotor_ida.simulation.neighbours import RTOL
 
-# The error of a cycle comes from further solutions with a looser tolerance,
+# The error of a cycle is estimated from further solutions with a looser tolerance,
 LOOSER_RTOL = 30.0 * RTOL
-# begun at these parts of the period, where rounding is another as well:
+# begun at these fractions of the period, where rounding differs too:
 ELSEWHERE = (0.23, 0.52, 0.81)
-# so many times their largest difference.
+# this multiple of their largest difference.
 ERROR_SAFETY = 5.0
-# Under a load these begin where they may, with tolerances looser by
+# Under a load these begin where the period allows, with tolerances looser by
 LOOSER_STILL = (1.0, 3.0, 10.0)
-# Samples of one period, for the spectrum and the picture: a power of two.
+# Samples of one period, for the spectrum and plots: a power of two.
 SAMPLES = 1024
-# What moves at less than this part of the spin speed, by rounding, stands still.
+# Below this fraction of the spin speed a motion is stationary, up to rounding.
 STANDS_STILL = 1e-9
-# Lines of the spectrum are told that come to this part of the strongest.
+# Smallest spectral line that is reported, relative to the strongest.
 WEAKEST_LINE = 1e-6
 
 
@@ -99,7 +99,7 @@ def state_columns(states: Values, dim: str, prefix: str = "") -> dict[str, xr.Va
 
 
 def of_cycle(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike) -> xr.Variable:
-    """Return a variable of limit cycles, labelled so where its name serves other things too."""
+    """Return a variable of limit cycles, with its separate label if the name has other uses."""
     quantity = QUANTITIES[f"cycle_{name}" if f"cycle_{name}" in QUANTITIES else name]
     return xr.Variable(dims, np.asarray(values), quantity.attributes())
 
@@ -112,7 +112,7 @@ def _of(cycles: Sequence[Cycle], name: str) -> Values:
 
 
 def cycle_dataset(rotor: Rotor, guess: Guess, cycle: Cycle | None, response: str) -> xr.Dataset:
-    """Return a limit cycle, or what there is instead, as a labelled dataset."""
+    """Return a limit cycle, or the response found instead, as a labelled dataset."""
     coordinates: dict[str, Column] = {name: ((), value) for name, value in rotor.given.items()}
     coordinates["multiplier"] = ("multiplier", np.arange(4))
     attributes = provenance({"method": "taylor", "flight": "exact", "rtol": RTOL}) | {
@@ -162,7 +162,7 @@ def _columns(cycle: Cycle) -> dict[str, xr.Variable]:
 def _solved_again(cycle: Cycle, states: Values, stop: Stop) -> list[Cycle]:
     """Return further solutions with looser tolerances, begun elsewhere on the cycle.
 
-    There rounding is another as well. Under a load they can begin after whole revolutions only.
+    Rounding differs there too. Under a load they can begin only after whole revolutions.
     """
     rotor, period = cycle.rotor, cycle.period
     if rotor.load == 0.0:
@@ -199,7 +199,7 @@ def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
 
 
 def lines_of(states: Values) -> tuple[Values, Values]:
-    """Return of all lines at ``omega + k 2 pi/T`` the order k and the amplitude.
+    """Return order k and amplitude of all lines at ``omega + k 2 pi/T``.
 
     `states`, shape (n + 1, 4), are one period on the rotating axes, at equal times, both ends
     included.
@@ -210,9 +210,9 @@ def lines_of(states: Values) -> tuple[Values, Values]:
 
 
 def whirl_of_cycle(cycle: Cycle, states: Values) -> dict[str, float]:
-    """Return sense and speed of the whirl on a cycle, and its strongest line beside 1X.
+    """Return sense and speed of the whirl on a cycle, and its strongest line other than 1X.
 
-    `states` are one period as for `lines_of`. What stands still is no whirl.
+    `states` are one period as for `lines_of`. A stationary line is no whirl.
     """
     omega, period = cycle.rotor.omega, cycle.period
     orders, sizes = lines_of(states)
@@ -240,7 +240,7 @@ def whirl_of_cycle(cycle: Cycle, states: Values) -> dict[str, float]:
 
 
 def static_order(cycle: Cycle) -> float | None:
-    """Return the order of the line that stands still under a load; None without."""
+    """Return the order of the line at frequency 0 under a load; None without a load."""
     return -float(revolutions_of(cycle.rotor, cycle.period)) if cycle.rotor.load > 0.0 else None
 
 
@@ -272,7 +272,7 @@ def _none(response: str) -> dict[str, xr.Variable]:
 
 
 def start_attributes(guess: Guess) -> dict[str, object]:
-    """Return from where a curve of cycles was followed, as attributes of its dataset."""
+    """Return, as attributes, the start from which a curve of cycles was followed."""
     return {
         "start": guess.state,
         "start_period": guess.period or math.nan,
@@ -285,7 +285,7 @@ def branch_dataset(
 ) -> xr.Dataset:
     """Return both sides, forward and backward, of a curve of cycles, from end to end.
 
-    `parameters` vary, in their order among the unknowns; the others are those of `rotor`.
+    `parameters` vary, in the order of the unknowns; the others are those of `rotor`.
     """
     forward, backward = sides
     before = len(backward.points) - 1

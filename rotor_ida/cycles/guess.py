@@ -1,4 +1,4 @@
-"""What a limit cycle is sought from: a state, a cycle found before, or a point of a branch."""
+"""Guesses of a limit cycle: a state, a known cycle, or a point of a branch."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DOUBLING = "period_doubling"
 NO_CYCLE = "start must be a limit cycle, got a result without one"
 # No cycle has a shorter period,
 SHORTEST_PERIOD = 1e-6
-# and an orbit over a longer time takes too long to be closed.
+# and orbits over a longer time take too long to close.
 LONGEST_PERIOD = 1e4
 
 
@@ -33,11 +33,11 @@ class Guess:
     state : ndarray, shape (4,)
         ``(x, y, vx, vy)`` on the rotating axes [1].
     period : float or None
-        About its period [1]; None where it is not known.
+        Its approximate period [1]; None if not known.
     special : str
-        What kind of special point of a branch it is; empty if it is none.
+        Kind of special point of a branch; empty if it is none.
     slope : float
-        Rate of the continued parameter along the branch that it is a point of; else 1.
+        Rate of the continued parameter along its branch; 1 if it is not a point of one.
     """
 
     rotor: Rotor
@@ -48,10 +48,10 @@ class Guess:
 
 
 def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
-    """Return the guess that a start is: a state, a cycle, or one point of a branch.
+    """Return the guess given by a start: a state, a cycle, or one point of a branch.
 
-    A point of a branch, special or not, brings its continued parameter and its period; a state has
-    none but that given. InputError if it is none of these, or of another rotor.
+    A point of a branch, special or not, sets the continued parameter and the period; a state has
+    only the given period. InputError if it is none of these, or of another rotor.
     """
     if not isinstance(start, xr.Dataset):
         state = np.array(check_state("start", start))

@@ -1,4 +1,4 @@
-"""The limit cycle that a start leads to, or that lies near a guess."""
+"""Find the limit cycle to which a start leads, or which lies near a guess."""
 
 from __future__ import annotations
 
@@ -29,88 +29,89 @@ from rotor_ida.steady.follow import FAILED, follow_to_steady_state
 from rotor_ida.steady.response import UNRESOLVED
 
 NOT_FOUND = "not_found"
-# The rotor is followed to its cycle with the default tolerance of a sweep; Newton's method takes
-# over from there.
+# The rotor is followed to its cycle with the default tolerance of a sweep; Newton's method then
+# refines the cycle.
 STEADY_STATE_RTOL = 1e-10
-# A start that comes back to itself this near, in parts of its size, is a guess of the cycle there,
-# which need not attract it.
+# A start that returns to itself to this fraction of its size is a guess of a nearby cycle, which
+# need not attract it.
 NEAR_ITSELF = 1e-3
-# So much time it has to come back: cycles that the sweeps of Fig. 11 meet have periods up to 44.
+# Time limit for the return: cycles in the sweeps of Fig. 11 have periods up to 44.
 RETURN_TIME = 100.0
-# The cycle may be farther from the start than it comes back, by this factor: an orbit misses itself
-# by its distance from the cycle times 1 - mu only. So far it must have been away, too.
+# The cycle may be farther from the start than the return is, by this factor: an orbit misses itself
+# only by its distance from the cycle times 1 - mu. It must also have been away by that distance.
 FARTHER = 10.0
-# Samples in which a passage is sought; between them the motion is taken to be straight.
+# Samples in which a return is sought; between them the motion is interpolated linearly.
 SAMPLES_A_TIME = 50
 SAMPLES_A_REVOLUTION = 200
-# A period under a load may be given to this part of a revolution.
+# Tolerance of a given period under a load, as a fraction of a revolution.
 WITHIN_A_REVOLUTION = 0.1
-# Under a load the rotor is looked at once a revolution, over so many of these.
+# Under a load the rotor is sampled once a revolution, over this number of revolutions.
 REVOLUTIONS = 128
-# A motion that no window of fewer has shown to settle has come to a cycle if it misses itself then
-# by this part of its size at most.
+# A motion that has not settled in shorter windows has reached a cycle if it then misses itself by
+# at most this fraction of its size.
 COME_BACK = 1e-6
 
 
 def limit_cycle(
     rotor: Rotor, *, start: npt.ArrayLike | xr.Dataset = AT_REST, period: float | None = None
 ) -> xr.Dataset:
-    """Return the limit cycle that a start leads to, or that lies near a guess.
+    """Compute the limit cycle to which a start leads, or which lies near a guess.
 
     Parameters
     ----------
     rotor : Rotor
-        The rotor; it must turn and be damped.
+        The rotor. It must turn and be damped.
     start : array_like, shape (4,), or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1], by default at rest on the axis. One that comes back to
-        itself to a part of 1e-3 is taken for a guess of a cycle, stable or not; from any other the
-        rotor is followed to its attractor. Or another limit cycle, or one point of a branch, as a
-        guess.
+        ``(x, y, vx, vy)`` at time 0 [1], by default at rest on the axis. A start that returns to
+        itself to a relative 1e-3 is taken as a guess of a cycle, stable or not. From any other
+        start the rotor is followed to its attractor. Another limit cycle, or one point of a branch,
+        serves as a guess.
     period : float, optional
-        About the period of the cycle, or a multiple of it, from 1e-6 to 1e4 [1]: then Newton's
-        method begins at the start itself. Under a load it is within a tenth of a revolution of a
-        whole number of these.
+        Approximate period of the cycle, or a multiple of it, from 1e-6 to 1e4 [1]: Newton's method
+        then begins at the start itself. Under a load it must be a whole number of revolutions to
+        within a tenth.
 
     Returns
     -------
     Dataset
-        ``response``: ``bouncing``, ``full_contact``, or with friction ``rolling``, which is dry
-        whip, where there is a limit cycle; else what there is instead, also ``quasi_periodic``, or
-        ``not_found``, and all that follows is NaN. The ``period`` on the rotating axes and
-        ``period_error``, ``radius_min``, ``radius_max``, ``contact_count`` in a period,
-        ``largest_force``, ``impulse_per_period``, ``stability``, ``residual`` [1]. On
-        ``multiplier``, by falling modulus, ``multiplier_real``, ``multiplier_imag`` and
-        ``multiplier_error``. On ``t`` one period of ``x y vx vy``, read on the rotating axes. On
-        ``line`` the spectrum on fixed axes: ``frequency``, ``whirl_amplitude`` and ``line_kind``;
-        ``side_line_over_spin`` is the frequency of the strongest beside that of the spin, over the
-        spin speed. ``whirl_over_spin`` and ``whirl_sense`` are those of the motion, as of
-        `rotor_ida.whirl_ratio`.
+        ``response``: for a limit cycle ``bouncing`` (intermittent rub), ``full_contact`` (full
+        annular rub), or with friction ``rolling`` (dry whip). Otherwise the response found instead,
+        also ``quasi_periodic`` or ``not_found``; then all other variables are NaN. The ``period``
+        on the rotating axes and ``period_error``, ``radius_min``, ``radius_max``,
+        ``contact_count`` in a period, ``largest_force``, ``impulse_per_period``, ``stability``,
+        ``residual`` [1]. On ``multiplier``, by decreasing modulus, ``multiplier_real``,
+        ``multiplier_imag`` and ``multiplier_error``. On ``t`` one period of ``x y vx vy``, resolved
+        on the rotating axes. On ``line`` the spectrum on fixed axes: ``frequency``,
+        ``whirl_amplitude`` and ``line_kind``. ``side_line_over_spin`` is the frequency of the
+        strongest line other than 1X, over the spin speed. ``whirl_over_spin`` and ``whirl_sense``
+        are those of the motion, as of `rotor_ida.whirl_ratio`.
 
     Raises
     ------
     InputError
-        If an argument cannot be used, or ``omega`` or ``zeta`` is 0: nothing settles then.
+        If an argument cannot be used, or ``omega`` or ``zeta`` is 0: then there are no attractors.
     SimulationError
-        If Newton's method does not converge from a cycle that was seen, or given.
+        If Newton's method does not converge from a cycle that was simulated or given.
 
     Notes
     -----
-    On the rotating axes the motion is autonomous, and a response that is not synchronous repeats
-    itself there: ``phi(s, T) = s`` with the flow phi, a state s and the period T. Newton's method
-    solves this for both, by Taylor series that follow the orbit and its derivatives through all
-    entries and exits. The multipliers are 1, ``q = exp(-2 zeta T)``, mu and ``q/mu``, so the trace
-    of the monodromy matrix gives them all: the flow is conformally symplectic. How well the matrix,
-    as integrated, obeys this is told by ``trivial_defect`` and ``symplectic_defect``. The errors
-    are five times the largest differences from three more solutions, begun elsewhere on the cycle
-    and with 30 times the tolerance.
+    On the rotating axes the motion is autonomous. A limit cycle repeats itself there:
+    ``phi(s, T) = s`` with the flow phi, a state s and the period T. Newton's method solves this for
+    both, by Taylor series that follow the orbit and its derivatives through all entries and exits.
+    The multipliers are 1, ``q = exp(-2 zeta T)``, mu and ``q/mu``, so the trace of the monodromy
+    matrix gives them all: the flow is conformally symplectic. ``trivial_defect`` and
+    ``symplectic_defect`` show how well the integrated matrix satisfies this. The errors are five
+    times the largest differences from three more solutions, begun elsewhere on the cycle and with
+    30 times the tolerance.
 
     With contact damping or friction there are no such pairs, and the multipliers are eigenvalues of
-    the matrix. Where the disc begins to roll or to slide the other way, friction jumps, and so does
-    the matrix, by a saltation matrix; where a cycle rolls, one multiplier is 0.
-    Under a load, which turns on the rotating axes, a motion repeats itself after whole revolutions
-    only: ``T = k 2 pi/omega``, the state is at time 0, when the load points down on them, and it is
-    a fixed point of the k-th stroboscopic map. No multiplier is trivial, and all four tell the
-    stability. The number k is found in the simulated motion, up to 128.
+    the matrix. Where the disc begins to roll or to slide the other way, friction jumps, and the
+    matrix is multiplied by a saltation matrix; if a cycle rolls, one multiplier is 0.
+
+    Under a load, which rotates on the rotating axes, a motion can repeat itself only after whole
+    revolutions: ``T = k 2 pi/omega``. The state is that at time 0, when the load points down on
+    these axes, a fixed point of the k-th stroboscopic map. No multiplier is trivial, and the
+    stability depends on all four. The number k is found from the simulated motion, up to 128.
 
     References
     ----------
@@ -137,14 +138,14 @@ def limit_cycle(
 
 
 def check_turns_and_settles(rotor: Rotor) -> None:
-    """Refuse a rotor that has no limit cycles."""
+    """Raise InputError for a rotor that has no limit cycles."""
     for name in ("omega", "zeta"):
         if getattr(rotor, name) == 0.0:
             raise InputError(f"{name} must be above 0 for a limit cycle, got 0.0: nothing settles")
 
 
 def check_revolutions(guess: Guess) -> None:
-    """Refuse a period under a load that is no whole number of revolutions."""
+    """Raise InputError if a period under a load is not a whole number of revolutions."""
     if guess.period is None or guess.rotor.load == 0.0:
         return
     revolution = period_of(guess.rotor, 1)
@@ -157,7 +158,7 @@ def check_revolutions(guess: Guess) -> None:
 
 
 def checked_guess(rotor: Rotor, start: object) -> Guess:
-    """Return the guess that a start is, of a rotor that has limit cycles."""
+    """Return the guess given by a start, for a rotor that has limit cycles."""
     guess = guess_of(rotor, start)
     check_turns_and_settles(guess.rotor)
     check_revolutions(guess)
@@ -165,7 +166,7 @@ def checked_guess(rotor: Rotor, start: object) -> Guess:
 
 
 def with_period(guess: Guess) -> Guess:
-    """Return a guess with its period: the cycle that it leads to where it has none."""
+    """Return a guess with its period; without one, the cycle to which it leads."""
     if guess.period is not None:
         return guess
     cycle = cycle_from(guess.rotor, guess.state)
@@ -173,7 +174,7 @@ def with_period(guess: Guess) -> Guess:
 
 
 def cycle_from(rotor: Rotor, state: Values) -> Cycle:
-    """Return the limit cycle that a start leads to; InputError if there is none."""
+    """Return the limit cycle to which a start leads; InputError if there is none."""
     check_can_be_followed(rotor, _state_of(state), settling=True)
     cycle, response = interruptible(lambda stop: found_cycle(Guess(rotor, state), stop))
     if cycle is None:
@@ -184,9 +185,9 @@ def cycle_from(rotor: Rotor, state: Values) -> Cycle:
 
 
 def found_cycle(guess: Guess, stop: Stop) -> tuple[Cycle | None, str]:
-    """Return the limit cycle that a guess leads to, or None, and the kind of response.
+    """Return the limit cycle to which a guess leads, or None, and the kind of response.
 
-    SimulationError if Newton's method does not converge from a cycle that was seen, or given.
+    SimulationError if Newton's method does not converge from a cycle that was simulated or given.
     """
     rotor, state = guess.rotor, guess.state
     if guess.period is not None:
@@ -214,7 +215,7 @@ def found_cycle(guess: Guess, stop: Stop) -> tuple[Cycle | None, str]:
 
 
 def _near(rotor: Rotor, state: Values, time: float | None, stop: Stop) -> Cycle | None:
-    """Return the cycle to which a start is a guess: it comes back to itself closely, if ever."""
+    """Return the cycle near a start that returns closely to itself; None if it does not."""
     if time is None:
         return None
     try:
@@ -228,9 +229,9 @@ def _near(rotor: Rotor, state: Values, time: float | None, stop: Stop) -> Cycle 
 def _time_of_return_under_load(
     rotor: Rotor, state: Values, part: float, stop: Stop
 ) -> float | None:
-    """Return after how many revolutions an orbit first comes back to a part of itself, as a time.
+    """Return the time after which an orbit first returns, to a fraction of its size.
 
-    There is a state once a revolution, when the load points down on the rotating axes.
+    It is sampled once a revolution, when the load points down on the rotating axes.
     """
     revolution = period_of(rotor, 1)
     ahead = sampled_orbit(rotor, state, revolution, REVOLUTIONS + 1, stop)
@@ -240,14 +241,14 @@ def _time_of_return_under_load(
 
 
 def _of_many_revolutions(rotor: Rotor, state: Values, stop: Stop) -> Cycle | None:
-    """Return the stable cycle that a motion under a load has come to, longer than windows show."""
+    """Return the stable cycle that a motion under a load has reached, if longer than windows."""
     time = _time_of_return_under_load(rotor, state, COME_BACK, stop)
     cycle = _near(rotor, state, time, stop)
     return cycle if cycle is not None and is_stable(cycle.shot) else None
 
 
 def _time_of_return(rotor: Rotor, state: Values, stop: Stop) -> float | None:
-    """Return when an orbit first comes back to its start, if it does within a while."""
+    """Return the time at which an orbit first returns to its start; None if it does not in time."""
     times, misses = returns(rotor, state, RETURN_TIME, FARTHER * NEAR_ITSELF, stop)
     back = np.flatnonzero(misses <= NEAR_ITSELF * float(np.linalg.norm(state)))
     return float(times[back[0]]) if back.size else None
@@ -256,10 +257,10 @@ def _time_of_return(rotor: Rotor, state: Values, stop: Stop) -> float | None:
 def returns(
     rotor: Rotor, state: Values, duration: float, away: float, stop: Stop
 ) -> tuple[Values, Values]:
-    """Return when an orbit passes its start, and by how much it misses it then, across the motion.
+    """Return the times at which an orbit passes its start, and the distances across the motion.
 
-    It counts once it has been `away`, in parts of the size of the state. One passage may give
-    several times close to each other.
+    A passage counts once the orbit has been `away`, relative to the size of the state. One passage
+    may give several times close to each other.
     """
     a_revolution = math.ceil(SAMPLES_A_REVOLUTION * rotor.omega / (2.0 * math.pi))
     samples_a_time = max(SAMPLES_A_TIME, a_revolution)

@@ -1,32 +1,32 @@
-"""The multipliers of a limit cycle, from its monodromy matrix, or from the trace of that alone.
+"""The multipliers of a limit cycle, from its monodromy matrix or from the trace alone.
 
-Damping is uniform: the flow contracts areas at the rate ``exp(-2 zeta t)``, it is conformally
-symplectic [1]_. Over a period T the monodromy matrix M obeys ``M^T S M = q S``, ``q = exp(-2 zeta
-T)``, with S the symplectic form of displacement and momentum on the rotating axes. So its
-multipliers come in pairs of product q. A shift along the cycle is one, 1, and has the partner q;
-the other two are ``mu`` and ``q/mu``, with
+Damping is uniform: the flow contracts areas by ``exp(-2 zeta t)`` and is conformally symplectic
+[1]_. Over a period T the monodromy matrix M obeys ``M^T S M = q S``, ``q = exp(-2 zeta T)``, with S
+the symplectic form of displacement and momentum on the rotating axes. So its multipliers form pairs
+of product q. A shift along the cycle has the multiplier 1, with the partner q; the other two are
+``mu`` and ``q/mu``, with
 
     mu + q/mu = tr M - 1 - q,
 
-a complex pair on the circle of radius sqrt(q), or two real numbers. One number tells all:
-a fold is where ``tr M = 2 (1 + q)``, a period doubling where ``tr M = 0``, and the cycle is stable
-exactly between. A pair cannot cross the unit circle, as its modulus is ``sqrt(q) < 1``: no torus is
-born from a cycle.
+a complex pair on the circle of radius sqrt(q), or two real numbers. The trace determines all: a
+fold is where ``tr M = 2 (1 + q)``, a period doubling where ``tr M = 0``, and the cycle is stable
+exactly between. A complex pair has modulus ``sqrt(q) < 1`` and cannot cross the unit circle: no
+torus is born from a cycle.
 
-So it is with a shaft, too. Contact damping is not uniform, and there are no pairs: there the three
-multipliers beside the trivial one are the eigenvalues of what M leaves of the space across the
-field, a fold is where ``(1 - mu_1) (1 - mu_2) (1 - mu_3)`` vanishes, a doubling where
-``(1 + mu_1) (1 + mu_2) (1 + mu_3)`` does, and a torus may be born: a pair passes the unit circle
-where ``(1 - mu_1 mu_2) (1 - mu_1 mu_3) (1 - mu_2 mu_3)`` vanishes. There two real multipliers may
-have the product 1 as well, which is no bifurcation.
+This also holds with a shaft. Contact damping is not uniform, and there are no pairs: the three
+nontrivial multipliers are the eigenvalues of M restricted to the space across the field. A fold is
+where ``(1 - mu_1) (1 - mu_2) (1 - mu_3)`` vanishes, a doubling where
+``(1 + mu_1) (1 + mu_2) (1 + mu_3)`` does. A torus may be born: a pair passes the unit circle where
+``(1 - mu_1 mu_2) (1 - mu_1 mu_3) (1 - mu_2 mu_3)`` vanishes. This product also vanishes if two real
+multipliers have the product 1, which is no bifurcation.
 
-Friction does not depend on velocity while surfaces slide, so that volumes shrink as they do without
-it, but there are no pairs either; where the disc rolls, neighbours come to roll as well, and one
-multiplier is 0.
+Friction does not depend on velocity while surfaces slide, so volumes shrink as without it, but
+there are no pairs. If the disc rolls, neighbouring orbits begin to roll too, and one multiplier is
+0.
 
-Under a load the motion repeats itself with the load, and no multiplier is trivial: the same
-products run over all four. Without contact damping these are two pairs of product q still, but two
-complex pairs may part from the circle of radius sqrt(q) and cross the unit circle together.
+Under a load the motion has the period of the load, and no multiplier is trivial: the same products
+run over all four. Without contact damping these are still two pairs of product q, but two complex
+pairs may leave the circle of radius sqrt(q) and cross the unit circle together.
 
 References
 ----------
@@ -44,10 +44,10 @@ import numpy as np
 from rotor_ida.arrays import ComplexValues
 from rotor_ida.simulation.neighbours import Shot
 
-# A pair this near the unit circle is on it, where it has been located there.
+# A pair that has been located on the unit circle is within this distance of it.
 ON_CIRCLE = 1e-6
-# The symplectic form ``dx ^ dvx + dy ^ dvy``: the velocity of the rotor, read on the rotating axes,
-# is the momentum of the displacement there.
+# The symplectic form ``dx ^ dvx + dy ^ dvy``: the velocity of the rotor, resolved on the rotating
+# axes, is the momentum of the displacement there.
 FORM = np.kron([[0.0, 1.0], [-1.0, 0.0]], np.eye(2))
 
 
@@ -65,7 +65,7 @@ def contraction(zeta: float, period: float) -> float:
 def fold_test(shot: Shot) -> float:
     """Return ``2 (1 + q) - tr M``: 0 at a fold, and below 0 where a real multiplier is above 1.
 
-    Where the trace does not tell all, the product of ``1 - mu`` over those that are not trivial.
+    If the trace is not sufficient, the product of ``1 - mu`` over the nontrivial multipliers.
     """
     if not has_trace(shot):
         return float(np.prod(1.0 - _others_of(shot)).real)
@@ -75,7 +75,7 @@ def fold_test(shot: Shot) -> float:
 def doubling_test(shot: Shot) -> float:
     """Return ``tr M``: 0 at a period doubling, and below 0 where a real multiplier is below -1.
 
-    Where the trace does not tell all, the product of ``1 + mu`` over those that are not trivial.
+    If the trace is not sufficient, the product of ``1 + mu`` over the nontrivial multipliers.
     """
     if not has_trace(shot):
         return float(np.prod(1.0 + _others_of(shot)).real)
@@ -83,7 +83,7 @@ def doubling_test(shot: Shot) -> float:
 
 
 def torus_test(shot: Shot) -> float:
-    """Return the product of ``1 - mu_i mu_j`` over the pairs of multipliers that are not trivial.
+    """Return the product of ``1 - mu_i mu_j`` over the pairs of nontrivial multipliers.
 
     It is 0 where a complex pair is on the unit circle, and where two real ones have the product 1.
     """
@@ -107,19 +107,19 @@ def is_stable(shot: Shot) -> bool:
 
 
 def has_pairs(shot: Shot) -> bool:
-    """Return whether the multipliers come in pairs: damping is uniform, without friction."""
+    """Return whether the multipliers form pairs: damping is uniform, without friction."""
     return shot.rotor.contact_damping == 0.0 and shot.rotor.friction == 0.0
 
 
 def has_trace(shot: Shot) -> bool:
-    """Return whether the trace tells all: there are pairs, and one of them is 1 and q."""
+    """Return whether the trace determines all: there are pairs, and one of them is 1 and q."""
     return has_pairs(shot) and shot.rotor.load == 0.0
 
 
 def _others_of(shot: Shot) -> ComplexValues:
-    """Return the multipliers that are not trivial: of M across the field at the start.
+    """Return the nontrivial multipliers: those of M across the field at the start.
 
-    Under a load none is.
+    Under a load all four are nontrivial.
     """
     if shot.rotor.load > 0.0:
         return np.asarray(np.linalg.eigvals(shot.monodromy), dtype=np.complex128)
@@ -129,11 +129,11 @@ def _others_of(shot: Shot) -> ComplexValues:
 
 
 def multipliers_of(shot: Shot) -> ComplexValues:
-    """Return the four multipliers of a closed orbit, by falling modulus."""
+    """Return the four multipliers of a closed orbit, by decreasing modulus."""
     if not has_trace(shot):
         trivial = [] if shot.rotor.load > 0.0 else [1.0]
         multipliers = np.append(trivial, _others_of(shot))
-        if shot.rolls:  # but for rounding
+        if shot.rolls:  # up to rounding
             multipliers[np.argmin(np.abs(multipliers))] = 0.0
         return np.asarray(multipliers[np.argsort(-np.abs(multipliers), kind="stable")])
     q = _contraction_of(shot)
@@ -151,9 +151,9 @@ def multipliers_of(shot: Shot) -> ComplexValues:
 
 
 def multipliers_near(multipliers: ComplexValues, shot: Shot) -> ComplexValues:
-    """Return the four multipliers of a closed orbit in the order of others, those near each other.
+    """Return the four multipliers of a closed orbit in the order of the nearest given ones.
 
-    Of several on one circle rounding decides which is the first by modulus.
+    Rounding alone decides the order by modulus of several on one circle.
     """
     others = multipliers_of(shot)
     if has_trace(shot):
@@ -163,17 +163,17 @@ def multipliers_near(multipliers: ComplexValues, shot: Shot) -> ComplexValues:
 
 
 def defects_of(shot: Shot) -> tuple[float, float]:
-    """Return how far the integrated matrix is from the structure that the multipliers rest on.
+    """Return the deviation of the integrated matrix from the structure assumed for multipliers.
 
     Returns
     -------
     trivial : float
         ``|M f - f|/|f|``, with f the rate of change at the start: 0 if 1 is a multiplier [1]. NaN
-        under a load, where it is none.
+        under a load, where it is not.
     symplectic : float
-        The largest element of ``M^T S M - q S``, as a part of that of ``M^T S M`` with all signs
-        positive: what rounding can do at most is of the order 1e-15 [1]. NaN with contact damping
-        or friction, where there is no such structure.
+        The largest element of ``M^T S M - q S``, relative to that of ``M^T S M`` with all signs
+        positive [1]; about 1e-15 by rounding alone. NaN with contact damping or friction, where
+        there is no such structure.
     """
     rate, matrix = shot.start_rate, shot.monodromy
     trivial = np.linalg.norm(matrix @ rate - shot.end_rate) / np.linalg.norm(rate)

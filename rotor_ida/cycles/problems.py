@@ -1,15 +1,15 @@
-"""The curves of limit cycles that are followed: cycles over a parameter, bifurcations over two.
+"""Curves of limit cycles to follow: cycles over a parameter, bifurcations over two.
 
-Beside the equations of shooting a third condition holds on a curve of bifurcations: a test function
-of the monodromy matrix M, ``2 (1 + q) - tr M`` for a fold or ``tr M`` for a doubling, is 0; for a
-torus, and in general, see `rotor_ida.cycles.multipliers`. It is smooth, and no eigenvalue has to be
-followed. A cusp, where two folds meet, is where the curve turns back in the plane of the
-parameters, though not in the space of all unknowns. A curve of torus points ends where the pair on
-the unit circle becomes real, at 1 or -1.
+A curve of bifurcations satisfies one more condition beside the shooting equations: a test function
+of the monodromy matrix M is 0, ``2 (1 + q) - tr M`` for a fold or ``tr M`` for a doubling. For a
+torus and in general, see `rotor_ida.cycles.multipliers`. The test function is smooth, and no
+eigenvalue has to be followed. At a cusp, where two folds meet, the curve turns back in the plane of
+the parameters, though not in the space of all unknowns. A curve of torus points ends where the pair
+on the unit circle becomes real, at 1 or -1.
 
-Where the contact's stiffness or damping begins at once, M changes like a root beyond a graze: at
-the ring in a linear contact, and at the state in which the contact with damping just does not come
-loose. There such a curve has a corner, and may end.
+If the stiffness or damping of the contact begins abruptly, M changes like a root beyond a graze: at
+the stator in a linear contact, and at the state in which a damped contact is just not lost. There
+such a curve has a corner, and may end.
 """
 
 from __future__ import annotations
@@ -46,45 +46,46 @@ TESTS: dict[str, Callable[[Shot], float]] = {
     DOUBLING: doubling_test,
     TORUS: torus_test,
 }
-# Where the (first) parameter stands among the unknowns, behind the state and the period.
+# Index of the (first) parameter among the unknowns, after the state and the period.
 PLACE = 5
-# A rotor that does not turn, or is not damped, has no cycles; one without a load has others.
+# A rotor at zero speed or without damping has no cycles; one without a load has different ones.
 NEVER_ZERO = ("omega", "zeta", "load")
-# What unknowns are multiplied by for half a period.
+# Factors on the unknowns for half a period.
 HALF = np.array([1.0, 1.0, 1.0, 1.0, 0.5, 1.0])
-# Where the period doubles, doubled cycles are sought aside at these parts of the size of the state,
-# in turn: close to where they leave, and if Newton's method falls back there, farther and nearer.
+# At a period doubling, doubled cycles are sought at these distances, relative to the size of the
+# state, in turn: close to where they branch off, then farther and nearer if Newton's method falls
+# back.
 ASIDE = (1e-3, 3e-3, 1e-2, 3e-4, 1e-4, 3e-5)
-# What was found there is doubled if after half its period it misses its start by this part of that.
+# A cycle found there is doubled if after half its period it misses its start by this fraction of
+# that distance.
 STILL_ASIDE = 0.1
-# Step of the differences by which a test function is differentiated, in parts of the scales: about
-# the root of rounding, and short beside the kink that the trace has at a graze.
+# Step of the finite differences of a test function, relative to the scales: about the root of
+# rounding, and short compared with the kink of the trace at a graze.
 DIFFERENCE = 1e-8
-# The derivatives serve until an unknown has moved by a step: beside a graze they change without
-# bound.
+# The derivatives are reused until an unknown has moved by a step: near a graze they are unbounded.
 KEPT_WITHIN = 1e-8
 
 
 @dataclass(frozen=True, slots=True)
 class Continuation:
-    """A branch of cycles, or a curve of bifurcations, that is to be followed.
+    """A branch of cycles, or a curve of bifurcations, to be followed.
 
     Parameters
     ----------
     line : Curve
-        What takes the steps.
+        The curve that takes the steps.
     name : str
         The (first) parameter.
     first : Point
-        Its first point, led forward.
+        Its first point, directed forward.
     limits : dict of int to tuple of float
-        The least and the largest value [1] of each parameter, by its place among the unknowns.
+        The smallest and largest value [1] of each parameter, by its index among the unknowns.
     most : int
         The largest number of points.
     both : bool
-        Whether it goes on from there both ways; from where a period doubles there is but one.
+        Whether it is followed both ways; from a period doubling there is only one.
     half : Problem, optional
-        The cycles of half the period, to which those of the branch may come.
+        The cycles of half the period, which those of the branch may reach.
     """
 
     line: Curve[Shot]
@@ -141,7 +142,7 @@ def _scale(
     values: Sequence[float],
     limits: Sequence[tuple[float, float]],
 ) -> Values:
-    """Return the sizes of state, period and parameters, in parts of which lengths are measured."""
+    """Return the sizes of state, period and parameters, relative to which lengths are measured."""
     sizes = [value or high - low for value, (low, high) in zip(values, limits, strict=True)]
     return np.array([*[np.linalg.norm(guess.state)] * 4, period, *sizes])
 
@@ -150,17 +151,17 @@ def _scale(
 
 
 def nearest_gap(shot: Shot) -> float:
-    """Return the extremum of the radius that is nearest to the ring, from there: 0 at a graze."""
+    """Return the extremum of the radius nearest to the stator, less the clearance: 0 at a graze."""
     gaps: list[float] = (shot.extrema["radius"] - shot.rotor.delta0).tolist()
     return min(gaps, key=abs)
 
 
 def changes_of(shot: Shot) -> int:
-    """Return how often on an orbit the disc begins to roll, or slides the other way."""
+    """Return the number of times the disc begins to roll, or slides the other way, on an orbit."""
     return int(np.isin(shot.event_kinds, (ROLL, REVERSE)).sum())
 
 
-# What is counted on an orbit; of the second no function of the orbit is 0 where it changes.
+# Counts on an orbit; no function of the orbit is 0 where the second changes.
 COUNTS = {
     GRAZE: Count(contacts_of, nearest_gap),
     SLIDING: Count(changes_of, lambda _shot: math.inf),
@@ -170,7 +171,7 @@ COUNTS = {
 def cycles_over(rotor: Rotor, parameter: str, stop: Stop, revolutions: int) -> Problem[Shot]:
     """Return the cycles of a rotor over one of its parameters.
 
-    Under a load they are those of so many revolutions.
+    Under a load they are those of the given number of revolutions.
     """
     tests: dict[str, Callable[[Point[Shot], Point[Shot]], float]] = {
         FOLD: lambda point, _last: fold_test(point.stretch),
@@ -191,7 +192,7 @@ def cycles_over(rotor: Rotor, parameter: str, stop: Stop, revolutions: int) -> P
 
 
 def may_have_tori(rotor: Rotor, *varied: str) -> bool:
-    """Return whether a torus may be born from cycles of a rotor, some parameters of it varied."""
+    """Return whether a torus may be born from cycles of a rotor with some parameters varied."""
     where = ("contact_damping", "friction", "load")
     return any(name in varied or getattr(rotor, name) > 0.0 for name in where)
 
@@ -199,7 +200,7 @@ def may_have_tori(rotor: Rotor, *varied: str) -> bool:
 def closing_equations(
     shot: Shot, direction: Values, parameters: Sequence[str], revolutions: int
 ) -> tuple[Values, Values]:
-    """Return what the equations of a cycle miss, and their derivatives by all unknowns.
+    """Return the residuals of the equations of a cycle, and their derivatives by all unknowns.
 
     They are those of `shooting_equations`; under a load the last is ``T = k 2 pi/omega`` instead.
     """
@@ -216,10 +217,10 @@ def closing_equations(
 
 
 def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Stop) -> Shot:
-    """Return the orbit that state, period and some parameters mean.
+    """Return the orbit for a state, a period and some parameters.
 
-    Below 0, where no machine is, the orbit is led on along its derivative at 0: so a step may pass
-    a limit there. SimulationError if a parameter cannot be, or the orbit cannot be followed.
+    Below 0, where there is no rotor, the orbit is extrapolated by its derivative at 0, so that a
+    step may pass a limit there. SimulationError if a parameter is impossible or the orbit fails.
     """
     values, below = dict[str, float](), dict[str, float]()
     for name, value in zip(parameters, unknowns[5:].tolist(), strict=True):
@@ -236,9 +237,9 @@ def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Sto
 
 
 def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
-    """Return a point of the doubled branch near a period doubling, led away from it.
+    """Return a point of the doubled branch near a period doubling, directed away from it.
 
-    Its cycles leave along the eigenvector of the multiplier -1, twice round.
+    Its cycles branch off along the eigenvector of the multiplier -1.
     """
     period = guess.period or math.nan
     once = line.problem.shoot(np.append(guess.state, (period, value)))
@@ -257,12 +258,12 @@ def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
         if _half_misses(line, point) > STILL_ASIDE * part:
             return point
     x, y, vx, vy = guess.state.tolist()
-    message = f"no doubled cycle was found beside the one of period {period:.9g}"
+    message = f"no doubled cycle was found near the one of period {period:.9g}"
     raise SimulationError(message, time=0.0, state=(x, y, vx, vy))
 
 
 def _half_misses(line: Curve[Shot], point: Point[Shot]) -> float:
-    """Return by how much half a period misses its start, relative to the size of the state."""
+    """Return the distance after half a period from the start, relative to the size of the state."""
     start = point.stretch.start
     half = line.problem.shoot(point.unknowns * HALF)
     return float(np.linalg.norm(half.end - start) / np.linalg.norm(start))
@@ -308,7 +309,7 @@ def _checked_torus(shot: Shot) -> Cycle:
 class _Gradient:
     """The derivatives of a test function by the unknowns, kept while these do not move.
 
-    Newton's method needs them to find its way, not to say where it has come to.
+    Newton's method needs them only to converge; they do not affect its solution.
     """
 
     def __init__(self, function: Callable[[Values], float], scale: Values) -> None:
@@ -328,5 +329,5 @@ class _Gradient:
 
 
 def _turning(point: Point[Shot], last: Point[Shot]) -> float:
-    """Return how far the parameters move as they did at the point before; 0 at a cusp."""
+    """Return the motion of the parameters along that at the previous point; 0 at a cusp."""
     return float(point.tangent[PLACE:] @ last.tangent[PLACE:])

@@ -1,17 +1,16 @@
-"""Close an orbit by Newton's method: shooting once round, across all entries and exits.
+"""Close an orbit by Newton's method: single shooting across all entries and exits.
 
-Unknown are a state s and the period T, with phi the flow:
+The unknowns are a state s and the period T. With the flow phi,
 
     phi(s, T) = s,    f(s0) . (s - s0) = 0,
 
-the second because any shift along the cycle solves the first: the state may not move along the
-field at the present one. Without the contact there is no cycle: a motion inside the clearance
-closes too, on a circle about the centre of its whirl, but is one of a neutral family.
+The second is needed because any shift along the cycle solves the first: the state may not move
+along the field at the present one. Without contact there is no cycle: a motion inside the clearance
+closes too, on a circle about the centre of its whirl, but belongs to a neutral family.
 
-Under a load the rotating axes do not stand still for all that acts: a motion repeats itself after
-whole revolutions, ``T = k 2 pi/omega``, and begins where the load points down on them. Then the
-period is known, no shift along the cycle solves the equations, and the state is all that is
-unknown.
+Under a load the motion is not autonomous on the rotating axes: it repeats itself after whole
+revolutions, ``T = k 2 pi/omega``, and begins where the load points down on these axes. Then the
+period is known, no shift along the cycle solves the equations, and only the state is unknown.
 """
 
 from __future__ import annotations
@@ -29,26 +28,26 @@ from rotor_ida.model.contact import contact_force
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.neighbours import ATOL, MAXIMUM, RTOL, Shot, shoot
 
-# Steps of Newton's method at most; a guess far off takes some of them to come near.
+# Largest number of Newton steps; a distant guess needs some of them to come near.
 MOST_STEPS = 25
-# No step changes state or period by more than this part: farther off the linear equations fail.
+# Largest relative change of state or period in a step: beyond it the linear equations fail.
 LONGEST_STEP = 0.25
 # A step this small, relative to state and period, leaves an error of its square, below rounding.
 CONVERGED = 1e-9
-# One this small that is no smaller than the one before is the last as well: rounding lets none be.
+# A step this small and no smaller than the one before is the last too: rounding limits it.
 STALLED = 1e3 * CONVERGED
-# A closed orbit misses its start by this part of the state at most, times the size of M, which
-# carries what rounding does at the start: a few thousand roundings.
+# Largest relative gap of a closed orbit, times the size of M, which amplifies rounding at the
+# start: a few thousand roundings.
 LARGEST_MISS = 1e-12
-# On the rotating axes a synchronous whirl stands still: an orbit that moves by less than this part
-# of itself in a unit of time is one, and its period nothing but rounding.
+# On the rotating axes a synchronous whirl is stationary: an orbit that moves by less than this
+# fraction of its size in a unit of time is one, and its period is only rounding.
 STANDSTILL = 1e-10
-# And so is one whose radius varies by no more than this part: a hundred times `CONVERGED`.
+# So is one whose radius varies by at most this fraction: a hundred times `CONVERGED`.
 LEAST_SWING = 1e-7
 FOUND_A_WHIRL = "Newton's method came to a whirl of constant radius"
 LEFT_THE_RING = "Newton's method came to a whirl inside the clearance"
-# An orbit that is back at its start to this part of it before its end goes round more than once;
-# what a closed orbit misses by is far less.
+# An orbit that returns to its start to this fraction before its end repeats a shorter cycle; the
+# gap of a closed orbit is far smaller.
 BACK_AT_START = 1e-8
 
 
@@ -59,7 +58,7 @@ class Cycle:
     Parameters
     ----------
     shot : Shot
-        The orbit, followed once round.
+        The orbit, followed for one period.
     residual : float
         Distance of its end from its start, relative to its size [1].
     """
@@ -111,7 +110,7 @@ class Cycle:
 
     @property
     def _is_backward(self) -> bool:
-        """Whether it whirls backwards, by its angular momentum wherever the radius turns."""
+        """Whether it whirls backwards, by its angular momentum at all extrema of the radius."""
         x, y, vx, vy = self.shot.extrema["state"].T
         return bool((x * vy - y * vx).max() < 0.0)
 
@@ -133,7 +132,7 @@ class Cycle:
 def contacts_of(shot: Shot) -> int:
     """Return the number of contacts on a closed orbit; 0 where it has no entry.
 
-    Where it begins and ends at an entry or an exit, rounding may leave one of these out.
+    If it begins and ends at an entry or an exit, rounding may omit one of these.
     """
     return max(sum(map(math.isfinite, shot.contacts[name].tolist())) for name in ("entry", "exit"))
 
@@ -143,7 +142,7 @@ def close_orbit(
 ) -> Cycle:
     """Return the limit cycle near a state on the rotating axes, shape (4,), and a period.
 
-    Under a load the period is the nearest that there can be.
+    Under a load the period is rounded to whole revolutions.
 
     Raises
     ------
@@ -164,24 +163,24 @@ def close_orbit(
         before = shot
         shot = shoot(rotor, shot.start + step[:4], shot.duration + step[4], stop, rtol)
         if size <= CONVERGED or (size < STALLED and size >= last):
-            # beside a fold or a corner the last step may lead away again
+            # near a fold or a corner the last step may lead away again
             return checked_cycle(shot if _closes(shot) else before)
         last = size
     raise failure(shot, f"Newton's method found no limit cycle in {MOST_STEPS} steps")
 
 
 def revolutions_of(rotor: Rotor, period: float) -> int:
-    """Return the number of revolutions, at least one, that comes nearest to a period."""
+    """Return the number of revolutions, at least one, nearest to a period."""
     return max(1, round(period * rotor.omega / (2.0 * math.pi)))
 
 
 def period_of(rotor: Rotor, revolutions: int) -> float:
-    """Return the time of so many revolutions [1]."""
+    """Return the time of a number of revolutions [1]."""
     return revolutions * 2.0 * math.pi / rotor.omega
 
 
 def once_round(cycle: Cycle, stop: Stop) -> Cycle:
-    """Return a limit cycle over its smallest period, if it was followed round more than once."""
+    """Return a limit cycle over its smallest period, if it was followed over several."""
     most = 1 + int((cycle.shot.extrema["kind"] == MAXIMUM).sum())
     loaded, revolutions = cycle.rotor.load > 0.0, revolutions_of(cycle.rotor, cycle.period)
     for times in range(revolutions if loaded else most, 1, -1):
@@ -199,7 +198,7 @@ def checked_cycle(shot: Shot) -> Cycle:
     Raises
     ------
     SimulationError
-        If it does not close, is a whirl of constant radius, or never touches the ring.
+        If it does not close, is a whirl of constant radius, or never touches the stator.
     """
     residual = _residual(shot)
     if not _closes(shot):
@@ -216,7 +215,7 @@ def checked_cycle(shot: Shot) -> Cycle:
 
 
 def _closes(shot: Shot) -> bool:
-    """Return whether an orbit comes back to its start but for rounding."""
+    """Return whether an orbit returns to its start, up to rounding."""
     return _residual(shot) <= LARGEST_MISS * max(math.hypot(*shot.monodromy.flat), 1.0)
 
 
@@ -251,24 +250,24 @@ def _newton_step(shot: Shot) -> Values:
 
 
 def _solved(shot: Shot, matrix: Values, miss: Values) -> Values:
-    """Return the step that the linear equations ask for."""
+    """Return the solution of the linear equations of a step."""
     try:
         step = np.asarray(np.linalg.solve(matrix, miss), dtype=np.float64)
     except np.linalg.LinAlgError:
         step = np.asarray(np.linalg.lstsq(matrix, miss)[0], dtype=np.float64)
     if not np.isfinite(step).all():
-        raise failure(shot, "Newton's method met an orbit whose neighbours close as well")
+        raise failure(shot, "Newton's method reached an orbit whose neighbours close as well")
     return step
 
 
 def _relative_size(step: Values, shot: Shot) -> float:
-    """Return the size of a step in parts of state and period."""
+    """Return the size of a step relative to state and period."""
     scale = float(np.linalg.norm(shot.start)) or 1.0
     return max(float(np.linalg.norm(step[:4])) / scale, abs(float(step[4])) / shot.duration)
 
 
 def sampled_orbit(rotor: Rotor, state: Values, span: float, count: int, stop: Stop) -> Values:
-    """Return so many states of an orbit, a span apart, on the rotating axes, shape (count, 4)."""
+    """Return `count` states of an orbit, `span` apart, on the rotating axes, shape (count, 4)."""
     times = span * np.arange(count, dtype=np.float64)
     seen = follow_run(
         RunRequest(

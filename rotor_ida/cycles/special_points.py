@@ -1,9 +1,9 @@
-"""Special points on one step along a curve: where a test function is 0, or a count changes.
+"""Special points in one step along a curve: where a test function is 0, or a count changes.
 
-Two zeros of a test function may lie within one step, where it turns on the way. So its values at
-both ends are joined by a polynomial with those at points before, and at others on the way. Where
-that turns so near to 0 that the function might reach it, the curve is followed to that very place,
-and the polynomial is drawn through it too; by how much it was wrong there tells how near is near.
+Two zeros of a test function may lie within one step, if it turns on the way. So a polynomial is
+drawn through its values at both ends, at earlier points, and at others on the way. Where this turns
+so near 0 that the function might reach it, the curve is followed to that place, which is added to
+the polynomial. The error found there decides how near is near enough.
 """
 
 from __future__ import annotations
@@ -26,33 +26,33 @@ if TYPE_CHECKING:
     from rotor_ida.cycles.continuation import Point
 
 
-# Special points are located to this part of the scales: some dozens of roundings.
+# Special points are located to this fraction of the scales: some dozens of roundings.
 FINEST = 1e-14
-# Where a count changes, a step is halved so often before the function that is 0 there is asked
-# for its root: it need change its sign close by only.
+# Where a count changes, number of halvings of a step before the root of the function that is 0
+# there is sought: the function need change sign only nearby.
 FIRST_HALVINGS = 5
-# And so often where the function has no root: to a part of 1e-15 of the step.
+# Number of halvings if the function has no root: to a fraction of 1e-15 of the step.
 MOST_HALVINGS = 50
-# A count may change twice within a step. Where the function comes this near to 0, relative to the
-# size of the state, the middle of the step is looked at too.
+# A count may change twice within a step. If the function comes this near to 0, relative to the
+# size of the state, the middle of the step is examined too.
 NEAR_A_CHANGE = 2e-2
-# A test function is looked at where it seems to turn, if it comes to 0 there within this part of
-# what it changes by: the first polynomial, through few points, may be as wrong as that.
+# A test function is evaluated where it seems to turn, if its value there is within this fraction of
+# its change from 0: the possible error of the first polynomial, through few points.
 UNSURE = 0.5
-# After a look: within so many times what the polynomial was wrong by.
+# After an evaluation: within this multiple of the error of the polynomial.
 CAREFUL = 10.0
-# A polynomial goes through so many points at most, those nearest; through more it swings.
+# Largest number of points of a polynomial, the nearest ones; through more it oscillates.
 MOST_NODES = 6
-# Between two nodes, nodes nearer to each other than this part of half their distance say the same.
+# Between two nodes, others closer together than this fraction of half the gap are redundant.
 APART = 1e-2
-# A turn is known to rounding after a few looks; two turns beside a graze take many.
+# A turn is known to rounding after a few evaluations; two turns near a graze take many.
 MOST_LOOKS = 30
-# A look this near to a known point, in parts of the step, tells nothing new.
+# An evaluation this near a known point, relative to the step, adds nothing.
 KNOWN = 1e-6
-# A test function that passes 0 by no more than this, and turns back, only touches it: so does that
-# of a fold where a branch of doubled cycles comes back to the one that it left.
+# A test function that passes 0 by no more than this and turns back only touches it: as that of a
+# fold does where a branch of doubled cycles returns to the one that it left.
 TOUCH = 1e-7
-# A turn may lie as far outside the step, in parts of it, by the parabola through three points.
+# Distance outside the step, relative to it, at which the parabola through three points may turn.
 OUTSIDE = 0.5
 
 
@@ -85,9 +85,9 @@ S = TypeVar("S", bound=Stretch)
 
 @dataclass(frozen=True, slots=True)
 class Count(Generic[S]):
-    """A whole number of an orbit, and a function that is 0, and changes sign, where it changes.
+    """An integer of an orbit, and a function that changes sign where the integer changes.
 
-    The function need do so only close by.
+    The function need do so only nearby.
     """
 
     number: Callable[[S], int]
@@ -109,14 +109,15 @@ class Way(Generic[S]):
     Parameters
     ----------
     points : dict of float to Point
-        The points known about it, by their length along the tangent: at 0, where it begins, at its
-        own length, and at those of points before.
+        The known points, by their length along the tangent: at 0, where it begins, at its end, and
+        at those of earlier points.
     length : float
         Its length.
     close : callable
         Returns the point at a length, predicted from one nearby.
     about : callable
-        Returns an orbit close to the point at a length, which need not close: it costs a third.
+        Returns an orbit close to the point at a length, which need not close, at a third of the
+        cost.
     """
 
     points: dict[float, Point[S]]
@@ -127,7 +128,7 @@ class Way(Generic[S]):
     def at(self, part: float) -> Point[S]:
         """Return the point a length along the tangent."""
         if part not in self.points:
-            # what is nearer to the beginning than to the place tells nothing of it
+            # points nearer to the beginning than to the place are no use for it
             near = [each for each in self.points if abs(each - part) <= each]
             nearest = min(near, key=lambda each: abs(each - part))
             self.points[part] = self.close(part, self.points[nearest])
@@ -139,7 +140,7 @@ def specials_on(
     tests: Mapping[str, Callable[[Point[S]], float]],
     counts: Mapping[str, Count[S]],
 ) -> list[Special[S]]:
-    """Return the special points of a step, in their order.
+    """Return the special points of a step, in order.
 
     The tests are functions of a point, each 0 at a special point of its name.
     """
@@ -173,24 +174,24 @@ def _sign_changes(
         located += [
             (first, last)
             for first, last in pairwise(sorted(place for place in nodes if place >= low))
-            # a 0 counts as positive, so that one at the very beginning of a curve is met once
+            # a 0 counts as positive, so that one at the beginning of a curve is found once
             if (nodes[first] < 0.0) != (nodes[last] < 0.0)
         ]
     return located
 
 
 def _is_clear(nodes: Mapping[float, float]) -> bool:
-    """Return whether what a function changes by on a step is little beside its value."""
+    """Return whether the change of a function in a step is small compared with its value."""
     least = min(map(abs, nodes.values()))
     return least > max(nodes.values()) - min(nodes.values())
 
 
 def _may_turn_near_zero(nodes: Mapping[float, float], low: float, high: float) -> bool:
-    """Return whether more zeros may hide than the ends tell, by a parabola through three nodes."""
+    """Return whether more zeros are possible than the ends show, by a parabola of three nodes."""
     if any(value * nodes[low] < 0.0 for value in nodes.values()):
         return True
     others = [place for place in nodes if place not in {low, high}]
-    if not others:  # at the beginning, and clear of 0
+    if not others:  # at the beginning, and far from 0
         return False
     third = max(others)
     (a, fa), (b, fb), (c, fc) = sorted((place, nodes[place]) for place in (third, low, high))
@@ -213,8 +214,8 @@ def _look_at_turns(
 ) -> None:
     """Add the values of a test function where it turns near 0 between two places of a step.
 
-    Where the polynomial shows no more such turn, it is put to the test in the middle of its widest
-    gap: beside a graze, where M changes like a root, it is far off at first.
+    If the polynomial shows no more such turns, it is checked in the middle of its widest gap: near
+    a graze, where M changes like a root, it is inaccurate at first.
     """
     begin, known = between[0], KNOWN * (between[1] - between[0])
     unsure, sure = UNSURE * (max(nodes.values()) - min(nodes.values())), False
@@ -240,9 +241,9 @@ def _middle_of_widest_gap(nodes: Mapping[float, float], begin: float) -> tuple[f
 def _turn_near_zero(
     nodes: Mapping[float, float], begin: float, unsure: float, known: float
 ) -> tuple[float, float] | None:
-    """Return where a test function may come to 0 and turn, and its value there; None if nowhere.
+    """Return where a test function may turn near 0, and its value there; None if nowhere.
 
-    That is within `unsure` of 0, and not as near as `known` to a place that is known.
+    The value is within `unsure` of 0, and the place not within `known` of a known place.
     """
     inside = sorted(place for place in nodes if place >= begin)
     for low, high in pairwise(inside):
@@ -262,7 +263,7 @@ def _turn_near_zero(
 def _turns_between(
     nodes: Mapping[float, float], low: float, high: float
 ) -> list[tuple[float, float]]:
-    """Return where the polynomial through the nearest nodes turns between two of them."""
+    """Return the extrema of the polynomial through the nearest nodes between two of them."""
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     polynomial = _polynomial(nodes, low, high)
     roots = polynomial.deriv().roots()
@@ -271,7 +272,7 @@ def _turns_between(
 
 
 def _polynomial(nodes: Mapping[float, float], low: float, high: float) -> Polynomial:
-    """Return the polynomial through the nodes nearest to a gap, which lies from -1 to 1."""
+    """Return the polynomial through the nodes nearest to a gap, scaled to -1 to 1."""
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     nearest = [low, high]
     for place in sorted(nodes, key=lambda place: abs(place - middle)):
@@ -285,7 +286,7 @@ def _polynomial(nodes: Mapping[float, float], low: float, high: float) -> Polyno
 def _zero(
     way: Way[S], between: tuple[float, float], name: str, test: Callable[[Point[S]], float]
 ) -> tuple[float, Special[S]]:
-    """Return where a test function is 0 on a step, and the special point there."""
+    """Return where a test function is 0 in a step, and the special point there."""
     low, high = between
     try:
         place = float(brentq(lambda part: test(way.at(part)), low, high, xtol=FINEST, rtol=FINEST))
@@ -298,7 +299,7 @@ def _zero(
 
 
 def _changes(way: Way[S], name: str, count: Count[S]) -> list[tuple[float, Special[S]]]:
-    """Return where a count changes on a step, and the special points there."""
+    """Return where a count changes in a step, and the special points there."""
     ends = (way.at(0.0).stretch, way.at(way.length).stretch)
     places = [(0.0, ends[0]), (way.length, ends[1])]
     nearest = min(abs(count.sign(each)) for each in ends)

@@ -114,7 +114,8 @@ def test_a_branch_ends_where_its_period_grows_without_bound():
         rotor, start=cycle, limits=(0.5 * rotor.omega, 2.0 * rotor.omega), direction="forward"
     )
     assert branch.attrs["last_end"] == "too_unstable"
-    assert "neighbours part by a factor of 1e+07 in a period of" in branch.attrs["last_reason"]
+    reason = "neighbouring orbits separate by a factor of 1e+07 in a period of"
+    assert reason in branch.attrs["last_reason"]
     last = branch.isel(point=slice(-60, None, 20))
     whirls = synchronous_response(omega=float(last.omega[-1]), **DAMPED).amplitude.values.ravel()
     saddle = float(whirls[np.nanargmin(np.abs(whirls - float(last.radius_max[-1])))])

@@ -1,4 +1,4 @@
-"""The atlas: which attractors a rotor has, and how likely each is, over speed, damping, clearance.
+"""The atlas: attractors of a rotor and their basin fractions over speed, damping and clearance.
 
 *Label the starts of every rotor of a grid; follow each attractor from one to the next; count.*
 """

@@ -1,4 +1,4 @@
-"""One rotor of an atlas: its attractors, and how many of the starts end on each."""
+"""One rotor of an atlas: its attractors, and the number of starts that end on each."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.studies.results import Form
 from rotor_ida.schema import RESPONSE, TRAPPING, by_number
 
-# Of one rotor, so that its labels fit into memory many times.
+# Most starts of one rotor, so that its labels fit into memory many times.
 MOST_STARTS = 1_000_000
-# Of the times after which starts are decided: the median, and that of 95 of 100.
-# What an archived cell knows its rotor by: of the paper's, of a machine, and with a disc radius.
+# Quantiles of the times after which starts are decided: the median, and 95 %.
+# Parameters of the rotor in an archived cell: the paper's, the general ones, and the disc radius.
 OF_MACHINES = (*PARAMETERS, *FRICTIONLESS)
 QUANTILES = (0.5, 0.95)
-# What these are where no start is.
+# Their values without any start.
 NEVER = np.full(2, np.nan)
 RESILIENCE = tuple(each.name for each in fields(Resilience))
 _KIND = by_number(RESPONSE)
@@ -49,10 +49,10 @@ class Member:
 
     attractor: Attractor
     count: int  # number of these starts
-    settling: Values  # median and 95 % of the times after which they are decided [1]; else NaN
+    settling: Values  # median and 95 % of the times after which they are decided [1]; NaN if none
     # on the rotating axes, of a limit cycle, or with friction of a motion without a period [1];
     state: Values  # else NaN
-    # how far it is from being left, to the other attractors in their order; None if not asked for
+    # how far it is from being left, to the other attractors in their order; None if not requested
     resilience: Resilience | None = None
     identity: int = -1  # number of the attractor along the atlas; -1 until it is known
 
@@ -68,13 +68,13 @@ class Cell:
     entropies: tuple[float, float] = (math.nan, math.nan)  # of the basins and of their boundary
     # number of starts labelled again with a smaller error, and of those with the same label
     rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
-    # the largest change of velocity and of place that was tried [1]
+    # the largest change of velocity and of position that was tried [1]
     largest_shocks: tuple[float, float] = (math.nan, math.nan)
 
 
 @dataclass(frozen=True, slots=True)
 class CellJob:
-    """A rotor with its starts, (4, n), the error allowed in a step, and how many shocks to try."""
+    """A rotor with its starts, (4, n), the error per step, and the number of shocks to try."""
 
     rotor: Rotor
     states: Values
@@ -106,7 +106,7 @@ def fill_cell(job: CellJob, stop: Stop) -> Cell:
 
 
 def _state_on(job: CellJob, followed: FollowedStarts, number: int, attractor: Attractor) -> Values:
-    """Return a state on an attractor, where its numbers do not say all."""
+    """Return a state on an attractor, if its numbers do not determine one."""
     own, cycle = np.flatnonzero(followed.labels == number), _cycle_of(followed, attractor)
     if cycle is not None:
         return cycle.state
@@ -118,7 +118,7 @@ def _state_on(job: CellJob, followed: FollowedStarts, number: int, attractor: At
 def _search_among(
     job: CellJob, followed: FollowedStarts, attractors: list[Attractor], stop: Stop
 ) -> Search:
-    """Return the attractors of a rotor with what is needed to look for shocks."""
+    """Return the attractors of a rotor with all that the search for shocks needs."""
     known, subjects = followed.known, []
     for cycle in sorted(followed.cycles, key=attrgetter("radius_max")):
         if known.label_of_cycle(cycle) is None:
@@ -167,12 +167,12 @@ def _as_arrays(cell: Cell) -> Arrays:
 
 
 def _from_arrays(arrays: Arrays) -> Cell:
-    # those that follow the paper's are left out where they are the default
+    # parameters after the paper's are absent where they are the default
     given = zip(ALL_PARAMETERS, arrays["rotor"].tolist(), strict=False)
     cell = Cell(Rotor(**dict(given)))
     cell.undecided, cell.not_computed = arrays["left"].tolist()
     cell.entropies = tuple(arrays["entropies"].tolist())
-    cell.rechecked = arrays.get("rechecked", cell.rechecked)  # not told before
+    cell.rechecked = arrays.get("rechecked", cell.rechecked)  # absent in old files
     cell.largest_shocks = tuple(arrays["largest_shocks"].tolist())
     for place, (kind, trapping, count) in enumerate(
         zip(*(arrays[name].tolist() for name in ("kind", "trapping", "count")), strict=True)
@@ -182,7 +182,7 @@ def _from_arrays(arrays: Arrays) -> Cell:
         member = Member(attractor, count, arrays["settling"][place], arrays["state"][place])
         if "sizes" in arrays:
             kept = {name: arrays[name][place] for name in RESILIENCE if name in arrays}
-            kept.setdefault("scatter", np.full_like(kept["sizes"], np.nan))  # not told before
+            kept.setdefault("scatter", np.full_like(kept["sizes"], np.nan))  # likewise
             member.resilience = Resilience(**kept)
         cell.members.append(member)
     return cell

@@ -1,4 +1,4 @@
-"""Which attractors exist over speed, damping, clearance and the like, and how likely each is."""
+"""Attractors and their basin fractions over speed, damping, clearance and other parameters."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from rotor_ida.simulation.options import LARGEST
 
 # The atlas is drawn over a line or a plane.
 MOST_AXES = 2
-# All rotors with their attractors are in memory at the end.
+# At the end all rotors and their attractors are in memory.
 MOST_ROTORS = 100_000
 
 
@@ -67,36 +67,37 @@ def continue_attractors(
     study: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Return the attractors over speed, damping or clearance, and the fraction of starts on each.
+    """Compute the attractors over speed, damping or clearance, and their basin fractions.
 
     Parameters
     ----------
     omega, zeta, delta0 : float or array_like, shape (n,)
-        Parameters [1]: one or two of all rising arrays, the others numbers; damped throughout.
+        Parameters [1]. In total one or two parameters are increasing arrays, the others numbers.
+        zeta must be above 0.
     shaft_stiffness, contact_exponent, contact_damping : float or array_like, shape (n,)
-        What a machine has beyond the paper's rotor [1]: a dimension where an axis is given, a
-        coordinate where a number is given that is not the default.
+        As for `Rotor` [1]. An array becomes a dimension; a number other than the default becomes
+        a coordinate.
     load : float
-        Must be 0: under a load nothing stands still on the turning axes.
+        Must be 0: under a load there is no synchronous whirl.
     friction : float or array_like, shape (n,)
         Coefficient of friction in the contact [1]; likewise.
     disc_radius : float or array_like, shape (n,), optional
-        Radius of the disc [1], which friction needs; likewise.
+        Radius of the disc [1], required with friction; likewise.
     x, y, vx, vy : float or array_like, shape (2,)
-        Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn,
+        Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn
         independently and uniformly.
     starts : int or array_like, shape (n, 4)
         Number of starts, the same for all rotors; or the starts themselves, ``(x, y, vx, vy)`` [1],
-        drawn from any distribution: then the ranges are left out.
+        drawn from any distribution; the ranges must then be left out.
     seed : int
         Seed of the random numbers: the same seed gives the same starts.
     shocks : int
-        With more than 0, so many shocks of velocity and of displacement are tried to each
-        attractor of each rotor, as for `rotor_ida.touchdown_report`.
+        Number of shocks of velocity and of displacement tried to each attractor of each rotor, as
+        for `rotor_ida.touchdown_report`; with 0 none.
     rtol : float
-        Error allowed in a step, relative to the size of the state and of the eccentricity [1].
+        Error allowed per step, relative to the size of the state and of the eccentricity [1].
     workers, executor, study, progress
-        As for `rotor_ida.basin`; rotors are what is counted and kept.
+        As for `rotor_ida.basin`, but rotors are counted and stored instead of batches.
 
     Returns
     -------
@@ -105,30 +106,29 @@ def continue_attractors(
         ``fraction``, ``fraction_error`` and ``count``; ``amplitude``, ``phase_lag``,
         ``radius_min``, ``radius_max``, ``period``, ``lifetime``, ``lifetime_low``,
         ``settling_median`` and ``settling_95`` [1]; ``kind`` and ``trapping`` as flags. On the
-        parameters ``undecided_fraction``, ``not_computed_count``, ``agreement`` and
-        ``agreement_count`` as `rotor_ida.basin` has them, ``basin_entropy`` and
-        ``boundary_entropy``. With `shocks` on ``attractor`` and ``target`` ``velocity_shock`` and
-        ``displacement_shock``, on ``attractor`` their bounds and the extents of the attractor, as
-        `rotor_ida.touchdown_report` has them. The scalar
-        ``missed_fraction``: an attractor with this part of all starts is missed by the sample with
-        a probability of 5 %.
+        parameters ``undecided_fraction``, ``not_computed_count``, ``agreement``,
+        ``agreement_count``, ``basin_entropy`` and ``boundary_entropy``, as in `rotor_ida.basin`.
+        With `shocks`, as in `rotor_ida.touchdown_report`: ``velocity_shock`` and
+        ``displacement_shock`` on ``attractor`` and ``target``, their bounds and the extents of the
+        attractor on ``attractor``. The scalar ``missed_fraction``: the sample misses an attractor
+        with this fraction of all starts with a probability of 5 %.
 
     Raises
     ------
     InputError
         If an argument cannot be used.
     SimulationError
-        If one of ``"processes"`` died, or the scheduler.
+        If a worker process or the scheduler died.
 
     Notes
     -----
-    Every rotor is labelled as by `rotor_ida.basin_fractions`, all from the same starts; but `rtol`
-    is not chosen by them, and CVODE confirms no attractor. With `shocks` it follows the smallest
-    ones, as the attributes ``witness_method``, ``witness_rtol`` and so on say. An
-    attractor has one number throughout: a limit cycle is followed from rotor to rotor along its
-    branch, a whirl along the exact response curve. One that comes to a rotor where no start ended
-    on it is listed there with the fraction 0: its basin is smaller than the sample can tell. Where
-    a period doubles, the cycle of twice the period is a new attractor.
+    Starts are labelled as by `rotor_ida.basin_fractions`, the same starts for every rotor, but
+    `rtol` is not chosen from them, and CVODE does not confirm attractors. With `shocks`, CVODE
+    follows the smallest ones, with the options in the attributes ``witness_method``,
+    ``witness_rtol`` and so on. An attractor has one number throughout: a limit cycle is followed
+    from rotor to rotor along its branch, a whirl along the exact response curve. If no start of a
+    rotor ends on a followed attractor, it is listed there with the fraction 0: its basin is too
+    small for the sample. Where a period doubles, the cycle of twice the period is a new attractor.
 
     References
     ----------
@@ -184,7 +184,7 @@ def _fill(
     jobs: list[CellJob], kept: Results[Cell], executor: str, workers: int | None,
     progress: Progress | None,
 ) -> str:  # fmt: skip
-    """Follow the starts of each rotor that is not kept; return why one could not be, or nothing."""
+    """Follow the starts of each rotor that is not stored; return why one failed, or nothing."""
     due = [number for number in range(len(jobs)) if number not in kept.done]
     reason = ""
     if progress is not None and kept.points_done:
@@ -219,7 +219,7 @@ def _check_grid(rotors: Rotors) -> Rotors:
 def _states(
     ranges: Mapping[str, npt.ArrayLike], starts: object, seed: object
 ) -> tuple[Values, dict[str, object]]:
-    """Return the starts, shape (4, n), and what tells of them."""
+    """Return the starts, shape (4, n), and their description."""
     if is_scalar("starts", starts):
         count = check_count("starts", starts, maximum=MOST_STARTS)
         chosen = check_seed(seed)
@@ -241,7 +241,7 @@ def _states(
 def _lines(rotors: Rotors) -> list[list[int]]:
     """Return the numbers of the cells along each line of the grid.
 
-    From one law of contact to the other nothing can be followed.
+    Attractors cannot be followed from one contact law to the other.
     """
     numbers = np.arange(rotors.points).reshape(rotors.sizes)
     lines = []

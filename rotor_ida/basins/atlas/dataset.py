@@ -28,11 +28,11 @@ from rotor_ida.schema import (
     labelled_dataset,
 )
 
-# The sample misses an attractor that has more than `missed_fraction` with this probability at most.
+# Largest probability that the sample misses an attractor with more than `missed_fraction`.
 RISK = 0.05
-# Ends of what a parameter may be where an attractor exists.
+# Lower and upper end of the values of a parameter at which an attractor exists.
 SIDES = ("low", "high")
-# What stands where there is no such attractor; in other columns NaN.
+# Fill values where there is no such attractor; other columns use NaN.
 FLAGS = {
     "whirl_sense": WHIRL_DIRECTION["none"],
     "kind": RESPONSE["not_found"],
@@ -75,7 +75,7 @@ def atlas_dataset(
 
 
 def how_computed(tolerance: float, shocks: int, rotor: Rotor) -> dict[str, object]:
-    """Return as attributes what labelled starts and, if any were tried, followed shocks."""
+    """Return, as attributes, the methods for starts and, if any were tried, for shocks."""
     how = labelled_how(tolerance, rotor)
     if shocks:
         how |= followed_by("witness", witness_options())
@@ -83,12 +83,12 @@ def how_computed(tolerance: float, shocks: int, rotor: Rotor) -> dict[str, objec
 
 
 def missed_fraction(starts: int) -> float:
-    """Return the fraction that an attractor may have and yet be missed by so many starts."""
+    """Return the fraction that an attractor may have and still be missed by this many starts."""
     return float(1.0 - RISK ** (1.0 / starts))
 
 
 def member_row(rotor: Rotor, member: Member, computed: int) -> dict[str, float]:
-    """Return the numbers of an attractor by name, of so many starts that were computed."""
+    """Return the numbers of an attractor by name; `computed` is the number of computed starts."""
     attractor = member.attractor
     row = {name: getattr(attractor, name) for name in NUMBERS}
     row |= {"kind": RESPONSE[attractor.kind], "trapping": TRAPPING[attractor.trapping]}
@@ -146,7 +146,7 @@ def _shocks(cells: Sequence[Cell], count: int) -> dict[str, npt.NDArray[np.gener
 
 
 def _flat(attributes: Mapping[str, object]) -> dict[str, object]:
-    """Return attributes that an archive can hold: tables of starts row after row."""
+    """Return attributes that an archive can store: tables of starts row after row."""
     return {
         name: np.ravel(np.asarray(value, dtype=np.float64)) if isinstance(value, list) else value
         for name, value in attributes.items()

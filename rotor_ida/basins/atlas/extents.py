@@ -1,16 +1,16 @@
-"""Extents: between which speeds, dampings and clearances an attractor exists, the others held.
+"""Extents: the ranges of speed, damping and clearance in which an attractor exists, one at a time.
 
-A whirl in contact ends at a fold or where it first touches the ring, a limit cycle at a fold, where
-its period doubles or where a torus is born, the contact-free whirl where it fills the clearance. A
-whirl is followed along its exact curve, over the speed (`response_curve`) or the clearance
-(`clearance_curve`). Over the damping a rotor has one whirl at most of each amplitude, so the curve
+A whirl in contact ends at a fold or where it first touches the stator. A limit cycle ends at a
+fold, a period doubling or a torus point. The contact-free whirl ends where it fills the clearance.
+A whirl is followed along its exact curve, over the speed (`response_curve`) or the clearance
+(`clearance_curve`). Over the damping a rotor has at most one whirl of each amplitude, so the curve
 needs no tracing: it turns at the folds (`fold_locus`) and ends at first touch and at the whirls
-without damping. A limit cycle is followed along its branch, from the rotor at hand; with friction
-one that rolls may end at a corner, where it meets one that does not: that counts as a fold.
+without damping. A limit cycle is followed along its branch, from the given rotor. With friction a
+rolling cycle may end at a corner, where it meets one that does not roll: that counts as a fold.
 
-So it is for the paper's rotor. With a shaft, another contact law, contact damping or friction a
-whirl is followed along its exact amplitudes in small steps, and where it ends is sought among ever
-smaller ones; contact damping and friction may end it at a Hopf point.
+This applies to the paper's rotor. With a shaft, another contact law, contact damping or friction a
+whirl is followed along its exact amplitudes in small steps, which are refined where it ends.
+Contact damping and friction may end it at a Hopf point.
 """
 
 from __future__ import annotations
@@ -44,30 +44,30 @@ from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor, without
 from rotor_ida.schema import STABILITY, WITH_EXTENTS
 
-# What lasts down to this part of a parameter's value is said to last down to zero.
+# Attractors that survive to this fraction of a parameter are assumed to reach zero.
 AT_ZERO = 1e-4
-# A whirl that lasts up to so many times the damping is said to last for any.
+# Whirls that survive to this multiple of the damping are assumed to exist for any.
 FARTHEST_OF_WHIRL = 1e6
-# With hardly any damping a whirl has the amplitude of one without, to this part: its rounding.
+# At tiny damping a whirl has the amplitude of the undamped one, to this relative rounding error.
 UNDAMPED = 1e-12
-# A limit cycle, dearer to follow, is followed up to so many times its value, or 1 if that is more.
+# A limit cycle, which costs more, is followed to this multiple of the value, or to 1 if larger.
 FARTHEST_OF_CYCLE = 50.0
-# A branch of limit cycles is followed for so many points each way: what one that goes on costs.
+# Largest number of points of a branch of limit cycles each way, which bounds its cost.
 MOST_POINTS = 300
-# A whirl of a machine is followed up to so many times a parameter, or this where that is 0,
+# Whirls of other rotors are followed to this multiple of a parameter, or to this value if it is 0,
 FARTHEST_OF_MACHINE = 1e4
-# in so many steps, in each of which its amplitude may change by this part; where it ends lies in
-# one of them, which is divided into so many again, so many times.
+# in this number of steps, with this largest relative change of amplitude in each. The step in which
+# it ends is divided into this number again, this number of times.
 STEPS, MOST_CHANGE, PARTS, DIVISIONS = 1024, 0.1, 64, 8
-# It ends at the ring where its indentation is this part of the clearance or less.
+# It ends at the stator if its indentation is at most this fraction of the clearance.
 AT_RING = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """Where an attractor ends, one way."""
+    """Where an attractor ends in one direction."""
 
-    value: float  # of the parameter [1]; 0 or infinite where it goes on, NaN if that is not known
+    value: float  # of the parameter [1]; 0 or infinite if it does not end, NaN if not known
     kind: str  # one of `rotor_ida.schema.END`
 
 
@@ -75,12 +75,12 @@ UNKNOWN = End(math.nan, "not_found")
 
 
 def varied(rotor: Rotor) -> tuple[str, ...]:
-    """Return the parameters of a rotor that extents are told of."""
+    """Return the parameters of a rotor whose extents are reported."""
     return tuple(name for name in WITH_EXTENTS if name in PARAMETERS or name in rotor.beyond)
 
 
 def extent_of_contact_free(rotor: Rotor, parameter: str) -> tuple[End, End]:
-    """Return between which values the contact-free whirl has room: |w| is at most delta0."""
+    """Return the range in which the contact-free whirl fits: |w| is at most delta0."""
     below, above = End(0.0, "none"), End(math.inf, "none")
     if parameter in ("contact_damping", "friction"):
         return below, above
@@ -106,7 +106,7 @@ def _first_touch(rotor: Rotor, parameter: str) -> float:
 
 
 def _room_with_shaft(rotor: Rotor, parameter: str) -> tuple[float, float]:
-    """Return between which values ``omega**4 <= delta0**2 ((kappa - q)**2 + 4 zeta**2 q)``."""
+    """Return the range in which ``omega**4 <= delta0**2 ((kappa - q)**2 + 4 zeta**2 q)``."""
     omega, zeta, kappa, delta0 = rotor.omega, rotor.zeta, rotor.shaft_stiffness, rotor.delta0
     q = omega * omega
     if parameter == "omega":
@@ -127,7 +127,7 @@ def _room_with_shaft(rotor: Rotor, parameter: str) -> tuple[float, float]:
 
 
 def extent_of_whirl(rotor: Rotor, amplitude: float, parameter: str) -> tuple[End, End]:
-    """Return between which values a stable whirl in contact exists."""
+    """Return the range in which a stable whirl in contact exists."""
     if rotor.beyond:
         value = getattr(rotor, parameter)
         farthest = FARTHEST_OF_MACHINE * (value or 1.0)
@@ -156,9 +156,9 @@ def extent_of_whirl(rotor: Rotor, amplitude: float, parameter: str) -> tuple[End
 
 
 def amplitudes_along(rotor: Rotor, amplitude: float, parameter: str, values: Values) -> Values:
-    """Return the amplitudes that a stable whirl takes on; NaN from where it ends.
+    """Return the amplitudes of a stable whirl at these values; NaN from where it ends.
 
-    Where a branch ends at a fold, the nearest of the others is farther off than it can have moved.
+    A branch has ended at a fold if the nearest other whirl is farther off than it can have moved.
     """
     given = _of_whirls(rotor)
     whirls = synchronous_response(**given | {parameter: values})
@@ -174,12 +174,12 @@ def amplitudes_along(rotor: Rotor, amplitude: float, parameter: str, values: Val
 
 
 def _of_whirls(rotor: Rotor) -> dict[str, float]:
-    """Return what exact whirls have of a rotor: no load, and the radius of the disc moves none."""
+    """Return the parameters that exact whirls depend on: neither load nor disc radius."""
     return without(without(rotor.given, "load"), "disc_radius")
 
 
 def _end_of_steps(rotor: Rotor, amplitude: float, parameter: str, values: Values) -> End:
-    """Return where a stable whirl ends on its way along values, from the rotor's own on."""
+    """Return where a stable whirl ends along values that begin at the rotor's."""
     value, size = _last_of_steps(rotor, amplitude, parameter, values, DIVISIONS)
     if value == values[-1]:
         return End(math.inf if values[-1] > values[0] else 0.0, "none")
@@ -191,7 +191,7 @@ def _end_of_steps(rotor: Rotor, amplitude: float, parameter: str, values: Values
 def _last_of_steps(
     rotor: Rotor, amplitude: float, parameter: str, values: Values, divisions: int
 ) -> tuple[float, float]:
-    """Return the last of the values that a stable whirl comes to, or one between, and its size.
+    """Return the last value that a stable whirl reaches, possibly between steps, and its amplitude.
 
     A step in which it ends, or its amplitude changes by much, is divided into finer ones.
     """
@@ -214,7 +214,7 @@ def _last_of_steps(
 
 
 def _how_whirl_ends(rotor: Rotor, amplitude: float) -> str:
-    """Return how a stable whirl ends that does so beside a rotor."""
+    """Return how a stable whirl ends that does so near a rotor."""
     if amplitude - rotor.delta0 <= AT_RING * rotor.delta0:
         return "touch"
     given = _of_whirls(rotor)
@@ -226,7 +226,7 @@ def _how_whirl_ends(rotor: Rotor, amplitude: float) -> str:
 def extent_of_cycle(
     rotor: Rotor, state: Values, period: float, parameter: str, stop: Stop
 ) -> tuple[End, End]:
-    """Return between which values the stable limit cycle through a state exists."""
+    """Return the range in which the stable limit cycle through a state exists."""
     value = getattr(rotor, parameter)
     farthest = FARTHEST_OF_CYCLE * max(1.0, value)
     try:
@@ -247,7 +247,7 @@ def extent_of_cycle(
 
 
 def _met(side: Side) -> list[End]:
-    """Return where stability was lost on what has been followed, in order."""
+    """Return where stability was lost on the points followed so far, in order."""
     ends = (FOLD, DOUBLING, TORUS)
     names = [
         FOLD if special.name == SLIDING and _turns_after(side, place) else special.name
@@ -267,7 +267,7 @@ def _turns_after(side: Side, place: int) -> bool:
 
 
 def _end_of_side(side: Side, way: int, begin: float) -> End:
-    """Return where a branch of limit cycles ends, one way."""
+    """Return where a branch of limit cycles ends in one direction."""
     if met := _met(side):
         return met[0]
     last = float(side.points[-1].unknowns[PLACE])
@@ -290,7 +290,7 @@ def _end_along_curve(rotor: Rotor, amplitude: float, parameter: str, limit: floa
         curve = clearance_curve(omega=rotor.omega, zeta=rotor.zeta, limits=limits, points=2)
     columns = (parameter, "amplitude", "stability", "in_contact", "piece")
     values, sizes, stability, touching, piece = (curve[name].values.ravel() for name in columns)
-    # the curve is cut at the rotor at hand, so that a piece of it begins or ends with the whirl
+    # the curve is cut at the given rotor, so that a piece of it begins or ends with the whirl
     ends = np.flatnonzero((values == value) & (touching == 1))
     whirl = ends[np.argmin(np.abs(sizes[ends] - amplitude))]
     path = np.flatnonzero(piece == piece[whirl])
@@ -305,7 +305,7 @@ def _end_along_curve(rotor: Rotor, amplitude: float, parameter: str, limit: floa
 
 
 def _extent_over_damping(rotor: Rotor, amplitude: float) -> tuple[End, End]:
-    """Return between which dampings a stable whirl exists; its amplitude falls as they rise."""
+    """Return the range of damping of a stable whirl, whose amplitude falls with damping."""
     lowest, highest = AT_ZERO * rotor.zeta, FARTHEST_OF_WHIRL * rotor.zeta
     turns = [turn for side in fold_locus(RestoringLaw(rotor.delta0), 4.0 * lowest**2)
              for turn in _folds_at_speed(side, rotor.omega)]  # fmt: skip
@@ -326,7 +326,7 @@ def _extent_over_damping(rotor: Rotor, amplitude: float) -> tuple[End, End]:
 
 
 def _folds_at_speed(side: LocusSide, omega: float) -> list[tuple[float, End]]:
-    """Return the amplitudes of the folds of one speed, each with its damping."""
+    """Return the amplitudes of the folds at one speed, each with its damping."""
 
     def faster(u: Values | float) -> Values:
         return np.asarray(u) ** 3 / locus_points(u, side.law, side.side).b - omega**2

@@ -1,9 +1,9 @@
-"""Which attractors of neighbouring rotors are one: each is followed from rotor to rotor.
+"""Identify attractors of neighbouring rotors by following each from rotor to rotor.
 
 A limit cycle is followed along its branch by pseudo-arclength, a whirl along its exact response
-curve. One that comes to the neighbour stable is an attractor there, whether a start ended on it or
-not: a basin that no start has hit is found so. The contact-free family, its touching edge and chaos
-carry on where both neighbours have them; and so do motions with friction that have no period.
+curve. If it reaches the neighbour stable, it is an attractor there, even if no start ended on it:
+this finds basins that no start has hit. The contact-free family, its touching edge, chaos and
+motions with friction that have no period continue if both neighbours have them.
 """
 
 from __future__ import annotations
@@ -31,15 +31,14 @@ from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.steady import response
 
-# From one rotor to the next a branch of limit cycles has at most so many points.
+# Largest number of points of a branch of limit cycles from one rotor to the next.
 MOST_POINTS = 400
-# From one rotor to the next a whirl is followed in so many steps: a twentyfold change in all of its
-# amplitude has been met.
+# Number of steps in which a whirl is followed from one rotor to the next: its amplitude may change
+# twentyfold in all.
 STEPS = 64
-# A whirl is the same as one of the neighbour when their amplitudes agree to this part: both are
-# exact but for rounding.
+# Relative agreement of amplitudes for two whirls to be the same: both are exact to rounding.
 SAME_WHIRL = 1e-9
-# Of these kinds a rotor has one attractor at most, the same as its neighbour's.
+# A rotor has at most one attractor of each of these kinds, the same as its neighbour's.
 SHARED = (response.CONTACT_FREE, response.TOUCHING, response.CHAOTIC)
 # Attractors are numbered in this order of their kinds.
 KINDS = (
@@ -55,13 +54,13 @@ KINDS = (
 
 
 def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) -> int:
-    """Give the attractors of all cells their numbers; return how many there are.
+    """Assign numbers to the attractors of all cells; return how many there are.
 
-    `lines` has the numbers of the cells along each line of the grid, one parameter rising.
+    `lines` contains the numbers of the cells along each line of the grid, one parameter rising.
     Attractors that are found by following others are added to the cells.
     """
     links: list[tuple[Member, Member]] = []
-    joined: set[tuple[int, int]] = set()  # an attractor, and the neighbour that it was found in
+    joined: set[tuple[int, int]] = set()  # an attractor, and the neighbour in which it was found
     for line in lines:
         for way in (list(line), list(reversed(line))):
             for here, there in pairwise(way):
@@ -81,7 +80,7 @@ def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) 
 
 
 def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member | None:
-    """Return what an attractor of a rotor is in a neighbouring cell."""
+    """Return the attractor of a neighbouring cell that continues an attractor of a rotor."""
     kind = member.attractor.kind
     lasting = kind in APERIODIC and math.isnan(member.attractor.period)
     if kind in SHARED or (may_roll(rotor) and lasting):
@@ -107,7 +106,7 @@ def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member 
 
 
 def _of_kind(there: Cell, kind: str) -> Member | None:
-    """Return the attractor that is told by its kind alone, if there is."""
+    """Return the attractor that is identified by its kind alone, if there is one."""
     alike = [each for each in there.members if each.attractor.kind == kind]
     return next((each for each in alike if math.isnan(each.attractor.period)), None)
 
@@ -119,7 +118,7 @@ def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Cyc
     period = member.attractor.period
     limits = (min(begin, end), max(begin, end))
     try:
-        if name == "disc_radius" and here.friction == 0.0:  # no cycle knows it
+        if name == "disc_radius" and here.friction == 0.0:  # no cycle depends on it
             return close_orbit(there, member.state, period, stop)
         guess = Guess(here, member.state, period)
         course = branch_through(guess, name, limits, MOST_POINTS, stop)
@@ -136,9 +135,9 @@ def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Cyc
 
 
 def followed_whirl(amplitude: float, here: Rotor, there: Rotor) -> float:
-    """Return the amplitude that a whirl takes on as parameters change; NaN if it ends."""
+    """Return the amplitude of a whirl after parameters have changed; NaN if it ends."""
     name = _changed(here, there)
-    if name == "disc_radius":  # whirls do not know it
+    if name == "disc_radius":  # whirls do not depend on it
         return amplitude
     begin, end = getattr(here, name), getattr(there, name)
     # amplitudes are powers of a small speed
@@ -157,7 +156,7 @@ def _numbered(cells: Sequence[Cell], links: Sequence[tuple[Member, Member]]) -> 
     members = [each for cell in cells for each in cell.members]
     place = {id(each): number for number, each in enumerate(members)}
     within = [{number} for number, cell in enumerate(cells) for _ in cell.members]  # its cells
-    above = list(range(len(members)))  # each group hangs together below its first member
+    above = list(range(len(members)))  # each group is a tree below its first member
 
     def first_of(member: Member) -> int:
         number = place[id(member)]
@@ -168,7 +167,7 @@ def _numbered(cells: Sequence[Cell], links: Sequence[tuple[Member, Member]]) -> 
 
     for one, other in links:
         first, second = sorted((first_of(one), first_of(other)))
-        # round a cusp the two whirls of one rotor are joined: they stay two
+        # around a cusp the two whirls of one rotor are joined: they stay separate
         if first != second and not within[first] & within[second]:
             above[second] = first
             within[first] |= within[second]
@@ -180,7 +179,7 @@ def _numbered(cells: Sequence[Cell], links: Sequence[tuple[Member, Member]]) -> 
 
 
 def _ordered(members: Sequence[tuple[int, Member]]) -> dict[int, int]:
-    """Return the number of each group: by kind of response, then as they are met."""
+    """Return the number of each group: by kind of response, then in order of occurrence."""
     kinds: dict[int, list[int]] = {}
     for group, each in members:
         kinds.setdefault(group, []).append(KINDS.index(each.attractor.kind))

@@ -1,8 +1,7 @@
-"""Resilience: how far each attractor of a rotor is from being left, by a knock or by drifting.
+"""Resilience: how far each attractor of a rotor is from being left, by a shock or by drift.
 
-For each attractor the smallest shock found to each other one that CVODE, too, follows there; the
-size up to which no shock throws the rotor off, proven or estimated; and the extents of its
-parameters.
+For each attractor: the smallest shock found to each other one, confirmed by CVODE; the size up to
+which no shock leaves it, proven or estimated; and the extents of its parameters.
 """
 
 from __future__ import annotations
@@ -47,19 +46,19 @@ from rotor_ida.steady import response
 
 Flags = npt.NDArray[np.int8]
 
-# Shocks are tried up to so many times the largest attractor or the clearance; of velocity, up to
-# the speed of a whirl of that size.
+# Shocks are tried up to this multiple of the largest attractor or the clearance; shocks of
+# velocity up to the speed of a whirl of that size.
 LARGEST = 4.0
-# The search begins with sizes down to this part of that.
+# The search begins with sizes down to this fraction of that.
 SMALLEST = 1e-4
-# CVODE follows the smallest shock to its end, and where it comes elsewhere, larger ones by these
-# parts of it: a basin's border is known to an error, and may be finely folded.
+# CVODE follows the smallest shock to its attractor. If that is another one, it tries shocks larger
+# by these fractions: a basin boundary is known to an error, and may be finely folded.
 LARGER = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
-# A limit cycle is shocked at any of so many states; chaos at so many, a unit of time apart.
+# Number of states of a limit cycle at which it is shocked; and of chaos, a unit of time apart.
 SAMPLES = 1024
-# States of chaos are taken after so many time units: till then the motion comes to it.
+# States of chaos are taken after this number of time units, a transient.
 CHAOS_BEGINS = 2000
-# Chaos that is left before so few of them is not shocked.
+# Chaos that is left before this number of them is not shocked.
 FEWEST = 128
 _NONE = np.empty((4, 0))
 
@@ -81,25 +80,25 @@ class Subject:
 
 @dataclass(slots=True)
 class Resilience:
-    """How far an attractor is from being left; of shocks first those of velocity, then of place."""
+    """How far an attractor is from being left; shocks of velocity first, then of displacement."""
 
-    # the smallest shock found to each of m attractors that CVODE follows there, or NaN: (2, m) [1]
+    # the smallest shock to each of m attractors that CVODE confirms, or NaN: (2, m) [1]
     sizes: Values
     before: Values  # states on the rotating axes just before it, shape (2, m, 4) [1]
     after: Values  # and just after
-    # how much larger the best is than the smallest that another draw led to, as a part of it,
-    # before CVODE has looked, shape (2, m) [1]
+    # relative excess of the best over the smallest that another draw led to, before confirmation
+    # by CVODE, shape (2, m) [1]
     scatter: Values
     # the lowest and the highest value of each parameter at which the attractor exists [1],
     extents: Values
     # and how it ends there: numbers of `rotor_ida.schema.END`
     ends: Flags
-    # the size below which no shock throws the rotor off: of whirls proven, of cycles estimated [1]
+    # the size below which no shock leaves it, proven for whirls, estimated for cycles [1]
     bounds: Values = field(default_factory=lambda: np.zeros(2))
 
     @classmethod
     def unknown(cls, attractors: int, rotor: Rotor) -> Resilience:
-        """Return that of an attractor of which nothing is known."""
+        """Return the resilience of an attractor about which nothing is known."""
         over = len(varied(rotor)), 2
         return cls(
             np.full((2, attractors), np.nan), np.full((2, attractors, 4), np.nan),
@@ -110,16 +109,16 @@ class Resilience:
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """A rotor with all that is needed to look for shocks."""
+    """A rotor with all that the search for shocks needs."""
 
     known: Known
     subjects: list[Subject]  # its attractors, in their order
-    shocks: int  # so many of each kind are tried for each attractor
+    shocks: int  # number of each kind tried for each attractor
     tolerance: float  # of a step [1]
     stop: Stop
 
     def largest(self) -> tuple[float, float]:
-        """Return the largest change of velocity and of place that is tried [1]."""
+        """Return the largest change of velocity and of position that is tried [1]."""
         rotor = self.known.rotor
         radii = [each.attractor.radius_max for each in self.subjects]
         size = LARGEST * max([1.0, rotor.delta0, *(one for one in radii if one > 0.0)])
@@ -128,7 +127,7 @@ class Search:
     def ends(self, states: Values) -> npt.NDArray[np.int16]:
         """Return the labels of states, shape (4, n).
 
-        Beside chaos, what no region holds in time is taken for it, until CVODE has looked.
+        If there is chaos, states that enter no region in time count as chaotic, until CVODE checks.
         """
         labels = ends_of(self.known, states, self.tolerance, self.stop)
         if any(each.label == CHAOTIC for each in self.subjects):
@@ -137,14 +136,14 @@ class Search:
 
 
 def witness_options() -> Options:
-    """Return with what the smallest shocks are followed to their end."""
+    """Return the options with which the smallest shocks are confirmed."""
     return Options()
 
 
 def resilience_of(search: Search) -> list[Resilience]:
     """Return how far each attractor of a rotor is from being left, in their order."""
     resilience: dict[int, Resilience] = {}
-    for subject in search.subjects:  # fading touches are of the contact-free family
+    for subject in search.subjects:  # fading touches belong to the contact-free family
         if subject.label not in resilience:
             resilience[subject.label] = _resilience_of(search, subject)
     return [resilience[subject.label] for subject in search.subjects]
@@ -178,7 +177,7 @@ def _resilience_of(search: Search, subject: Subject) -> Resilience:
 
 
 def _proven_bound(known: Known, subject: Subject, kind: str) -> float:
-    """Return the size up to which no shock throws the rotor off a whirl; 0 where none is known."""
+    """Return the size up to which no shock leaves a whirl; 0 if none is known."""
     if subject.is_whirl:
         return bound_of_whirl(known.whirls[subject.label], kind)
     if subject.label == known.free_label and known.free is not None and known.free.alone:
@@ -210,7 +209,7 @@ def _section_of(known: Known, subject: Subject) -> CycleSection | None:
 
 
 def _source_of(search: Search, subject: Subject) -> Source | None:
-    """Return what gives states of an attractor, or None if they are not known."""
+    """Return a source of states of an attractor, or None if they are not known."""
     if subject.attractor.kind in CONTACT_FREE_FAMILY:
         free, omega = search.known.free, search.known.rotor.omega
         return None if free is None else partial(_contact_free_states, free, omega)
@@ -235,7 +234,7 @@ def _states_of(search: Search, subject: Subject) -> Values:
     if may_roll(known.rotor):
         start = subject.start
         return states_of_rub(known.rotor, start, SAMPLES) if np.isfinite(start).all() else _NONE
-    # chaos, as long as it lasts: what ends elsewhere by itself needs no shock
+    # chaos, while it lasts: a motion that leaves by itself needs no shock
     orbit = sampled_orbit(known.rotor, subject.start, 1.0, CHAOS_BEGINS + SAMPLES, stop)
     states = orbit[-SAMPLES:].T
     left = np.flatnonzero(ends_of(known, states, search.tolerance, stop) != UNDECIDED)
@@ -244,7 +243,7 @@ def _states_of(search: Search, subject: Subject) -> Values:
 
 
 def _contact_free_states(free: ContactFree, omega: float, places: Values) -> Values:
-    """Return whirls about any centre of those that leave room, half of them about the farthest."""
+    """Return whirls about any centre at which they fit, half of them about the farthest."""
     room = 0.0 if free.alone else free.room
     distance = room * np.sqrt(np.clip(2.0 * np.abs(places[1]), 0.0, 1.0))
     angle = 2.0 * math.pi * places[0]
@@ -258,7 +257,7 @@ def _contact_free_states(free: ContactFree, omega: float, places: Values) -> Val
 
 
 def _fill_extents(resilience: Resilience, rotor: Rotor, subject: Subject, stop: Stop) -> None:
-    """Write down between which parameters an attractor exists."""
+    """Fill in the ranges of the parameters in which an attractor exists."""
     for row, name in enumerate(varied(rotor)):
         for column, end in enumerate(_extent(rotor, subject, name, stop)):
             resilience.extents[row, column] = end.value

@@ -1,6 +1,6 @@
-"""What friction does to a machine: on a whirl, on a limit cycle, and on motions without a period.
+"""Effects of friction on a rotor: on a whirl, on a limit cycle, and on motions without a period.
 
-An attractor without a period is known by a state on it, and what it does by following it on.
+An attractor without a period is given by a state on it; its numbers come from following that state.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady import response
 from rotor_ida.steady.follow import follow_to_steady_state
 
-# A run is of so many revolutions,
+# Length of a run in revolutions,
 REVOLUTIONS = 64
-# with so many samples in each.
+# with this number of samples in each.
 SAMPLES = 256
-# Samples of one period of a limit cycle, for how far the surfaces slide.
+# Samples of one period of a limit cycle, for the slip distance.
 SAMPLES_OF_CYCLE = 2048
 
 
 def needs_run(rotor: Rotor, attractor: Attractor) -> bool:
-    """Return whether what an attractor does is told by a run: with friction, without a period.
+    """Return whether the numbers of an attractor need a run: with friction and without a period.
 
-    Chaos may be left, so that no run tells it.
+    Chaos is excluded, as the run may leave it.
     """
     lasting = attractor.kind in (response.ROLLING, response.QUASI_PERIODIC)
     return rotor.friction > 0.0 and lasting and math.isnan(attractor.period)
@@ -47,7 +47,7 @@ def settled_state(rotor: Rotor, start: Values) -> Values:
 
 
 def states_of_rub(rotor: Rotor, start: Values, count: int) -> Values:
-    """Return so many states of the motion that a start ends on, shape (4, count)."""
+    """Return `count` states of the motion that a start ends on, shape (4, count)."""
     duration = REVOLUTIONS * 2.0 * math.pi / rotor.omega
     run = simulate(
         rotor, start=settled_state(rotor, start), duration=duration, samples=count, method="taylor"
@@ -57,7 +57,7 @@ def states_of_rub(rotor: Rotor, start: Values, count: int) -> Values:
 
 
 def numbers_of_rub(rotor: Rotor, start: Values) -> dict[str, float]:
-    """Return what the motion without a period does that a start ends on, dimensionless."""
+    """Return the dimensionless numbers of the motion without a period that a start ends on."""
     revolution, turns = 2.0 * math.pi / rotor.omega, REVOLUTIONS
     state, samples = settled_state(rotor, start), SAMPLES * turns + 1
     run = simulate(
@@ -91,7 +91,7 @@ def numbers_of_rub(rotor: Rotor, start: Values) -> dict[str, float]:
 
 
 def numbers_of_cycle(cycle: Cycle) -> dict[str, float]:
-    """Return what friction takes on a limit cycle, from one period of it."""
+    """Return the losses by friction on a limit cycle, from one period of it."""
     run = simulate(
         cycle.rotor, start=cycle.state, duration=cycle.period, samples=SAMPLES_OF_CYCLE,
         method="taylor",
@@ -105,7 +105,7 @@ def numbers_of_cycle(cycle: Cycle) -> dict[str, float]:
 
 
 def numbers_of_whirl(rotor: Rotor, amplitude: float, force: float) -> dict[str, float]:
-    """Return what friction takes on a whirl in contact, which slides forwards all the time."""
+    """Return the losses by friction on a whirl in contact, which slides forwards throughout."""
     distance = 2.0 * math.pi * (amplitude + (rotor.disc_radius or 0.0))
     return {
         "heat_per_revolution": rotor.friction * force * distance,
@@ -115,9 +115,9 @@ def numbers_of_whirl(rotor: Rotor, amplitude: float, force: float) -> dict[str, 
 
 
 def _strongest_beside_spin(position: npt.NDArray[np.complex128], turns: float) -> float:
-    """Return the frequency over the spin speed of the strongest line beside that of the spin.
+    """Return the frequency, over the spin speed, of the strongest line other than 1X.
 
-    The position, complex, is that of so many revolutions on the rotating axes.
+    The position, complex, covers a number of revolutions on the rotating axes.
     """
     sizes = np.abs(np.fft.fft(position))
     orders = np.fft.fftfreq(position.size, 1.0 / position.size)

@@ -1,14 +1,14 @@
-"""Smallest shocks: the least knock that throws a rotor from one attractor to another.
+"""Smallest shocks that move a rotor from one attractor to another.
 
-A shock changes the velocity at once, or the place, and nothing else: on the rotating axes it is a
-step in two of the four coordinates, from any state of the attractor and in any direction. Shocks
-are drawn over states, directions and sizes and followed all together, as starts of a basin are;
-then smaller and smaller ones, half of them close to the smallest found, half anywhere. From the
-best of these the search goes down along the edge of the basin until no neighbour is smaller. What
-is found is a witness: a shock that throws the rotor there, the smallest of those beside it that
-were tried. None below the bound does. Of a stable whirl that is proven: the bound is the largest
-circle of shocks within its trapping region. Of a limit cycle it is estimated, by following shocks
-into the set on its section.
+A shock changes either the velocity or the position suddenly, and nothing else. On the rotating axes
+it is a step in two of the four coordinates, from any state of the attractor and in any direction.
+Shocks are drawn over states, directions and sizes and followed side by side, like the starts of a
+basin. Then smaller and smaller ones are drawn, half of them close to the smallest found, half
+anywhere. From the best of these the search descends along the edge of the basin until no neighbour
+is smaller. The result is a shock that leads to the other attractor, the smallest one tried nearby.
+No shock below the bound does. For a stable whirl this is proven: the bound is the largest circle of
+shocks within its trapping region. For a limit cycle it is estimated, by following shocks into the
+set on its section.
 """
 
 from __future__ import annotations
@@ -29,45 +29,45 @@ from rotor_ida.basins.known import Known, may_roll
 from rotor_ida.basins.trapping_regions import TrappingRegion
 from rotor_ida.model.rotor import Rotor
 
-# Kinds of shock, with the first of the two coordinates that it changes.
+# Kinds of shock, each with the first of the two coordinates that it changes.
 KINDS = {"velocity": 2, "displacement": 0}
-# Shocks are divided among so many rounds.
+# Number of rounds among which shocks are divided.
 ROUNDS = 16
-# The first takes the share of so many: its shocks lie evenly over all states, directions and sizes.
+# The first takes the share of this number, to cover all states, directions and sizes.
 EXPLORING = 4
-# The search goes on from so many of the smallest shocks to an attractor, which lie apart.
+# Number of the smallest shocks to an attractor, apart from each other, that the search continues.
 LEADING = 8
-# Others are sought round these in this part of all states and directions,
+# Others are sought around these within this fraction of all states and directions,
 AROUND = 0.1
-# less by this factor in each round: in the last in a thousandth.
+# reduced by this factor in each round: to a thousandth in the last.
 CLOSER = 0.7
-# They are smaller by such parts, spread evenly on a logarithmic scale.
+# They are smaller by these fractions, spread evenly on a logarithmic scale.
 LESS_BY = (1e-4, 0.5)
 
-# Downhill so many neighbours of each are tried at a time, with sizes less by parts as above,
+# Number of neighbours tried at a time in the descent, with sizes reduced as above,
 NEIGHBOURS = 32
-# first within this part of all states and directions;
+# first within this fraction of all states and directions;
 BESIDE = 0.1
-# where none is smaller, within this part of that,
+# if none is smaller, within this fraction of that,
 NEARER = 0.6
-# down to this part of all, where the edge, which is smooth, has fallen by less than a part of 1e-5.
+# down to this fraction of all, where the smooth edge has fallen by less than 1e-5 of the size.
 NEAREST = 1e-3
-# No search goes down for longer than so many turns.
+# Largest number of turns of the descent.
 MOST_TURNS = 60
 
-# A limit cycle is shocked for its bound at so many states,
+# For its bound, a limit cycle is shocked at this number of states,
 PHASES = 32
-# in so many directions,
+# in this number of directions,
 DIRECTIONS = 24
-# by these parts of a size: all up to it should come back.
+# by these fractions of a size: all up to it should return.
 SHELLS = (1.0, 0.7, 0.4)
-# What they do is followed with this error of a step.
+# They are followed with this error per step.
 TOLERANCE = 1e-8
-# The bound is sought among sizes each of which is this part of the one before:
+# Ratio of successive sizes among which the bound is sought,
 LESS = 0.93
-# so many, down to 1e-4 of the largest, as small as shocks are tried.
+# and their number: down to 1e-4 of the largest, as for the shocks tried.
 SIZES = 127
-# It is this much less than where all shocks come back, for those that were not tried.
+# Safety factor on the size at which all shocks return, for those that were not tried.
 CAUTION = 0.8
 
 # States of an attractor, shape (4, n), at places in the unit square, shape (2, n).
@@ -81,12 +81,12 @@ class Shocks:
     sizes: Values
     before: Values  # states on the rotating axes just before them, shape (4, n) [1]
     after: Values  # and just after
-    labels: Labels  # of what they throw the rotor to
+    labels: Labels  # of the attractors to which they lead
 
     def smallest(self, label: int, larger: Sequence[float]) -> list[int]:
         """Return the numbers of shocks with a label, in order of size from the smallest on.
 
-        Each is larger than the smallest by a part of it, or by a little more.
+        Each is larger than the smallest by the fractions in `larger` or slightly more.
         """
         numbers = np.flatnonzero(self.labels == label)
         if not numbers.size:
@@ -108,7 +108,7 @@ class _Leading:
 
 @dataclass(slots=True)
 class _Descents:
-    """Shocks from which the search goes down, with how far their neighbours are sought."""
+    """Shocks from which the search descends, with the ranges in which neighbours are sought."""
 
     labels: Labels
     sizes: Values
@@ -119,7 +119,7 @@ class _Descents:
 def ends_of(known: Known, states: Values, tolerance: float, stop: Stop) -> Labels:
     """Return the labels of states, shape (4, n); fading touches count as contact-free.
 
-    What no region holds in time is undecided; with friction it is followed to its end by itself.
+    States that enter no region in time are undecided; with friction they are followed separately.
     """
     if may_roll(known.rotor):
         labels = decide(Batch(known, states, tolerance, stop)).labels
@@ -133,11 +133,11 @@ def try_shocks(
     source: Source, own: int, kind: str, sizes: tuple[float, float], count: int,
     ends: Callable[[Values], Labels], seed: int,
 ) -> tuple[Shocks, dict[int, float]]:  # fmt: skip
-    """Return shocks of one kind that were followed, ever smaller ones to each other attractor.
+    """Return followed shocks of one kind, ever smaller ones to each other attractor.
 
-    They strike states of the attractor with the label `own`, and begin with sizes between two.
-    Beside them, by label, how much larger than the smallest shock the best is that another draw
-    led to, as a part of it: its scatter; NaN where there was but one draw.
+    They are applied to states of the attractor with the label `own`, first with sizes between two
+    limits. Also return, by label, the scatter: the relative excess of the best shock from another
+    draw over the smallest one; NaN if there was only one draw.
     """
     random = np.random.default_rng(seed)
     each = max(count // ROUNDS, 8)
@@ -184,7 +184,7 @@ def _descents_from(leading: dict[int, _Leading]) -> _Descents:
 def _downhill(
     descents: _Descents, followed: Callable[[Values, Values], Shocks], random: np.random.Generator
 ) -> list[Shocks]:
-    """Go down along the edges of the basins until no neighbour is smaller; return all tries."""
+    """Descend along the edges of the basins until no neighbour is smaller; return all tries."""
     rounds: list[Shocks] = []
     for _ in range(MOST_TURNS):
         going = np.flatnonzero(descents.reach > NEAREST)
@@ -207,7 +207,7 @@ def _downhill(
 
 
 def _scatter(sizes: Values) -> float:
-    """Return by how much the second smallest of some sizes is larger than the smallest."""
+    """Return the relative excess of the second smallest size over the smallest."""
     smallest = np.sort(sizes)
     return float(smallest[1] / smallest[0] - 1.0) if sizes.size > 1 else math.nan
 
@@ -215,7 +215,7 @@ def _scatter(sizes: Values) -> float:
 def _led(
     leading: dict[int, _Leading], own: int, shots: Shocks, places: Values, apart: float
 ) -> dict[int, _Leading]:
-    """Return the smallest shocks to each attractor, those before with those of a round."""
+    """Return the smallest shocks to each attractor, from those before and those of a round."""
     led = {}
     met = set(np.unique(shots.labels).tolist()) - {own, UNDECIDED, NOT_COMPUTED}
     for label in sorted(met | leading.keys()):
@@ -241,8 +241,8 @@ def _smaller(
 ) -> tuple[Values, Values]:  # fmt: skip
     """Return places in the unit cube, shape (3, n), and sizes of the shocks to try next.
 
-    A quarter of them are for attractors that none has come to; of the others, a third is anywhere,
-    and the rest near to the smallest to each.
+    A quarter of them are for attractors that none has reached. Of the others, a third are anywhere,
+    and the rest near the smallest shock to each attractor.
     """
     free = count // 4 if leading else count
     places, drawn = [random.random((3, free))], [_between(*sizes, random.random(free))]
@@ -257,14 +257,14 @@ def _smaller(
 
 
 def _between(low: float, high: float, part: Values) -> Values:
-    """Return sizes at parts of the way between two on a logarithmic scale."""
+    """Return sizes at fractions of the way between two on a logarithmic scale."""
     return low * (high / low) ** part
 
 
 def _followed(
     source: Source, places: Values, sizes: Values, kind: str, ends: Callable[[Values], Labels]
 ) -> Shocks:
-    """Return shocks at places of the unit cube, of which the last coordinate is the direction."""
+    """Follow shocks at places of the unit cube, whose last coordinate is the direction."""
     before = source(places[:2])
     after, first = before.copy(), KINDS[kind]
     angle = 2.0 * math.pi * places[2]
@@ -283,10 +283,10 @@ def bound_of_whirl(region: TrappingRegion, kind: str) -> float:
 
 
 def bound_of_held_whirl(rotor: Rotor, room: float, kind: str) -> float:
-    """Return the size up to which no shock drives the whirl that a shaft holds to the ring: proven.
+    """Return the proven size up to which no shock drives the whirl of a shaft to the stator.
 
-    By its energy, or with much damping by the slow one of the two motions that it falls into: see
-    `rotor_ida.basins.known`.
+    It follows from the energy, or at strong damping from the slower of the two decaying motions:
+    see `rotor_ida.basins.known`.
     """
     if kind == "displacement":
         return room
@@ -297,9 +297,9 @@ def bound_of_held_whirl(rotor: Rotor, room: float, kind: str) -> float:
 def bound_of_cycle(
     section: CycleSection, source: Source, kind: str, most: float, stop: Stop
 ) -> float:  # fmt: skip
-    """Return the size up to which shocks of a limit cycle come back to its section: estimated.
+    """Return the estimated size up to which shocks of a limit cycle return to its section.
 
-    It is not sought above `most`.
+    Sizes above `most` are not tried.
     """
     if not section.exists:
         return 0.0

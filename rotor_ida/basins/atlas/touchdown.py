@@ -1,4 +1,4 @@
-"""What touching the ring does to a machine: a line of numbers for each of its attractors."""
+"""The touchdown report: forces, losses and resilience of each attractor of a rotor."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ from rotor_ida.steady import response
 
 # Samples of one period of a limit cycle, for its mean force, its power and its whirl.
 SAMPLES = 2048
-# Of the numbers of an attractor, these say nothing more.
+# Numbers of an attractor that add nothing here.
 LEFT_OUT = ("count", "phase_lag")
-# What an attractor does, in numbers that it may lack.
+# Numbers of an attractor that may be absent.
 NUMBERS = (
     "largest_force", "mean_force", "contacts_per_revolution", "contact_fraction",
     "dissipation_per_revolution", "whirl_over_spin", "side_line_over_spin", "excursion",
 )  # fmt: skip
-# What turns with the unbalance, at last.
+# Kinds of motion that finally rotate with the unbalance,
 AT_THE_SPIN = (response.SYNCHRONOUS, response.CONTACT_FREE, response.TOUCHING)
 # and with friction.
 OF_FRICTION = ("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction")
@@ -70,7 +70,7 @@ def touchdown_report(
     rtol: float = RTOL,
     shocks: int = 4096,
 ) -> xr.Dataset:
-    """Return what each attractor of a machine does to it, and how likely it is.
+    """Compute the effects of each attractor on a machine, and its basin fraction.
 
     Parameters
     ----------
@@ -79,49 +79,47 @@ def touchdown_report(
         they are dimensionless.
     x, y, vx, vy : float or array_like, shape (2,)
         Components of the start [m], [m/s] or [1]: numbers, or ranges ``(low, high)`` from which
-        they are drawn, independently and uniformly.
+        they are drawn independently and uniformly.
     starts : int
         Number of starts.
     seed : int
         Seed of the random numbers: the same seed gives the same starts.
     rtol : float
-        Error allowed in a step, relative to the size of the state and of the eccentricity [1].
+        Error allowed per step, relative to the size of the state and of the eccentricity [1].
     shocks : int
-        About so many shocks of velocity and of displacement are tried to each attractor, and the
-        smallest that throws it to each other one is told; with 0 none is, nor what follows below.
+        Approximate number of shocks of velocity and of displacement applied to each attractor, to
+        find the smallest one that leads to each other attractor; with 0 there are no such results.
 
     Returns
     -------
     Dataset
         On ``attractor``: ``kind``; ``fraction`` and ``fraction_error`` of the starts that end
-        there, ``settling_median`` and ``settling_95`` [s]; ``largest_force`` and its mean over the
-        time, ``mean_force`` (the impulse a second) [N], both of the normal force;
-        ``contacts_per_revolution`` and
-        ``contact_fraction``, the share of time in contact; ``dissipation_per_revolution``, the
-        energy that damping takes [J], and with contact damping what that takes of it,
-        ``contact_loss_per_revolution``; with friction, of which the heat counts as well,
-        ``heat_per_revolution`` [J], ``slip_distance_per_revolution``, how far the surfaces slide
-        over each other [m], and ``rolling_fraction``, the part of the time in contact in which the
-        disc rolls; ``whirl_over_spin`` and ``whirl_sense`` of the motion,
-        as of `rotor_ida.whirl_ratio`, and ``side_line_over_spin``, the frequency of the strongest
-        line beside that of the spin, over the spin speed; ``radius_min``, ``radius_max``,
-        ``period`` [m], [s]; ``excursion``, the largest distance from the bearing axis over the
-        clearance; the scalars
-        ``basin_entropy`` and ``boundary_entropy``, and ``agreement``, the part of the labels that
-        come out the same with a smaller error in a step, of ``agreement_count`` that were found
-        again. Of chaos what needs a period is NaN, and with contact damping its largest force.
+        there, ``settling_median`` and ``settling_95`` [s]; ``largest_force`` and its mean over
+        time, ``mean_force`` (impulse per second) [N], both of the normal force;
+        ``contacts_per_revolution`` and ``contact_fraction``, the fraction of time in contact;
+        ``dissipation_per_revolution``, the total energy dissipated [J], and with contact damping
+        its part in that, ``contact_loss_per_revolution``; with friction, whose heat is part of the
+        total too, ``heat_per_revolution`` [J], the sliding distance
+        ``slip_distance_per_revolution`` [m], and ``rolling_fraction``, the fraction of contact time
+        in which the disc rolls; ``whirl_over_spin`` and ``whirl_sense`` of the motion, as of
+        `rotor_ida.whirl_ratio`, and ``side_line_over_spin``, the frequency of the strongest line
+        other than 1X, over the spin speed; ``radius_min``, ``radius_max``, ``period`` [m], [s];
+        ``excursion``, the largest distance from the bearing axis over the clearance. Scalars:
+        ``basin_entropy``, ``boundary_entropy``, and ``agreement``, the fraction of
+        ``agreement_count`` recomputed labels that are unchanged with a smaller error per step.
+        For chaos, numbers that need a period are NaN; so is its largest force with contact damping.
 
         With `shocks`, on ``(attractor, target)``: ``velocity_shock`` and ``displacement_shock``
-        [m/s], [m], NaN where none was found up to ``velocity_shock_largest`` and
-        ``displacement_shock_largest``, ``velocity_shock_scatter`` and
-        ``displacement_shock_scatter``, by how much of it the best shock is larger that another
-        draw led to [1], and the states just before and after each,
-        ``velocity_shock_before_x`` and so on: divided by the attributes ``length_scale`` and
-        ``velocity_scale``, starts of `rotor_ida.simulate`; on ``attractor`` the
-        sizes below which no shock throws it off, ``velocity_shock_bound`` and
-        ``displacement_shock_bound``, proven or estimated as ``trapping`` says; and ``omega_low``,
-        ``omega_high`` and so on [1], the values of each parameter between which the attractor
-        exists, with the way it ends there, ``omega_low_end`` and so on, as a flag.
+        [m/s], [m], NaN if none was found up to ``velocity_shock_largest`` and
+        ``displacement_shock_largest``; ``velocity_shock_scatter`` and
+        ``displacement_shock_scatter``, the relative excess of the best shock from another draw [1];
+        and the states just before and after each, ``velocity_shock_before_x`` and so on, which
+        divided by the attributes ``length_scale`` and ``velocity_scale`` are starts for
+        `rotor_ida.simulate`. On ``attractor``: the sizes below which no shock leaves it,
+        ``velocity_shock_bound`` and ``displacement_shock_bound``, proven or estimated as given by
+        ``trapping``; and ``omega_low``, ``omega_high`` and so on [1], the range of each parameter
+        in which the attractor exists, with the way it ends there, ``omega_low_end`` and so on, as a
+        flag.
 
     Raises
     ------
@@ -130,22 +128,22 @@ def touchdown_report(
 
     Notes
     -----
-    Energy comes from the drive and leaves through damping alone, ``2 zeta |z'|**2``, through
-    contact damping, and as heat of friction: without these the contact gives back all that it
-    takes. With friction the drive is the torque, too, that turns the disc against it.
+    Energy is supplied by the drive. It is dissipated by damping, ``2 zeta |z'|**2``, by contact
+    damping and by friction; otherwise the contact is elastic. With friction the drive also supplies
+    the torque that turns the disc against it.
 
-    Starts are labelled as by `rotor_ida.basin_fractions`, with the same `rtol` for any machine;
-    CVODE confirms no attractor.
+    Starts are labelled as by `rotor_ida.basin_fractions`, with the same `rtol` for any machine.
+    CVODE does not confirm attractors.
 
-    A shock strikes at any phase and in any direction. The smallest one found has been followed by
-    CVODE to its end, with what the attributes ``witness_method``, ``witness_rtol`` and so on say:
-    it is a witness, and a smaller one may exist, down to the bound. All whirls
-    that stay inside the clearance, with the touches that fade towards them, are one attractor
-    here: of its outermost whirls, which just reach the ring, no bound is known but 0.
+    A shock may occur at any phase and in any direction. CVODE has followed the smallest one found
+    to its attractor, with the options in the attributes ``witness_method``, ``witness_rtol`` and so
+    on. A smaller one may exist, down to the bound. All whirls inside the clearance, with the
+    touches that fade towards them, count as one attractor. Its bound is 0, since its outermost
+    whirls just reach the stator.
 
-    With friction what rolls without a period, or never comes again, does what one such motion does
-    that is followed over many revolutions. A shock that no region holds is followed to its end by
-    itself, which takes some milliseconds: so it does where one may throw the rotor into dry whip.
+    With friction, motions that roll without a period or never repeat are represented by one such
+    motion, followed over many revolutions. A shock that enters no region is followed separately,
+    which takes some milliseconds, for example where it may cause dry whip.
 
     References
     ----------
@@ -167,7 +165,7 @@ def touchdown_report(
     rotor, length, velocity = _scales(machine)
     check_rotor(rotor, "a touchdown report")
     if rotor.omega == 0.0:
-        raise InputError("speed must be above 0 for a report on touching, got 0.0")
+        raise InputError("speed must be above 0 for a touchdown report, got 0.0")
     count = check_count("starts", starts, maximum=MOST_STARTS)
     chosen, tolerance = check_seed(seed), check_between("rtol", rtol, TIGHTEST, LOOSEST)
     box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
@@ -183,7 +181,7 @@ def touchdown_report(
 
 
 def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Dataset:
-    """Return what each attractor does, dimensionless, as a labelled dataset."""
+    """Return the dimensionless numbers of each attractor as a labelled dataset."""
     rows = []
     for each in cell.members:
         own = _numbers(cell.rotor, each)
@@ -206,12 +204,12 @@ def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Da
         coordinates["target"] = ("target", numbers)
     attributes = {**attributes, **cell.rotor.given}
     return labelled_dataset(
-        "What touching the ring does", variables, coordinates, attributes, kind="touchdown"
+        "Touchdown report", variables, coordinates, attributes, kind="touchdown"
     )
 
 
 def _shocks(cell: Cell) -> dict[str, Column]:
-    """Return the smallest shocks from each attractor to each, with the states about them."""
+    """Return the smallest shocks from each attractor to each, with the states before and after."""
     shocked = [each.resilience for each in cell.members if each.resilience is not None]
     variables: dict[str, Column] = {}
     over = ("attractor", "target")
@@ -228,7 +226,7 @@ def _shocks(cell: Cell) -> dict[str, Column]:
 
 
 def _scales(machine: object) -> tuple[Rotor, float, float]:
-    """Return the rotor of a machine, and what a dimensionless length and velocity of 1 are."""
+    """Return the rotor of a machine, and its units of length and velocity."""
     if isinstance(machine, DimensionalRotor):
         return machine.rotor(), machine.length_scale, machine.velocity_scale
     if isinstance(machine, Rotor):
@@ -237,7 +235,7 @@ def _scales(machine: object) -> tuple[Rotor, float, float]:
 
 
 def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
-    """Return what one attractor does, dimensionless."""
+    """Return the dimensionless numbers of one attractor."""
     attractor = member.attractor
     numbers, at_the_spin = dict.fromkeys(NUMBERS, math.nan), attractor.kind in AT_THE_SPIN
     numbers["whirl_over_spin"] = 1.0 if at_the_spin else math.nan
@@ -248,7 +246,7 @@ def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
     rubs = rotor.friction > 0.0
     if rubs:
         numbers |= dict.fromkeys(OF_FRICTION, math.nan)
-    if rotor.delta0 > 0.0:  # NaN where the radius hangs on the start
+    if rotor.delta0 > 0.0:  # NaN where the radius depends on the start
         numbers["excursion"] = attractor.radius_max / rotor.delta0
     if attractor.kind == response.CHAOTIC:
         if not damped:  # then the force is largest where the radius is
@@ -263,10 +261,10 @@ def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
     if attractor.kind == response.SYNCHRONOUS:
         steady = float(contact_force(attractor.amplitude, rotor.delta0, exponent))
     numbers["largest_force"] = numbers["mean_force"] = steady
-    if damped:  # at a radius that stands still, or in touches that are nothing in the limit
+    if damped:  # at a constant radius, or in touches that vanish in the limit
         numbers["contact_loss_per_revolution"] = 0.0
     numbers["contact_fraction"] = float(attractor.kind == response.SYNCHRONOUS)
-    # the touches of a motion that fades come once a revolution, and are nothing in the limit
+    # fading touches occur once a revolution and vanish in the limit
     numbers["contacts_per_revolution"] = float(attractor.kind == response.TOUCHING)
     speed = rotor.omega * attractor.amplitude
     numbers["dissipation_per_revolution"] = 4.0 * math.pi * rotor.zeta * speed**2 / rotor.omega
@@ -281,7 +279,7 @@ def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
 
 
 def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
-    """Return what a limit cycle does, from one period of it."""
+    """Return the numbers of a limit cycle, from one period of it."""
     stop, period = np.zeros(1, np.uint8), member.attractor.period
     cycle = close_orbit(rotor, member.state, period, stop)
     states = sampled_orbit(rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)
@@ -292,7 +290,7 @@ def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
         radii = np.hypot(states[:, 0], states[:, 1])
         force = contact_force(radii, rotor.delta0, rotor.contact_exponent)
         impulse = float(force.mean()) * cycle.period
-    # velocities read on the rotating axes are those of the fixed ones, turned
+    # velocities resolved on the rotating axes are those of the fixed axes, rotated
     power = 2.0 * rotor.zeta * float((states[:, 2] ** 2 + states[:, 3] ** 2).mean())
     loss = float(np.nansum(cycle.shot.contacts["lost"])) * revolution / cycle.period
     numbers = {"contact_loss_per_revolution": loss} if rotor.contact_damping > 0.0 else {}
@@ -311,7 +309,7 @@ def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
 
 
 def _time_in_contact(shot: Shot) -> float:
-    """Return for how long a closed orbit is in contact; one contact may go on over its end."""
+    """Return the time in contact of a closed orbit; one contact may extend over its end."""
     entry = np.nan_to_num(shot.contacts["entry"], nan=0.0)
     leaving = np.nan_to_num(shot.contacts["exit"], nan=shot.duration)
     return float((leaving - entry).sum())

@@ -119,7 +119,7 @@ def test_it_can_be_kept_and_goes_on_from_a_study(isola, tmp_path):
             {"omega": [1.0, 2.0], "zeta": [0.1, 0.2], "delta0": [0.0, 1.0]},
             "two of the parameters at most may be arrays, got 3: omega, zeta, delta0",
         ),
-        ({"zeta": 0.0}, "zeta must be above 0, where nothing settles, .* got 0.0"),
+        ({"zeta": 0.0}, "zeta must be above 0 and at most .* got 0.0"),
         ({"starts": 0}, "starts must be at least 1, got 0"),
         ({"x": 1.0, "y": 0.0}, "x, y, vx or vy must be a range, got numbers for 1000 starts"),
         ({"starts": np.zeros((3, 2))}, r"starts must be a number, or .* got one of shape \(3, 2\)"),
