@@ -76,7 +76,7 @@ def spectral_lines(signals: xr.Dataset, *, count: int = 10) -> xr.Dataset:
     step = record.equal_step()
     size = record.z.size
     if size < 4 * most + 8:
-        raise InputError(f"signals must hold at least {4 * most + 8} samples, got {size}")
+        raise InputError(f"signals must have at least {4 * most + 8} samples, got {size}")
     middle = 0.5 * (record.times[0] + record.times[-1])
     if size * most > MOST_NUMBERS:
         raise InputError(

@@ -251,7 +251,7 @@ def _check_turning(steps: Values, windows: Windows) -> None:
     if means[worst] > MOST_TURNING:
         held = counts[worst] / windows.revolutions
         raise InputError(
-            "signals must hold more than 3 samples in each turn of the whirl, got "
+            "signals must have more than 3 samples in each turn of the whirl, got "
             f"{2.0 * math.pi / means[worst]:.3g} at t {windows.times[worst]:.6g}: "
             f"{math.ceil(4.0 * held)} samples a revolution would do"
         )
@@ -273,7 +273,7 @@ def fit(record: Record, windows: Windows, asked: Values) -> Orders:
     rate = (counts[fewest] - 1) / length  # an edge may have taken one sample from its neighbour
     if rate <= 2.0 * asked.max() or counts[fewest] < 2 * asked.size + 1:
         raise InputError(
-            f"signals must hold more than {2.0 * asked.max() + 1.0 / length:g} samples a "
+            f"signals must have more than {2.0 * asked.max() + 1.0 / length:g} samples a "
             f"revolution for order {asked.max():g}, got {counts[fewest] / length:.3g} at t "
             f"{windows.times[fewest]:.6g}"
         )

@@ -120,11 +120,11 @@ def subtract_runout(
     turns = (angles[-1] - angles[0] + (angles[-1] - angles[-2])) / (2.0 * math.pi)
     whole = math.floor(turns + 1e-9)
     if whole < 1:
-        raise InputError(f"slow_roll must hold at least one revolution, got {turns:.3g}")
+        raise InputError(f"slow_roll must have at least one revolution, got {turns:.3g}")
     window = windows_of(slow, whole)
     if window.edges[1] <= (2 * most + 1) * whole:
         raise InputError(
-            f"slow_roll must hold more than {2 * most + 1} samples a revolution, got "
+            f"slow_roll must have more than {2 * most + 1} samples a revolution, got "
             f"{window.edges[1] / whole:.3g}"
         )
     orders = np.arange(-most, most + 1.0)

@@ -290,7 +290,7 @@ def _converted(
     if missing.size:
         more = f" and {missing.size - 1} more" if missing.size > 1 else ""
         raise InputError(
-            f"column {shown(column)} must hold finite numbers, got "
+            f"column {shown(column)} must contain finite numbers, got "
             f"{table.cell(column, int(missing[0]))}{more}"
         )
     unit = _unit_of(name, columns, table, units)
@@ -343,7 +343,7 @@ def _times(
     """Return the times of the samples, and their unit."""
     size = found["x"][0].size
     if size < FEWEST_SAMPLES:
-        raise InputError(f"the file must hold at least {FEWEST_SAMPLES} samples, got {size}")
+        raise InputError(f"the file must have at least {FEWEST_SAMPLES} samples, got {size}")
     if rate is not None:
         return np.arange(size) / rate, "s"
     if "t" not in found:

@@ -59,7 +59,7 @@ class Record:
     def known_angles(self) -> Values:
         """Return the angles of the rotor; raise `InputError` if they are not known."""
         if self.angles is None:
-            raise InputError("signals must hold angle, keyphasor or omega, got none of them")
+            raise InputError("signals must contain angle, keyphasor or omega, got none of them")
         return self.angles
 
     def pulses(self) -> Values:
@@ -116,7 +116,7 @@ def integrated(attributes: Mapping[str, object]) -> bool:
 def equal_step(times: Values, name: str, unequal: float) -> float:
     """Return the step of times that rise equally, each out by at most this part of the step."""
     if times.size < FEWEST_SAMPLES:
-        raise InputError(f"{name} must hold at least {FEWEST_SAMPLES} samples, got {times.size}")
+        raise InputError(f"{name} must have at least {FEWEST_SAMPLES} samples, got {times.size}")
     with np.errstate(invalid="ignore"):  # of times that are infinite
         steps = np.diff(times)
         mean = float(times[-1] - times[0]) / (times.size - 1)
@@ -178,22 +178,22 @@ def record_of(signals: object, name: str = "signals") -> Record:
     given = check_instance(name, signals, xr.Dataset)
     missing = [each for each in ("t", "x", "y") if each not in given.variables]
     if missing:
-        raise InputError(f"{name} must hold t, x and y; it lacks {', '.join(missing)}")
+        raise InputError(f"{name} must contain t, x and y; it lacks {', '.join(missing)}")
     if any(given[each].dims != ("t",) for each in ("t", "x", "y")):
         raise InputError(f"{name} must be of one motion, with x and y on t alone")
     times = np.asarray(given["t"].values, dtype=np.float64)
     if times.size < FEWEST_SAMPLES:
-        raise InputError(f"{name} must hold at least {FEWEST_SAMPLES} samples, got {times.size}")
+        raise InputError(f"{name} must have at least {FEWEST_SAMPLES} samples, got {times.size}")
     check_increasing("t", times)
     z = np.asarray(given["x"].values + 1j * given["y"].values, dtype=np.complex128)
     if not np.isfinite(z).all():
         at = times[~np.isfinite(z)][0]
-        raise InputError(f"{name} must hold finite x and y, got {z[~np.isfinite(z)][0]} at t {at}")
+        raise InputError(f"{name} must have finite x and y, got {z[~np.isfinite(z)][0]} at t {at}")
     within, angles = _angles(given, times, name)
     velocities = velocities_of(given)
     if within.sum() < FEWEST_SAMPLES:
         raise InputError(
-            f"{name} must hold at least {FEWEST_SAMPLES} samples between the pulses of the "
+            f"{name} must have at least {FEWEST_SAMPLES} samples between the pulses of the "
             f"keyphasor, got {within.sum()}"
         )
     seen = None if velocities is None else velocities[within]

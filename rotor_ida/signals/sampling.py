@@ -61,7 +61,7 @@ def check_sampling(
     >>> check_sampling("run", times, whip, -5j * whip, times)
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: run must hold more than 4 samples in each turn of the whirl, ...
+    rotor_ida.errors.InputError: run must have more than 4 samples in each turn of the whirl, ...
     """
     if times.size < 2:
         return
@@ -134,6 +134,6 @@ def _check(
         return
     enough = math.ceil(SAMPLES_A_REVOLUTION * rates.max() * extent / (2.0 * math.pi)) + 1
     raise InputError(
-        f"{name} must hold more than {fewest:g} samples in each {of_what}, got "
+        f"{name} must have more than {fewest:g} samples in each {of_what}, got "
         f"{1.0 / turned[worst]:.3g} at t {times[worst]:.6g}: {enough} samples in all would do"
     )

@@ -92,7 +92,7 @@ def windows_of(
     end = turns[-1] + (turns[-1] - turns[-2]) + EDGE
     if end < 1.0:
         raise InputError(
-            f"signals must hold at least {revolutions} whole revolutions, got "
+            f"signals must have at least {revolutions} whole revolutions, got "
             f"{turns[-1] * revolutions:.3g}"
         )
     starts = (1.0 - overlap) * np.arange(math.floor((end - 1.0) / (1.0 - overlap)) + 1)
@@ -101,7 +101,7 @@ def windows_of(
     if counts.min() < 2:
         at = record.times[min(first[counts.argmin()], record.times.size - 1)]
         raise InputError(
-            f"signals must hold more than two samples a revolution, got {counts.min()} in "
+            f"signals must have more than two samples a revolution, got {counts.min()} in "
             f"{revolutions} at t {at:.6g}"
         )
     if (held := int(counts.sum())) > MOST_SAMPLES:

@@ -287,7 +287,7 @@ MISTAKES = [
     ("plot {text} --kind trace --figure a", "is not an archive of rotor_ida"),
     ("plot nothing.nc --kind trace --figure a", "must be a file that exists, got 'nothing.nc'"),
     ("plot nothing.csv --kind trace --figure a", "must be a file that exists, got 'nothing.csv'"),
-    ("plot taken.png --kind trace --figure a", "must hold lines of two numbers or more, got none"),
+    ("plot taken.png --kind trace --figure a", "must have lines of two numbers or more, got none"),
     (
         "plot {run} --kind trace --figure a --columns x",
         "columns must be pairs such as x=..., got 'x'",

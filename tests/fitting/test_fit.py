@@ -259,7 +259,7 @@ REFUSED = {
     "start": ({"start": [1, 2]}, r"start must be four numbers"),
     "noise": ({"noise": -1}, r"noise must be positive, got -1.0"),
     "confidence": ({"confidence": 2}, r"confidence must lie from 0.5"),
-    "too long": ({"revolutions": 500}, r"signals must hold at least 500 whole revolutions"),
+    "too long": ({"revolutions": 500}, r"signals must have at least 500 whole revolutions"),
     "no machine": ({"machine": 3}, r"machine must be a Rotor or a DimensionalRotor, got 3"),
     "units": ({"machine": MACHINE, "unknown": ["load"]}, r"machine must be a Rotor for signals"),
     "always in contact": (
@@ -281,7 +281,7 @@ def test_few_windows_and_no_angle_are_refused(up):
     seen = signals_of(up)
     with pytest.raises(InputError, match="at least as many numbers to compare as unknowns"):
         fit(seen.isel(t=slice(0, 420)), GUESS, SOUGHT)
-    with pytest.raises(InputError, match="signals must hold angle, keyphasor or omega"):
+    with pytest.raises(InputError, match="signals must contain angle, keyphasor or omega"):
         fit(seen.drop_vars(["angle", "omega"]), GUESS, SOUGHT)
     with pytest.raises(InputError, match="signals must be a dataset, or a list of them, got"):
         fit([], GUESS, SOUGHT)

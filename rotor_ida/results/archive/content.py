@@ -169,7 +169,7 @@ def _stored_values(name: str, values: npt.NDArray[np.generic]) -> npt.NDArray[np
     if values.dtype.kind not in "UOT" or not all(isinstance(text, str) for text in texts):
         held = "objects that are not strings" if values.dtype.kind == "O" else values.dtype.name
         raise InputError(
-            f"variable {name!r} must hold integers, float32, float64 or strings, got {held}"
+            f"variable {name!r} must contain integers, float32, float64 or strings, got {held}"
             + _INSTEAD.get(values.dtype.kind, "")
         )
     for text in texts:

@@ -92,7 +92,7 @@ def _in_hdf5(path: Path, kind: str) -> dict[str, object]:
         warnings.simplefilter("ignore")  # of types that are not understood, and left out
         try:
             if other := what_is_not_own(path):
-                raise InputError(f"{shown(path)} must hold its own data, got {other}")
+                raise InputError(f"{shown(path)} must contain its own data, got {other}")
             with Dataset(path) as file:
                 file.set_auto_maskandscale(False)
                 declared = sum(math.prod(map(float, each.shape)) for each in _all_in(file))
@@ -154,7 +154,7 @@ def _table(path: Path, held: Mapping[str, object]) -> Table:
                 rest.append(f"{each} ({found})")
     if not columns:
         raise InputError(
-            f"{shown(path)} must hold vectors or matrices of numbers, got "
+            f"{shown(path)} must contain vectors or matrices of numbers, got "
             + (shown(", ".join(rest)) if rest else "nothing")
         )
     matrices = {name.split("(")[0] for name in columns}

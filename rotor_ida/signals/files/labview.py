@@ -53,7 +53,7 @@ def read_labview(path: Path) -> Table:
     comma = head.get("Decimal_Separator", ["."])[0] == ","
     segments = _segments(lines, separator, comma)
     if not segments:
-        raise InputError(f"{shown(path)} must hold a segment with the line {ABSCISSA}, got none")
+        raise InputError(f"{shown(path)} must contain a segment with the line {ABSCISSA}, got none")
     first = segments[0]
     for segment in segments[1:]:
         if segment.names != first.names:

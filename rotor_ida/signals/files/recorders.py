@@ -63,7 +63,7 @@ def read_uff(path: Path) -> Table:
     responses = [each for each in sets if _is_response(each)]
     if not responses:
         raise InputError(
-            f"{shown(path)} must hold time responses (set 58 or 58b), got the sets {kinds}"
+            f"{shown(path)} must contain time responses (set 58 or 58b), got the sets {kinds}"
         )
     times = np.asarray(responses[0]["x"], dtype=np.float64)
     names = told_apart([_response_name(each) for each in responses])
@@ -73,7 +73,7 @@ def read_uff(path: Path) -> Table:
         values = np.asarray(each["data"], dtype=np.float64)[: int(each["num_pts"])]
         if values.size < int(each["num_pts"]):
             raise InputError(
-                f"{shown(path)} must hold the {each['num_pts']} points that its set {name} "
+                f"{shown(path)} must contain the {each['num_pts']} points that its set {name} "
                 f"declares, got {values.size}"
             )
         columns[name] = Column(values, _label(each, "ordinate_axis_units_lab"))
@@ -138,7 +138,7 @@ def read_tdms(path: Path) -> Table:
         if step and channels and "t" not in columns:
             columns = {"t": Column(channels[0].time_track(), "s"), **columns}
     if not columns:
-        raise InputError(f"{shown(path)} must hold channels of numbers, got {rest or 'none'}")
+        raise InputError(f"{shown(path)} must contain channels of numbers, got {rest or 'none'}")
     return _sampled(columns, ", ".join(rest))
 
 
@@ -166,7 +166,7 @@ def read_comtrade(path: Path) -> Table:
         rows, whole = int(cfg.sample_rates[-1][1]), _rows_in(data, cfg)
     if rows > whole:
         raise InputError(
-            f"{shown(data)} must hold the {rows} samples that {shown(head.name)} declares, got "
+            f"{shown(data)} must contain the {rows} samples that {shown(head.name)} declares, got "
             f"{whole}"
         )
     with _understood(path, kind):

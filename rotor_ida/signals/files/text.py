@@ -99,7 +99,7 @@ def _layout(lines: Sequence[str], path: Path) -> Layout:
         if line.strip() and not line.lstrip().startswith(COMMENTS)
     ][: MOST_HEAD + 1]
     if not begin:
-        raise InputError(f"{shown(path)} must hold lines of two numbers or more, got an empty file")
+        raise InputError(f"{shown(path)} must have lines of two numbers or more, got an empty file")
     for alone in (True, False):
         for (number, line), (_, next_line) in zip(begin, [*begin[1:], (0, "")], strict=True):
             for separator in (";", "\t", ",", None):
@@ -108,7 +108,7 @@ def _layout(lines: Sequence[str], path: Path) -> Layout:
                 if _holds_numbers(cells, after, alone):
                     return _layout_from(lines, number, separator, cells)
     raise InputError(
-        f"{shown(path)} must hold lines of two numbers or more, got none, but {shown(begin[0][1])}"
+        f"{shown(path)} must have lines of two numbers or more, got none, but {shown(begin[0][1])}"
     )
 
 
@@ -185,7 +185,7 @@ def _numbers(body: Sequence[str], rows: Sequence[int], layout: Layout, path: Pat
         cells = layout.cells(line)
         if len(cells) != layout.width:
             raise InputError(
-                f"line {rows[row] + 1} of {shown(path)} must hold {layout.width} cells as the "
+                f"line {rows[row] + 1} of {shown(path)} must contain {layout.width} cells as the "
                 f"first with numbers, got {len(cells)} in {shown(line)}"
             )
         table[row] = [layout.number(cell) for cell in cells]
