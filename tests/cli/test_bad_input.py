@@ -254,7 +254,7 @@ MISTAKES = [
     ("show nothing.nc", "must be a file that exists, got 'nothing.nc'"),
     ("show .", "must be a file, got the folder '.'"),
     ("show {text}", "is not an archive of rotor_ida"),
-    ("show {empty}", "is not an archive of rotor_ida: it is no netCDF-4 file"),
+    ("show {empty}", "is not an archive of rotor_ida: it is not netCDF-4"),
     ("show {cut}", "is damaged, was altered or is not an archive"),
     ("show {run} --figure nowhere/a.png", "figure must be in a folder that exists"),
     ("show {report} --figure a.png", "figure must be of a run, of whirls, their folds"),

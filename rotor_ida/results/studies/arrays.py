@@ -51,7 +51,7 @@ def unpacked(content: bytes) -> Arrays:
         with np.load(io.BytesIO(zlib.decompress(content)), allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
     except (zlib.error, zipfile.BadZipFile, ValueError, EOFError, OSError, AttributeError) as error:
-        raise ValueError(f"it holds no packed arrays: {error}") from error
+        raise ValueError(f"it contains no packed arrays: {error}") from error
 
 
 def scratch(

@@ -33,7 +33,7 @@ class Form(Generic[Result]):
     >>> form.unpack(packed({}))
     Traceback (most recent call last):
     ...
-    ValueError: it holds no time: 't'
+    ValueError: it contains no time: 't'
     """
 
     word: str
@@ -50,7 +50,7 @@ class Form(Generic[Result]):
         try:
             return self.from_arrays(arrays)
         except (KeyError, TypeError, IndexError, ValueError) as error:
-            raise ValueError(f"it holds no {self.word}: {error}") from error
+            raise ValueError(f"it contains no {self.word}: {error}") from error
 
 
 class Results(Generic[Result]):

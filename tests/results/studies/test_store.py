@@ -309,7 +309,7 @@ def test_another_format_is_refused(tmp_path, number):
     with opened(tmp_path, DESIGN, 2):
         pass
     execute(tmp_path, f"PRAGMA user_version = {number}")
-    with pytest.raises(InputError, match=f"has format {number}, but this .* with format 2 only"):
+    with pytest.raises(InputError, match=f"has format {number}, but this .* resumes format 2 only"):
         opened(tmp_path, DESIGN, 2).__enter__()
 
 
