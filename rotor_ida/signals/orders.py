@@ -253,7 +253,7 @@ def _check_turning(steps: Values, windows: Windows) -> None:
         raise InputError(
             "signals must have more than 3 samples in each turn of the whirl, got "
             f"{2.0 * math.pi / means[worst]:.3g} at t {windows.times[worst]:.6g}: "
-            f"{math.ceil(4.0 * held)} samples a revolution would do"
+            f"{math.ceil(4.0 * held)} samples per revolution are enough"
         )
 
 
