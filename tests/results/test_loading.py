@@ -89,7 +89,7 @@ def alter(path: Path, change: str) -> None:
         ("coordinates", "is damaged or was altered"),
         ("no checksum", "is damaged or was altered"),
         ("group", "is not a sound archive: it contains 'hidden', which is not a variable"),
-        ("complex", "holds 'complex', which is not a variable"),
+        ("complex", "contains 'complex', which is not a variable"),
         ("char", "is not a sound archive: see variable 'extra'"),
         ("newer", "has format 4, but this version of rotor_ida reads format 3 only"),
         ("older", "has format 2, but this version of rotor_ida reads format 3 only"),
