@@ -18,8 +18,8 @@ KIND = {
     "t": "time", "x": "length", "y": "length",
     "keyphasor": "time", "angle": "angle", "speed": "speed",
 }  # fmt: skip
-# Words by which a column is known, the surest first. All but t serve for the angle of the rotor,
-# and the first of these that a file has is taken.
+# Words that identify a column, the surest first. All but t serve for the angle of the rotor; the
+# first of these in a file is taken.
 WORDS = {
     "t": ("t", "time", "times", "zeit", "seconds", "timestamp", "x value"),
     "angle": ("angle", "theta"),
@@ -37,11 +37,11 @@ PAIRS = (
     *(("horizontal", "vertical"), ("horiz", "vert"), ("horz", "vert"), ("hor", "ver")),
 )
 AXES = {"x", "y", "z", "h", "v"}
-# Words of what probes measure.
+# Words for the quantities that probes measure.
 PROBE_WORDS = {"probe", "disp", "displacement", "prox", "proximity", "vib", "vibration"}
-# Units that are as likely to be words of the name.
+# Units that may also be words of a name.
 NO_SUFFIX = {"in", "1", "-", ""}
-# Names of a number that is the sampling rate [Hz].
+# Names of the sampling rate [Hz].
 RATES = {
     *("fs", "rate", "fsample", "samplerate", "samplefreq", "samplefrequency"),
     *("samplingrate", "samplingfrequency", "samplingfreq"),

@@ -14,25 +14,25 @@ Counts = npt.NDArray[np.int64]
 
 FEWEST_PULSES = 3
 FEWEST_JUDGED = 4
-# An interval that is so much longer than one round it may have lost a pulse; one so much shorter
-# than usual may hold one too many.
+# An interval this much longer than a neighbour may have lost a pulse; one this much shorter than
+# usual may have an extra pulse.
 LONGER = 1.25
 SHORTER = 0.6
-# At the ends, where a machine may start from rest, only if those beyond are so nearly alike.
+# At the ends, where a machine may start from rest, only if the next intervals are this similar.
 ALIKE = 1.15
-# An interval so many times longer than its neighbour is a rest, or a loss, and says nothing of it.
+# An interval this many times longer than its neighbour, as at a rest, is not used to judge it.
 REST = 3.0
-# Turns in an interval above which they are counted by a parabola.
+# Revolutions in an interval above which they are counted by a parabola.
 LONG_GAP = 4.5
 MOST_PASSES = 20
-# Points a turn at which the angle in an interval is worked out to fill in its pulses.
+# Points per revolution at which the angle is computed to fill in pulses.
 FINE = 200
 ROUNDING = 1e-9
-# A pulse that rises by more than that part of its height in one step is known by no better than it.
+# A pulse that rises by more than this part of its height in one step has the step as its error.
 SUDDEN = 0.5
-# Pulses to which a smooth course is fitted, ever more.
+# Increasing numbers of pulses to which a smooth curve is fitted.
 COURSES = (5, 9, 17, 33, 65, 129, 257)
-# Of the height of the pulses: a crossing counts when the signal has been below and gets above.
+# Parts of the pulse height: a crossing counts if the signal rises from below LOW to above HIGH.
 LOW, HIGH = 0.4, 0.6
 
 

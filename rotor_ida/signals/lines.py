@@ -21,7 +21,7 @@ MOST_STEPS = 12
 # Weights of a Kaiser window whose main lobe is twice so many steps of the grid wide leave nothing
 # of a line in another that is further away, to rounding.
 WIDEST = 11.0
-# Steps of the grid nearer than which two lines are one, in the search and then.
+# Steps of the grid within which two lines count as one, in the search and afterwards.
 NEAREST = 4.0
 
 

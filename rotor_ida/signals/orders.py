@@ -20,12 +20,12 @@ from rotor_ida.signals.windows import MOST_OVERLAP, Orders, Windows, fit_orders,
 # not affect the others.
 BESIDE = 3
 LARGEST_ORDER = 1000.0
-# Windows of more revolutions than one over this are of no use.
+# Orders closer than this would need windows of too many revolutions.
 CLOSEST = 1e-3
 # Tolerance for rounding when windows must separate orders.
 SLACK = 1e-9
-# In the mean displacements must turn by less from sample to sample, a third of a turn; the phase of
-# noise alone turns by a quarter.
+# Displacements must turn by less than this between samples on average: a third of a turn. The
+# phase of noise alone turns by a quarter.
 MOST_TURNING = 2.0 * math.pi / 3.0
 
 
@@ -307,7 +307,7 @@ def revolutions_for(asked: Values, revolutions: int | None) -> int:
     """Return the number of revolutions in a window, which must separate the orders."""
     whole = np.arange(0.0, max(BESIDE, math.floor(asked.max())) + 1.0)
     near = np.diff(np.sort(np.concatenate([asked, whole])))
-    # a whole order that is asked for stands there twice
+    # a requested integer order occurs twice there
     apart = near[near > SLACK].min()
     if (
         apart < CLOSEST

@@ -21,9 +21,9 @@ from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import MODE, flags_of, labelled, words_of
 from rotor_ida.signals.sampling import check_sampling, run_angles
 
-# Between outputs, which lie close together, the motion is the cubic that has its velocities too.
+# Between close outputs the motion is the cubic through their displacements and velocities.
 POINTS_A_REVOLUTION = 90
-# How a motion goes on after events that tell it; after the others it slips.
+# Mode after events that determine it; after the others the disc slips.
 AFTER = {"exit": "flight", "roll": "rolling", "release": "loose"}
 EVENT_NAMES = tuple(f"event_{name}" for name in COMPONENTS)
 
@@ -39,7 +39,7 @@ class Path:
     in_contact: npt.NDArray[np.bool_]
     # how fast the distance from the bearing axis grows, where that is known
     radial_speed: Values | None = None
-    # with friction, how the stretch that begins at each time goes on: a number of `MODE`
+    # with friction, the mode of the stretch that begins at each time: a number of `MODE`
     mode: npt.NDArray[np.int8] | None = None
 
     @property
@@ -53,7 +53,7 @@ class Path:
         shown = np.zeros(chosen.shape, dtype=bool)
         shown[:-1] |= begins
         shown[1:] |= begins
-        # a point that ends one stretch without beginning the next is followed by a gap
+        # a gap follows a point that ends one stretch without beginning the next
         last = np.nonzero(shown[:-1] & ~begins)[0] + 1
         return [np.insert(np.where(shown, column, np.nan), last, np.nan) for column in columns]
 
@@ -147,7 +147,7 @@ def _modes_without_samples(run: xr.Dataset) -> npt.NDArray[np.int8]:
         speed = run["event_speed"].values / scale_of(run, "speed")
     rim = run["disc_radius"].item() * speed * scale_of(run, "velocity")
     slip = np.append((x * vy - y * vx) / np.hypot(x, y) + rim, 0.0)
-    # it keeps its sense from one event to the next, at one of which it may be 0
+    # it keeps its direction from one event to the next; at one of them it may be 0
     senses = np.where(slip[:-1] + slip[1:] < 0.0, -1, 1).tolist()
     modes = [int(run["mode"].values[0])]
     for word, sense in zip(words_of(run["event_kind"]), senses, strict=True):

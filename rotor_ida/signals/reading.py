@@ -38,19 +38,19 @@ Keyphasor = Literal["auto", "signal", "times"]
 
 # Samples per second.
 RATES = (1e-9, 1e12)
-# A step that is so much longer than the usual one is a gap.
+# A step this much longer than the usual one is a gap.
 GAP = 1.5
-# Samples that stay at the largest or smallest reading.
+# Samples at the largest or smallest reading by which a probe counts as clipped.
 CLIPPED = 4
-# Times within so much of the last digit written of an even spacing are evenly spaced, if they are
-# not so to this part of a step anyway.
+# Times count as evenly spaced within this much of their last written digit, or within this part of
+# a step.
 ROUNDED, EVEN = 0.6, 1e-3
 MOST_DECIMALS = 12
 INTEGRATED = (
     "the angle is integrated from the speed: phase lags have no known origin, and drift with the "
     "error of the speed"
 )
-# What an angle spans that is counted from 0 to one revolution, with some room.
+# Range of an angle that is counted from 0 to one revolution, with some margin.
 TURN = 6.5
 READERS: Mapping[str, Callable[[Path], Table]] = {
     "wav": read_wav,

@@ -13,12 +13,12 @@ from rotor_ida.checks import SAMPLES_A_REVOLUTION
 from rotor_ida.errors import InputError
 from rotor_ida.results.si_units import scale_of
 
-# In each revolution, and in each turn of the whirl. What was measured has passed a filter before;
-# what was simulated has not, and the harmonics of a rub would be folded back.
+# Samples per revolution, and per turn of the whirl. Measured signals have passed a filter;
+# simulated ones have not, and the harmonics of a rub would be aliased.
 OF_RUN, OF_MEASUREMENT = 4.0, 2.0
-# Samples over which the whirl is judged.
+# Samples over which the whirl frequency is estimated.
 BLOCK = 32
-# Slower than this part of the fastest block the motion is rest, or rounding.
+# A motion slower than this part of the fastest block is rest or rounding.
 AT_REST = 1e-6
 
 

@@ -13,11 +13,11 @@ from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.signals.record import Record
 
-# Of a window: a sample at its edge belongs to it, whatever rounding did to its angle.
+# Tolerance relative to a window: a sample at its edge belongs to it in spite of rounding.
 EDGE = 1e-9
-# Numbers that are worked on at once: what fits into the processor's cache is done sooner.
+# Numbers to process at once: blocks that fit into the processor's cache are faster.
 AT_ONCE = 200_000
-# By which part windows, and segments of a spectrogram, overlap.
+# Limits on the overlap of windows, and of segments of a spectrogram.
 MOST_OVERLAP = 0.95
 MOST_SAMPLES = 200_000_000
 Complex = npt.NDArray[np.complex128]

@@ -198,7 +198,7 @@ def test_labview_files_without_a_head_are_tables(tmp_path: Path) -> None:
 def test_damaged_labview_files_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.lvm"
     path.write_text("LabVIEW Measurement\t\nSeparator\tTab\n")
-    assert "must have a head that ends in ***End_of_Header***" in refused(path)
+    assert "must have a header that ends in ***End_of_Header***" in refused(path)
     path.write_text(LVM_HEAD.format(point=".", columns="One"))
     assert "must contain a segment with the line X_Value, got none" in refused(path)
     write_lvm(path, columns="One")

@@ -180,7 +180,7 @@ COMMAS = {
     ),
     "decimals between commas": (
         "\n".join(f"0,{n:03d},1,{n % 7:03d},2,{n % 5:03d}" for n in range(200)),
-        "must not have decimal commas between columns that are parted by commas, got '0,000' in "
+        "must not have decimal commas in columns that are separated by commas, got '0,000' in "
         "line 1",
     ),
     "thousands and decimals": (
@@ -242,7 +242,7 @@ ODD = {
     "two units": (HEAD.replace("x [um]", "x [mm]") + BODY,
                   "x and y must be in one unit, got mm and um"),
     "bytes": ("\0\1\2\3" * 100,
-              "must be text, got other bytes; files of recorders are known by their endings"),
+              "must be text, got other bytes; files of recorders are recognised by their endings"),
 }  # fmt: skip
 
 
