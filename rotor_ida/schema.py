@@ -1,4 +1,4 @@
-"""The one table of variables: name, long name, units and flags of all that a dataset can hold."""
+"""The one table of dataset variables: name, long name, units and flags."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import FRICTIONLESS, OF_ROTOR
 
 CONVENTIONS = "CF-1.11"
-# The attribute that says what kind of result a dataset is, a row of `rotor_ida.results.kinds`.
+# Attribute with the kind of result of a dataset, a row of `rotor_ida.results.kinds`.
 RESULT_KIND = "result_kind"
-# Attributes of numbers that stand for words, which the words themselves need not have.
+# Attributes of flag numbers, which their words do not need.
 OF_FLAGS = ("flag_values", "flag_meanings", "units")
 Labelled = TypeVar("Labelled", xr.Dataset, xr.DataArray)
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """What one variable of a dataset is."""
+    """Description of one variable of a dataset."""
 
     long_name: str
-    units: str = "1"  # of what is dimensionless; empty for text
-    # By which scale of a machine it becomes a quantity in SI units; empty where by none:
+    units: str = "1"  # "1" if dimensionless; empty for text
+    # Scale of a machine that converts it to SI units, empty if none:
     # length, time, velocity, force, impulse, energy or rate.
     scale: str = ""
     flags: Mapping[str, int] = field(default_factory=dict)  # the number of each word of a category
 
     def attributes(self) -> dict[str, object]:
-        """Return the attributes of a variable that holds this quantity."""
+        """Return the attributes of a variable with this quantity."""
         attributes: dict[str, object] = {"long_name": self.long_name}
         if self.units:
             attributes["units"] = self.units
@@ -61,21 +61,21 @@ RESPONSE = {
     "failed": -1,
 }
 EVENT_KIND = {"exit": -1, "entry": 1}
-# What contact damping adds: the force falls to zero inside the ring, or rises from it again.
+# Added by contact damping: the force falls to zero while surfaces overlap, or rises from zero.
 DAMPED_EVENT_KIND = EVENT_KIND | {"press": 4, "release": -4}
-# What friction adds: the disc begins to roll, or to slip, or slides the other way.
+# Added by friction: the disc begins to roll or to slip, or reverses its sliding.
 OF_FRICTION_EVENT_KIND = {"roll": 2, "slip": -2, "reverse": 3}
 MODE = {"flight": 0, "slipping_forward": 1, "slipping_backward": -1, "rolling": 2, "loose": 3}
-# What became of a start, besides the numbers of the attractors and the kinds of response.
+# Labels of a start besides the numbers of the attractors and the kinds of response.
 FATE = {"not_computed": -2, "undecided": -1}
-# What the region of an attractor rests on, which holds starts that end there: a proof that no orbit
-# leaves it, or orbits that begin in it and were followed; or there is none.
+# Evidence for the trapping region of an attractor: a proof that no orbit leaves it, orbits that
+# were simulated from it, or no region.
 TRAPPING = {"none": 0, "estimated": 1, "proven": 2}
 STATUS = {"done": 0, "failed": 1}
-# How a run-up ends, once the last speed is held.
+# How a run-up ends, after a time at the last speed.
 ENDING = {"failed": -1, "unresolved": 0, "contact_free": 1, "rub": 2, "whip": 3}
 ENDS_IN_WORDS = {
-    "contact_free": "off the ring", "rub": "in a rub", "whip": "in dry whip",
+    "contact_free": "contact-free", "rub": "in a rub", "whip": "in dry whip",
     "unresolved": "undecided",
 }  # fmt: skip
 DIRECTION = {"down": -1, "from_start": 0, "up": 1}
@@ -97,13 +97,13 @@ SPECIAL = {
 END = {
     "not_found": -1, "none": 0, "fold": 1, "period_doubling": 2, "touch": 3, "hopf": 4, "torus": 5,
 }  # fmt: skip
-# Between whose values attractors are known to exist, where they are not 0.
+# Parameters whose range of existence is computed for attractors, where they are not 0.
 WITH_EXTENTS = ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "friction")
 EXTREMUM = {"minimum": -1, "constant": 0, "maximum": 1}
 
 
 def _states(words: str, axes: Mapping[str, str], where: Mapping[str, str]) -> dict[str, Quantity]:
-    """Return the components of states, by prefixes and by what these say behind the component."""
+    """Return the components of states, by prefix and by the words after the component."""
     nouns = {"": "displacement", "v": "velocity"}
     return {
         f"{prefix}{kind}{axis}": Quantity(
@@ -117,14 +117,14 @@ def _states(words: str, axes: Mapping[str, str], where: Mapping[str, str]) -> di
 
 QUANTITIES: dict[str, Quantity] = {
     # a fit
-    "unknown": Quantity("parameter that was sought", ""),
-    "unknown_too": Quantity("parameter that was sought, once more", ""),
-    "estimate": Quantity("value found, in its own unit", ""),
-    "standard_error": Quantity("standard error of the value, in its own unit", ""),
-    "lower": Quantity("lower end of the confidence interval, in its own unit", ""),
-    "upper": Quantity("upper end of the confidence interval, in its own unit", ""),
-    "first_guess": Quantity("value at which the search began, in its own unit", ""),
-    "told": Quantity("whether the signals tell it to half of its value at least", flags=NO_YES),
+    "unknown": Quantity("fitted parameter", ""),
+    "unknown_too": Quantity("fitted parameter, second axis", ""),
+    "estimate": Quantity("estimate, in the unit of the parameter", ""),
+    "standard_error": Quantity("standard error, in the unit of the parameter", ""),
+    "lower": Quantity("lower end of the confidence interval, in the unit of the parameter", ""),
+    "upper": Quantity("upper end of the confidence interval, in the unit of the parameter", ""),
+    "first_guess": Quantity("first guess, in the unit of the parameter", ""),
+    "told": Quantity("whether the standard error is at most half of the value", flags=NO_YES),
     "unit": Quantity("unit of the value", ""),
     "covariance": Quantity("covariance of two values, in their units", ""),
     "record": Quantity("number of the record of signals"),
@@ -138,9 +138,9 @@ QUANTITIES: dict[str, Quantity] = {
     "fitted_time": Quantity("fitted time of contact entry or exit", scale="time"),
     "time_error": Quantity("standard error of a measured contact time", scale="time"),
     "compared": Quantity("1 where a measured contact time is compared, else 0"),
-    "touch_record": Quantity("number of the record that the contact is in"),
-    "chi_square": Quantity("sum of the squares that are left, over their variances"),
-    "degrees_of_freedom": Quantity("numbers compared less numbers sought"),
+    "touch_record": Quantity("number of the record with the contact"),
+    "chi_square": Quantity("sum of squared residuals over their variances"),
+    "degrees_of_freedom": Quantity("number of data less number of fitted parameters"),
     "noise": Quantity("standard deviation of the noise in each direction", scale="length"),
     # parameters
     **{name: Quantity(each.meaning) for name, each in OF_ROTOR.items()},
@@ -149,7 +149,7 @@ QUANTITIES: dict[str, Quantity] = {
         {"x": "horizontal", "y": "vertical"},
         {"": "", "event_": " at the event", "start_": " at the start", "end_": " at the end"},
     ),
-    # on axes that turn with the unbalance
+    # on axes that rotate with the unbalance
     **_states(
         "{noun} {axis} the unbalance",
         {"x": "along", "y": "across"},
@@ -170,45 +170,47 @@ QUANTITIES: dict[str, Quantity] = {
     "contact_duration": Quantity("time from entry to exit", scale="time"),
     "impulse": Quantity("impulse of the contact force", scale="impulse"),
     "entry_speed": Quantity("speed at entry", scale="velocity"),
-    "entry_angle": Quantity("angle from the ring's normal to the velocity at entry", "radian"),
+    "entry_angle": Quantity("angle from the stator's normal to the velocity at entry", "radian"),
     "energy_lost": Quantity("kinetic energy at entry less that at exit", scale="energy"),
     "contact_loss": Quantity("energy lost in the contact by its damping", scale="energy"),
     "heat": Quantity("heat of slipping in the contact", scale="energy"),
-    "slip_distance": Quantity("distance by which the surfaces slip in the contact", scale="length"),
-    "rolling_time": Quantity("time for which the disc rolls in the contact", scale="time"),
-    "mode": Quantity("how the rotor moves: in flight, slipping, rolling or loose", flags=MODE),
+    "slip_distance": Quantity("slip distance of the surfaces in the contact", scale="length"),
+    "rolling_time": Quantity("rolling time of the disc in the contact", scale="time"),
+    "mode": Quantity("mode of motion: flight, slipping, rolling or loose", flags=MODE),
     "slip_speed": Quantity(
-        "speed of the disc's rim on the ring, positive forwards", scale="velocity"
+        "speed of the disc's rim relative to the stator, positive forwards", scale="velocity"
     ),
     "normal_force": Quantity("normal force of the contact", scale="force"),
-    "speed": Quantity("spin speed over the reference frequency, as it changes", scale="speed"),
+    "speed": Quantity("instantaneous spin speed over the reference frequency", scale="speed"),
     "angle": Quantity("angle of the unbalance", "radian"),
     "event_speed": Quantity("spin speed at the event", scale="speed"),
     "revolutions": Quantity("number of revolutions in the run"),
     "event_angle": Quantity("angle of the unbalance at the event", "radian"),
     "whirl_direction": Quantity(
-        "sense of the motion round the bearing axis at the peak", flags=WHIRL_DIRECTION
+        "whirl direction about the bearing axis at the peak", flags=WHIRL_DIRECTION
     ),
     # a summary of contacts
     "contact_count": Quantity("number of contacts"),
-    "contacts_per_revolution": Quantity("number of contacts in one revolution"),
-    "contact_fraction": Quantity("part of the time spent in contact"),
+    "contacts_per_revolution": Quantity("number of contacts per revolution"),
+    "contact_fraction": Quantity("fraction of the time in contact"),
     "largest_force": Quantity("largest contact force", scale="force"),
     "mean_peak_force": Quantity("mean of the largest forces of the contacts", scale="force"),
-    "total_impulse": Quantity("impulse of all whole contacts", scale="impulse"),
-    "impulse_per_revolution": Quantity("impulse of whole contacts per revolution", scale="impulse"),
+    "total_impulse": Quantity("impulse of all complete contacts", scale="impulse"),
+    "impulse_per_revolution": Quantity(
+        "impulse of complete contacts per revolution", scale="impulse"
+    ),
     "energy_lost_per_revolution": Quantity(
-        "kinetic energy lost in whole contacts per revolution", scale="energy"
+        "kinetic energy lost in complete contacts per revolution", scale="energy"
     ),
     "total_heat": Quantity("heat of slipping in contacts", scale="energy"),
     "heat_per_revolution": Quantity("heat of slipping in contacts per revolution", scale="energy"),
-    "total_slip_distance": Quantity("distance by which the surfaces slip", scale="length"),
+    "total_slip_distance": Quantity("slip distance of the surfaces", scale="length"),
     "slip_distance_per_revolution": Quantity(
-        "distance by which the surfaces slip per revolution", scale="length"
+        "slip distance of the surfaces per revolution", scale="length"
     ),
-    "rolling_fraction": Quantity("part of the time in contact in which the disc rolls"),
+    "rolling_fraction": Quantity("fraction of the contact time in which the disc rolls"),
     "total_contact_loss": Quantity("energy lost in contacts by their damping", scale="energy"),
-    "forward_fraction": Quantity("part of the contacts passed in forward whirl"),
+    "forward_fraction": Quantity("fraction of the contacts in forward whirl"),
     # sections, spectra and forces
     "crossing": Quantity("number of the point of the section"),
     "crossing_time": Quantity("time at which the motion crosses the section", scale="time"),
@@ -218,8 +220,10 @@ QUANTITIES: dict[str, Quantity] = {
     "force": Quantity("contact force", scale="force"),
     "force_x": Quantity("horizontal contact force on the rotor", scale="force"),
     "force_y": Quantity("vertical contact force on the rotor", scale="force"),
-    "tangential_force": Quantity("force along the ring, back on the rotor", scale="force"),
-    "peak_fraction": Quantity("part of the contacts whose largest force is no larger"),
+    "tangential_force": Quantity(
+        "tangential contact force on the rotor, positive backward", scale="force"
+    ),
+    "peak_fraction": Quantity("fraction of the contacts with no larger peak force"),
     # signals of probes and a keyphasor
     "keyphasor": Quantity("time of a pulse of the keyphasor", scale="time"),
     "window": Quantity("number of the window"),
@@ -237,9 +241,11 @@ QUANTITIES: dict[str, Quantity] = {
     "whirl_phase": Quantity("phase of the whirl at the time 0", "radian"),
     "offset_x": Quantity("mean horizontal displacement", scale="length"),
     "offset_y": Quantity("mean vertical displacement", scale="length"),
-    "window_residual": Quantity("root mean square of what the orders leave", scale="length"),
+    "window_residual": Quantity(
+        "root mean square of the residual after the orders", scale="length"
+    ),
     "whirl_over_spin": Quantity("whirl speed over spin speed, negative for backward whirl"),
-    "whirl_sense": Quantity("sense of the whirl", flags=WHIRL_DIRECTION),
+    "whirl_sense": Quantity("direction of the whirl", flags=WHIRL_DIRECTION),
     "bandwidth": Quantity("equivalent noise bandwidth, as a circular frequency", scale="rate"),
     "noise_floor": Quantity("amplitude of noise in one line of the spectrum", scale="length"),
     # Lyapunov exponents
@@ -255,7 +261,7 @@ QUANTITIES: dict[str, Quantity] = {
     "extremum_count": Quantity("number of extrema of the distance from the bearing axis"),
     "extremum_radius": Quantity("distance from the bearing axis at its extremum", scale="length"),
     "extremum_kind": Quantity("kind of the extremum", flags=EXTREMUM),
-    "extremum_speed": Quantity("spin speed at which the extremum was met"),
+    "extremum_speed": Quantity("spin speed at the extremum"),
     # closed forms
     "branch": Quantity("number of the synchronous whirl, in order of amplitude"),
     "fold": Quantity("number of the fold, in order of speed"),
@@ -264,51 +270,53 @@ QUANTITIES: dict[str, Quantity] = {
         "phase by which the motion at the spin speed lags the unbalance", "radian"
     ),
     "stability": Quantity("stability of the synchronous whirl", flags=STABILITY),
-    "in_contact": Quantity("whether the synchronous whirl touches the ring", flags=NO_YES),
+    "in_contact": Quantity("whether the synchronous whirl touches the stator", flags=NO_YES),
     "point": Quantity("number of the point along the curve"),
-    "piece": Quantity("number of the connected piece of the curve, -1 beyond its last point"),
-    "torque": Quantity("torque that holds the speed on the synchronous whirl"),
+    "piece": Quantity("number of the connected piece of the curve, -1 after its last point"),
+    "torque": Quantity("torque that maintains the speed on the synchronous whirl"),
     "driven_stability": Quantity(
-        "stability of the synchronous whirl where a drive holds the speed", flags=STABILITY
+        "stability of the synchronous whirl where a drive maintains the speed", flags=STABILITY
     ),
     "growth_rate": Quantity("largest real part of the whirl's eigenvalues", scale="rate"),
     "fold_omega": Quantity("spin speed of the fold over the reference frequency"),
     "fold_amplitude": Quantity("amplitude of the synchronous whirl at the fold", scale="length"),
-    "fold_drift": Quantity("growth of the amplitude at the fold by the excess of the speed"),
-    "fold_curvature": Quantity("growth of the amplitude at the fold by the square of its excess"),
+    "fold_drift": Quantity("coefficient of the excess speed in the amplitude's growth at the fold"),
+    "fold_curvature": Quantity(
+        "coefficient of the squared excess amplitude in its growth at the fold"
+    ),
     "fold_remainder": Quantity(
-        "what a late jump exceeds the law by, over the rate and the logarithm of its inverse"
+        "deviation of a late jump from the law, over the rate and the logarithm of its inverse"
     ),
     "fold_passage": Quantity(
-        "way in which the speed passes the fold from a stable whirl", flags=PASSAGE
+        "direction in which the speed passes the fold from a stable whirl", flags=PASSAGE
     ),
-    "rate": Quantity("change of the spin speed in a unit of time, without its sign"),
-    "jump_omega": Quantity("spin speed at which the rotor has left the fold behind"),
+    "rate": Quantity("magnitude of the rate of change of the spin speed"),
+    "jump_omega": Quantity("spin speed at which the rotor has jumped from the fold"),
     "hopf": Quantity("number of the Hopf point, in order of speed"),
     "hopf_omega": Quantity("spin speed of the Hopf point over the reference frequency"),
     "hopf_amplitude": Quantity(
         "amplitude of the synchronous whirl at the Hopf point", scale="length"
     ),
     "hopf_frequency": Quantity(
-        "circular frequency on the rotating axes of the cycle that is born there", scale="rate"
+        "circular frequency, on rotating axes, of the cycle born there", scale="rate"
     ),
     "whirl": Quantity("number of the backward whirl"),
     "backward_amplitude": Quantity("radius of the backward whirl", scale="length"),
     "whirl_speed": Quantity("angular speed of the whirl, negative if backward", scale="rate"),
-    "backward_kind": Quantity("how the disc moves on the ring", flags=WHIRL_KIND),
+    "backward_kind": Quantity("motion of the disc on the stator", flags=WHIRL_KIND),
     "backward_stability": Quantity("stability of the backward whirl", flags=STABILITY),
     "backward_normal_force": Quantity("normal force of the contact", scale="force"),
     "backward_tangential_force": Quantity("tangential force of the contact", scale="force"),
-    "birth_omega": Quantity("spin speed at which dry whip is born, over the reference frequency"),
-    "landing_amplitude": Quantity("amplitude of the whirl that is left at a fold", scale="length"),
+    "birth_omega": Quantity("lowest spin speed of dry whip over the reference frequency"),
+    "landing_amplitude": Quantity("amplitude of the other whirl at a fold", scale="length"),
     "cusp_zeta": Quantity("damping ratio at the cusp, above which the response curve has no fold"),
     "cusp_omega": Quantity("spin speed at the cusp, where the last folds merge"),
     "cusp_amplitude": Quantity("amplitude at the cusp, where the last folds merge", scale="length"),
     "peak_amplitude": Quantity("largest amplitude of a contacting whirl", scale="length"),
     "peak_omega": Quantity("spin speed at which the amplitude is largest"),
     "peak_contact_force": Quantity("contact force where the amplitude is largest", scale="force"),
-    "indentation": Quantity("indentation of the ring", scale="length"),
-    "rest_stability": Quantity("stability of the place of rest", flags=STABILITY),
+    "indentation": Quantity("indentation of the contact", scale="length"),
+    "rest_stability": Quantity("stability of the rest position", flags=STABILITY),
     "radial_frequency": Quantity("undamped circular frequency along the radius", scale="rate"),
     "tangential_frequency": Quantity("undamped circular frequency across the radius", scale="rate"),
     "rest_growth_rate": Quantity("largest real part of the eigenvalues at rest", scale="rate"),
@@ -320,8 +328,8 @@ QUANTITIES: dict[str, Quantity] = {
     "circular_period": Quantity("period of a free whirl on a circle", scale="time"),
     "planar_period": Quantity("period of free vibration on a line", scale="time"),
     "period": Quantity("period of the motion", scale="time"),
-    "solution_x": Quantity("horizontal displacement by a claimed solution", scale="length"),
-    "solution_y": Quantity("vertical displacement by a claimed solution", scale="length"),
+    "solution_x": Quantity("horizontal displacement of a claimed solution", scale="length"),
+    "solution_y": Quantity("vertical displacement of a claimed solution", scale="length"),
     # sweeps
     "start": Quantity("number of the start"),
     "direction": Quantity("direction in which the speed is swept", flags=DIRECTION),
@@ -334,13 +342,13 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "window_start": Quantity("time at which the final window begins", scale="time"),
     "window_end": Quantity("time at which the final window and the run end", scale="time"),
-    "status": Quantity("whether the run was done", flags=STATUS),
+    "status": Quantity("whether the run was completed", flags=STATUS),
     "message": Quantity("why the run failed", ""),
     "event_count": Quantity("number of contact events of the run"),
     # many run-ups
     "to": Quantity("spin speed at the end of the ramp over the reference frequency"),
     "phase": Quantity("angle of the unbalance at time 0", "radian"),
-    "ending": Quantity("how the run-up ends, once the last speed is held", flags=ENDING),
+    "ending": Quantity("how the run-up ends, after a time at the last speed", flags=ENDING),
     "largest_radius": Quantity(
         "largest distance from the bearing axis on the ramp", scale="length"
     ),
@@ -352,36 +360,34 @@ QUANTITIES: dict[str, Quantity] = {
     "first_touch_speed": Quantity("spin speed at the first touch", scale="speed"),
     "last_exit_speed": Quantity("spin speed at the last exit", scale="speed"),
     "first_roll_speed": Quantity("spin speed where the disc first rolls", scale="speed"),
-    "contact_time": Quantity("time spent in contact on the ramp", scale="time"),
+    "contact_time": Quantity("time in contact on the ramp", scale="time"),
     "end_angle": Quantity("angle of the unbalance at the end of the ramp", "radian"),
     "failed_count": Quantity("number of run-ups that failed"),
     **{
-        f"{word}_fraction": Quantity(f"part of the run-ups that end {how}")
+        f"{word}_fraction": Quantity(f"fraction of run-ups that end {how}")
         for word, how in ENDS_IN_WORDS.items()
     },
     **{
-        f"{word}_fraction_error": Quantity(f"standard error of the part that ends {how}")
+        f"{word}_fraction_error": Quantity(f"standard error of the fraction that ends {how}")
         for word, how in ENDS_IN_WORDS.items()
     },
     # basins
     "attractor": Quantity("number of the attractor"),
     "label": Quantity("number of the attractor on which the start ends"),
     "settling_time": Quantity(
-        "time at which a region held the orbit, or else at which following ended", scale="time"
+        "time at which the orbit was decided, or the simulation ended", scale="time"
     ),
     "kind": Quantity("kind of response on the attractor", flags=RESPONSE),
-    "trapping": Quantity(
-        "what the region rests on that holds starts on the attractor", flags=TRAPPING
-    ),
+    "trapping": Quantity("evidence for the trapping region of the attractor", flags=TRAPPING),
     "lifetime": Quantity(
-        "mean time after which the motion is left, infinite where that was not seen", scale="time"
+        "mean time after which the motion ends, infinite where that was not seen", scale="time"
     ),
-    "lifetime_low": Quantity("least such time that is likely at 95 %", scale="time"),
+    "lifetime_low": Quantity("lower 95 % confidence bound of the lifetime", scale="time"),
     "confirmed": Quantity("whether CVODE has followed a start to the attractor", flags=NO_YES),
     "count": Quantity("number of starts that end on the attractor"),
-    "fraction": Quantity("part of the computed starts that end on the attractor"),
+    "fraction": Quantity("fraction of computed starts that end on the attractor"),
     "fraction_error": Quantity(
-        "standard error of the fraction, if the starts were drawn at random from their range"
+        "standard error of the fraction, for starts drawn at random from their range"
     ),
     "settling_median": Quantity(
         "median of the times at which starts on the attractor were decided",
@@ -390,39 +396,39 @@ QUANTITIES: dict[str, Quantity] = {
     "settling_95": Quantity("time by which 95 % of them were decided", scale="time"),
     "mean_force": Quantity("mean contact force: the impulse in a unit of time", scale="force"),
     "dissipation_per_revolution": Quantity(
-        "energy that damping takes in one revolution", scale="energy"
+        "energy dissipated by damping per revolution", scale="energy"
     ),
     "contact_loss_per_revolution": Quantity(
-        "energy that contact damping takes in one revolution", scale="energy"
+        "energy dissipated by contact damping per revolution", scale="energy"
     ),
     "excursion": Quantity("largest distance from the bearing axis over the clearance"),
     "missed_fraction": Quantity(
-        "fraction of starts that an attractor may have and yet be missed, with a probability of 5 %"
+        "largest basin fraction of an attractor that is missed with a probability of 5 %"
     ),
-    "basin_entropy": Quantity("mean entropy of the ends of starts in small boxes"),
-    "boundary_entropy": Quantity("the same over the boxes in which starts end differently"),
-    # how far from the edge
-    "target": Quantity("number of the attractor that it is thrown to"),
+    "basin_entropy": Quantity("mean entropy of the attractors of starts in small boxes"),
+    "boundary_entropy": Quantity("mean entropy over the boxes with more than one attractor"),
+    # distances from the basin boundary
+    "target": Quantity("number of the attractor reached after the shock"),
     "velocity_shock": Quantity(
-        "smallest change of velocity found that throws it to the target", scale="velocity"
+        "smallest velocity shock found that leads to the target", scale="velocity"
     ),
     "displacement_shock": Quantity(
-        "smallest displacement found that throws it to the target", scale="length"
+        "smallest displacement shock found that leads to the target", scale="length"
     ),
     "velocity_shock_scatter": Quantity(
-        "how much larger than the smallest change of velocity the best from another draw is"
+        "relative excess of the velocity shock found from another random draw"
     ),
     "displacement_shock_scatter": Quantity(
-        "how much larger than the smallest displacement the best from another draw is"
+        "relative excess of the displacement shock found from another random draw"
     ),
     "velocity_shock_bound": Quantity(
-        "change of velocity below which nothing throws it off", scale="velocity"
+        "velocity shock below which no orbit leaves the attractor", scale="velocity"
     ),
     "displacement_shock_bound": Quantity(
-        "displacement below which nothing throws it off", scale="length"
+        "displacement shock below which no orbit leaves the attractor", scale="length"
     ),
-    "velocity_shock_largest": Quantity("largest change of velocity tried", scale="velocity"),
-    "displacement_shock_largest": Quantity("largest displacement tried", scale="length"),
+    "velocity_shock_largest": Quantity("largest velocity shock tried", scale="velocity"),
+    "displacement_shock_largest": Quantity("largest displacement shock tried", scale="length"),
     **{
         f"{kind}_shock_{when}_{name}": Quantity(
             f"{name} {when} the {kind} shock", scale="velocity" if name[0] == "v" else "length"
@@ -437,17 +443,17 @@ QUANTITIES: dict[str, Quantity] = {
         for side in ("low", "high")
     },
     **{
-        f"{name}_{side}_end": Quantity(f"how it ends at the {side}est {name}", flags=END)
+        f"{name}_{side}_end": Quantity(f"how the attractor ends at the {side}est {name}", flags=END)
         for name in WITH_EXTENTS
         for side in ("low", "high")
     },
-    "undecided_count": Quantity("number of starts whose end is not known"),
-    "undecided_fraction": Quantity("part of the computed starts whose end is not known"),
-    "agreement": Quantity("part of the labels found again with a smaller error that are the same"),
-    "agreement_count": Quantity("number of labels found again with a smaller error in a step"),
-    "not_computed_count": Quantity("number of starts that were not followed to the end"),
+    "undecided_count": Quantity("number of undecided starts"),
+    "undecided_fraction": Quantity("fraction of computed starts that are undecided"),
+    "agreement": Quantity("fraction of labels unchanged when computed again with a smaller error"),
+    "agreement_count": Quantity("number of labels computed again with a smaller step error"),
+    "not_computed_count": Quantity("number of starts that were not simulated to the end"),
     "response_count": Quantity("number of starts that end on a response of the kind"),
-    "response_fraction": Quantity("part of the computed starts that end on a response of the kind"),
+    "response_fraction": Quantity("fraction of computed starts that end on a response of the kind"),
     "response_fraction_error": Quantity("standard error of the fraction of the kind of response"),
     # limit cycles
     "cycle_period": Quantity("period of the limit cycle on the rotating axes", scale="time"),
@@ -474,7 +480,7 @@ QUANTITIES: dict[str, Quantity] = {
     **dict.fromkeys(
         ("side_line_over_spin", "whirl_ratio"),  # the latter in older archives
         Quantity(
-            "frequency of the strongest line beside that of the spin, over the spin speed, "
+            "frequency of the strongest line other than that of the spin, over the spin speed, "
             "negative for backward whirl"
         ),
     ),
@@ -493,7 +499,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "slope": Quantity("rate of the continued parameter along the branch, by arclength"),
     # comparison
-    "matched_branch": Quantity("number of the branch that the response is on, -1 where on none"),
+    "matched_branch": Quantity("number of the branch with the response, -1 if none"),
     "amplitude_error": Quantity("simulated minus exact amplitude, relative to the exact one"),
     "phase_error": Quantity("simulated minus exact phase lag", "radian"),
     "branch_amplitude_error": Quantity(
@@ -505,7 +511,7 @@ QUANTITIES: dict[str, Quantity] = {
         "exact distance below the bearing axis of the mean position", scale="length"
     ),
     "exact_phase_lag": Quantity("phase lag of each exact synchronous whirl", "radian"),
-    "lies_on": Quantity("kind of exact response that the simulated one is on", flags=EXACT),
+    "lies_on": Quantity("kind of exact response that matches the simulated one", flags=EXACT),
     "exact_period": Quantity("period of the exact limit cycle", scale="time"),
     "exact_radius_min": Quantity(
         "smallest distance from the bearing axis on the exact limit cycle", scale="length"
@@ -518,14 +524,14 @@ QUANTITIES: dict[str, Quantity] = {
 
 
 def labelled(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike) -> xr.Variable:
-    """Return `values` as a variable that carries the long name and units of `name`.
+    """Return `values` as a variable with the long name and units of `name`.
 
     Examples
     --------
     >>> labelled("omega", "omega", [1.7]).attrs["units"]
     '1'
     """
-    # an array needs no second look: hence the fast path
+    # fastpath: an array needs no further checks
     return xr.Variable(dims, np.asarray(values), QUANTITIES[name].attributes(), fastpath=True)
 
 
@@ -537,11 +543,11 @@ def labelled_dataset(
     *,
     kind: str = "",
 ) -> xr.Dataset:
-    """Return a dataset whose variables carry their long names and units.
+    """Return a dataset whose variables have their long names and units.
 
-    Each is given by its name in `QUANTITIES`: dimensions and values, or a variable that is labelled
-    already. Further attributes say, for example, where the result came from. The kind is a row of
-    `rotor_ida.results.kinds`; only what is no result of this package has none.
+    Variables are given by their names in `QUANTITIES`: as dimensions and values, or as labelled
+    variables. Other attributes may describe, for example, the origin of the result. The kind is a
+    row of `rotor_ida.results.kinds`; results of this package always have one.
 
     Examples
     --------
@@ -569,8 +575,8 @@ def labelled_dataset(
     told = {"Conventions": CONVENTIONS, "title": title, **(attributes or {})}
     if kind:
         told[RESULT_KIND] = kind
-    # The public constructor compares, aligns and copies what is known to fit: 0.3 ms, as long as
-    # simulating a hundred contacts takes. The one that xarray uses itself does without.
+    # The public constructor compares, aligns and copies variables that are known to match. That
+    # takes 0.3 ms, as long as simulating a hundred contacts; xarray's internal one skips it.
     names = {*coordinates, *indexes}
     dims: dict[Hashable, int] = {}
     for name, variable in held.items():
@@ -585,13 +591,13 @@ def labelled_dataset(
 
 
 def origin_of(dataset: xr.Dataset) -> dict[str, object]:
-    """Return the attributes that a result made from a dataset inherits: all but title and kind."""
+    """Return the attributes that derived results inherit: all but title and kind."""
     own = {"title", RESULT_KIND}
     return {str(name): value for name, value in dataset.attrs.items() if name not in own}
 
 
 def check_dimensionless(name: str, dataset: xr.Dataset) -> None:
-    """Raise `InputError` for a result in SI units, whose attributes have no dimensions."""
+    """Raise `InputError` for a result in SI units, as its attributes are dimensionless."""
     if "length_scale" in dataset.attrs:
         raise InputError(
             f"{name} must be dimensionless, got one in SI units: convert the result instead"
@@ -601,7 +607,7 @@ def check_dimensionless(name: str, dataset: xr.Dataset) -> None:
 def check_papers_result(
     name: str, dataset: xr.Dataset, unknown: Sequence[str] = tuple(FRICTIONLESS)
 ) -> None:
-    """Raise `InputError` for a result of a rotor with parameters that are not known yet.
+    """Raise `InputError` for a result of a rotor with unsupported parameters.
 
     Parameters
     ----------
@@ -610,7 +616,7 @@ def check_papers_result(
     dataset : Dataset
         The result.
     unknown : sequence of str
-        The parameters that are not known: by default all that the paper's rotor does not have.
+        The unsupported parameters: by default all that the paper's rotor does not have.
     """
     found = {each: dataset[each].values.tolist() for each in unknown if each in dataset.variables}
     if found:
@@ -630,7 +636,7 @@ def by_number(flags: Mapping[str, int]) -> dict[int, str]:
 
 
 def flags_of(variable: xr.DataArray | xr.Variable) -> dict[str, int]:
-    """Return the words and numbers of a flag variable, as its own attributes tell them.
+    """Return the words and numbers of a flag variable from its attributes.
 
     Examples
     --------
@@ -645,7 +651,7 @@ def flags_of(variable: xr.DataArray | xr.Variable) -> dict[str, int]:
 
 
 def words_of(variable: xr.DataArray) -> list[str]:
-    """Return the values of a flag variable as words, one after the other.
+    """Return the values of a flag variable as a flat list of words.
 
     Examples
     --------
@@ -657,7 +663,7 @@ def words_of(variable: xr.DataArray) -> list[str]:
 
 
 def decode_flags(data: Labelled) -> Labelled:
-    """Return a result with words in place of the numbers of its flags.
+    """Return a result with its flags as words instead of numbers.
 
     Parameters
     ----------
@@ -667,8 +673,8 @@ def decode_flags(data: Labelled) -> Labelled:
     Returns
     -------
     Dataset or DataArray
-        The same with strings, which tables, ``sel`` and ``where`` take; ``""`` where a value is
-        missing. Results are computed, plotted and saved with numbers.
+        The same with strings, for tables, ``sel`` and ``where``; ``""`` where a value is missing.
+        Other functions of this package need the numbers.
 
     Raises
     ------
@@ -703,7 +709,7 @@ def decode_flags(data: Labelled) -> Labelled:
 
 
 def _decoded(variable: xr.Variable) -> xr.Variable:
-    """Return a flag variable as words; nothing where its number is NaN."""
+    """Return a flag variable as words; empty where its number is NaN."""
     words = by_number(flags_of(variable))
     unknown = sorted(set(np.unique(variable.values[~np.isnan(variable.values)])) - set(words))
     if unknown:

@@ -1,1 +1,1 @@
-"""From measured signals to the parameters of a machine."""
+"""Fit parameters of a machine to measured signals."""

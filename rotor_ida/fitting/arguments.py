@@ -1,4 +1,4 @@
-"""The arguments of a fit, checked, and the problem that they state."""
+"""Checks of the arguments of a fit, and the problem that they define."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.signals.record import integrated
 from rotor_ida.simulation.orbit import ENTRY, EXIT
 
-# What can be sought: of a machine the unit, and of a dimensionless rotor the name of that, with how
-# many of the one the other is.
+# Parameters that can be fitted: their units for a machine; for a dimensionless rotor, the machine's
+# parameter and the factor between the two.
 FIXED = ("speed", "contact_exponent", "disc_radius")
 UNITS = {name: each.unit for name, each in OF_MACHINE.items() if name not in FIXED} | {ANGLE: "rad"}
 OF_ROTOR = {
@@ -36,11 +36,11 @@ OF_ROTOR = {
     "delta0": ("clearance", 1.0),
     **{name: (name, 1.0) for name in (*OPTIONAL, ANGLE) if name not in FIXED},
 }
-# What must stay above this part of its first guess, as a machine has none without it.
+# Parameters that must be positive stay above this part of their first guess.
 POSITIVE = (*(name for name, each in OF_MACHINE.items() if each.positive), "clearance")
 LEAST = 1e-3
 MOST_ORDERS, LARGEST_ORDER = 20, 20.0
-# The least errors, over the length or size of the signals: rounding.
+# Smallest errors allowed, relative to the length or size of the signals: rounding.
 SHARPEST = 1e-12
 
 
@@ -57,7 +57,7 @@ def problem_of(
     time_error: float | None,
     noise: float | None,
 ) -> FitProblem:
-    """Return the problem, all checked."""
+    """Check all arguments and return the problem."""
     given = [signals] if isinstance(signals, xr.Dataset) else _several(signals)
     if not given:
         raise InputError(f"signals must be a dataset, or a list of them, got {shown(signals)}")
@@ -70,8 +70,8 @@ def problem_of(
         isinstance(each, xr.Dataset) and integrated(each.attrs) for each in given
     ):
         raise InputError(
-            f"unknown must have {ANGLE} where the angle is integrated from a speed, as its origin "
-            f"is not known, got {shown(list(unknown))}"
+            f"unknown must include {ANGLE} when the angle is integrated from a speed, as its "
+            f"origin is not known, got {shown(list(unknown))}"
         )
     tracked = _checked_orders(orders)
     touches = {
@@ -94,7 +94,7 @@ def problem_of(
 
 
 def _in_si(machine: object) -> DimensionalRotor:
-    """Return a machine whose length, mass and time of reference are 1, if it has no dimensions."""
+    """Return a machine; a dimensionless one gets 1 for reference length, mass and time."""
     if isinstance(machine, DimensionalRotor):
         return machine
     if not isinstance(machine, Rotor):
@@ -107,12 +107,12 @@ def _in_si(machine: object) -> DimensionalRotor:
 
 
 def _unknowns(unknown: object, machine: DimensionalRotor, *, in_si: bool) -> list[Unknown]:
-    """Return what is sought."""
+    """Return the unknowns, checked."""
     known = UNITS if in_si else OF_ROTOR
     allowed = f"{', '.join(known)}"
     names = _several(unknown)
     if names is None:
-        raise InputError(f"unknown must be a list of names, of {allowed}, got {shown(unknown)}")
+        raise InputError(f"unknown must be a list of names from {allowed}, got {shown(unknown)}")
     wrong = [each for each in names if not isinstance(each, str) or each not in known]
     if wrong or not names:
         meant = did_you_mean(wrong[0], known) if wrong else ""
@@ -122,7 +122,7 @@ def _unknowns(unknown: object, machine: DimensionalRotor, *, in_si: bool) -> lis
     if len(set(names)) < len(names):
         raise InputError(f"unknown must name each once, got {shown(names)}")
     if "friction" in names and not machine.disc_radius:
-        raise InputError("machine must have a disc_radius for friction to be sought, got none")
+        raise InputError("machine must have a disc_radius to fit friction, got none")
     found = []
     for name in names:
         field, factor = (name, 1.0) if in_si else OF_ROTOR[name]
@@ -133,21 +133,21 @@ def _unknowns(unknown: object, machine: DimensionalRotor, *, in_si: bool) -> lis
 
 
 def _checked_orders(orders: npt.ArrayLike) -> Values:
-    """Return orders that can be compared."""
+    """Return the orders to compare, checked."""
     asked = check_vector("orders", orders, largest=LARGEST_ORDER)
     if (asked < 0.0).any() or not (asked > 0.0).any():
         raise InputError(
-            f"orders must hold one above 0 and none below, got {shown(asked.tolist())}"
+            f"orders must be 0 or positive, at least one positive, got {shown(asked.tolist())}"
         )
     if asked.size > MOST_ORDERS or np.unique(asked).size < asked.size:
         raise InputError(
-            f"orders must be at most {MOST_ORDERS} that differ, got {shown(asked.tolist())}"
+            f"orders must be at most {MOST_ORDERS} different ones, got {shown(asked.tolist())}"
         )
     return asked
 
 
 def _by_record(name: str, values: Any, count: int) -> list[Any]:
-    """Return what is given for each record, of which one may stand alone; None where it is none."""
+    """Return the value for each record, None where there is none; one record needs no list."""
     if values is None:
         return [None] * count
     held = _several(values)
@@ -161,14 +161,14 @@ def _by_record(name: str, values: Any, count: int) -> list[Any]:
 
 
 def _several(values: Any) -> list[Any] | None:
-    """Return what a list, a tuple or an array holds; None of anything else."""
+    """Return the items of a list, tuple or array; None for anything else."""
     if isinstance(values, list | tuple) or (isinstance(values, np.ndarray) and values.ndim > 0):
         return list(values)
     return None
 
 
 def _starts(start: Any, records: list[Measured]) -> list[Values] | None:
-    """Return the states at the begins in SI units, if they are given."""
+    """Return the given initial states in SI units; None if none are given."""
     if start is None:
         return None
     rows = _by_record("start", start, len(records))
@@ -177,7 +177,7 @@ def _starts(start: Any, records: list[Measured]) -> list[Values] | None:
 
 
 def _checked_time_error(time_error: float | None, records: list[Measured]) -> float:
-    """Return the standard error of contact times [s]; infinite where there are none."""
+    """Return the standard error of contact times [s]; infinite if there are none."""
     touched = any(record.touches for record in records)
     if time_error is None:
         if touched:
@@ -197,19 +197,19 @@ def _checked_noise(noise: float, records: list[Measured]) -> float:
 
 
 def _check_enough(problem: FitProblem) -> None:
-    """Raise `InputError` where more is sought than compared."""
+    """Raise `InputError` if there are more unknowns than numbers to compare."""
     compared = _compared(problem)
     sought = problem.first().size
     if compared < sought:
         raise InputError(
-            f"signals must hold at least as many numbers to compare as are sought, {sought}, got "
+            f"signals must give at least as many numbers to compare as unknowns, {sought}, got "
             f"{compared} in {sum(each.tracks.windows.times.size for each in problem.records)} "
             "windows"
         )
 
 
 def _compared(problem: FitProblem) -> int:
-    """Return how many numbers are compared, but for contact times."""
+    """Return how many numbers are compared, not counting contact times."""
     return sum(
         2 * each.tracks.orders.size * each.tracks.windows.times.size for each in problem.records
     )

@@ -23,14 +23,14 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 
 MOST_EVALUATIONS = 100
 TOLERANCE = 1e-10
-# Noise that is told by what is left is told again until it changes by less than this.
+# Noise that is estimated from residuals is estimated again until it changes by less than this.
 SETTLED, MOST_ROUNDS = 1e-3, 5
-# Parts of the windows that are fitted one after the other where the whole leads astray.
+# Parts of the windows that are fitted in turn when a fit of all of them goes astray.
 GROWING = (0.25, 0.5, 0.75, 1.0)
-# A search is the last where it leaves no more squares of the noise than this for each number.
+# The search ends when the mean squared residual, over the variance of the noise, is at most this.
 NEAR = 2.0
-# A clearance is sought from these parts of the largest displacement, and from the first guess. The
-# damping decides whether a rotor reaches the ring: so less of it is tried too, at last.
+# Initial clearances are these parts of the largest displacement, and the first guess. Damping
+# decides whether a rotor reaches the stator, so less damping is tried last.
 PARTS = {"clearance": (0.2, 0.35, 0.5, 0.7, 0.85, 0.95), "damping": (0.4, 0.16)}
 MOST_BEGINNINGS = 4
 
@@ -49,7 +49,7 @@ def fit(
     noise: float | None = None,
     confidence: float = 0.95,
 ) -> xr.Dataset:
-    """Find parameters of a machine from its signals, with their errors.
+    """Fit parameters of a machine to its signals, with their errors.
 
     Parameters
     ----------
@@ -57,66 +57,65 @@ def fit(
         Signals of `rotor_ida.read_signals` or `rotor_ida.signals_of`, or runs: one record or
         several of the same machine, of a run-up, a run-down or one speed.
     machine : Rotor or DimensionalRotor
-        What is known of the machine, and of what is sought the first guess. Its speed is not
-        looked at. A `Rotor` is for signals without dimensions, the other for those in SI units.
+        The known parameters, and first guesses of the unknown ones. Its speed is ignored. Use a
+        `Rotor` for dimensionless signals and a `DimensionalRotor` for signals in SI units.
     unknown : sequence of str
-        What is sought: of a `DimensionalRotor` ``mass``, ``damping``, ``eccentricity``,
+        Parameters to fit. For a `DimensionalRotor`: ``mass``, ``damping``, ``eccentricity``,
         ``clearance``, ``shaft_stiffness``, ``contact_stiffness``, ``contact_damping``, ``load`` or
-        ``friction``; of a `Rotor` ``zeta``, ``delta0`` and the last five but for
-        ``contact_stiffness``. ``unbalance_angle`` is by how much the unbalance is ahead of the mark
-        of the keyphasor, otherwise 0 [rad].
+        ``friction``. For a `Rotor`: ``zeta``, ``delta0``, ``shaft_stiffness``,
+        ``contact_damping``, ``load`` or ``friction``. For both: ``unbalance_angle``, the angle by
+        which the unbalance leads the keyphasor mark [rad]; 0 if it is not fitted.
     orders : array_like, shape (k,)
         Multiples of the speed whose amplitudes and phases are compared, forward and backward [1];
         0 is the mean position.
     revolutions : int, optional
-        Length of their windows, as of `rotor_ida.orders`.
+        Length of the windows, as in `rotor_ida.orders`.
     start : array_like, shape (4,) or (records, 4), optional
-        ``(x, y, vx, vy)`` at the begin of each record, if it is known. By default it is sought too.
+        ``(x, y, vx, vy)`` at the beginning of each record, if known. By default it is fitted too.
     entries, exits : array_like, shape (m,), or a sequence of them, optional
-        Times at which contacts were seen to begin and to end, in the time of the signals: of one
-        record, or for each.
+        Measured times at which contacts begin and end, in the time of the signals: for one record,
+        or for each.
     time_error : float, optional
         Standard error of these times, in their unit.
     noise : float, optional
-        Standard deviation of the noise in x and y, in the unit of the signals. By default what the
-        fit leaves in the windows besides all orders tells it.
+        Standard deviation of the noise in x and y, in the unit of the signals. By default it is
+        estimated from the residual of the windows after all orders.
     confidence : float
-        With which probability intervals hold the truth [1].
+        Probability that an interval contains the true value [1].
 
     Returns
     -------
     Dataset
         On ``unknown``: ``estimate``, ``standard_error``, ``lower`` and ``upper`` of the interval,
-        ``first_guess``, ``told``, whether it is known to half of its value at least, and ``unit``;
-        on (``unknown``, ``unknown_too``) ``covariance``. On ``window``, over all records, the
-        tracks that were compared: measured ``forward_whirl_amplitude``, ``forward_phase_lag`` and
-        so on, as of `rotor_ida.orders`, beside ``fitted_forward_whirl_amplitude`` and so on;
+        ``first_guess``, ``told`` (whether its standard error is at most half of its value) and
+        ``unit``; on (``unknown``, ``unknown_too``) ``covariance``. On ``window``, over all records,
+        the compared tracks: measured ``forward_whirl_amplitude``, ``forward_phase_lag`` and so on,
+        as in `rotor_ida.orders`, and fitted ``fitted_forward_whirl_amplitude`` and so on;
         ``record``, ``t``, ``speed``. On ``touch``, where contact times are compared,
         ``measured_time``, ``fitted_time``, ``event_kind``, ``compared``. ``chi_square``,
         ``degrees_of_freedom`` and ``noise``. The attributes ``identifiability``, ``remainder`` and
-        ``contact_times`` say in words what the signals tell of each unknown, whether what is left
-        is noise, and which contact times are left out.
+        ``contact_times`` state in words how well each unknown is identified, whether the residuals
+        are noise, and which contact times are left out.
 
     Raises
     ------
     InputError
-        If an argument cannot be used, the units do not fit, the signals hold no angle, more is
-        sought than compared, or the motion is chaotic, or rolls on the ring.
+        If an argument is invalid, the units do not match, the signals contain no angle, there are
+        more unknowns than numbers to compare, or the motion is chaotic or rolls on the stator.
     SimulationError
         If no solution was found.
 
     Notes
     -----
-    Where more than noise is left, all errors are scaled by ``sqrt(chi_square/degrees_of_freedom)``.
-    The motion is followed along the measured course of the speed, so that run-ups need not be slow.
-    Windows of measured and computed motion go through the same least squares of `rotor_ida.orders`,
-    and what is left is divided by its standard error, the orders of a window made independent of
-    each other. The derivatives are those of the motion itself, from its equations of variation,
-    and of contact times ``dt = (d(clearance) - (z/|z|) . dz)/r'``. That has no bound at a graze, so
-    contact times count only where the event before and the one after are farther away than 10 of
-    their errors. The covariance is that of
-    least squares, the states at the begins sought beside: right where noise is white, of one
-    strength in all directions, and small enough for the motion to change in proportion.
+    If the residuals exceed the noise, all errors are scaled by
+    ``sqrt(chi_square/degrees_of_freedom)``. The motion is integrated along the measured speed, so
+    run-ups need not be slow. Measured and computed motion pass through the same least squares of
+    `rotor_ida.orders`. The residuals of a window are decorrelated and divided by their standard
+    errors. The derivatives of the motion come from its variational equations. Those of contact
+    times are ``dt = (d(clearance) - (z/|z|) . dz)/r'``, which is unbounded at a graze: so contact
+    times count only if the events before and after are more than 10 of their errors away. The
+    covariance is that of least squares, with the initial states fitted too. It holds for white
+    noise that is equal in all directions and small enough for the motion to change linearly.
 
     References
     ----------
@@ -142,11 +141,11 @@ def fit(
 
 
 def _solved(problem: FitProblem, noise: float | None) -> Values:
-    """Return the solution; what it leaves tells the noise, if that is not given."""
+    """Return the solution; estimate the noise from its residuals if none is given."""
     time_error = problem.time_error
     problem.time_error = math.inf
     first = problem.first()
-    problem.at(first)  # what cannot be followed at all is told
+    problem.at(first)  # raises if the first guess cannot be followed
     solution = _searched(problem, first)
     problem.renew(time_error=time_error)
     for _ in range(MOST_ROUNDS):
@@ -162,18 +161,18 @@ def _solved(problem: FitProblem, noise: float | None) -> Values:
 
 
 def _with_clearance(problem: FitProblem, sought: Values) -> Values:
-    """Return a guess with its own clearance, or the best of several if that is sought.
+    """Return the guess, with the best of several clearances if that is unknown.
 
-    A motion that never touches the ring does not change with the clearance.
+    A motion that never touches the stator does not change with the clearance.
     """
     guesses = [sought, *_scaled(problem, sought, "clearance")]
     return guesses[0] if len(guesses) == 1 else _best_first(problem, guesses)[0]
 
 
 def _scaled(problem: FitProblem, sought: Values, name: str) -> list[Values]:
-    """Return a guess with several clearances or dampings, if these are sought.
+    """Return the guess with several clearances or dampings, if these are unknown.
 
-    Clearances are parts of the largest displacement, dampings of that of the guess.
+    Clearances are parts of the largest displacement, dampings parts of the guessed damping.
     """
     names = [each.field for each in problem.unknown]
     if name not in names:
@@ -188,22 +187,22 @@ def _scaled(problem: FitProblem, sought: Values, name: str) -> list[Values]:
 
 
 def _best_first(problem: FitProblem, guesses: list[Values]) -> list[Values]:
-    """Return guesses, those first that leave least."""
+    """Return the guesses by rising sum of squares."""
     left = [float((problem.left(each) ** 2).sum()) for each in guesses]
     return [guesses[place] for place in np.argsort(left, kind="stable").tolist()]
 
 
 def _searched(problem: FitProblem, first: Values) -> Values:
-    """Return where the sum of squares is least, from a guess that may be far off.
+    """Return the least-squares solution from a guess that may be far off.
 
-    Other unknowns far off mislead about the clearance, so where much is left it is chosen again
-    beside those that were found. A motion that goes another way early on, as where it jumps at
-    another speed, tells little of what comes later: then the first windows are fitted first. At
-    last the search begins at the best of several clearances and dampings.
+    Poor values of the other unknowns mislead about the clearance. So if the residuals are large,
+    it is chosen again with the other unknowns as found. If the motion departs early, as by a jump
+    at another speed, its later part has little information: then the first windows are fitted
+    first. Last, the search begins at the best of several clearances and dampings.
     """
     guess = _with_clearance(problem, first)
     found: list[tuple[float, Values]] = []
-    failure = SimulationError("no least squares", time=0.0, state=(0.0, 0.0, 0.0, 0.0))
+    failure = SimulationError("no least-squares solution", time=0.0, state=(0.0, 0.0, 0.0, 0.0))
     for begin, parts in _ways(problem, first, guess, found):
         solution = begin
         try:
@@ -226,7 +225,7 @@ def _searched(problem: FitProblem, first: Values) -> Values:
 def _ways(
     problem: FitProblem, first: Values, guess: Values, found: list[tuple[float, Values]]
 ) -> Iterator[tuple[Values, tuple[float, ...]]]:
-    """Yield where each search begins, and which parts of the windows it fits one after another."""
+    """Yield the initial guess of each search, and the parts of the windows that it fits in turn."""
     whole = (1.0,)
     yield guess, whole
     if found:
@@ -239,7 +238,7 @@ def _ways(
 
 
 def _least(problem: FitProblem, first: Values) -> Values:
-    """Return where the sum of squares is least, near a guess."""
+    """Return the least-squares solution near a guess."""
     from scipy.optimize import least_squares  # noqa: PLC0415 - takes long to import
 
     problem.at(first)
@@ -250,7 +249,7 @@ def _least(problem: FitProblem, first: Values) -> Values:
     if not found.success:
         state = tuple(found.x[len(problem.unknown) :][:4].tolist()) or (0.0, 0.0, 0.0, 0.0)
         raise SimulationError(
-            f"no least squares in {MOST_EVALUATIONS} evaluations: begin nearer to the solution, or "
+            f"no least-squares solution in {MOST_EVALUATIONS} evaluations: start nearer to it, or "
             "fit fewer unknowns or a shorter part",
             time=0.0, state=state,
         )  # fmt: skip

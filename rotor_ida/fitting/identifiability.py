@@ -1,4 +1,4 @@
-"""What signals tell of each unknown, in numbers and in words."""
+"""Identifiability of each unknown, in numbers and in words."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 
-# What is measured in radians, and may be 0.
+# The unknown that is an angle [rad], and may be 0.
 ANGLE = "unbalance_angle"
-# An unknown is told if its error is at most this part of it; an angle, of a radian.
+# An unknown is identified if its error is at most this part of its value; an angle, of a radian.
 TOLD = 0.5
 # Singular values below this part of the largest are rounding.
 ROUNDING = 1e-10
-# Unknowns that belong together have this part of the worst direction at least, or this correlation.
+# Unknowns belong together if their part of the worst direction, or correlation, is at least this.
 SHARE, TOGETHER = 0.25, 0.95
-# A chance this small is none.
+# A probability this small counts as none.
 NO_CHANCE = 1e-3
 
 
 @dataclass(frozen=True)
 class Identifiability:
-    """What the derivatives at a solution tell.
+    """Identifiability of the unknowns, from the derivatives at a solution.
 
     Parameters
     ----------
     covariance : ndarray, shape (k, k)
-        Of the unknowns; infinite on the diagonal of those that nothing tells.
+        Covariance of the unknowns; infinite on the diagonal for those that are not identifiable.
     told : ndarray of bool, shape (k,)
-        Whether each is known to half of its value at least.
+        Whether the standard error of each is at most half of its value.
     words : list of str
-        A sentence for each unknown, or for several that are known only together.
+        A sentence for each unknown, or for several that are identifiable only together.
     """
 
     covariance: Values
@@ -42,14 +42,15 @@ class Identifiability:
 
 
 def identify(slopes: Values, scale: Values, names: list[str]) -> Identifiability:
-    """Return what the slopes of weighed residuals, shape (n, k + others), tell of the first k.
+    """Return the identifiability of the first k unknowns from the derivatives of weighed residuals.
 
-    What is known of each is measured by its scale: its value, or 1 where that may as well be 0.
+    The derivatives have shape (n, k + others). Errors are relative to the scale of each unknown:
+    its value, or 1 where that may be 0.
 
     Notes
     -----
-    The covariance is ``inverse(S' S)`` of the slopes S [1]_. It is computed from those of the
-    unknowns in parts of their values, once all that the others could explain is taken out.
+    The covariance is ``inverse(S' S)`` of the derivatives S [1]_. It is computed from those by the
+    unknowns relative to their scales, after the part that the others explain is projected out.
 
     References
     ----------
@@ -80,11 +81,11 @@ def identify(slopes: Values, scale: Values, names: list[str]) -> Identifiability
 def _words(
     names: list[str], sizes: Values, errors: Values, directions: Values, covariance: Values
 ) -> list[str]:
-    """Return a sentence for each unknown, or for those that are known only together."""
+    """Return a sentence for each unknown, or for those that are identifiable only together."""
     words, done = [], set()
     for number, name in enumerate(names):
         if sizes[number] <= ROUNDING * sizes.max(initial=1e-300):
-            words.append(f"{name} is not told: nothing in these signals changes with it")
+            words.append(f"{name} is not identifiable: it changes nothing in these signals")
             done.add(number)
     for direction in directions:
         members = [
@@ -95,13 +96,15 @@ def _words(
             continue
         first = members[0]
         if len(members) == 1:
-            words.append(f"{names[first]} is hardly told: {_part(names[first], errors[first])}")
+            words.append(
+                f"{names[first]} is poorly constrained: {_part(names[first], errors[first])}"
+            )
         else:
             ways = ", ".join(f"{names[n]} {direction[n] / direction[members[0]]:+.2g}"
                              for n in members)  # fmt: skip
             words.append(
-                f"{_listed([names[n] for n in members])} are told only together: changed in these "
-                f"parts of their values ({ways}), they change next to nothing"
+                f"{_listed([names[n] for n in members])} are identifiable only together: relative "
+                f"changes in proportion ({ways}) leave these signals almost unchanged"
             )
         done.update(members)
     for number, name in enumerate(names):
@@ -112,12 +115,12 @@ def _words(
         for j in range(i):
             goes = covariance[i, j] / (deviations[i] * deviations[j])
             if abs(goes) > TOGETHER and not {i, j} & done:
-                words.append(f"errors of {names[j]} and {names[i]} go together: {goes:+.3f}")
+                words.append(f"errors of {names[j]} and {names[i]} are correlated: {goes:+.3f}")
     return words
 
 
 def _part(name: str, error: float) -> str:
-    """Return an error in parts of the scale in words."""
+    """Return an error relative to the scale, in words."""
     if not math.isfinite(error):
         return "no error can be stated"
     if name == ANGLE:
@@ -130,10 +133,10 @@ def _listed(names: list[str]) -> str:
 
 
 def widening(chi_square: float, freedom: int) -> float:
-    """Return by which factor the errors are wider than noise alone would make them.
+    """Return the factor by which errors exceed those from noise alone.
 
-    Where a fit leaves more than noise, the machine lacks something, and the errors of noise say
-    too little. They are scaled so that chi-square is that of its degrees of freedom.
+    If the residuals exceed the noise, the model lacks something and the errors from noise are too
+    small. They are scaled so that chi-square equals its degrees of freedom.
 
     Examples
     --------
@@ -148,9 +151,9 @@ def widening(chi_square: float, freedom: int) -> float:
 
 
 def left_in_words(chi_square: float, freedom: int) -> str:
-    """Return whether what a fit leaves is noise."""
+    """Return in words whether the residuals of a fit are noise."""
     told = f"chi-square {chi_square:.4g} with {freedom} degrees of freedom"
     wider = widening(chi_square, freedom)
     if wider > 1.0:
-        return f"more than noise is left, and the errors are widened {wider:.3g} times: {told}"
-    return f"what is left is noise: {told}"
+        return f"the residuals exceed the noise, so errors are widened {wider:.3g} times: {told}"
+    return f"the residuals are noise: {told}"

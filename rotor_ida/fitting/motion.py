@@ -1,4 +1,4 @@
-"""The motion of a machine along a measured course of its speed, with its derivatives."""
+"""The motion of a machine along a measured speed, with its derivatives."""
 
 from __future__ import annotations
 
@@ -35,20 +35,20 @@ from rotor_ida.simulation.run import run
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
 
 OPTIONS = Options(rtol=1e-11, atol=1e-13, method="taylor")
-# Beyond, a motion is chaotic for a fit: what is left of its start is rounding.
+# Above this growth a motion is chaotic for a fit: rounding has replaced its start.
 LARGEST_GROWTH = 1e6
-# What a motion and its panels may take: some seconds.
+# Limits on a motion and its panels: some seconds.
 MOST_PANELS = 1_000_000
 
 
 @dataclass(frozen=True)
 class Turning:
-    """How the angle of the rotor was measured to change: quadratic in time, piece by piece.
+    """The measured angle of the rotor: piecewise quadratic in time.
 
     Parameters
     ----------
     ends : ndarray, shape (n + 1,)
-        Where pieces begin and end, from 0 [s].
+        Ends of the pieces, from 0 [s].
     angles, speeds, rates : ndarray, shape (n,)
         Angle, speed and angular acceleration at the beginning of each [rad, rad/s, rad/s^2].
     """
@@ -70,7 +70,7 @@ class Turning:
         )
 
     def course(self, frequency: float, ahead: float) -> SpeedProfile:
-        """Return it without dimensions, the unbalance so far ahead of the mark."""
+        """Return the dimensionless speed, for an unbalance this far ahead of the mark."""
         spins = tuple(
             Ramp(begin * frequency, angle + ahead, speed / frequency, rate / frequency**2)
             for begin, angle, speed, rate in zip(
@@ -83,22 +83,22 @@ class Turning:
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion at the times of a record, and how it answers to changes.
+    """A motion at the times of a record, and its derivatives.
 
     Parameters
     ----------
     z : ndarray of complex, shape (n,)
         Displacement ``x + i y`` at the samples [m].
     slopes : ndarray of complex, shape (n, 4 + k)
-        Its derivatives by the start, and by each unknown.
+        Its derivatives by the initial state and by each unknown.
     entries, exits : ndarray, shape (m,)
-        When contacts begin and end [s].
+        Times at which contacts begin and end [s].
     entry_slopes, exit_slopes : ndarray, shape (m, 4 + k)
         Their derivatives.
     growth : float
-        The largest factor by which a small change of the start has grown.
+        Largest factor by which a small change of the initial state has grown.
     lost : float
-        When that first exceeds a million, or infinity [s].
+        Time at which that first exceeds a million, or infinity [s].
     """
 
     z: ComplexValues
@@ -119,29 +119,29 @@ def motion_of(
     names: Sequence[str],
     ahead: float = 0.0,
 ) -> Motion:
-    """Follow a machine, and its derivatives by its start and by parameters.
+    """Compute a motion, and its derivatives by its initial state and by parameters.
 
     Parameters
     ----------
     machine : DimensionalRotor
-        The machine; its speed is not looked at.
+        The machine; its speed is ignored.
     turning : Turning
-        How its angle changes.
+        The measured angle.
     start : ndarray, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [m, m/s].
     times : ndarray, shape (n,)
-        When to report it, from 0 to the end of the course [s].
+        Times of the samples, from 0 to the end of the measured angle [s].
     names : sequence of str
-        By which parameters it is differentiated.
+        Parameters by which it is differentiated.
     ahead : float
         Angle of the unbalance ahead of the mark [rad].
 
     Raises
     ------
     InputError
-        If the machine cannot be followed, or rolls or slips the other way on the ring.
+        If the machine cannot be simulated, or rolls or slips the other way on the stator.
     SimulationError
-        If the motion could not be followed.
+        If the simulation failed.
     """
     bare = _follow(machine, turning, start, np.empty(0), ahead)
     stretches = _stretches_of(bare, machine, turning)
@@ -181,7 +181,7 @@ def motion_of(
 
 
 def _scaled(grown_to: Values, turning: Turning) -> Values:
-    """Return derivatives by the start with velocities in parts of the speed."""
+    """Return derivatives by the initial state, with velocities relative to the speed."""
     scale = np.array([1.0, 1.0, *2 * [float(turning.speeds.max())]])
     return np.asarray(grown_to / scale[:, None] * scale)
 
@@ -189,7 +189,7 @@ def _scaled(grown_to: Values, turning: Turning) -> Values:
 def _follow(
     machine: DimensionalRotor, turning: Turning, start: Values, times: Values, ahead: float
 ) -> Orbit:
-    """Return the orbit, without dimensions."""
+    """Return the dimensionless orbit."""
     rotor, frequency = _simulated(machine.rotor()), machine.reference_frequency
     scale = np.repeat([machine.length_scale, machine.velocity_scale], 2)
     x, y, vx, vy = (start / scale).tolist()
@@ -200,7 +200,7 @@ def _follow(
 
 
 def _simulated(rotor: Rotor) -> Rotor:
-    """Return a rotor in which what is nearly 0 is as small as can be simulated."""
+    """Return the rotor with values near 0 raised to the smallest that can be simulated."""
     least = {name: OF_ROTOR[name].smallest for name in rotor.beyond}
     tiny = {name: each for name, each in least.items() if 0.0 < rotor.beyond[name] < each}
     return replace(rotor, **tiny) if tiny else rotor
@@ -214,7 +214,7 @@ def _displacements(orbit: Orbit, machine: DimensionalRotor) -> tuple[ComplexValu
 
 @dataclass(frozen=True)
 class _Stretches:
-    """What lies between events and changes of the course: whether surfaces press, and slide."""
+    """Stretches between events or changes of the speed: whether surfaces press, and slide."""
 
     ends: Values
     pushes: Values
@@ -227,8 +227,8 @@ def _stretches_of(orbit: Orbit, machine: DimensionalRotor, turning: Turning) -> 
     rolls = orbit.ways is not None and bool((orbit.ways == ROLLS).any())
     if rolls or np.isin(kinds, OF_FRICTION).any():
         raise InputError(
-            "machine must slide one way on the ring in the motion that is fitted, but the disc "
-            "rolls or slips back there: fit without friction, or another part"
+            "machine must slide one way on the stator in the fitted motion, but the disc rolls or "
+            "slips back: fit without friction, or fit another part"
         )
     presses = np.array([orbit.starts_in_contact, *np.isin(kinds, (ENTRY, PRESS))], dtype=float)
     slides = np.zeros(presses.size) if orbit.ways is None else orbit.ways.astype(float)
@@ -241,7 +241,7 @@ def _stretches_of(orbit: Orbit, machine: DimensionalRotor, turning: Turning) -> 
 def _longest_panels(
     orbit: Orbit, machine: DimensionalRotor, turning: Turning
 ) -> tuple[float, float]:
-    """Return how long panels may be in flight and in contact [s]."""
+    """Return the longest panels allowed in flight and in contact [s]."""
     speeds = np.abs(turning.at(turning.ends[1:], "left")[1])
     fastest = max(float(speeds.max()), float(turning.speeds.max()), machine.damping / machine.mass)
     flight = fastest + math.sqrt(machine.shaft_stiffness / machine.mass)
@@ -261,7 +261,7 @@ def _longest_panels(
 
 
 def _rates_at(slopes: tuple[Values, Values], grown_to: Values) -> Values:
-    """Return the rates of the velocities of differences, shape (p, 2, 4 + k)."""
+    """Return the time derivatives of velocity differences, shape (p, 2, 4 + k)."""
     rates = np.einsum("pij,pjc->pic", slopes[0][:, 2:], grown_to)
     rates[:, :, 4:] += slopes[1][:, 2:]
     return np.asarray(rates)
@@ -275,11 +275,11 @@ def _times_of(
     grown_to: Values,
     names: Sequence[str],
 ) -> tuple[Values, Values]:
-    """Return when contacts begin, or end, and by how much that changes.
+    """Return the times at which contacts begin, or end, and their derivatives.
 
     From ``|z(t)| = d``: ``r' dt = d(clearance) - (z/|z|) . dz``.
     """
-    # an exit from a loose contact is one as well
+    # the end of a loose contact is an exit too
     chosen = orbit.event_kinds == kind
     times = orbit.event_times[chosen] / machine.reference_frequency
     place = np.abs(ends[:, None] - times).argmin(axis=0) if times.size else np.empty(0, int)

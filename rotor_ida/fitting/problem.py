@@ -1,4 +1,4 @@
-"""The least-squares problem of a fit: what is unknown, what is left over, and its derivatives."""
+"""The least-squares problem of a fit: unknowns, residuals and their derivatives."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ Mask: TypeAlias = npt.NDArray[np.bool_]
 
 # Singular values below this part of the largest are rounding.
 RANK = 1e-10
-# What cannot be followed counts as so many times what the first guess leaves.
+# A failed simulation counts as this many times the residuals of the first guess.
 FAR_OFF = 1e3
-# Contact times count where no other event is nearer than so many of their standard errors: at a
-# graze both run together, and either does not change in proportion any more.
+# Contact times count if no other event is nearer than this many of their standard errors. At a
+# graze two events merge, and their times no longer change linearly.
 APART = 10.0
 
 
@@ -35,11 +35,11 @@ class Unknown:
     Parameters
     ----------
     name, field : str
-        Its name, and that of the parameter of a machine in SI units that it is.
+        Its name, and the name of the corresponding parameter in SI units.
     factor : float
-        How many of that one of it is.
+        Value of that parameter for a value of 1 of this one.
     guess, least : float
-        The first guess, and the least value allowed.
+        The first guess, and the smallest value allowed.
     """
 
     name: str
@@ -51,28 +51,28 @@ class Unknown:
 
 @dataclass
 class FitProblem:
-    """What is to be made small.
+    """The residuals to minimise.
 
     Parameters
     ----------
     machine : DimensionalRotor
         The machine with the first guesses.
     unknown : list of Unknown
-        What is sought.
+        The unknowns.
     records : list of Measured
-        What is compared.
+        The measured records.
     noise : float
         Standard deviation of x and y [m].
     time_error : float
-        Standard error of a contact time [s]; infinite leaves contact times out.
+        Standard error of a contact time [s]; infinity leaves contact times out.
     starts : list of ndarray, optional
-        The states at the begins, if they are known; else they are sought as well.
+        The initial states, if they are known; otherwise they are fitted too.
     evaluations : int
-        How often motions have been followed.
+        Number of times that motions have been simulated.
     part : float
-        The first part of the windows, to which the search keeps: 1 is all.
+        Fraction of the windows, from the first, that the search uses: 1 is all.
     clear : dict
-        Of each record and kind, which of the measured times are compared; by default all.
+        For each record and kind, which of the measured times are compared; by default all.
     """
 
     machine: DimensionalRotor
@@ -87,13 +87,13 @@ class FitProblem:
     clear: dict[tuple[int, int], Mask] = field(default_factory=dict)
 
     def renew(self, **known: object) -> None:
-        """Set the noise, the error of contact times or the part, with which all is weighed anew."""
+        """Set the noise, the error of contact times or the part, which changes the weights."""
         for name, value in known.items():
             setattr(self, name, value)
         self._last = None
 
     def touches(self, number: int, motion: Motion) -> dict[int, Touches]:
-        """Return how the contact times of one record are missed, of each kind."""
+        """Return the residuals of the contact times of one record, by kind."""
         if not math.isfinite(self.time_error):
             return {}
         found = {
@@ -103,7 +103,7 @@ class FitProblem:
         return {kind: each.only(self.clear.get((number, kind))) for kind, each in found.items()}
 
     def clear_in(self, motions: Sequence[Motion]) -> dict[tuple[int, int], Mask]:
-        """Return which measured times are clear of a graze, or of chatter, in these motions too."""
+        """Return which measured times are clear of grazes and chatter in these motions too."""
         return {
             (number, kind): ~(found.gaps < APART * self.time_error)
             & self.clear.get((number, kind), np.array(True))
@@ -113,7 +113,7 @@ class FitProblem:
         }
 
     def first(self) -> Values:
-        """Return the first guess: the unknowns, then the states at the begins."""
+        """Return the first guess: the unknowns, then the initial states."""
         held = [np.array([each.guess for each in self.unknown])]
         if self.starts is None:
             held += [each.start for each in self.records]
@@ -135,7 +135,7 @@ class FitProblem:
         return replace(self.machine, **values), ahead
 
     def motions(self, sought: Values) -> list[Motion]:
-        """Return the motions that belong to each record."""
+        """Return the motion for each record."""
         machine, ahead = self.machine_of(sought)
         names = [each.field for each in self.unknown]
         count = len(names)
@@ -149,14 +149,14 @@ class FitProblem:
             found.append(motion_of(machine, each.turning, start, each.times, names, ahead))
             if not found[-1].growth <= LARGEST_GROWTH:
                 raise InputError(
-                    "signals must hold a motion that its start determines, but by "
-                    f"{found[-1].lost:.6g} after their begin small changes "
+                    "signals must show a motion that its start determines, but by "
+                    f"{found[-1].lost:.6g} after the start small changes "
                     f"have grown by {LARGEST_GROWTH:g}: fit a part of them"
                 )
         return found
 
     def at(self, sought: Values) -> tuple[Values, Values, list[Motion]]:
-        """Return what is left over, its derivatives, and the motions."""
+        """Return the residuals, their derivatives, and the motions."""
         key = sought.tobytes()
         if self._last is None or self._last[0] != key:
             self.evaluations += 1
@@ -167,7 +167,7 @@ class FitProblem:
         return self._last[1:]
 
     def left(self, sought: Values) -> Values:
-        """Return what is left over; where nothing can be followed, much."""
+        """Return the residuals; large where the simulation fails."""
         try:
             return self.at(sought)[0]
         except RotorError:
@@ -176,13 +176,13 @@ class FitProblem:
             return np.full(self._last[1].size, FAR_OFF * (1.0 + np.abs(self._last[1]).max()))
 
     def slopes(self, sought: Values) -> Values:
-        """Return the derivatives of what is left over."""
+        """Return the derivatives of the residuals."""
         return self.at(sought)[1]
 
     def freedom(self, sought: Values) -> int:
-        """Return how many numbers are compared, less how many these determine of what is sought.
+        """Return the degrees of freedom: numbers compared less unknowns that they determine.
 
-        The start of a motion that forgets it is determined by its guess instead.
+        If a motion forgets its start, the guess determines the start instead.
         """
         _, slopes, motions = self.at(sought)
         measured = np.ones(len(slopes), dtype=bool)
@@ -206,7 +206,7 @@ class FitProblem:
         return int(measured.sum()) - lost - round(used)
 
     def _compared(self, number: int, motion: Motion, sought: Values) -> tuple[Values, Values]:
-        """Return what is left of one record, and its derivatives by all that is sought."""
+        """Return the residuals of one record, and their derivatives by all unknowns."""
         each, count = self.records[number], len(self.unknown)
         tracks = each.tracks
         kept = tracks.first(self.part) / self.noise
@@ -222,7 +222,7 @@ class FitProblem:
         return np.concatenate(left), self._by_sought(np.concatenate(slopes), number)
 
     def _by_sought(self, slopes: Values, number: int) -> Values:
-        """Return derivatives by all that is sought of those by start and unknowns."""
+        """Return derivatives by all unknowns from those by one initial state and the parameters."""
         count = len(self.unknown)
         found = np.zeros((len(slopes), self.first().size))
         found[:, :count] = slopes[:, 4:] * [each.factor for each in self.unknown]
@@ -233,20 +233,20 @@ class FitProblem:
 
 @dataclass(frozen=True)
 class Touches:
-    """How computed contact times of one kind miss the measured ones of a record.
+    """Residuals of the contact times of one kind in a record.
 
     Parameters
     ----------
     times : ndarray, shape (n,)
         The measured times [s].
     apart : ndarray, shape (n,)
-        By how much the nearest computed one misses each [s].
+        Difference between the nearest computed time and each [s].
     slopes : ndarray, shape (n, c)
-        The derivatives of that.
+        Derivatives of that difference.
     gaps : ndarray, shape (n,)
-        From the nearest computed one to the event next to it [s].
+        Time between the nearest computed event and its neighbour [s].
     compared : ndarray of bool, shape (n,)
-        Whether it belongs to the measured one, and is compared.
+        Whether the computed time matches the measured one, so that they are compared.
     """
 
     times: Values
@@ -256,7 +256,7 @@ class Touches:
     compared: Mask
 
     def only(self, clear: Mask | None) -> Touches:
-        """Return them with those that are not clear left out."""
+        """Return them without those that are not clear."""
         return (
             self
             if clear is None
@@ -270,10 +270,10 @@ class Touches:
 
 
 def matched(times: Values, motion: Motion, kind: int) -> Touches:
-    """Return how computed contact times miss the measured ones.
+    """Match computed contact times to measured ones.
 
-    Two belong together if each is the nearest of the other, and no farther than half the usual gap.
-    A measured one without a computed one misses by as much as it does, whatever the unknowns.
+    Two match if each is the nearest of the other, no farther away than half the usual gap.
+    A measured time without a match has a constant residual, whatever the unknowns.
     """
     found, slopes = (
         (motion.entries, motion.entry_slopes) if kind > 0 else (motion.exits, motion.exit_slopes)

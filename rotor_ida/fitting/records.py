@@ -1,4 +1,4 @@
-"""What is compared: order tracks, weighed by their errors, and contact times."""
+"""Measured data as compared: order tracks, weighed by their errors, and contact times."""
 
 from __future__ import annotations
 
@@ -19,24 +19,23 @@ from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.windows import Windows, windows_of
 from rotor_ida.units import PREFIXES
 
-# Whole orders up to this are fitted beside those that are asked for.
+# Integer orders up to this are fitted beside those that are asked for.
 BESIDE = 3
 MOST_SAMPLES = 1_000_000
-# Pieces of the course of the speed, the fewest that leave no more than twice what the most leave.
+# Pieces of the measured angle: the fewest with at most twice the residual of the most.
 MOST_PIECES = 64
 ENOUGH = 2.0
-# What the course may leave of the measured angle [rad].
+# Largest residual of the measured angle [rad].
 SMOOTH, EXACT = 0.05, 1e-9
-# The start is sought within the motion in the first part of a revolution [rad]. What a cubic finds
-# there is a guess, not a measurement: it is believed within so many of its errors, and within a
-# tenth of the motion at the least.
+# A cubic in the first part of a revolution [rad] gives a guess of the start, not a measurement: its
+# spread is this many of its errors, and at least a tenth of the motion.
 FIRST_PART, FEWEST = 1.5, 8
 SPREAD, LEAST_SPREAD = 10.0, 0.1
 
 
 @dataclass(frozen=True)
 class Tracks:
-    """How windows of a record are turned into order tracks with independent errors.
+    """Projection of the windows of a record on order tracks with independent errors.
 
     Parameters
     ----------
@@ -45,12 +44,12 @@ class Tracks:
     orders : ndarray, shape (k,)
         Signed orders that are compared: negative for backward whirl, 0 for the mean position.
     basis : ndarray of complex, shape (m, n)
-        ``exp(i n angle)`` of these and of the orders beside, at the samples.
+        ``exp(i n angle)`` of these and of the additional orders, at the samples.
     inverse : ndarray of complex, shape (windows, m, m)
         Inverse of the matrix of the normal equations.
     root : ndarray of complex, shape (windows, k, k)
-        Cholesky factor of what it holds of the orders compared: their covariance over the variance
-        of the noise.
+        Cholesky factor of its block for the compared orders: their covariance over the variance of
+        the noise.
     """
 
     windows: Windows
@@ -61,11 +60,11 @@ class Tracks:
 
     @property
     def samples(self) -> int:
-        """Samples that lie in windows."""
+        """Number of samples in windows."""
         return int(self.windows.edges[-1])
 
     def amplitudes(self, values: ComplexValues) -> ComplexValues:
-        """Return what each window holds of the orders, shape (windows, m, c), of (n, c) values."""
+        """Return the amplitudes of orders by window, shape (windows, m, c), from (n, c) values."""
         starts = self.windows.edges[:-1]
         inside = values[: self.samples]
         sums = [np.add.reduceat(each.conj()[:, None] * inside, starts) for each in self.basis]
@@ -85,10 +84,10 @@ class Tracks:
         return np.tile(np.repeat(inside.astype(float), self.orders.size), 2)
 
     def left(self, z: ComplexValues) -> tuple[float, int]:
-        """Return the sum of the squares that the orders leave, and its degrees of freedom.
+        """Return the residual sum of squares of the orders, and its degrees of freedom.
 
-        The first of several windows is left out: a start that is forgotten within it is hardly told
-        by its orders, and what is then wrong with the start is no noise.
+        The first of several windows is left out: a start that is forgotten within it is poorly
+        constrained by its orders, and the error of that start is not noise.
         """
         inside = z[: self.samples].copy()
         amplitudes = self.amplitudes(z[:, None])[:, :, 0]
@@ -103,26 +102,26 @@ class Tracks:
 
 @dataclass(frozen=True)
 class Measured:
-    """One record of signals as it is compared, in SI units where the machine is in these.
+    """One record of signals as it is compared; in SI units if the machine is.
 
     Parameters
     ----------
     record : Record
         The signals.
     times : ndarray, shape (n,)
-        From their begin [s].
+        Times from the beginning of the signals [s].
     turning : Turning
-        How the angle changed.
+        The measured angle.
     tracks : Tracks
-        What is compared.
+        The projection on order tracks.
     start, spread : ndarray, shape (4,)
-        A guess of the state at the begin, and how far it is believed [m, m/s].
+        A guess of the initial state, and its spread [m, m/s].
     touches : mapping of int to ndarray
-        Measured times at which contacts began (1) and ended (-1), from the begin [s].
+        Measured times at which contacts began (1) and ended (-1), from the beginning [s].
     begin : float
-        When the signals begin, in their own time.
+        Time at which the signals begin, in their own unit and origin.
     metre, second : float
-        How many metres and seconds the units of the signals are.
+        The units of the signals in metres and seconds.
     units : tuple of str
         These units.
     """
@@ -141,7 +140,7 @@ class Measured:
 
 
 def noise_of(records: Sequence[Measured], motions: Sequence[ComplexValues] | None = None) -> float:
-    """Return the standard deviation of x and y about motions, or 0, that all orders leave."""
+    """Return the standard deviation of x and y about motions, or about 0, after all orders."""
     about = [np.zeros(1, complex)] * len(records) if motions is None else motions
     sums = [each.tracks.left(each.record.z - z) for each, z in zip(records, about, strict=True)]
     squares, free = (sum(each) for each in zip(*sums, strict=True))
@@ -158,13 +157,13 @@ def measured(
     *,
     in_si: bool,
 ) -> Measured:
-    """Return signals as they are compared; raise `InputError` where they cannot be."""
+    """Return signals as they are compared; raise `InputError` if they cannot be."""
     given = record_of(signals)
     given.known_angles()
     length, time = _scale(given.length, "length", in_si), _scale(given.time, "time", in_si)
     if given.times.size > MOST_SAMPLES:
         raise InputError(
-            f"signals must hold at most {MOST_SAMPLES} samples for a fit, got {given.times.size}: "
+            f"signals must have at most {MOST_SAMPLES} samples for a fit, got {given.times.size}: "
             "give a part, or resample them"
         )
     begin = float(given.times[0])
@@ -184,7 +183,7 @@ def measured(
 
 
 def _scale(unit: str, kind: str, in_si: bool) -> float:
-    """Return how many SI units a unit is; 1 without dimensions."""
+    """Return a unit in SI units; 1 for dimensionless signals."""
     wanted = "DimensionalRotor" if unit != "1" else "Rotor"
     if (unit != "1") != in_si:
         raise InputError(f"machine must be a {wanted} for signals with {kind} in {unit!r}")
@@ -211,7 +210,7 @@ def _times_within(kind: int, values: object, record: Record) -> Values:
 
 
 def _tracks_of(record: Record, orders: Values, revolutions: int | None) -> Tracks:
-    """Return how a record is turned into tracks."""
+    """Return the projection of a record on order tracks."""
     windows = windows_of(record, revolutions_for(orders[orders > 0.0], revolutions))
     highest = max(BESIDE, int(np.abs(orders).max()))
     kept = np.unique(np.concatenate([orders, -orders]))
@@ -222,8 +221,8 @@ def _tracks_of(record: Record, orders: Values, revolutions: int | None) -> Track
     rate = counts[fewest] / windows.revolutions
     if rate <= 2.0 * np.abs(every).max() or counts[fewest] <= every.size:
         raise InputError(
-            f"signals must hold more than {max(2 * highest, every.size)} samples a revolution to "
-            f"be fitted, got {rate:.3g} at t {windows.times[fewest]:.6g}"
+            f"signals must have more than {max(2 * highest, every.size)} samples per revolution "
+            f"for a fit, got {rate:.3g} at t {windows.times[fewest]:.6g}"
         )
     angles = record.known_angles()[: windows.edges[-1]]
     basis = np.exp(1j * every[:, None] * angles)
@@ -237,7 +236,7 @@ def _tracks_of(record: Record, orders: Values, revolutions: int | None) -> Track
 
 
 def turning_of(record: Record) -> Turning:
-    """Return the measured angle as a spline of order two with few pieces."""
+    """Return the measured angle as a quadratic spline with few pieces."""
     from scipy.interpolate import PPoly, make_lsq_spline  # noqa: PLC0415 - takes long to import
 
     times, angles = record.times, record.known_angles()
@@ -254,8 +253,8 @@ def turning_of(record: Record) -> Turning:
     chosen = next(i for i, each in enumerate(left) if each <= ENOUGH * min(left))
     if left[chosen] > SMOOTH:
         raise InputError(
-            f"angle of signals must change smoothly, but {left[chosen]:.3g} rad are left by "
-            f"{len(fits[chosen][0]) - 1} ramps of the speed"
+            f"angle of signals must change smoothly, got a residual of {left[chosen]:.3g} rad "
+            f"with {len(fits[chosen][0]) - 1} ramps of the speed"
         )
     ends, spline = fits[chosen]
     parts = PPoly.from_spline(spline).c[:, 2:-2]
@@ -268,7 +267,7 @@ def turning_of(record: Record) -> Turning:
 
 
 def _first_state(record: Record, turning: Turning) -> tuple[Values, Values]:
-    """Return a guess of the state at the begin, and how far it is believed."""
+    """Return a guess of the initial state, and its spread."""
     speed = float(turning.speeds[0])
     within = record.times <= FIRST_PART / speed
     count = max(int(within.sum()), FEWEST)

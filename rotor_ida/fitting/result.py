@@ -28,7 +28,7 @@ from rotor_ida.schema import Column
 def dataset_of(
     problem: FitProblem, machine: Rotor | DimensionalRotor, solution: Values, level: float
 ) -> xr.Dataset:
-    """Return what was found as a dataset, each interval with a level of confidence."""
+    """Return the solution as a dataset, with confidence intervals."""
     _, slopes, motions = problem.at(solution)
     chi_square, freedom = _left_over(problem, solution, motions), problem.freedom(solution)
     slopes = slopes / widening(chi_square, freedom)
@@ -71,7 +71,7 @@ def dataset_of(
 
 
 def _scales(problem: FitProblem, solution: Values) -> Values:
-    """Return by what the error of each unknown is measured: its value, or 1 for an angle."""
+    """Return the scale of each unknown's error: its value, or 1 for an angle."""
     return np.array([
         abs(value) if value != 0.0 and each.name != ANGLE else 1.0
         for each, value in zip(problem.unknown, solution.tolist(), strict=False)
@@ -79,7 +79,7 @@ def _scales(problem: FitProblem, solution: Values) -> Values:
 
 
 def _left_over(problem: FitProblem, solution: Values, motions: list[Motion]) -> float:
-    """Return chi-square of all that is compared, the guesses of the starts among it."""
+    """Return chi-square of all residuals, including those of the guessed starts."""
     total = 0.0
     for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
         left = each.tracks.weighed((motion.z - each.record.z)[:, None]) / problem.noise
@@ -94,9 +94,9 @@ def _left_over(problem: FitProblem, solution: Values, motions: list[Motion]) -> 
 
 
 def _at_bounds(problem: FitProblem, solution: Values) -> list[str]:
-    """Return words for each unknown that would rather be less than it may."""
+    """Return a sentence for each unknown at its lower bound."""
     return [
-        f"{each.name} is at its least value {each.least:g}: its interval has one side"
+        f"{each.name} is at its smallest allowed value {each.least:g}: its interval is one-sided"
         for each, value in zip(problem.unknown, solution.tolist(), strict=False)
         if math.isfinite(each.least)
         and value - each.least <= 1e-6 * max(abs(each.guess), abs(value))
@@ -165,7 +165,7 @@ def _tracks(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
 
 
 def _touches(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
-    """Return measured and fitted contact times, those of no computed contact as NaN."""
+    """Return measured and fitted contact times; NaN where no computed contact matches."""
     measured, fitted, kinds, numbers, compared = [], [], [], [], []
     for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
         for kind, found in problem.touches(number, motion).items():
@@ -189,7 +189,7 @@ def _touches(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
 
 
 def _touches_in_words(variables: Mapping[str, Column]) -> str:
-    """Return how many contact times are compared, and why others are not."""
+    """Return in words how many contact times are compared, and why others are not."""
     compared, fitted = (np.asarray(variables[name][1]) for name in ("compared", "fitted_time"))
     alone = int(np.isnan(fitted).sum())
     grazes = compared.size - alone - int(compared.sum())

@@ -1,12 +1,11 @@
-"""How a motion answers to small changes of its start and of a machine's parameters.
+"""Derivatives of a motion by its initial state and by a machine's parameters.
 
-Along a motion that is known, a small difference ``w = (x, y, vx, vy)`` obeys ``w' = A w + b``, with
-the derivatives A of the accelerations by the state and b by a parameter [1]_, which follow from the
-model by forward differentiation. Contact begins and
-ends with a force of zero, so nothing is added there; but A has kinks, so panels end at the
-events, and shrink towards them on the side of the contact, where a Hertz stiffness goes with the
-root of the time. In each panel the equation, which is linear, is solved by Gauss's collocation at
-three nodes, of order six [2]_.
+Along a known motion, a small difference ``w = (x, y, vx, vy)`` obeys ``w' = A w + b``. A is the
+derivative of the accelerations by the state and b that by a parameter [1]_; both follow from the
+model by forward differentiation. The contact force is zero at entry and exit, so w does not jump
+there. But A has kinks: so panels end at the events, and shrink towards them on the side of the
+contact, where a Hertz stiffness varies with the root of the time. In each panel the linear
+equation is solved by Gauss collocation at three nodes, of order six [2]_.
 
 References
 ----------
@@ -70,9 +69,9 @@ class Moments:
     pull : ndarray of complex, shape (n,)
         ``(theta'**2 - i theta'') exp(i theta)``, the unbalance's pull on mass and eccentricity.
     pushes : ndarray, shape (n,)
-        1 where the surfaces press on each other, else 0: told by the events, not by rounding.
+        1 where the surfaces press on each other, else 0; from the events, to avoid rounding.
     slides : ndarray, shape (n,)
-        The sense in which they slide, 1 or -1; 0 without friction.
+        Direction of sliding, 1 or -1; 0 without friction.
     """
 
     z: ComplexValues
@@ -85,14 +84,14 @@ class Moments:
 def slopes_of(
     machine: DimensionalRotor, at: Moments, names: Sequence[str]
 ) -> tuple[Values, Values]:
-    """Return the derivatives of the rates of a state, by the state and by parameters.
+    """Return the derivatives of the right-hand side by the state and by parameters.
 
     Returns
     -------
     by_state : ndarray, shape (n, 4, 4)
-        Of ``(vx, vy, ax, ay)`` by ``(x, y, vx, vy)``.
+        Derivatives of ``(vx, vy, ax, ay)`` by ``(x, y, vx, vy)``.
     by_parameter : ndarray, shape (n, 4, k)
-        By each of the names: parameters of the machine, or ``unbalance_angle``.
+        Derivatives by each of the names: parameters of the machine, or ``unbalance_angle``.
     """
     columns = 4 + len(names)
     slopes = np.zeros((at.z.size, 4, columns))
@@ -115,7 +114,7 @@ def _accelerations_of(
     x, y, vx, vy, *varied = variables([*state, *(values[name] for name in names)])
     values |= zip(names, varied, strict=True)
     rotor = _over_mass(values, at)
-    # on the axis a direction is of no use, and none is asked for
+    # on the axis there is no direction, and none is needed
     radius = (x * x + y * y + np.finfo(float).tiny) ** 0.5
     outwards = x / radius, y / radius
     depth = radius - rotor.delta0
@@ -132,7 +131,7 @@ def _accelerations_of(
 
 
 def _over_mass(values: Mapping[str, Any], at: Moments) -> SimpleNamespace:
-    """Return what the model takes for a rotor, from the values of a machine."""
+    """Return the model's rotor from the values of a machine, forces divided by the mass."""
     mass = values["mass"]
     given = {
         name: values[name] / mass if parameter.unit.startswith("N") else values[name]
@@ -150,18 +149,18 @@ def _over_mass(values: Mapping[str, Any], at: Moments) -> SimpleNamespace:
 def panels_of(
     ends: Values, pushes: Values, longest: tuple[float, float], *, hertz: bool
 ) -> tuple[Values, npt.NDArray[np.intp]]:
-    """Return the ends of panels, and in which stretch between events each lies.
+    """Return the ends of panels, and the stretch between events in which each lies.
 
     Parameters
     ----------
     ends : ndarray, shape (m + 1,)
-        Where the stretches begin and end [s].
+        Ends of the stretches [s].
     pushes : ndarray, shape (m,)
         Whether the surfaces press in each.
     longest : tuple of float
-        The longest panel in flight, and in contact [s].
+        Longest panel in flight, and in contact [s].
     hertz : bool
-        Whether the stiffness goes with the root of the indentation.
+        Whether the stiffness varies with the root of the indentation.
     """
     parts, stretch = [ends[:1]], []
     halves = 0.5 ** np.arange(HALVINGS, 0.0, -1.0)
@@ -191,12 +190,12 @@ def grown(ends: Values, by_state: Values, added: Values) -> Values:
     ends : ndarray, shape (p + 1,)
         Ends of the panels [s].
     by_state, added : ndarray, shape (p, 3, 4, 4) and (p, 3, 4, k)
-        What `slopes_of` gives at the nodes.
+        Derivatives from `slopes_of` at the nodes.
 
     Returns
     -------
     ndarray, shape (p + 1, 4, 4 + k)
-        By the state at the first end, and by each parameter.
+        Derivatives by the state at the first end, and by each parameter.
     """
     panels, columns = len(by_state), 4 + added.shape[-1]
     found = np.zeros((panels + 1, 4, columns))
@@ -214,7 +213,7 @@ def grown(ends: Values, by_state: Values, added: Values) -> Values:
 
 
 def _across(steps: Values, by_state: Values, added: Values) -> Values:
-    """Return by how much each panel changes a difference, and what it adds: (p, 4, 4 + k)."""
+    """Return the change of a difference over each panel, and its forcing: (p, 4, 4 + k)."""
     panels = steps.size
     matrix = -np.einsum("p,ij,pikl->pikjl", steps, COEFFICIENTS, by_state)
     matrix = matrix.reshape(panels, 12, 12) + np.eye(12)

@@ -1,7 +1,7 @@
-"""Many independent jobs on all cores: one way for everything that runs them.
+"""Run many independent jobs on all cores.
 
-Results come as they end. Only a few jobs are in flight at a time, so memory does not grow with
-their number. When a job fails, or the user interrupts, the rest is given up at once.
+Results arrive as jobs end. Only a few jobs are in progress at a time, so memory does not grow with
+their number. If a job fails or the user interrupts, the rest are cancelled at once.
 """
 
 from rotor_ida.arrays import Stop

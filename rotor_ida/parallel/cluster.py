@@ -1,8 +1,7 @@
-"""Jobs done by dask: by a cluster on this machine that lasts as long as they do, or by any other.
+"""Run jobs with dask: on a temporary cluster on this machine, or on an existing one.
 
-dask hands a job whose worker dies to another one. After several deaths it suspects all jobs that
-the workers held; each of these is then done with no other beside it, and given up only if its
-workers die again.
+dask gives a job whose worker dies to another worker. After several deaths it suspects all jobs of
+those workers. Each of these is then run alone, and given up only if its workers die again.
 """
 
 from __future__ import annotations
@@ -30,28 +29,28 @@ PATIENCE = 5.0
 # Time between two counts of its workers [s].
 RECOUNT = 2.0
 # A task costs dask some ten milliseconds, so short jobs are bundled into tasks of about this
-# duration [s], each of at most so many jobs.
+# duration [s], with a limit on the number of jobs in each.
 BUNDLE_TIME, MOST_TOGETHER = 0.25, 64
 # Grace period for a worker to exit [s].
 GRACE = 0.25
 # Time for a cluster to close [s].
 TIME_TO_CLOSE = 20.0
 
-# What must be the same on every worker for the results to be the same, bit for bit.
+# Packages whose versions must be equal on all workers for results that are equal bit for bit.
 PACKAGES = ("rotor-ida", "numpy", "scipy", "scikit-sundae")
 
 
 def run_on_cluster(
     work: Work[Job, Result], jobs: Iterable[Job], *, workers: int | None, address: str | None
 ) -> Generator[tuple[int, Result | FailedJob], None, None]:
-    """Do the jobs as `run_all` says, on a cluster of `workers` processes or on that at `address`.
+    """Run the jobs as in `run_all`, on a cluster of `workers` processes or on that at `address`.
 
     Raises
     ------
     InputError
         If no scheduler answers, or a worker has other versions than this process.
     SimulationError
-        If the scheduler goes away before all jobs are done.
+        If the scheduler disappears before all jobs are done.
     """
     with ExitStack() as stack:
         stack.enter_context(_quiet())
@@ -68,7 +67,7 @@ def run_on_cluster(
 def _as_they_end(
     client: Client, work: Work[Job, Result], jobs: Iterable[Job]
 ) -> Iterator[tuple[int, Result | FailedJob]]:
-    """Keep a few jobs in flight for each thread of the cluster, and yield results as they end."""
+    """Keep a few jobs in progress for each thread of the cluster; yield results as they end."""
     waiting = enumerate(jobs)
     running: dict[Any, list[tuple[int, Job]]] = {}
     suspects: list[tuple[int, Job]] = []
@@ -101,12 +100,12 @@ def _as_they_end(
 
 
 def _alone(client: Client, work: Work[Job, Result], job: Job) -> Result | FailedJob:
-    """Do a job with no other beside it."""
+    """Run a job alone."""
     try:
         results: list[Result] = _submit(client, work, [job]).result()[0]
     except KilledWorker as error:
         tried = error.allowed_failures + 1
-        return FailedJob(f"every worker that took it on died, {tried} in all")
+        return FailedJob(f"every worker that tried it died, {tried} in all")
     return results[0]
 
 
@@ -115,14 +114,14 @@ def _submit(client: Client, work: Work[Job, Result], bundle: list[Job]) -> Any:
 
 
 def _do(work: Work[Job, Result], bundle: list[Job]) -> tuple[list[Result], float]:
-    """Do some jobs one after the other; return their results, and the time that they took [s]."""
+    """Run jobs one after another; return their results and the time they took [s]."""
     began = time.perf_counter()
     stop = np.zeros(1, dtype=np.uint8)
     return [work(job, stop) for job in bundle], time.perf_counter() - began
 
 
 def _count_threads(client: Client, known: set[str]) -> int:
-    """Return the number of threads of the cluster, having checked workers that are new."""
+    """Return the number of threads of the cluster, after checking new workers."""
     threads, tell = client.nthreads(), versions_teller(PACKAGES)
     new = [address for address in threads if address not in known]
     # a worker that has left in the meantime does not answer
@@ -195,10 +194,9 @@ def _local_cluster(workers: int | None, folder: str) -> LocalCluster:
 
 
 def _close(cluster: LocalCluster) -> None:
-    """Close a cluster, but do not wait for ever: dask has been seen to, after an interrupt.
+    """Close a cluster, with a time limit: dask can wait forever after an interrupt.
 
-    What is left then are a thread, and processes only where none was ended before; both end with
-    this program.
+    A thread may then remain, and processes if none was ended before; both end with this program.
     """
     with suppress(asyncio.TimeoutError):
         cluster.close(timeout=TIME_TO_CLOSE)
@@ -212,7 +210,7 @@ async def _end_workers(cluster: LocalCluster) -> None:
 
 @contextmanager
 def _joined(address: str) -> Iterator[Client]:
-    """Connect to a scheduler that is running already, and leave it running."""
+    """Connect to a running scheduler, and leave it running."""
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, RuntimeError) as error:

@@ -1,4 +1,4 @@
-"""Where jobs run: the executors that a user may name, and the one call that runs jobs on them."""
+"""The executors on which jobs run, and the one function that runs jobs on them."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _ADDRESS = re.compile(r"(tcp|tls|ws|wss)://[^\s/]+:\d+")
 
 
 class Workers(NamedTuple):
-    """What does the jobs: the executor, and how many at a time; None if it has workers itself."""
+    """The executor and its number of workers; None if the executor has its own workers."""
 
     executor: str
     number: int | None
 
 
 def count_workers(workers: int | None) -> int:
-    """Return the number of workers: `workers`, or one for each core that may be used."""
+    """Return the number of workers: `workers`, or one for each available core."""
     if workers is not None:
         return check_count("workers", workers, maximum=MOST_WORKERS)
     if hasattr(os, "sched_getaffinity"):
@@ -37,19 +37,19 @@ def count_workers(workers: int | None) -> int:
 
 
 def choose(executor: object, workers: int | None, *, compiled: bool) -> Workers:
-    """Return which executor to use, and how many workers.
+    """Choose the executor and the number of workers.
 
     Parameters
     ----------
     executor : str
-        One of `EXECUTORS`, or the address of a scheduler of dask. With ``"auto"`` compiled work is
-        done by threads, other work in this very process, or by processes where more workers than
-        one are wanted.
+        One of `EXECUTORS`, or the address of a dask scheduler. With ``"auto"`` compiled work runs
+        in threads. Other work runs in this process, or in processes if more than one worker is
+        requested.
     workers : int or None
-        Number of workers; None for one on each core, one where ``"auto"`` finds no compiled
-        work, or as many as the scheduler at an address has.
+        Number of workers. None means one per core; one if ``"auto"`` finds no compiled work; or
+        those of the scheduler at an address.
     compiled : bool
-        Whether the work is compiled, and so leaves the interpreter's lock to others.
+        Whether the work is compiled, and so releases the interpreter's lock.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def choose(executor: object, workers: int | None, *, compiled: bool) -> Workers:
 
 
 def _check_executor(executor: object) -> str:
-    """Return an executor that can be had here."""
+    """Return an executor that is available here."""
     if not isinstance(executor, str) or not (executor in EXECUTORS or _ADDRESS.fullmatch(executor)):
         words = ", ".join(repr(word) for word in EXECUTORS)
         raise InputError(
@@ -93,7 +93,7 @@ def _check_executor(executor: object) -> str:
 
 
 def why_not(executor: str) -> str:
-    """Return why an executor, or an address, cannot be had here; empty if it can."""
+    """Return why an executor or an address is not available here; empty if it is."""
     if executor in EXECUTORS and executor != "dask":
         return ""
     there = importlib.util.find_spec("distributed") is not None
@@ -103,41 +103,39 @@ def why_not(executor: str) -> str:
 def run_all(
     work: Work[Job, Result], jobs: Iterable[Job], *, workers: int | None, executor: str
 ) -> Generator[tuple[int, Result | FailedJob], None, None]:
-    """Do every job and yield its number and its result as it ends.
+    """Run all jobs; yield the number and the result of each as it ends.
 
     Parameters
     ----------
     work : callable
-        Takes a job and an array of one number that turns to 1 when the rest is given up; a long
-        job checks it now and then and returns early. For anything but threads it must be a
-        function of a module; each process has a number of its own, which stays 0: processes are
-        ended.
+        Takes a job and an array with one number, which becomes 1 when jobs are cancelled; a long
+        job checks it now and then and returns early. Except for threads it must be a function of a
+        module. In processes the number stays 0, as processes are terminated.
     jobs : iterable
         The jobs; taken one by one as workers become free.
     workers, executor
-        From `choose`: how many jobs are done at the same time, and by what.
+        Number of jobs that run at the same time, and executor, from `choose`.
 
     Yields
     ------
     number : int
         Position of the job in `jobs`, from 0.
     result : object
-        What `work` returned for it; `FailedJob` if its workers died of it.
+        The result of `work`; `FailedJob` if the job's workers died.
 
     Raises
     ------
     InputError
         If a scheduler does not answer, or its workers have other versions.
     SimulationError
-        If a process of a pool died, so that the jobs of the others are lost too, or the
-        scheduler did.
+        If the scheduler died, or a process of a pool, as the jobs of the others are then lost too.
 
     Notes
     -----
-    What `work` raises is raised here. On that, on an interrupt from the keyboard, and when the
-    caller stops asking, jobs that wait are dropped, threads are told to stop, processes are
-    ended, and all of them are gone before control returns. A cluster that was there before
-    stays; its workers finish the jobs that they have begun.
+    An exception of `work` is raised here. On an exception, a keyboard interrupt, or when the
+    caller stops iterating, waiting jobs are dropped, threads are asked to stop and processes are
+    terminated. All have ended before control returns. An existing cluster stays; its workers
+    finish the jobs that they have started.
 
     Examples
     --------
@@ -160,6 +158,6 @@ def run_all(
 def _one_by_one(
     work: Work[Job, Result], jobs: Iterable[Job]
 ) -> Generator[tuple[int, Result | FailedJob], None, None]:
-    """Do the jobs in this very process."""
+    """Run the jobs in this process."""
     for number, job in enumerate(jobs):
         yield number, interruptible(partial(work, job))

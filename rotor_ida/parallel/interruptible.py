@@ -11,7 +11,7 @@ import numpy as np
 from rotor_ida.arrays import Stop
 from rotor_ida.parallel.jobs import Result
 
-# How often the one who waits is told, in seconds.
+# Interval between progress reports [s].
 TOLD_EVERY = 0.2
 
 
@@ -20,16 +20,16 @@ def interruptible(
 ) -> Result:
     """Return the result of `work`; stop it if an exception arrives meanwhile.
 
-    Python runs the handlers of signals in its main thread only, and not while that runs compiled
-    code. So the work is done in a thread of its own while the main one waits for it, and for
-    Ctrl-C, a time limit, or whatever else raises.
+    Python runs signal handlers in its main thread only, and not while that runs compiled code. So
+    the work runs in a separate thread, while the main thread waits for it, for Ctrl-C, for a time
+    limit or for any other exception.
 
     Parameters
     ----------
     work : callable
-        Called with an array that holds 0 until it should stop.
+        Called with an array whose one value is 0 until the work should stop.
     told : callable, optional
-        Called every now and then until the work is done, to tell how far it is.
+        Called regularly until the work is done, to report progress.
 
     Examples
     --------
@@ -55,6 +55,6 @@ def interruptible(
         return future.result()
     finally:
         stop[0] = 1
-        # an exception may come before it counts as alive: then it finds the flag set, and ends
+        # an exception may come before the thread is alive: then it sees the flag and ends
         if thread.is_alive():
             thread.join()

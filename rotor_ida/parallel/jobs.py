@@ -1,4 +1,4 @@
-"""Jobs, the functions that do them, and the result of a job that could not be done."""
+"""Jobs, the functions that run them, and the result of a failed job."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ Result = TypeVar("Result")
 Work = Callable[[Job, Stop], Result]
 Progress = Callable[[int, int], None]
 
-# Jobs handed out for each worker: one in hand and one that waits.
+# Jobs submitted per worker: one that runs and one that waits.
 IN_FLIGHT = 2
 
 
 @dataclass(frozen=True, slots=True)
 class FailedJob:
-    """The result of a job whose workers died, and how they did."""
+    """The result of a job whose workers died, with the reason."""
 
     reason: str

@@ -1,4 +1,4 @@
-"""Jobs done by the threads of this process, or by processes on this machine."""
+"""Run jobs in threads of this process, or in processes on this machine."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ CAUSES = (
 def run_in_pool(
     work: Work[Job, Result], jobs: Iterable[Job], *, workers: int, threads: bool
 ) -> Generator[tuple[int, Result | FailedJob], None, None]:
-    """Do the jobs as `run_all` says, by threads or by processes."""
+    """Run the jobs as in `run_all`, in threads or processes."""
     stop = np.zeros(1, dtype=np.uint8)
     others = set(active_children())
     pool: Executor = (
@@ -59,7 +59,7 @@ def run_in_pool(
 
 
 def _end_with_parent() -> None:
-    """End this worker with the process that it works for, even if that is killed."""
+    """End this worker when its parent process ends, even if that is killed."""
     parent = parent_process()
 
     def watch() -> None:
@@ -73,7 +73,7 @@ def _end_with_parent() -> None:
 def _as_they_end(
     pool: Executor, work: Work[Job, Result], jobs: Iterable[Job], stop: Stop, workers: int
 ) -> Iterator[tuple[int, Result]]:
-    """Keep a few jobs in flight, and yield results as they end."""
+    """Keep a few jobs in progress, and yield results as they end."""
     waiting = enumerate(jobs)
     running: dict[Future[Result], int] = {}
     while True:
@@ -88,7 +88,7 @@ def _as_they_end(
 
 @contextmanager
 def deaf_to_interrupts() -> Iterator[None]:
-    """Start workers that leave an interrupt from the keyboard to the process that waits."""
+    """Start workers that ignore keyboard interrupts, which the waiting process handles."""
     if not hasattr(signal, "pthread_sigmask"):  # not on Windows
         yield
         return

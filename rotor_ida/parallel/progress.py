@@ -1,4 +1,4 @@
-"""A progress bar for many jobs, with the time left."""
+"""A progress bar for many jobs, with the remaining time."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rich.text import Text
 
 
 class _RateColumn(ProgressColumn):
-    """Points a second."""
+    """Points per second."""
 
     def render(self, task: Task) -> Text:
         rate = task.finished_speed or task.speed
@@ -34,7 +34,7 @@ def progress_bar(description: str) -> Iterator[Callable[[int, int], None]]:
     Yields
     ------
     callable
-        To be called with the number of points done and their total, as by `rotor_ida.sweep`.
+        Takes the number of points done and their total, as called by `rotor_ida.sweep`.
     """
     columns = (
         *(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), _RateColumn()),

@@ -1,1 +1,1 @@
-"""What is kept on disk: archives of results, and studies that survive interruptions."""
+"""Results on disk: archives, and studies that survive interruptions."""

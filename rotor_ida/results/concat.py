@@ -1,4 +1,4 @@
-"""Results joined along a parameter, with the tables of events that belong to them."""
+"""Join results along a parameter, with their tables of events."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rotor_ida.checks import check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.schema import flags_of
 
-# The attribute of a variable that counts rows of a table, one stretch of rows for each value.
+# Attribute of a variable that counts rows of a table, one block of rows for each value.
 COUNTS = "sample_dimension"
 
 
@@ -24,26 +24,26 @@ def concat(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
     datasets : sequence of Dataset
         Results of one kind: sweeps over different speeds, whirls, runs, and so on.
     dim : str
-        The dimension: one that all have, such as the ``omega`` of sweeps, or the name of a scalar
-        coordinate that differs, such as the ``omega`` of runs, which becomes one.
+        A dimension of all datasets, such as the ``omega`` of sweeps, or a scalar coordinate that
+        differs, such as the ``omega`` of runs, which becomes a dimension.
 
     Returns
     -------
     Dataset
-        As from `xarray.concat` with ``join="outer"``: where a result has no value, such as the
-        third whirl where there is one, it is NaN, or ``absent``. Two sweeps become the sweep over
-        both. Rows of events that are not in one table, as of runs, are padded with NaN, flags too.
-        Attributes that differ are dropped.
+        As from `xarray.concat` with ``join="outer"``: missing values, such as the third whirl
+        where there is only one, are NaN or ``absent``. Two sweeps become one sweep over both.
+        Events of runs, which are not in one table, are padded with NaN, flags too. Attributes that
+        differ are dropped.
 
     Raises
     ------
     InputError
-        If there is nothing to join, or `dim` is none of all of them, or results with tables of
-        events differ in their other dimensions.
+        If there is nothing to join, `dim` is not in all datasets, or results with tables of events
+        differ in their other dimensions.
 
     Notes
     -----
-    `xarray.concat` joins what has no table of events, and sweeps without theirs:
+    `xarray.concat` joins results without tables of events, and sweeps after
     ``sweep.drop_dims("event")``.
 
     Examples
@@ -81,7 +81,7 @@ def concat(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
 
 
 def _check_one_grid(counts: Sequence[xr.DataArray], dim: str) -> None:
-    """Refuse results with tables whose other dimensions differ: rows would belong to no run."""
+    """Refuse results with tables whose other dimensions differ: rows would match no run."""
     try:
         xr.align(*counts, join="exact", exclude=[dim])
     except ValueError as error:
@@ -93,7 +93,7 @@ def _check_one_grid(counts: Sequence[xr.DataArray], dim: str) -> None:
 def _joined(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
     """Join datasets without tables that several runs share."""
     sizes = [dict(each.sizes) for each in datasets]
-    # what has neither numbers nor one size is padded by its place
+    # a dimension without coordinates and of differing size is padded by position
     uneven = {
         str(name)
         for name in datasets[0].dims
@@ -111,13 +111,13 @@ def _joined(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
 
 
 def _missing(variable: xr.DataArray) -> float:
-    """Return what says that there is no value: absent, or no, where flags have such a word."""
+    """Return the fill value: that of the flag absent or no, if there is one, else NaN."""
     flags = flags_of(variable) if "flag_meanings" in variable.attrs else {}
     return flags.get("absent", flags.get("no", np.nan))
 
 
 def _rows(counts: Sequence[xr.DataArray], dim: str) -> npt.NDArray[np.int64]:
-    """Return which rows of the tables, one behind the other, the joined table has in order."""
+    """Return the rows of the concatenated tables in the order of the joined table."""
     ends = np.cumsum(np.concatenate([each.values.ravel() for each in counts]))
     of_each = np.split(ends, np.cumsum([each.size for each in counts])[:-1])
     numbered = [

@@ -1,8 +1,8 @@
-"""Files written whole or not at all: where one may go, and how it gets there.
+"""Write files atomically, after checking their paths.
 
-A file is written in a folder of its own beside its place, brought to the disk, and then given its
-name in one step. The folder is locked as long as its writer lives. A writer that was killed leaves
-it unlocked, and the next one that comes by removes it.
+A file is written in a separate folder beside its target, synchronised to the disk, and renamed in
+one step. The folder is locked while its writer lives. A killed writer leaves it unlocked, and the
+next writer removes it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _NO_SYNC_HERE = {errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EACCES}
 
 
 def check_path(name: str, path: object, *, kind: str = "file") -> Path:
-    """Return the path, given as the argument `name`, of a file or folder, be it there or not.
+    """Return the path, given as the argument `name`, of a file or folder that may not exist yet.
 
     Examples
     --------
@@ -53,8 +53,8 @@ def check_target(
 ) -> Path:
     """Return the path, given as the argument `name`, of a file that can be written.
 
-    Its folder must exist. Without `overwrite` a file that is there is refused; `permission` says
-    in the message what the user has to do to have it replaced.
+    Its folder must exist. Without `overwrite` an existing file is refused; `permission` states in
+    the message how to allow its replacement.
 
     Examples
     --------
@@ -88,15 +88,14 @@ def already_there(name: str, path: Path, permission: str = "overwrite is true") 
 
 @contextmanager
 def written_whole(path: Path, *, overwrite: bool) -> Iterator[Path]:
-    """Give the path of a file to write, which then becomes the file at `path` in one step.
+    """Yield the path of a file to write, which then becomes the file at `path` in one step.
 
     Parameters
     ----------
     path : Path
-        As `check_target` returns it. Through a symbolic link the file that it names is replaced,
-        not the link.
+        From `check_target`. If it is a symbolic link, its target is replaced, not the link.
     overwrite : bool
-        Whether a file that is there, or has appeared meanwhile, may be replaced.
+        Whether a file that exists, or has appeared meanwhile, may be replaced.
 
     Yields
     ------
@@ -106,14 +105,14 @@ def written_whole(path: Path, *, overwrite: bool) -> Iterator[Path]:
     Raises
     ------
     FileExistsError
-        If `overwrite` is false and something has the name by then.
+        If `overwrite` is false and the name is taken by then.
     OSError
-        If the system does not let the file be written.
+        If the file cannot be written.
 
     Notes
     -----
-    If the body raises, `path` stays as it was. On a file system without hard links a process that
-    is killed at the moment of publishing without `overwrite` can leave an empty file.
+    If the body raises, `path` is unchanged. On a file system without hard links, a process killed
+    while it publishes without `overwrite` can leave an empty file.
 
     Examples
     --------
@@ -152,8 +151,8 @@ def _locked_folder(parent: Path) -> tuple[Path, FileLock]:
         folder = parent / f".{_machine()}.{secrets.token_hex(8)}.{_UNFINISHED}"
         folder.mkdir(mode=0o700)
         lock = _lock_of(folder)
-        # another writer may remove it between its being made and being locked, even while filelock
-        # looks whether it is there
+        # another writer may remove it before it is locked, even while filelock checks that it
+        # exists
         with suppress(Timeout, FileNotFoundError, FileExistsError):
             lock.acquire()
             if folder.exists():
@@ -162,7 +161,7 @@ def _locked_folder(parent: Path) -> tuple[Path, FileLock]:
 
 
 def _remove_abandoned(folder: Path) -> None:
-    """Remove what writers on this machine have left that are certainly dead."""
+    """Remove folders of writers on this machine that have certainly ended."""
     pattern = re.compile(rf"\.{re.escape(_machine())}\.[0-9a-f]{{16}}\.{_UNFINISHED}")
     with suppress(OSError), os.scandir(folder) as entries:
         left = [each for each in entries if pattern.fullmatch(each.name)]
@@ -183,7 +182,7 @@ def _machine() -> str:
 
 
 def _publish(part: Path, target: Path, overwrite: bool) -> None:
-    """Give the finished file its name; without `overwrite`, only if nothing has that name."""
+    """Give the finished file its name; without `overwrite`, only if the name is free."""
     if overwrite:
         part.replace(target)
         return
@@ -197,7 +196,7 @@ def _publish(part: Path, target: Path, overwrite: bool) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Make the new name outlast a power failure, where folders can be synchronised."""
+    """Make the new name survive a power failure, where folders can be synchronised."""
     if os.name == "nt":
         return
     descriptor = os.open(folder, os.O_RDONLY)

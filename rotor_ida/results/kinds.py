@@ -1,11 +1,11 @@
-"""The one registry of kinds of result: what each is, and how it is shown, drawn, verified, resumed.
+"""The registry of kinds of result: how each is shown, drawn, verified and resumed.
 
-Every dataset that the package makes says its kind in the attribute ``result_kind``. (``kind`` is
-taken: in archives of bifurcation curves it names the bifurcation.) Archives written before are
-recognised by what they hold.
+Every dataset of the package has its kind in the attribute ``result_kind``. (``kind`` is taken: in
+archives of bifurcation curves it names the bifurcation.) Older archives are recognised by their
+variables and dimensions.
 
-What is done with a result is named here as ``module:name`` and imported when it is needed, so that
-this module stands below all that compute and draw.
+Functions are named here as ``module:name`` and imported when needed, so this module depends on
+none of those that compute and draw.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ class Kind:
     Parameters
     ----------
     name : str
-        What the attribute ``result_kind`` says.
+        Value of the attribute ``result_kind``.
     meaning : str
-        What it is, as the page on datasets calls it.
+        Its name on the page on datasets.
     variables, dims : tuple of str
-        Variables and dimensions that each result of the kind has. By these it is recognised in an
-        archive that does not state its kind; without any it is not.
+        Variables and dimensions of every result of the kind. Archives without a stated kind are
+        recognised by these; a kind without any is not recognised.
     along : tuple of str
         Dimensions of the first of these variables, if they are always the same.
     shown : str
@@ -42,12 +42,12 @@ class Kind:
     drawn : str
         Function of the dataset that returns its figure, or axes in it; empty if there is none.
     verified : str
-        The `Verification` by which it is computed again and compared; empty if it cannot be.
+        The `Verification` that computes it again and compares it; empty if there is none.
     study : str
-        What the design of a study calls it; empty if it is no study.
+        Its name in the design of a study; empty if it is not a study.
     resumed : str
-        Function of the design of a study and of what does the work that returns a function of
-        folder and progress, which goes on with the study.
+        Function of the design of a study and the settings of its jobs. It returns a function of
+        folder and progress that resumes the study.
     """
 
     name: str
@@ -62,7 +62,7 @@ class Kind:
     resumed: str = ""
 
     def fits(self, dataset: xr.Dataset) -> bool:
-        """Return whether a dataset has what each result of this kind has."""
+        """Return whether a dataset has the variables and dimensions of this kind."""
         has_all = set(self.variables) <= dataset.variables.keys()
         if not has_all or not set(self.dims) <= set(dataset.dims):
             return False
@@ -76,7 +76,7 @@ _DRAWN = "rotor_ida.plot.figures"
 _VERIFIED = "rotor_ida.verification.verify"
 _RESUMED = "rotor_ida.verification.resume"
 
-# In the order in which archives are recognised that do not state their kind.
+# In the order in which archives without a stated kind are recognised.
 KINDS = {
     kind.name: kind
     for kind in (
@@ -218,10 +218,10 @@ STUDIES = {kind.study: kind for kind in KINDS.values() if kind.study}
 
 
 def kind_of(dataset: xr.Dataset) -> str:
-    """Return the kind of a dataset: what it states, or what its variables and dimensions tell.
+    """Return the kind of a dataset: as stated, or from its variables and dimensions.
 
-    A dataset that has lost a part, for instance by a selection along a dimension that its kind
-    needs, is recognised by what is left.
+    A dataset without a part of its kind, such as a dimension removed by a selection, is recognised
+    by the remaining ones.
 
     Examples
     --------
@@ -238,7 +238,7 @@ def kind_of(dataset: xr.Dataset) -> str:
 
 
 def loaded(place: str) -> Any:
-    """Return what a row of the registry names.
+    """Import and return an object named in the registry.
 
     Examples
     --------

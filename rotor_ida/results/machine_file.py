@@ -1,6 +1,6 @@
-"""Files of machines: the data sheet of a `DimensionalRotor` as TOML, to read, edit and keep.
+"""Machine files: the data sheet of a `DimensionalRotor` as TOML.
 
-Each line is a quantity of `rotor_ida.machine_from_data_sheet`: a number in its SI unit, or words
+Each line is a quantity of `rotor_ida.machine_from_data_sheet`: a number in its SI unit, or a text
 with a unit.
 
     mass = "12 kg"
@@ -14,8 +14,8 @@ with a unit.
     friction = 0.12
     disc_radius = "60 mm"
 
-Besides these a file may give ``contact_exponent``, ``contact_damping`` in s/m, and ``load`` in N or
-as ``"weight"``.
+A file may also give ``contact_exponent``, ``contact_damping`` in s/m, and ``load`` in N or as
+``"weight"``.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.results.files import check_path, check_target, written_whole
 from rotor_ida.units import SPEED_UNITS
 
-# A file of a machine has some twenty lines.
+# A machine file has some twenty lines.
 MOST_BYTES = 1_000_000
 
 
@@ -45,8 +45,8 @@ def load_machine(path: str | os.PathLike[str]) -> DimensionalRotor:
     Parameters
     ----------
     path : path-like
-        A file that `save_machine` or ``rotor-ida machine`` wrote, or one written by hand: each
-        line gives a quantity of `machine_from_data_sheet`.
+        A file from `save_machine` or ``rotor-ida machine``, or one written by hand. Each line
+        gives a quantity of `machine_from_data_sheet`.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def load_machine(path: str | os.PathLike[str]) -> DimensionalRotor:
 
 
 def read_data_sheet(path: str | os.PathLike[str]) -> dict[str, object]:
-    """Return the quantities in a file of a machine as they are written there."""
+    """Return the quantities in a machine file as they are written there."""
     place = check_path("machine", path)
     try:
         with place.open("rb") as file:
@@ -95,16 +95,16 @@ def read_data_sheet(path: str | os.PathLike[str]) -> dict[str, object]:
 def save_machine(
     machine: DimensionalRotor, path: str | os.PathLike[str], *, overwrite: bool = False
 ) -> Path:
-    """Write a machine to a TOML file, in SI units, with what they mean as comments.
+    """Write a machine to a TOML file, in SI units, with comments that explain each quantity.
 
     Parameters
     ----------
     machine : DimensionalRotor
         The machine.
     path : path-like
-        The file, which `load_machine` and the option ``--machine`` read.
+        The file, for `load_machine` and the option ``--machine``.
     overwrite : bool
-        Whether a file that is there may be replaced.
+        Whether an existing file may be replaced.
 
     Returns
     -------
@@ -149,14 +149,14 @@ def machine_text(machine: DimensionalRotor) -> str:
 
 
 def _number(value: float) -> str:
-    """Return a number that is read to the same bits."""
+    """Return a number as text that is read back to the same bits."""
     if 1e-3 <= value < 1e5:
         return repr(value)
     return np.format_float_scientific(value, trim="0", exp_digits=1)
 
 
 def _in_other_words(machine: DimensionalRotor) -> dict[str, str]:
-    """Return what a reader of a data sheet calls some of its quantities."""
+    """Return some quantities in the terms of a data sheet."""
     rpm = SPEED_UNITS["rpm"]
     found = {
         "eccentricity": f", {machine.eccentricity * 1e6:.4g} um, {_unbalance(machine):.4g} g mm",

@@ -1,4 +1,4 @@
-"""Where a result came from: the attributes that let a reader judge and repeat it."""
+"""Provenance of a result: the attributes by which a reader can judge and repeat it."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from rotor_ida.core.library import build_info
 
 SOURCE = "rotor_ida: rotor with Hertz contact and clearance"
 
-# The folder part of an absolute path, also behind --option=; it means nothing on another machine.
+# The folder part of an absolute path, also after --option=; it means nothing on another machine.
 _FOLDERS = re.compile(r"^(--?[\w-]+=)?(?:[/~]|[A-Za-z]:[\\/]).*[\\/](?=[^\\/])")
 # Versions that do not change the bits of a result.
 _INDIFFERENT = ("python_version", "xarray_version")
-# What sources are called.
+# Names of source files.
 KINDS_OF_SOURCE = ("*.py", "*.c", "*.h")
 # Folders and modules that draw, describe or store a result but do not compute it.
 NOT_COMPUTING = (
@@ -31,7 +31,7 @@ NOT_COMPUTING = (
 
 
 def provenance(how: Mapping[str, object]) -> dict[str, object]:
-    """Return the attributes that say what computed a result: source, command, method, versions.
+    """Return the attributes on how a result was computed: source, command, method, versions.
 
     Examples
     --------
@@ -43,9 +43,9 @@ def provenance(how: Mapping[str, object]) -> dict[str, object]:
 
 @cache
 def core() -> dict[str, str]:
-    """Return who compiled the core, how, for which level of the processor, and from which sources.
+    """Return the core's compiler, flags, processor level and a digest of its sources.
 
-    But for the last, a digest, none of these attributes changes the bits of a result.
+    Only the digest affects the bits of a result.
     """
     said = build_info()
     told = {f"core_{name}": said[name] for name in ("compiler", "flags", "level")}
@@ -54,7 +54,7 @@ def core() -> dict[str, str]:
 
 @cache
 def versions() -> dict[str, object]:
-    """Return the versions of all that computes, as attributes."""
+    """Return the versions of all packages that compute, as attributes."""
     names = {"rotor_ida": "rotor-ida", "scikit_sundae": "scikit-sundae"}
     names |= {name: name for name in ("numpy", "scipy", "xarray")}
     found: dict[str, object] = {f"{name}_version": version(names[name]) for name in names}
@@ -65,7 +65,7 @@ def versions() -> dict[str, object]:
 
 @cache
 def computing() -> dict[str, str]:
-    """Return what decides the bits of a result beside its parameters: versions and sources.
+    """Return what determines the bits of a result besides its parameters: versions and sources.
 
     Examples
     --------
@@ -112,16 +112,16 @@ def computing_sources() -> dict[str, Path]:
 
 
 def command() -> str:
-    """Return the script or program that is running, as `described` says it."""
+    """Return the running script or program, in the form of `described`."""
     spec = getattr(sys.modules.get("__main__"), "__spec__", None)
     return described(sys.argv, module=spec.name if spec else "")
 
 
 def described(arguments: Sequence[str], *, module: str = "") -> str:
-    """Return a command line, as in ``sys.argv``, without what only this machine knows.
+    """Return a command line, as in ``sys.argv``, without details of this machine.
 
-    It is as for a shell, or in words where nothing could be typed again. `module` is the one that
-    ``python -m`` runs, if any.
+    It is in the form for a shell, or in words if it cannot be typed again. `module` is the one
+    that ``python -m`` runs, if any.
 
     Examples
     --------
@@ -142,5 +142,5 @@ def described(arguments: Sequence[str], *, module: str = "") -> str:
         return f"python {name}"
     started = ["python", "-m", module.removesuffix(".__main__")] if module else [name]
     shown = shlex.join([*started, *(_FOLDERS.sub(r"\1", word) for word in rest)])
-    # Arguments may be bytes that are no text, which an attribute cannot hold.
+    # Arguments may be bytes that are not text, which an attribute cannot store.
     return shown.encode("utf-8", "backslashreplace").decode().replace("\n", " ")

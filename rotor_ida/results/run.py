@@ -1,4 +1,4 @@
-"""The dataset of one run: how it is recognised, and the rotor that it is of."""
+"""The dataset of one run: check it, and return its rotor."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from rotor_ida.schema import (
 
 
 def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
-    """Return `run` if it is a dimensionless run of one rotor with the variables needed."""
+    """Return `run` if it is a dimensionless run of one rotor with the required variables."""
     run = check_instance("run", run, xr.Dataset)
     missing = [name for name in (*PARAMETERS, *needed) if name not in run.variables]
     if missing:
@@ -38,25 +38,25 @@ def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
 
 
 def check_one_speed(run: xr.Dataset, what: str) -> None:
-    """Raise `InputError` for a run at a speed that changes, where there must be one."""
+    """Raise `InputError` for a run whose speed changes."""
     if "event_speed" in run.variables:
         raise InputError(f"run must be at one speed for {what}, got a run of run_up")
 
 
 def rotor_of(run: xr.Dataset) -> Rotor:
-    """Return the rotor of a run: a parameter that it does not have is the default."""
+    """Return the rotor of a run; missing parameters have their defaults."""
     return Rotor(**{name: float(run[name]) for name in ALL_PARAMETERS if name in run.variables})
 
 
 def parameter_coordinates(rotor: Rotor) -> dict[str, Column]:
-    """Return the parameters of a rotor as scalar coordinates, beyond the paper's if not default."""
+    """Return the parameters of a rotor as scalar coordinates, without optional ones at defaults."""
     return {name: ((), value) for name, value in rotor.given.items()}
 
 
 def event_columns(
     times: npt.ArrayLike, kinds: npt.ArrayLike, *rotors: Rotor
 ) -> dict[str, xr.Variable]:
-    """Return times and kinds of events; contact damping and friction of a rotor have more kinds.
+    """Return times and kinds of events; contact damping and friction add kinds.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Results of a real machine in SI units, with the prefixes that are asked for."""
+"""Convert results to SI units and back, with prefixes if requested."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ UNITS = {
     "rate": "s-1",
     "speed": "s-1",
 }
-# How many radians a second each unit of speed is; for UDUNITS a radian is 1, and Hz are 1/s too.
+# Units of speed in rad/s; for UDUNITS a radian is 1, and Hz is 1/s too.
 OF_SPEED = {UNITS["speed"]: 1.0, "rpm": SPEED_UNITS["rpm"]}
-# Of the attributes of a result in SI units: the machine, and what the result was computed from.
+# Prefixes of attributes of a result in SI units: the machine, and the original parameters.
 MACHINE, EXACT = "machine_", "dimensionless"
-# What a result is computed from again, to the last bit; longer axes are divided by their scale.
+# Inputs of a result that are stored to the last bit; longer axes are divided by their scale.
 INPUTS = (*COMPONENTS, *(f"start_{name}" for name in COMPONENTS), "to", "rate")
 LONGEST_INPUT = 4096
 # A dimensionless 1 below and above these has the prefixes m and k in figures and summaries.
 SMALL, LARGE = 0.1, 1000.0
-# Speeds that results tell over the reference frequency, also in SI units.
+# Speeds that are relative to the reference frequency, also in SI units.
 SPEEDS = ("omega", "fold_omega", "hopf_omega", "jump_omega", "birth_omega", "cusp_omega")
 
 
@@ -48,27 +48,27 @@ def dimensional(
     dataset : Dataset
         A dimensionless result of this package.
     machine : DimensionalRotor
-        The machine it belongs to.
+        The machine.
     units : mapping of str to str, optional
         Units other than m, s, m/s, N, N s, J and 1/s, by kind: ``length``, ``time``, ``velocity``,
-        ``force``, ``impulse`` or ``energy``, such as ``{"length": "µm", "time": "ms"}``. The
-        prefixes are p, n, µ (or u), m, k and M. A ``speed`` that changes is in ``rad/s`` or
-        ``rpm``. Figures show the units that were chosen; others with a prefix, such as µm.
+        ``force``, ``impulse`` or ``energy``, such as ``{"length": "µm", "time": "ms"}``. Prefixes
+        are p, n, µ (or u), m, k and M. A ``speed`` that changes is in ``rad/s`` or ``rpm``.
+        Figures show the chosen units, and a suitable prefix, such as µm, for the others.
 
     Returns
     -------
     Dataset
-        The same variables in those units; parameters, phases, kinds and counts unchanged. Each
-        variable's attribute ``units`` has its unit as UDUNITS writes it (``um``, ``m s-1``); the
-        attributes ``length_scale``, ``time_scale`` and so on say what a dimensionless 1 is in them,
-        ``machine_mass`` and so on of which machine the result is.
-        Of a run-up the attributes ``to``, ``rate``, ``speeds``, ``torque`` and ``inertia`` are in
-        SI units too, which ``to_units`` and so on tell.
+        The same variables in those units; parameters, phases, kinds and counts are unchanged. Each
+        variable's attribute ``units`` has its unit in the notation of UDUNITS (``um``, ``m s-1``).
+        The attributes ``length_scale``, ``time_scale`` and so on are the values of a dimensionless
+        1; ``machine_mass`` and so on describe the machine.
+        The attributes ``to``, ``rate``, ``speeds``, ``torque`` and ``inertia`` of a run-up are in
+        SI units too, given by ``to_units`` and so on.
 
     Raises
     ------
     InputError
-        If the dataset is in SI units already, or a unit is none of its kind.
+        If the dataset is in SI units already, or a unit is not of its kind.
 
     Notes
     -----
@@ -128,18 +128,18 @@ def dimensional(
 
 
 def dimensionless(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a result in SI units as it was before `dimensional`; any other as it is.
+    """Convert a result in SI units back to a dimensionless one; return any other unchanged.
 
     Parameters
     ----------
     dataset : Dataset
-        A result that `dimensional` returned, for instance one that was loaded from an archive.
+        A result of `dimensional`, for example one loaded from an archive.
 
     Returns
     -------
     Dataset
-        The same result without dimensions. What it was computed from is as it was to the last bit,
-        everything else within rounding.
+        The same result, dimensionless. Its parameters are as before to the last bit, everything
+        else within rounding.
 
     Examples
     --------
@@ -182,19 +182,19 @@ def is_in_si(dataset: xr.Dataset) -> bool:
 
 
 def machine_of(dataset: xr.Dataset) -> DimensionalRotor | None:
-    """Return the machine that a result in SI units is of; None where it does not tell."""
+    """Return the machine of a result in SI units; None if it has none."""
     told = {name: dataset.attrs[f"{MACHINE}{name}"] for name in OF_MACHINE
             if f"{MACHINE}{name}" in dataset.attrs}  # fmt: skip
     if not told:
         return None
     try:
         return DimensionalRotor(**{name: float(value) for name, value in told.items()})
-    except (TypeError, ValueError) as error:  # not what `dimensional` writes
-        raise InputError(f"the dataset does not tell its machine: {error}") from error
+    except (TypeError, ValueError) as error:  # not written by `dimensional`
+        raise InputError(f"the dataset has no valid machine: {error}") from error
 
 
 def in_units_of(dataset: xr.Dataset, other: xr.Dataset) -> xr.Dataset:
-    """Return a dimensionless result in the units of another, which may have none.
+    """Return a dimensionless result in the units of another, which may be dimensionless too.
 
     Examples
     --------
@@ -247,9 +247,9 @@ def in_suitable_units(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def si_of(dataset: xr.Dataset, name: str) -> tuple[str, float] | None:
-    """Return what a parameter of a result is called in SI units, and its unit in that.
+    """Return the label of a parameter in SI units, and the value of a dimensionless 1.
 
-    None for what has no unit, and for a result that does not tell its machine. Speeds are in rpm.
+    None if it has no unit or the result has no machine. Speeds are in rpm.
 
     Examples
     --------
@@ -282,12 +282,12 @@ def si_of(dataset: xr.Dataset, name: str) -> tuple[str, float] | None:
 
 
 def scale_of(dataset: xr.Dataset, kind: str) -> float:
-    """Return what a dimensionless 1 is in the units of a result: 1 where it has none."""
+    """Return the value of a dimensionless 1 in the units of a result: 1 if it has none."""
     return float(dataset.attrs.get(f"{kind}_scale", 1.0))
 
 
 def in_rpm(speeds: xr.DataArray) -> Values | None:
-    """Return speeds in revolutions a minute; None for what is dimensionless.
+    """Return speeds in revolutions per minute; None if they are dimensionless.
 
     Examples
     --------
@@ -304,7 +304,7 @@ def _change_of_speed(
     scales: Mapping[str, float],
     units: Mapping[str, str],
 ) -> dict[str, object]:
-    """Return the attributes that tell how the speed changed, with their units; seconds stay."""
+    """Return the attributes of the changing speed, with their units; seconds are unchanged."""
     speed, time = scales["speed"], scales["time"]
     torque, rate = machine.torque_scale, machine.reference_frequency
     factors: dict[str, tuple[list[float], str]] = {
@@ -325,7 +325,7 @@ def _change_of_speed(
 
 
 def _attributes_before(dataset: xr.Dataset) -> dict[str, object]:
-    """Return the attributes that a result had before it was in SI units."""
+    """Return the attributes of a result before its conversion to SI units."""
     added = {f"{kind}_scale" for kind in UNITS} | {f"{MACHINE}{name}" for name in OF_MACHINE}
     before = {str(name): value for name, value in dataset.attrs.items() if name not in added}
     for name in [each for each in before if f"{each}_units" in before]:
@@ -334,14 +334,14 @@ def _attributes_before(dataset: xr.Dataset) -> dict[str, object]:
         if exact is None:
             raise InputError(
                 f"{name} of this run-up has no dimensionless value: it was written before results "
-                "in SI units kept theirs"
+                "in SI units stored it"
             )
         before[name] = exact
     return before
 
 
 def _parts(kind: str) -> dict[str, float]:
-    """Return how many of each unit of a kind make one without a prefix; rates take none."""
+    """Return the number of each unit of a kind in one without a prefix; rates have no prefixes."""
     base = UNITS[kind]
     if kind == "rate":
         return {base: 1.0}
@@ -351,7 +351,7 @@ def _parts(kind: str) -> dict[str, float]:
 
 
 def _checked(kind: str, unit: str) -> str:
-    """Return a unit as UDUNITS writes it, if it is one of its kind."""
+    """Return a unit in the notation of UDUNITS; raise `InputError` if it is not of its kind."""
     if kind not in UNITS:
         raise InputError(f"units must be of {', '.join(UNITS)}, got {shown(kind)}")
     allowed = _parts(kind)

@@ -1,4 +1,4 @@
-"""A result as tables in CSV files: one for its numbers, and one for each set of dimensions."""
+"""Write a result as CSV tables: one for single numbers, and one for each set of dimensions."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from rotor_ida.errors import InputError
 from rotor_ida.results.files import already_there, check_target, written_whole
 from rotor_ida.schema import words_of
 
-# A DataFrame of pandas, which has no annotations.
+# A pandas DataFrame; pandas has no annotations.
 Table = Any
 
 ENDING = ".csv"
-# What the table of variables without dimensions is called.
+# Name of the table of variables without dimensions.
 NUMBERS = "numbers"
 
 
 def tables_of(dataset: xr.Dataset) -> dict[str, Table]:
-    """Return the tables of a dataset by their names, the dimensions joined by hyphens.
+    """Return the tables of a dataset by name: its dimensions joined by hyphens.
 
     Parameters
     ----------
@@ -34,9 +34,9 @@ def tables_of(dataset: xr.Dataset) -> dict[str, Table]:
     Returns
     -------
     dict of str to DataFrame
-        For each set of dimensions the variables and coordinates on them, headed by names with
-        units, flags in words; rows are in order of the dimensions. ``numbers`` has the variables
-        and coordinates without dimensions, a row each.
+        For each set of dimensions, the variables and coordinates on them. Headers are names with
+        units, flags are words, and rows follow the order of the dimensions. The table ``numbers``
+        has one row for each variable or coordinate without dimensions.
 
     Examples
     --------
@@ -68,10 +68,10 @@ def save_tables(
     dataset : Dataset
         Any result.
     path : path-like
-        The file of a dataset that is one table. Of several tables each has its name before the
-        ending: ``run.t.csv``, ``run.event.csv``.
+        The file, if the dataset is one table. If there are several, the name of each comes before
+        the suffix: ``run.t.csv``, ``run.event.csv``.
     overwrite : bool
-        Whether files that are there may be replaced.
+        Whether existing files may be replaced.
 
     Returns
     -------
@@ -81,9 +81,9 @@ def save_tables(
     Raises
     ------
     InputError
-        If the path does not end in ``.csv``, or a file is there and `overwrite` is false.
+        If the path does not end in ``.csv``, or a file exists and `overwrite` is false.
     OSError
-        If the system does not let a file be written.
+        If a file cannot be written.
 
     Examples
     --------
@@ -110,10 +110,10 @@ def save_tables(
 def check_tables(
     name: str, path: object, *, overwrite: bool, permission: str = "overwrite is true"
 ) -> Path:
-    """Return the path of CSV files that can be written; else raise `InputError`, as `save_tables`.
+    """Return the path of CSV files; raise `InputError` if they cannot be written.
 
-    Which tables there will be is not known before the result is: without `overwrite` any file is
-    refused that might be one of them.
+    The tables are not known before the result, so without `overwrite` any existing file that might
+    be one of them is refused.
     """
     given = check_target(name, path, overwrite=overwrite, permission=permission)
     if given.suffix != ENDING:
@@ -127,7 +127,7 @@ def check_tables(
 
 def _numbers(scalars: xr.Dataset) -> Table:
     described = _in_words(scalars)
-    # each as it is: an array of numbers would make a float of a count
+    # one by one: an array of numbers would turn counts into floats
     values: npt.NDArray[Any] = np.empty(len(described.variables), dtype=object)
     values[:] = [each.values.item() for each in described.variables.values()]
     attributes = [scalars[name].attrs for name in described.variables]

@@ -24,19 +24,19 @@ def filtered_orbit(
     band: tuple[float, float] | None = None,
     revolutions: int | None = None,
 ) -> xr.Dataset:
-    """Return the orbit of one order of the speed, or of a band of frequencies, about the centre.
+    """Filter the orbit to one order of the speed, or to a band of frequencies.
 
     Parameters
     ----------
     signals : Dataset
         Signals of `signals_of` or `read_signals`, or a run.
     order : float, optional
-        Multiple of the speed [1]: the ellipse of its forward and backward whirl.
+        Multiple of the speed [1], which gives the ellipse of its forward and backward whirl.
     band : tuple of float, optional
         Lowest and highest circular frequency, radians over the unit of time; 0 as the lowest keeps
         the mean position.
     revolutions : int, optional
-        Length of the windows in which an order is tracked, as of `orders`.
+        Length of the windows in which an order is tracked, as in `orders`.
 
     Returns
     -------
@@ -46,14 +46,15 @@ def filtered_orbit(
     Raises
     ------
     InputError
-        If not one of order and band is given, the angle is not known for an order, or the samples
-        are not equally spaced for a band.
+        If not exactly one of order and band is given, if the angle for an order is not known, or
+        if the samples for a band are not equally spaced.
 
     Notes
     -----
-    An order is fitted as by `orders` in each window; between their middles the complex amplitudes
-    change linearly, and before the first and after the last they are held. A band is passed by a
-    Butterworth filter of order 4 forwards and backwards in time, without a shift of phase: its gain
+    An order is fitted in each window as in `orders`. Between the middles of windows the complex
+    amplitudes change linearly; before the first and after the last they are constant. A band is
+    filtered by a Butterworth filter of order 4, forwards and backwards in time, without phase
+    shift. Its gain
     is ``1/(1 + s**8)`` with, up to the frequency W, ``s = T(f)/T(W)`` and, between V and W, ``s =
     (T(f)**2 - T(V) T(W))/(T(f) (T(W) - T(V)))``, where ``T(f) = tan(f h/2)`` for samples a step h
     apart. So a line at an end of the band has half its amplitude. Near the ends of the record it

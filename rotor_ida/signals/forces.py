@@ -1,4 +1,4 @@
-"""The contact force along a run, and how its peaks are distributed."""
+"""The contact force along a run, and the distribution of its peaks."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NEEDED_WITH_FRICTION = ("mode", "normal_force")
 
 
 def contact_forces(run: xr.Dataset) -> xr.Dataset:
-    """Return the force of the ring on the rotor along a run, and its peaks.
+    """Return the contact force on the rotor along a run, and its peaks.
 
     Parameters
     ----------
@@ -33,24 +33,23 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     -------
     Dataset
         ``force force_x force_y`` on ``t``: the magnitude and the components in the fixed
-        frame [1]; with friction also ``normal_force`` and ``tangential_force``, which pulls the
-        disc back along the ring where it is positive. On ``contact``: ``peak_time`` and
-        ``peak_force``, the largest normal force of each contact, found between the samples too,
-        and ``peak_fraction``, the part of the whole contacts whose peak is no larger: over
-        ``peak_force`` it is the distribution of the peaks. It is NaN for a contact that the run
-        begins or ends inside.
+        frame [1]; with friction also ``normal_force`` and ``tangential_force``, which is positive
+        where it pulls the disc backward. On ``contact``: ``peak_time`` and ``peak_force``, the
+        largest normal force of each contact, found between the samples too; ``peak_fraction``, the
+        fraction of complete contacts with no larger peak, which is the distribution of
+        ``peak_force``. It is NaN for a contact during which the run begins or ends.
 
     Raises
     ------
     InputError
-        If the dataset is no run.
+        If the dataset is not a run.
 
     Notes
     -----
     The force is ``-(N + i T) z/|z|`` with ``N = max(0, d**n (1 + c d'))`` in contact, where
     ``d = |z| - delta0``: ``max(|z| - delta0, 0)**1.5`` for the paper's rotor. With contact damping
-    N is 0 from a release on until the contact presses again, and largest before the indentation
-    is. The shaft and the load push too: neither is a force of the ring.
+    N is 0 from a release until the contact presses again, and is largest before the indentation
+    is. The forces of the shaft and the load are not included.
 
     References
     ----------
@@ -95,7 +94,7 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
 
 
 def _with_friction(run: xr.Dataset, radius: Values, rotor: Rotor) -> dict[str, Values]:
-    """Return the force of a ring with friction: it is 0 wherever the radius may vanish."""
+    """Return the contact force with friction: it is 0 wherever the radius may vanish."""
     x, y, mode, normal = (run[name].values for name in ("x", "y", "mode", "normal_force"))
     along = rotor.friction * normal * (mode == MODE["slipping_forward"])
     along -= rotor.friction * normal * (mode == MODE["slipping_backward"])
@@ -113,7 +112,7 @@ def _with_friction(run: xr.Dataset, radius: Values, rotor: Rotor) -> dict[str, V
 
 
 def _hold(run: xr.Dataset, radius: Values, rotor: Rotor) -> Values:
-    """Return the force along the ring that rolling takes."""
+    """Return the tangential force required for rolling."""
     size = np.where(radius > 0.0, radius, 1.0)
     c, s = run["x"].values / size, run["y"].values / size
     angle, rim = rotor.omega * run["t"].values, (rotor.disc_radius or 0.0) * rotor.omega
@@ -130,14 +129,14 @@ def _hold(run: xr.Dataset, radius: Values, rotor: Rotor) -> Values:
 
 @dataclass(frozen=True, slots=True)
 class PowerInContact:
-    """The normal force along a run, and the energy that a contact takes per unit of time.
+    """The normal force along a run, and the power that a contact dissipates.
 
     Parameters
     ----------
     normal_force : ndarray, shape (n,)
         ``N = max(0, d**n (1 + c d'))`` [1].
     damping : ndarray, shape (n,)
-        ``(N - d**n) d'``, which contact damping takes [1].
+        ``(N - d**n) d'``, the power of contact damping [1].
     friction : ndarray, shape (n,)
         ``mu N |v_s|``, the heat of sliding [1].
     """
@@ -158,7 +157,7 @@ def power_in_contact(run: Mapping[str, Values], rotor: Rotor) -> PowerInContact:
 
 
 def radial_speed(x: Values, y: Values, vx: Values, vy: Values) -> Values:
-    """Return the radial velocity ``d'`` [1]; of no matter at the axis."""
+    """Return the radial velocity ``d'`` [1]; not used at the axis."""
     radius = np.hypot(x, y)
     speed: Values = np.divide(
         x * vx + y * vy, radius, out=np.zeros_like(radius), where=radius > 0.0

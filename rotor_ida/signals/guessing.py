@@ -1,4 +1,4 @@
-"""Which column of a file is the time, a probe, the keyphasor or the speed, judged by its name."""
+"""Guess from names which column of a file is the time, a probe, the keyphasor or the speed."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ KIND = {
     "t": "time", "x": "length", "y": "length",
     "keyphasor": "time", "angle": "angle", "speed": "speed",
 }  # fmt: skip
-# Words by which a column is known, the surest first. All but t serve for the angle of the rotor,
-# and the first of these that a file has is taken.
+# Words that identify a column, the surest first. All but t serve for the angle of the rotor; the
+# first of these in a file is taken.
 WORDS = {
     "t": ("t", "time", "times", "zeit", "seconds", "timestamp", "x value"),
     "angle": ("angle", "theta"),
@@ -37,11 +37,11 @@ PAIRS = (
     *(("horizontal", "vertical"), ("horiz", "vert"), ("horz", "vert"), ("hor", "ver")),
 )
 AXES = {"x", "y", "z", "h", "v"}
-# Words of what probes measure.
+# Words for the quantities that probes measure.
 PROBE_WORDS = {"probe", "disp", "displacement", "prox", "proximity", "vib", "vibration"}
-# Units that are as likely to be words of the name.
+# Units that may also be words of a name.
 NO_SUFFIX = {"in", "1", "-", ""}
-# Names of a number that is the sampling rate [Hz].
+# Names of the sampling rate [Hz].
 RATES = {
     *("fs", "rate", "fsample", "samplerate", "samplefreq", "samplefrequency"),
     *("samplingrate", "samplingfrequency", "samplingfreq"),
@@ -53,7 +53,7 @@ _SPLIT = re.compile(
 
 @dataclass(frozen=True)
 class Name:
-    """The name of a column, taken apart.
+    """The parsed name of a column.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class Name:
     words : tuple of str
         Its words in lower case, less the unit.
     unit : str
-        The unit that the file gives, or else the last word if that is one.
+        The unit given by the file, otherwise the last word if that is a unit.
     is_suffix : bool
         Whether the unit is the last word.
     """
@@ -80,7 +80,7 @@ class Name:
 
     @property
     def kind(self) -> str:
-        """What the unit is of: empty if there is none, "?" if it is not known."""
+        """Quantity of the unit: empty if there is no unit, "?" if it is not known."""
         known = unit_called(self.unit)
         if known is None:
             return "?"
@@ -88,7 +88,7 @@ class Name:
 
 
 def name_of(column: str, unit: str = "") -> Name:
-    """Return the name of a column, taken apart.
+    """Parse the name of a column.
 
     Examples
     --------
@@ -111,7 +111,7 @@ def name_of(column: str, unit: str = "") -> Name:
 def unit_of(signal: str, columns: Mapping[str, str], table: Table) -> str:
     """Return the unit of a signal's column: that of the file, or the last word of its name.
 
-    The last word only if it is a unit of the right kind, and for a probe only if both have one:
+    The last word counts only if it is a unit of the right kind, for a probe only if both have one:
     ``probe_V`` beside ``probe_H`` is the vertical one.
     """
     name = name_of(columns[signal], table.columns[columns[signal]].unit)
@@ -123,21 +123,21 @@ def unit_of(signal: str, columns: Mapping[str, str], table: Table) -> str:
 
 
 def columns_of(table: Table, told: Mapping[str, str], *, timed: bool) -> dict[str, str]:
-    """Return the column of each signal, as told or guessed.
+    """Return the column of each signal, as given or guessed.
 
     Parameters
     ----------
     table : Table
         The columns of a file.
     told : mapping of str to str
-        Columns by signal, as the user named them.
+        Columns by signal, as given by the user.
     timed : bool
         Whether the times are known without a column.
 
     Raises
     ------
     InputError
-        If a column is missing, or which one it is is not clear. The message lists the columns.
+        If a column is missing or ambiguous. The message lists the columns.
     """
     for signal, column in told.items():
         if column not in table.columns:
@@ -164,7 +164,7 @@ def columns_of(table: Table, told: Mapping[str, str], *, timed: bool) -> dict[st
 
 
 def _by_place(table: Table, told: Mapping[str, str], *, timed: bool) -> dict[str, str]:
-    """Return the columns of a file without names: t, x, y, keyphasor, less a count of samples."""
+    """Return the columns of a file without names: t, x, y, keyphasor, after any sample count."""
     if ("x" in told) != ("y" in told):
         raise InputError(f"columns must name both x and y or neither, got {shown(dict(told))}")
     order = [name for name in table.columns if name not in told.values()]
@@ -208,19 +208,19 @@ def counts_samples(values: Values) -> bool:
 
 
 def count_left_out(table: Table, names: Mapping[str, str]) -> str:
-    """Return the column without a name that counts samples and is no signal; empty if none is."""
+    """Return the unnamed column that counts samples and is not a signal; empty if none does."""
     first = next(iter(table.columns))
     is_count = first.isdigit() and counts_samples(table.columns[first].values)
     return first if is_count and first not in names.values() else ""
 
 
 def _rises(values: Values) -> bool:
-    """Return whether numbers rise from each to the next."""
+    """Return whether numbers increase."""
     return bool((np.diff(values) > 0.0).all())
 
 
 def rate_in(table: Table) -> tuple[str, float] | None:
-    """Return the name and the value of the one number that is the sampling rate [Hz]."""
+    """Return the name and the value of the sampling rate [Hz], if there is just one."""
     found = {
         name: value
         for name, value in table.scalars.items()
@@ -242,14 +242,14 @@ def _surest(signal: str, names: Iterable[Name], table: Table) -> dict[str, str]:
     if len(ranked) > 1 and ranked[0][0] == ranked[1][0]:
         several = [column for rank, column in ranked if rank == ranked[0][0]]
         raise InputError(
-            f"which column is {signal} must be clear; name it in columns, got "
+            f"the column of {signal} must be unambiguous; name it in columns, got "
             f"{shown(', '.join(several))} among {shown(table.listed())}"
         )
     return {signal: ranked[0][1]} if ranked else {}
 
 
 def _rank(signal: str, name: Name) -> float | None:
-    """Return how sure a column is a signal, the smaller the surer; None if it is not."""
+    """Return the rank of a column as a signal, the best first; None if it is not."""
     kind = KIND.get(signal, "angle")
     if name.kind == "speed" != kind or (
         kind in ("time", "angle", "speed") and signal != "keyphasor"
@@ -268,7 +268,7 @@ def _rank(signal: str, name: Name) -> float | None:
 
 
 def _angle_in(names: Sequence[Name], told: Mapping[str, str], table: Table) -> dict[str, str]:
-    """Return what serves for the angle of the rotor, unless one was told."""
+    """Return the column for the angle of the rotor, unless one was given."""
     if {"keyphasor", "angle", "speed"} & told.keys():
         return {}
     for signal in ANGLES:
@@ -296,8 +296,8 @@ def _probes_in(names: Sequence[Name], taken: Mapping[str, str], table: Table) ->
             return {"x": best[0][0].column, "y": best[0][1].column}
         several = "; ".join(f"{first.column} and {second.column}" for first, second in best)
         raise InputError(
-            f"which columns are x and y must be clear; name them in columns, got {shown(several)} "
-            f"among {shown(table.listed())}"
+            f"the columns of x and y must be unambiguous; name them in columns, got "
+            f"{shown(several)} among {shown(table.listed())}"
         )
     plain = {each.words: each.column for each in names if each.column not in others}
     found = {axis: plain[axis,] for axis in ("x", "y") if axis not in taken and (axis,) in plain}
@@ -325,12 +325,12 @@ def _are_pair(first: Name, second: Name) -> bool:
 
 
 def _whole(name: Name) -> Name:
-    """Return a name whose last word is no unit, as v of a vertical probe."""
+    """Return the name with its last word as a word, not a unit, such as v for vertical."""
     return Name(name.column, _words(name.column), "", is_suffix=False) if name.is_suffix else name
 
 
 def _rank_of_pair(pair: tuple[Name, Name]) -> tuple[bool, bool, bool]:
-    """Return how sure a pair of columns is that of the probes, the smaller the surer."""
+    """Return the rank of a pair of columns as the probes, the best first."""
     kinds = {each.kind for each in pair}
     are_plain = (pair[0].last, pair[1].last) == (("x",), ("y",))
     about = {*pair[0].words, *pair[1].words} & PROBE_WORDS

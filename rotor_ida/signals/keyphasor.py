@@ -1,4 +1,4 @@
-"""A keyphasor: its pulses in a sampled signal, those that are lost, and the angle between them."""
+"""Keyphasor: find pulses in a sampled signal, fill in lost ones, and compute the angle."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ Counts = npt.NDArray[np.int64]
 
 FEWEST_PULSES = 3
 FEWEST_JUDGED = 4
-# An interval that is so much longer than one round it may have lost a pulse; one so much shorter
-# than usual may hold one too many.
+# An interval this much longer than a neighbour may have lost a pulse; one this much shorter than
+# usual may have an extra pulse.
 LONGER = 1.25
 SHORTER = 0.6
-# At the ends, where a machine may start from rest, only if those beyond are so nearly alike.
+# At the ends, where a machine may start from rest, only if the next intervals are this similar.
 ALIKE = 1.15
-# An interval so many times longer than its neighbour is a rest, or a loss, and says nothing of it.
+# An interval this many times longer than its neighbour, as at a rest, is not used to judge it.
 REST = 3.0
-# Turns in an interval above which they are counted by a parabola.
+# Revolutions in an interval above which they are counted by a parabola.
 LONG_GAP = 4.5
 MOST_PASSES = 20
-# Points a turn at which the angle in an interval is worked out to fill in its pulses.
+# Points per revolution at which the angle is computed to fill in pulses.
 FINE = 200
 ROUNDING = 1e-9
-# A pulse that rises by more than that part of its height in one step is known by no better than it.
+# A pulse that rises by more than this part of its height in one step has the step as its error.
 SUDDEN = 0.5
-# Pulses to which a smooth course is fitted, ever more.
+# Increasing numbers of pulses to which a smooth curve is fitted.
 COURSES = (5, 9, 17, 33, 65, 129, 257)
-# Of the height of the pulses: a crossing counts when the signal has been below and gets above.
+# Parts of the pulse height: a crossing counts if the signal rises from below LOW to above HIGH.
 LOW, HIGH = 0.4, 0.6
 
 
 def angles_by_pulses(
     pulses: Values, times: Values, per_revolution: int
 ) -> tuple[npt.NDArray[np.bool_], Values]:
-    """Return which samples lie between pulses, and the angle of the rotor at each of them [rad].
+    """Return the samples between pulses, and the angle of the rotor at each of them [rad].
 
     A cubic spline through the pulses, which is exact while the speed changes evenly; where it would
     turn back, as while a machine stands still, a cubic that never does (Fritsch and Carlson).
@@ -61,7 +61,7 @@ def angles_by_pulses(
 
 
 def check_pulses(pulses: Values) -> None:
-    """Raise `InputError` for pulses that are too few, out of order, lost or too many."""
+    """Raise `InputError` for too few pulses, or pulses out of order, lost or in excess."""
     if pulses.size < FEWEST_PULSES:
         raise InputError(f"keyphasor must have at least {FEWEST_PULSES} pulses, got {pulses.size}")
     intervals = np.diff(pulses)
@@ -71,7 +71,7 @@ def check_pulses(pulses: Values) -> None:
     extra = extra_pulses(intervals)
     if extra.size:
         raise InputError(
-            "keyphasor must not have pulses too many, but two follow each other too soon after t "
+            "keyphasor must not have extra pulses, but two follow each other too soon after t "
             f"{pulses[extra[0]]:.6g}{_more(extra.size - 1)}"
         )
     counts = counts_between(pulses)
@@ -86,12 +86,12 @@ def check_pulses(pulses: Values) -> None:
 
 
 def _more(count: int) -> str:
-    """Return how many more places there are."""
+    """Return the number of other places, in words."""
     return f" and {count} more place{'s' if count > 1 else ''}" if count > 0 else ""
 
 
 def with_lost_pulses(pulses: Values) -> Values:
-    """Return pulses with those that were lost, where a spline through the others puts them.
+    """Return pulses with lost ones filled in by a spline through the others.
 
     Examples
     --------
@@ -116,7 +116,7 @@ def with_lost_pulses(pulses: Values) -> Values:
 
 
 def counts_between(pulses: Values) -> Counts:
-    """Return how many turns, from mark to mark, lie between each pulse and the next.
+    """Return the number of revolutions between each pulse and the next.
 
     Only intervals longer than one of those round them are judged, the least striking first, and by
     none beside it that is not judged yet; then all of them again until nothing changes.
@@ -145,7 +145,7 @@ def counts_between(pulses: Values) -> Counts:
 def _turns_in(
     pulses: Values, counts: Counts, judged: npt.NDArray[np.bool_], place: int
 ) -> float | None:
-    """Return the turns between a pulse and the next, by up to three pulses on each side.
+    """Return the revolutions between a pulse and the next, from up to three pulses on each side.
 
     The angle is a polynomial of time through all of them, and the turns between are the unknown
     that lets its degree be one lower. Where the machine stops between them, each side has a
@@ -179,7 +179,7 @@ def _turns_in(
 def _trusted(
     pulses: Values, counts: Counts, judged: npt.NDArray[np.bool_], place: int
 ) -> tuple[int, int]:
-    """Return the first and last pulse to judge an interval by: none beyond a rest."""
+    """Return the first and last pulse from which to judge an interval: none past a rest."""
     longest = REST * (pulses[place + 1] - pulses[place])
 
     def near(each: int) -> bool:
@@ -206,7 +206,7 @@ def _until_rest(t: Values, turns: Values) -> tuple[float, float] | None:
 
 
 def usual_intervals(intervals: Values) -> Values:
-    """Return how long each interval would be, judged by the ones round it."""
+    """Return the expected length of each interval, from those around it."""
     from scipy.ndimage import median_filter  # noqa: PLC0415 - takes long to import
 
     usual = np.asarray(median_filter(intervals, size=5, mode="nearest"), dtype=np.float64)
@@ -218,7 +218,7 @@ def usual_intervals(intervals: Values) -> Values:
 
 
 def extra_pulses(intervals: Values) -> npt.NDArray[np.intp]:
-    """Return intervals that are too short, but with one beside them are no longer than usual."""
+    """Return short intervals that, joined with a neighbour, are no longer than usual."""
     usual = usual_intervals(intervals)
     padded = np.concatenate([[np.inf], intervals, [np.inf]])
     joined = intervals + np.minimum(padded[:-2], padded[2:])
@@ -228,10 +228,9 @@ def extra_pulses(intervals: Values) -> npt.NDArray[np.intp]:
 def pulses_in(times: Values, signal: Values) -> Values:
     """Return the times at which a sampled signal rises into a pulse.
 
-    Half-way up, found by a straight line between two samples. Pulses that point downwards are
-    found likewise: what is there for the shorter part of the time is the pulse. A pulse that rises
-    within one step lies anywhere in it: its time is put where the course of the others has it, see
-    `along_smooth_course`.
+    The time is at half height, by linear interpolation between two samples. The pulse is the level
+    with the shorter duration, so pulses may point downwards. A pulse that rises within one step
+    may lie anywhere in it: `along_smooth_course` then sets its time.
     """
     low, high = float(signal.min()), float(signal.max())
     if low == high:
@@ -249,9 +248,9 @@ def pulses_in(times: Values, signal: Values) -> Values:
 
 
 def _half_way(times: Values, height: Values, before: int, after: int) -> tuple[float, float]:
-    """Return when a signal that is low at one sample, and high at another, passes one half.
+    """Return the time at which a signal rises through one half between two samples, and its error.
 
-    Beside it by how much that may be wrong: half a step if all of the rise lies within it.
+    The error is half a step if the whole rise lies within one step.
     """
     index = before + int(np.flatnonzero(height[before : after + 1] < 0.5)[-1])
     rise, step = height[index + 1] - height[index], times[index + 1] - times[index]
@@ -260,19 +259,19 @@ def _half_way(times: Values, height: Values, before: int, after: int) -> tuple[f
 
 
 def along_smooth_course(pulses: Values, errors: Values) -> Values:
-    """Return times of pulses on the smoothest course that their errors admit.
+    """Return pulse times on the smoothest curve within their errors.
 
     Parameters
     ----------
     pulses, errors : ndarray, shape (n,)
-        When the pulses were seen, and by how much each of these times may be wrong at most.
+        Measured times of the pulses, and the largest error of each.
 
     Notes
     -----
-    About each pulse a cubic is fitted to the times of those round it (Savitzky and Golay): of as
-    many as there are, up to 257, without any time that is moved by more than its error and what
-    the cubic has left of it. So what the machine did is kept wherever the samples tell it, and the
-    scatter of times that were rounded to samples is averaged away.
+    Around each pulse a cubic is fitted to the times of its neighbours (Savitzky and Golay): to as
+    many as possible, up to 257, provided that no time moves by more than its error and the
+    remaining error of the cubic. So resolved changes of speed are kept, and the scatter of times
+    that were rounded to samples is averaged out.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Lines of a record off the grid of its spectrum: frequencies and amplitudes by least squares."""
+"""Spectral lines off the frequency grid: frequencies and amplitudes by least squares."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MOST_STEPS = 12
 # Weights of a Kaiser window whose main lobe is twice so many steps of the grid wide leave nothing
 # of a line in another that is further away, to rounding.
 WIDEST = 11.0
-# Steps of the grid nearer than which two lines are one, in the search and then.
+# Steps of the grid within which two lines count as one, in the search and afterwards.
 NEAREST = 4.0
 
 
@@ -34,16 +34,16 @@ def spectral_lines(signals: xr.Dataset, *, count: int = 10) -> xr.Dataset:
         Signals of `signals_of` or `read_signals`, or a run, with equally spaced samples, of a
         motion that has settled.
     count : int
-        How many lines at most [1]; lines within four steps of the grid, ``2 pi`` over the length
-        of the record, of a stronger one are part of it.
+        Largest number of lines [1]. A line within four steps of the grid (``2 pi`` over the length
+        of the record) of a stronger one counts as part of it.
 
     Returns
     -------
     Dataset
         On ``line``, in order of frequency: ``frequency``, positive for forward and negative for
-        backward whirl, ``whirl_amplitude``, ``whirl_phase`` [rad], that at the time 0;
+        backward whirl; ``whirl_amplitude``; ``whirl_phase`` at time 0 [rad];
         ``frequency_over_omega`` if there is one speed. ``window_residual``, the root mean square
-        of what the lines leave.
+        of the residual.
 
     Raises
     ------
@@ -53,10 +53,10 @@ def spectral_lines(signals: xr.Dataset, *, count: int = 10) -> xr.Dataset:
     Notes
     -----
     ``sum(c_k exp(i Omega_k t))`` is fitted to ``z = x + i y``, all frequencies and amplitudes at
-    once, by weighted least squares. Each line begins at the highest peak of what those before it
-    leave. The weights are Kaiser's, as wide in frequency as the lines are apart: further lines,
-    which are not fitted, leave next to nothing in those that are. A record of a few such lines
-    gives them back to rounding, one of a limit cycle, sixty periods long, to some 1e-10.
+    once, by weighted least squares. Each line begins at the highest peak of the residual of those
+    before it. The weights are a Kaiser window whose main lobe is as wide as the lines are apart, so
+    that lines that are not fitted hardly affect those that are. The lines of a record of only a
+    few are exact to rounding; those of a limit cycle over sixty periods to about 1e-10.
 
     References
     ----------
@@ -76,7 +76,7 @@ def spectral_lines(signals: xr.Dataset, *, count: int = 10) -> xr.Dataset:
     step = record.equal_step()
     size = record.z.size
     if size < 4 * most + 8:
-        raise InputError(f"signals must hold at least {4 * most + 8} samples, got {size}")
+        raise InputError(f"signals must have at least {4 * most + 8} samples, got {size}")
     middle = 0.5 * (record.times[0] + record.times[-1])
     if size * most > MOST_NUMBERS:
         raise InputError(
@@ -138,7 +138,7 @@ def _strongest(z: Complex, times: Values, most: int) -> Values:
 def _refined(
     z: Complex, times: Values, frequencies: Values, width: float
 ) -> tuple[Values, Complex]:
-    """Return frequencies and amplitudes of least squares, by the steps of Gauss and Newton."""
+    """Return frequencies and amplitudes by least squares, with Gauss-Newton steps."""
     weights = np.kaiser(z.size, _shape(width))
     roots = np.sqrt(weights)
     largest = 0.5 * math.pi / (times[-1] - times[0])
@@ -158,12 +158,12 @@ def _refined(
 
 
 def _shape(width: float) -> float:
-    """Return Kaiser's parameter for half a main lobe so many steps of the grid wide."""
+    """Return Kaiser's parameter for a half main lobe of this many steps of the grid."""
     return math.pi * math.sqrt(max(width**2 - 1.0, 0.0))
 
 
 def _motion(times: Values, frequencies: Values, amplitudes: Complex) -> Complex:
-    """Return the motion that lines make up."""
+    """Return the sum of the lines at times."""
     motion: Complex = np.zeros(times.size, dtype=np.complex128)
     for frequency, amplitude in zip(frequencies, amplitudes, strict=True):
         motion += amplitude * np.exp(1j * frequency * times)

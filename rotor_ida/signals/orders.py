@@ -16,16 +16,16 @@ from rotor_ida.schema import Column
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.windows import MOST_OVERLAP, Orders, Windows, fit_orders, windows_of
 
-# Whole orders up to this, and up to the highest that is asked for, are fitted beside, so that they
-# leave no trace in the others.
+# Integer orders up to this, and up to the highest requested one, are fitted too, so that they do
+# not affect the others.
 BESIDE = 3
 LARGEST_ORDER = 1000.0
-# Windows of more revolutions than one over this are of no use.
+# Orders closer than this would need windows of too many revolutions.
 CLOSEST = 1e-3
-# Orders a whole number of revolutions apart are told apart in spite of rounding.
+# Tolerance for rounding when windows must separate orders.
 SLACK = 1e-9
-# In the mean displacements must turn by less from sample to sample, a third of a turn; the phase of
-# noise alone turns by a quarter.
+# Displacements must turn by less than this between samples on average: a third of a turn. The
+# phase of noise alone turns by a quarter.
 MOST_TURNING = 2.0 * math.pi / 3.0
 
 
@@ -36,7 +36,7 @@ def orders(
     revolutions: int | None = None,
     overlap: float = 0.0,
 ) -> xr.Dataset:
-    """Track orders of the speed: how much forward and backward whirl, and with which phase.
+    """Track orders of the speed: amplitudes and phases of forward and backward whirl.
 
     Parameters
     ----------
@@ -45,10 +45,10 @@ def orders(
     orders : array_like, shape (k,)
         Multiples of the speed [1], above zero.
     revolutions : int, optional
-        Length of the windows [1]: by default the shortest that tell the orders apart, one
-        revolution for whole orders, two for halves.
+        Length of the windows [1]. By default the shortest that separate the orders: one revolution
+        for integer orders, two for halves.
     overlap : float
-        By which part windows overlap [1], from 0 to 0.95: more points of a short run-up.
+        Fraction by which windows overlap [1], from 0 to 0.95: more points in a short run-up.
 
     Returns
     -------
@@ -57,28 +57,28 @@ def orders(
         ``forward_phase_lag`` and ``backward_phase_lag`` [rad], from -pi to pi;
         ``forward_amplitude_error`` and ``backward_amplitude_error``, standard errors. On
         ``window``: ``offset_x`` and ``offset_y``, the mean position; ``window_residual``, the
-        root mean square of what is left; coordinates ``t`` and ``speed``.
+        root mean square of the residual; coordinates ``t`` and ``speed``.
 
     Raises
     ------
     InputError
-        If the angle is not known, there is no whole window, the windows do not tell the orders
-        apart, or the sampling is too slow for them.
+        If the angle is not known, there is no complete window, the windows do not separate the
+        orders, or the sampling is too slow for them.
 
     Notes
     -----
-    In each window of whole revolutions ``z = x + i y`` is fitted by least squares as ``sum(c_n
-    exp(i n theta))`` over the orders that are asked for, forward and backward, the mean and beside
-    them whole orders up to 3 and up to the highest of them. ``forward_phase_lag`` is that of
+    In each window of whole revolutions ``sum(c_n exp(i n theta))`` is fitted to ``z = x + i y`` by
+    least squares: over the requested orders, forward and backward, the mean, and integer orders up
+    to 3 and up to the highest requested one. ``forward_phase_lag`` is that of
     `synchronous_response`: ``c_1 = A exp(-i lag)`` with theta the angle of the unbalance. Both lags
-    say by how much a whirl is late at the x axis: ``exp(i (n theta - lag))``, and ``exp(-i (n theta
-    - lag))`` backwards. Measured angles count from the mark of the keyphasor instead. While the
-    speed changes, amplitudes are means over the window.
+    are delays of a whirl at the x axis: ``exp(i (n theta - lag))`` forward and
+    ``exp(-i (n theta - lag))`` backward. Measured angles count from the keyphasor mark instead. If
+    the speed changes, amplitudes are means over the window.
 
-    Standard errors hold where what the orders leave is noise, of one strength in all directions and
-    frequencies; that of a lag is the error of the amplitude over the amplitude. The residual
-    is by degrees of freedom: for noise of the variance s**2 in x and in y it is ``sqrt(2) s``. The
-    speed is that of the straight line through the angles of a window, at the mean of its times.
+    Standard errors are valid if the residual is white noise, equal in all directions; that of a
+    lag is the error of the amplitude over the amplitude. The residual is by degrees of freedom: for
+    noise of variance s**2 in x and in y it is ``sqrt(2) s``. The speed is that of the straight line
+    through the angles of a window, at the mean of its times.
 
     References
     ----------
@@ -125,7 +125,7 @@ def orders(
 
 
 def centre_line(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0.0) -> xr.Dataset:
-    """Return the mean position of the shaft, the gap as direct current shows it, over the speed.
+    """Compute the mean position of the shaft (the DC gap of the probes) over the speed.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def centre_line(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
     revolutions : int
         Length of the windows over which the mean is taken [1].
     overlap : float
-        By which part windows overlap [1], from 0 to 0.95.
+        Fraction by which windows overlap [1], from 0 to 0.95.
 
     Returns
     -------
@@ -144,12 +144,12 @@ def centre_line(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
     Raises
     ------
     InputError
-        If the angle is not known, or there is no whole window.
+        If the angle is not known, or there is no complete window.
 
     Notes
     -----
-    As of `orders`: the mean is fitted beside the first orders, so that it does not depend on how
-    many samples a window happens to hold.
+    As in `orders`, the mean is fitted together with the first orders, so it does not depend on the
+    number of samples in a window.
 
     Examples
     --------
@@ -166,7 +166,7 @@ def centre_line(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
 
 
 def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0.0) -> xr.Dataset:
-    """Return the whirl speed over the spin speed, and the sense of the whirl, over time.
+    """Compute the whirl speed over the spin speed, and the whirl direction, over time.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
     revolutions : int
         Length of the windows over which the whirl is counted [1].
     overlap : float
-        By which part windows overlap [1], from 0 to 0.95.
+        Fraction by which windows overlap [1], from 0 to 0.95.
 
     Returns
     -------
@@ -187,17 +187,17 @@ def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
     Raises
     ------
     InputError
-        If the angle is not known, there is no whole window, or the whirl turns too fast for the
-        samples.
+        If the angle is not known, there is no complete window, or the whirl is too fast for the
+        sampling.
 
     Notes
     -----
-    The angle by which z turns about its mean position in a window, over that by which the rotor
-    does: 1 for a synchronous whirl, a half for oil whirl, negative for dry whip. Of several whirls
-    the widest counts. The sense is ``none``, and the ratio 0, where the amplitudes of all forward
-    and of all backward lines, each the root of the sum of squares over the window, differ by less
-    than a twentieth of their sum: in a vibration along a line. Limit cycles and reports on
-    touchdown have the same ``whirl_over_spin`` and ``whirl_sense``.
+    The ratio is the angle by which z turns about its mean in a window over that of the rotor: 1
+    for a synchronous whirl, a half for oil whirl, negative for dry whip. The largest of several
+    whirls counts. In a vibration along a line the direction is ``none`` and the ratio 0: there the
+    total amplitudes of all forward and of all backward lines, each a root sum of squares, differ
+    by less than a twentieth of their sum. Limit cycles and touchdown reports have the same
+    ``whirl_over_spin`` and ``whirl_sense``.
 
     Examples
     --------
@@ -226,9 +226,9 @@ def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
 
 
 def _turning(record: Record, windows: Windows) -> tuple[Values, Values]:
-    """Return the angles by which displacements turn about their mean in each window, and the rotor.
+    """Return the angles by which displacements and the rotor turn in each window.
 
-    Up to the first sample behind the window, where there is one: all round.
+    Displacements turn about their mean, up to the first sample after the window if there is one.
     """
     offset = fit(record, windows, np.array([1.0])).amplitudes[:, -1]
     steps = np.append(steps_of_turning(record.z[windows.samples] - windows.spread(offset)), 0.0)
@@ -244,21 +244,21 @@ def _turning(record: Record, windows: Windows) -> tuple[Values, Values]:
 
 
 def _check_turning(steps: Values, windows: Windows) -> None:
-    """Refuse displacements that turn so far from sample to sample that the sense is not known."""
+    """Refuse displacements that turn too far from sample to sample to know the direction."""
     counts = np.diff(windows.edges)
     means = np.add.reduceat(np.abs(steps), windows.edges[:-1]) / counts
     worst = int(np.argmax(means))
     if means[worst] > MOST_TURNING:
         held = counts[worst] / windows.revolutions
         raise InputError(
-            "signals must hold more than 3 samples in each turn of the whirl, got "
+            "signals must have more than 3 samples in each turn of the whirl, got "
             f"{2.0 * math.pi / means[worst]:.3g} at t {windows.times[worst]:.6g}: "
-            f"{math.ceil(4.0 * held)} samples a revolution would do"
+            f"{math.ceil(4.0 * held)} samples per revolution are enough"
         )
 
 
 def _sizes(part: npt.NDArray[np.complex128], windows: Windows) -> Values:
-    """Return the root mean square in each window of a part of the displacements, about its mean."""
+    """Return the root mean square, about its mean, of a part of the displacements by window."""
     within, starts = part[windows.samples], windows.edges[:-1]
     counts = np.diff(windows.edges)
     mean = np.add.reduceat(within, starts) / counts
@@ -267,13 +267,13 @@ def _sizes(part: npt.NDArray[np.complex128], windows: Windows) -> Values:
 
 
 def fit(record: Record, windows: Windows, asked: Values) -> Orders:
-    """Return what windows hold of orders forward, then backward, and of 0 last."""
+    """Return the amplitudes in windows of orders forward, then backward, then of order 0."""
     counts = np.diff(windows.edges)
     fewest, length = int(counts.argmin()), windows.revolutions
     rate = (counts[fewest] - 1) / length  # an edge may have taken one sample from its neighbour
     if rate <= 2.0 * asked.max() or counts[fewest] < 2 * asked.size + 1:
         raise InputError(
-            f"signals must hold more than {2.0 * asked.max() + 1.0 / length:g} samples a "
+            f"signals must have more than {2.0 * asked.max() + 1.0 / length:g} samples a "
             f"revolution for order {asked.max():g}, got {counts[fewest] / length:.3g} at t "
             f"{windows.times[fewest]:.6g}"
         )
@@ -285,7 +285,7 @@ def fit(record: Record, windows: Windows, asked: Values) -> Orders:
 
 
 def window_coordinates(windows: Windows) -> dict[str, Column]:
-    """Return number, time and speed of windows."""
+    """Return the numbers, times and speeds of windows."""
     return {
         "window": ("window", np.arange(windows.times.size)),
         "t": ("window", windows.times),
@@ -294,7 +294,7 @@ def window_coordinates(windows: Windows) -> dict[str, Column]:
 
 
 def check_orders(orders: npt.ArrayLike) -> Values:
-    """Return orders that can be tracked."""
+    """Return the orders to track, checked."""
     asked = check_vector("orders", orders, largest=LARGEST_ORDER)
     if (asked <= 0.0).any():
         raise InputError(f"orders must be positive, got {float(asked[asked <= 0.0][0])!r}")
@@ -304,10 +304,10 @@ def check_orders(orders: npt.ArrayLike) -> Values:
 
 
 def revolutions_for(asked: Values, revolutions: int | None) -> int:
-    """Return how many revolutions a window has, which must tell the orders apart."""
+    """Return the number of revolutions in a window, which must separate the orders."""
     whole = np.arange(0.0, max(BESIDE, math.floor(asked.max())) + 1.0)
     near = np.diff(np.sort(np.concatenate([asked, whole])))
-    # a whole order that is asked for stands there twice
+    # a requested integer order occurs twice there
     apart = near[near > SLACK].min()
     if (
         apart < CLOSEST
@@ -315,7 +315,7 @@ def revolutions_for(asked: Values, revolutions: int | None) -> int:
         or asked.min() < CLOSEST
     ):
         raise InputError(
-            f"orders must be at least {CLOSEST:g} from each other, from 0 and from other whole "
+            f"orders must be at least {CLOSEST:g} from each other, from 0 and from other integer "
             f"orders, got {shown(asked.tolist())}"
         )
     # those forward and backward are 2 n apart, at least as far as n from 0
@@ -325,7 +325,7 @@ def revolutions_for(asked: Values, revolutions: int | None) -> int:
     length = check_count("revolutions", revolutions)
     if length < needed:
         raise InputError(
-            f"revolutions must be at least {needed} to tell the orders from each other and from "
-            f"whole ones, got {length}"
+            f"revolutions must be at least {needed} to separate the orders from each other and "
+            f"from integer ones, got {length}"
         )
     return length

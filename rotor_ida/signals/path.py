@@ -1,6 +1,6 @@
-"""The motion of a run between its outputs and events, the force along it, and rotating axes.
+"""The motion of a run between its outputs and events, its force, and rotating axes.
 
-All is in the units of the run, which may be those of `rotor_ida.dimensional`.
+All values are in the units of the run, which may be those of `rotor_ida.dimensional`.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import MODE, flags_of, labelled, words_of
 from rotor_ida.signals.sampling import check_sampling, run_angles
 
-# Between outputs, which lie close together, the motion is the cubic that has its velocities too.
+# Between close outputs the motion is the cubic through their displacements and velocities.
 POINTS_A_REVOLUTION = 90
-# How a motion goes on after events that tell it; after the others it slips.
+# Mode after events that determine it; after the others the disc slips.
 AFTER = {"exit": "flight", "roll": "rolling", "release": "loose"}
 EVENT_NAMES = tuple(f"event_{name}" for name in COMPONENTS)
 
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """The motion, at times close enough to be drawn as smooth as it is, in the run's units."""
+    """The motion at times close enough for a smooth curve, in the run's units."""
 
     time: Values
     x: Values
@@ -39,7 +39,7 @@ class Path:
     in_contact: npt.NDArray[np.bool_]
     # how fast the distance from the bearing axis grows, where that is known
     radial_speed: Values | None = None
-    # with friction, how the stretch that begins at each time goes on: a number of `MODE`
+    # with friction, the mode of the stretch that begins at each time: a number of `MODE`
     mode: npt.NDArray[np.int8] | None = None
 
     @property
@@ -48,18 +48,18 @@ class Path:
         return np.hypot(self.x, self.y)
 
     def stretches(self, chosen: npt.NDArray[np.bool_], *columns: Values) -> list[Values]:
-        """Return columns of values along the chosen stretches of the path, parted by NaN."""
+        """Return columns of values along the chosen stretches of the path, separated by NaN."""
         begins = chosen[:-1]
         shown = np.zeros(chosen.shape, dtype=bool)
         shown[:-1] |= begins
         shown[1:] |= begins
-        # a point that ends one stretch without beginning the next is followed by a gap
+        # a gap follows a point that ends one stretch without beginning the next
         last = np.nonzero(shown[:-1] & ~begins)[0] + 1
         return [np.insert(np.where(shown, column, np.nan), last, np.nan) for column in columns]
 
 
 def path_of(run: xr.Dataset) -> Path:
-    """Return outputs and events in one sequence, with points between where they lie close."""
+    """Return outputs and events in one sequence, with points in between where they are close."""
     times = np.concatenate([run["t"].values, run["event_time"].values])
     columns = [np.append(run[name].values, run[f"event_{name}"].values) for name in COMPONENTS]
     table = np.stack(columns, axis=1)
@@ -91,7 +91,7 @@ def _angles(run: xr.Dataset, times: Values, first: npt.NDArray[np.intp]) -> Valu
 
 
 def _cubic(part: Values, step: Values, before: Values, after: Values) -> tuple[Values, Values]:
-    """Return places and speeds on the cubic through two states, part of a step after the first."""
+    """Return positions and velocities on the cubic through two states, `part` of a step later."""
     rise = part * part * (3.0 - 2.0 * part)
     bend_a, bend_b = part * (1.0 - part) ** 2, part * part * (part - 1.0)
     ends = before[:, :2] * (1.0 - rise) + after[:, :2] * rise
@@ -128,7 +128,7 @@ def _in_contact(run: xr.Dataset, time: Values) -> npt.NDArray[np.bool_]:
 
 
 def _modes(run: xr.Dataset, time: Values) -> npt.NDArray[np.int8] | None:
-    """Return how the stretch that begins at each time goes on; None without friction."""
+    """Return the mode of the stretch that begins at each time; None without friction."""
     if "mode" not in run.variables:
         return None
     events = run["event_time"].values
@@ -140,14 +140,14 @@ def _modes(run: xr.Dataset, time: Values) -> npt.NDArray[np.int8] | None:
 
 
 def _modes_without_samples(run: xr.Dataset) -> npt.NDArray[np.int8]:
-    """Return how the motion goes on from its start and from each event, as far as events tell."""
+    """Return the mode after the start and after each event, as far as events determine it."""
     x, y, vx, vy = (run[f"event_{name}"].values for name in COMPONENTS)
     speed = run["omega"].item()
     if "event_speed" in run.variables:
         speed = run["event_speed"].values / scale_of(run, "speed")
     rim = run["disc_radius"].item() * speed * scale_of(run, "velocity")
     slip = np.append((x * vy - y * vx) / np.hypot(x, y) + rim, 0.0)
-    # it keeps its sense from one event to the next, at one of which it may be 0
+    # it keeps its direction from one event to the next; at one of them it may be 0
     senses = np.where(slip[:-1] + slip[1:] < 0.0, -1, 1).tolist()
     modes = [int(run["mode"].values[0])]
     for word, sense in zip(words_of(run["event_kind"]), senses, strict=True):
@@ -157,13 +157,13 @@ def _modes_without_samples(run: xr.Dataset) -> npt.NDArray[np.int8]:
 
 
 def rotated_back(x: Values, y: Values, angle: Values) -> tuple[Values, Values]:
-    """Return displacements on axes that have turned by an angle."""
+    """Return displacements on axes that are rotated by an angle."""
     rotated = (x + 1j * y) * np.exp(-1j * angle)
     return rotated.real, rotated.imag
 
 
 def rotating(run: xr.Dataset) -> xr.Dataset:
-    """Read the motion of a run on axes that turn with the unbalance.
+    """Transform the motion of a run to axes that rotate with the unbalance.
 
     Parameters
     ----------
@@ -180,14 +180,14 @@ def rotating(run: xr.Dataset) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the dataset is no run.
+        If the dataset is not a run.
 
     Notes
     -----
-    ``Z = z exp(-i omega t)``, ``W = z' exp(-i omega t)``: the same two vectors, read on axes of
-    which the first points along the unbalance. W is the velocity that a bystander sees, not the
-    rate of change of Z, which is ``W - i omega Z``. A synchronous whirl of amplitude A and phase
-    lag theta is the point ``Z = A exp(-i theta)``. Where the speed changes the axes turn with the
+    ``Z = z exp(-i omega t)`` and ``W = z' exp(-i omega t)`` are the same two vectors on axes of
+    which the first points along the unbalance. W is the velocity in the fixed frame, not the rate
+    of change of Z, which is ``W - i omega Z``. A synchronous whirl of amplitude A and phase lag
+    theta is the point ``Z = A exp(-i theta)``. If the speed changes, the axes rotate with the
     ``angle`` of the run.
 
     References

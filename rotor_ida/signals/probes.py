@@ -1,4 +1,4 @@
-"""From the readings of two probes to displacements: their angles, gains, and the shaft's runout."""
+"""Convert the readings of two probes to displacements, and subtract runout."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.windows import Complex, fit_orders, windows_of
 
-# Sine of the least angle between two probes.
+# Sine of the smallest angle between two probes.
 NEARLY_ALONG = 1e-3
 MOST_HARMONICS = 50
 
@@ -25,14 +25,14 @@ def correct_probes(
     angles: npt.ArrayLike = (0.0, 90.0),
     gains: npt.ArrayLike = (1.0, 1.0),
 ) -> xr.Dataset:
-    """Turn the readings of two probes into horizontal and vertical displacements.
+    """Convert the readings of two probes to horizontal and vertical displacements.
 
     Parameters
     ----------
     signals : Dataset
         Signals of which ``x`` and ``y`` are the readings of the first and of the second probe.
     angles : array_like, shape (2,)
-        Where the probes are, from the x axis in the sense of the rotation [degree]: (45, 135) for
+        Angles of the probes from the x axis in the direction of rotation [degree]: (45, 135) for
         the usual pair.
     gains : array_like, shape (2,)
         Reading over displacement of each.
@@ -67,23 +67,23 @@ def correct_probes(
 def subtract_runout(
     signals: xr.Dataset, slow_roll: xr.Dataset, *, harmonics: int = 1
 ) -> xr.Dataset:
-    """Subtract what a bent shaft or a scratch shows at low speed, as vectors.
+    """Subtract runout, as from a bent shaft or a scratch, measured at low speed.
 
     Parameters
     ----------
     signals : Dataset
         Signals of `signals_of` or `read_signals`.
     slow_roll : Dataset
-        Signals of the same probes and keyphasor at low speed, where nothing whirls: often a part of
-        the signals, ``signals.sel(t=slice(0, 10))``.
+        Signals of the same probes and keyphasor at low speed, without whirl: often a part of the
+        signals, ``signals.sel(t=slice(0, 10))``.
     harmonics : int
-        Up to which multiple of the speed runout is subtracted [1]: 1 for a bent shaft, more for
-        scratches and flats.
+        Highest multiple of the speed up to which runout is subtracted [1]: 1 for a bent shaft,
+        more for scratches and flats.
 
     Returns
     -------
     Dataset
-        Signals without runout. The mean position stays.
+        Signals without runout. The mean position is unchanged.
 
     Raises
     ------
@@ -92,9 +92,9 @@ def subtract_runout(
 
     Notes
     -----
-    In the slow roll ``sum(c_n exp(i n theta))`` is fitted to ``z`` over whole revolutions, and
-    its terms from -harmonics to harmonics but 0 are subtracted at each angle. What the shaft really
-    whirls at low speed is subtracted too: of a rigid bearing about ``(omega/omega_n)**2`` of the
+    In the slow roll ``sum(c_n exp(i n theta))`` is fitted to ``z`` over whole revolutions. Its
+    terms from -harmonics to harmonics except 0 are subtracted at each angle. The actual whirl at
+    low speed is subtracted too: in a rigid bearing about ``(omega/omega_n)**2`` of the
     eccentricity.
 
     References
@@ -120,11 +120,11 @@ def subtract_runout(
     turns = (angles[-1] - angles[0] + (angles[-1] - angles[-2])) / (2.0 * math.pi)
     whole = math.floor(turns + 1e-9)
     if whole < 1:
-        raise InputError(f"slow_roll must hold at least one revolution, got {turns:.3g}")
+        raise InputError(f"slow_roll must have at least one revolution, got {turns:.3g}")
     window = windows_of(slow, whole)
     if window.edges[1] <= (2 * most + 1) * whole:
         raise InputError(
-            f"slow_roll must hold more than {2 * most + 1} samples a revolution, got "
+            f"slow_roll must have more than {2 * most + 1} samples a revolution, got "
             f"{window.edges[1] / whole:.3g}"
         )
     orders = np.arange(-most, most + 1.0)
@@ -137,7 +137,7 @@ def subtract_runout(
 
 
 def displacements(z: Complex, angles: npt.ArrayLike, gains: npt.ArrayLike) -> Complex:
-    """Return ``x + i y`` of the readings of two probes, held as real and imaginary part."""
+    """Return ``x + i y`` from the readings of two probes, given as real and imaginary part."""
     (first, second), scale = np.radians(_pair("angles", angles)), _pair("gains", gains)
     if (scale == 0.0).any():
         raise InputError(f"gains must not be zero, got {scale.tolist()}")
@@ -146,7 +146,7 @@ def displacements(z: Complex, angles: npt.ArrayLike, gains: npt.ArrayLike) -> Co
     between = math.sin(second - first)
     if abs(between) < NEARLY_ALONG:
         raise InputError(
-            "angles must be of two probes that do not look along one line, got "
+            "angles must be of two probes that do not point along one line, got "
             f"{np.degrees([first, second]).round(6).tolist()}"
         )
     a, b = z.real / scale[0], z.imag / scale[1]
@@ -156,7 +156,7 @@ def displacements(z: Complex, angles: npt.ArrayLike, gains: npt.ArrayLike) -> Co
 
 
 def with_displacements(signals: xr.Dataset, record: Record, z: Complex) -> xr.Dataset:
-    """Return signals with other displacements, keyphasor or angle as they were."""
+    """Return signals with new displacements; keyphasor and angle are unchanged."""
     columns = {"x": ("t", z.real), "y": ("t", z.imag)}
     found = record.dataset(
         "Signals of two probes", columns, {"t": ("t", record.times)}, kind="signals"
@@ -173,6 +173,6 @@ def _pair(name: str, values: npt.ArrayLike) -> Values:
     pair = check_array(name, values, largest=1e15)
     if pair.shape != (2,):
         raise InputError(
-            f"{name} must be two numbers, one of each probe, got {shown(pair.tolist())}"
+            f"{name} must be two numbers, one for each probe, got {shown(pair.tolist())}"
         )
     return pair

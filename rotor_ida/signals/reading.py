@@ -1,4 +1,4 @@
-"""Measured signals from a file: which column is what, in which unit, and whether it can be used."""
+"""Read measured signals from a file: identify columns and units, and check the data."""
 
 from __future__ import annotations
 
@@ -36,21 +36,21 @@ from rotor_ida.signals.record import FEWEST_SAMPLES
 
 Keyphasor = Literal["auto", "signal", "times"]
 
-# Samples a second.
+# Samples per second.
 RATES = (1e-9, 1e12)
-# A step that is so much longer than the usual one is a gap.
+# A step this much longer than the usual one is a gap.
 GAP = 1.5
-# Samples that stay at the largest or smallest reading.
+# Samples at the largest or smallest reading by which a probe counts as clipped.
 CLIPPED = 4
-# Times within so much of the last digit written of an even spacing are evenly spaced, if they are
-# not so to this part of a step anyway.
+# Times count as evenly spaced within this much of their last written digit, or within this part of
+# a step.
 ROUNDED, EVEN = 0.6, 1e-3
 MOST_DECIMALS = 12
 INTEGRATED = (
     "the angle is integrated from the speed: phase lags have no known origin, and drift with the "
     "error of the speed"
 )
-# What an angle spans that is counted from 0 to one revolution, with some room.
+# Range of an angle that is counted from 0 to one revolution, with some margin.
 TURN = 6.5
 READERS: Mapping[str, Callable[[Path], Table]] = {
     "wav": read_wav,
@@ -87,17 +87,17 @@ def read_signals(
         A table in text, or a file of a recorder, read by its ending: WAV, MATLAB, HDF5, NumPy
         (.npz), UFF 58 and 58b, TDMS, LabVIEW (.lvm), COMTRADE (.cfg and .dat).
     columns : mapping of str to str, optional
-        The names in the file of ``t``, ``x``, ``y`` and of ``keyphasor``, ``angle`` or ``speed``,
-        such as ``{"x": "Probe A"}``. Columns without names, and channels, are called by number from
-        "1". The others are guessed from their names; the attribute ``columns`` lists all.
+        The columns of ``t``, ``x``, ``y`` and of ``keyphasor``, ``angle`` or ``speed``, such as
+        ``{"x": "Probe A"}``. Columns without names, and channels, are numbered from "1". The others
+        are guessed from their names; the attribute ``columns`` lists all.
     units : mapping of str to str, optional
         Units by the same names: s, ms, us, min; m, mm, um, nm, in, mil, V, mV; rad, deg, rev;
         rad/s, rpm, Hz. By default those in the file, or at the end of a name as in ``probe_A_um``;
-        otherwise numbers stay as they are.
+        otherwise numbers are not converted.
     rate : float, optional
-        Samples a second, for a file without times.
+        Samples per second, for a file without times.
     probe_angles : array_like, shape (2,), optional
-        Angles of the probes from the x axis in the sense of the rotation [degree]; 0 and 90 by
+        Angles of the probes from the x axis in the direction of rotation [degree]; 0 and 90 by
         default.
     gains : array_like, shape (2,)
         Reading over displacement of each probe.
@@ -105,33 +105,32 @@ def read_signals(
         Reading in volts over displacement of both probes, such as ``"200 mV/mil"`` or
         ``"7.87 V/mm"``. Displacements then have the unit of length in it.
     keyphasor : {"auto", "signal", "times"}
-        Whether the keyphasor was sampled with the probes or is a list of times of its pulses;
-        by default times if there are fewer of them than samples.
+        Whether the keyphasor was sampled with the probes or is a list of pulse times; by default
+        times if there are fewer of them than samples.
     pulses_per_revolution : int
         Pulses of the keyphasor in one revolution [1].
     accept_clipped, fill_pulses : bool
-        Whether a probe that is clipped is taken as it is, and lost pulses are set evenly into
-        their intervals. Otherwise both are refused.
+        Whether a clipped probe is accepted, and lost pulses are filled in. By default both are
+        refused.
 
     Returns
     -------
     Dataset
         ``x y`` on ``t``, in s and um, mm or another unit given, and ``angle`` on ``t`` [rad] or
-        times of pulses, ``keyphasor`` on ``pulse``; to be saved and loaded as any result. The
-        attribute ``notes`` lists what was assumed.
+        pulse times, ``keyphasor`` on ``pulse``. It can be saved and loaded like any result. The
+        attribute ``notes`` lists the assumptions.
 
     Raises
     ------
     InputError
-        In one line: if the file is damaged, a column is missing or could be one of several, a
-        number is missing, times have a gap, a probe is clipped, or the keyphasor loses pulses,
-        and where.
+        If the file is damaged, a column is missing or ambiguous, a number is missing, times have a
+        gap, a probe is clipped, or the keyphasor loses pulses. The message states where.
 
     Notes
     -----
     A pulse of a sampled keyphasor is where the signal passes half its height, interpolated between
-    two samples. A speed in place of a keyphasor is integrated to the angle by the trapezoidal rule:
-    amplitudes of orders are right, but phase lags count from the first sample and drift with
+    two samples. A speed instead of a keyphasor is integrated to the angle by the trapezoidal rule:
+    amplitudes of orders are correct, but phase lags count from the first sample and drift with
     the error of the speed.
 
     Examples
@@ -179,7 +178,7 @@ def signals_in(
     accept_clipped: bool = False,
     fill_pulses: bool = False,
 ) -> xr.Dataset:
-    """Return the signals in the columns of a file of some name, as `read_signals`."""
+    """Return the signals in the columns of a file, as `read_signals` does."""
     check_choice("keyphasor", keyphasor, ("auto", "signal", "times"))
     per_revolution = check_count("pulses_per_revolution", pulses_per_revolution, 1, 10_000)
     check_flag("accept_clipped", accept_clipped)
@@ -235,7 +234,7 @@ def signals_in(
 def _rotation(
     found: Mapping[str, tuple[Values, str]], times: Values, time: str, keyphasor: str, fill: bool
 ) -> dict[str, xr.Variable]:
-    """Return the angle of the rotor, or the pulses of its keyphasor, whichever a file has."""
+    """Return the angle of the rotor or the pulses of its keyphasor, whichever the file has."""
     if "angle" in found:
         return {"angle": labelled("angle", "t", _angle(found["angle"], times))}
     if "keyphasor" in found:
@@ -247,14 +246,14 @@ def _rotation(
 
 
 def _listed(names: Mapping[str, str], told: Mapping[str, str]) -> str:
-    """Return which column each signal is, and which of them were guessed."""
+    """Return in words the column of each signal, and which of them were guessed."""
     guessed = [name for name in names if name not in told]
     pairs = " ".join(f"{name}={column}" for name, column in names.items())
     return pairs + (f" (guessed: {' '.join(guessed)})" if guessed else "")
 
 
 def read_table(path: Path) -> Table:
-    """Return the columns of a file by their names, each with its unit, empty where not given."""
+    """Return the columns of a file by name, each with its unit, empty if not given."""
     if not path.is_file():
         raise InputError(f"path must be a file that exists, got {shown(path)}")
     ending = path.suffix.lower()
@@ -266,7 +265,7 @@ def read_table(path: Path) -> Table:
 
 
 def _words(name: str, given: object) -> dict[str, str]:
-    """Return a mapping of words by the names of columns."""
+    """Return a mapping of words by signal name, checked."""
     if given is None:
         return {}
     if not isinstance(given, Mapping) or not all(
@@ -281,7 +280,7 @@ def _words(name: str, given: object) -> dict[str, str]:
 def _converted(
     name: str, columns: Mapping[str, str], table: Table, units: Mapping[str, str]
 ) -> tuple[Values, str]:
-    """Return a column in s, radians, radians a second or a unit of length, and its unit."""
+    """Return a column in s, radians, radians per second or a unit of length, and its unit."""
     column = columns[name]
     values = table.columns[column].values
     if name == "keyphasor":
@@ -290,7 +289,7 @@ def _converted(
     if missing.size:
         more = f" and {missing.size - 1} more" if missing.size > 1 else ""
         raise InputError(
-            f"column {shown(column)} must hold finite numbers, got "
+            f"column {shown(column)} must contain finite numbers, got "
             f"{table.cell(column, int(missing[0]))}{more}"
         )
     unit = _unit_of(name, columns, table, units)
@@ -298,13 +297,13 @@ def _converted(
 
 
 def _without_end(values: Values) -> Values:
-    """Return times of pulses, which are fewer than samples, without the empty cells after them."""
+    """Return pulse times without the empty cells after them."""
     known = np.flatnonzero(~np.isnan(values))
     return values[: known[-1] + 1] if known.size else values
 
 
 def _unit_of(name: str, columns: Mapping[str, str], table: Table, units: Mapping[str, str]) -> Unit:
-    """Return the unit of a column, as told or as the file has it."""
+    """Return the unit of a column, as given by the user or by the file."""
     written = unit_of(name, columns, table)
     unit = unit_called(units.get(name, written))
     if name == "keyphasor" and name not in units and (unit is None or unit.kind != "time"):
@@ -343,7 +342,7 @@ def _times(
     """Return the times of the samples, and their unit."""
     size = found["x"][0].size
     if size < FEWEST_SAMPLES:
-        raise InputError(f"the file must hold at least {FEWEST_SAMPLES} samples, got {size}")
+        raise InputError(f"the file must have at least {FEWEST_SAMPLES} samples, got {size}")
     if rate is not None:
         return np.arange(size) / rate, "s"
     if "t" not in found:
@@ -376,7 +375,7 @@ def _times(
 
 
 def _evenly_spaced(times: Values, digit: float) -> Values:
-    """Return times that are evenly spaced but for the last digit written of them."""
+    """Return times evenly spaced, if they are so to within their last written digit."""
     number = np.arange(times.size) - 0.5 * (times.size - 1)
     mean = float(times.mean())
     step = float(number @ (times - mean) / (number @ number))
@@ -387,9 +386,9 @@ def _evenly_spaced(times: Values, digit: float) -> Values:
 
 
 def _last_digit(values: Values) -> float:
-    """Return what one is worth in the last place of numbers with few digits; 0 of those with all.
+    """Return the value of the last decimal place of numbers with few digits, otherwise 0.
 
-    Of numbers of single precision, what their last bit is worth.
+    For numbers of single precision, return the value of their last bit.
     """
     size = float(np.abs(values).max())
     for decimals in range(MOST_DECIMALS + 1):
@@ -404,7 +403,7 @@ def _last_digit(values: Values) -> float:
 def _check_probes(
     found: Mapping[str, tuple[Values, str]], times: Values, accept_clipped: bool
 ) -> str:
-    """Return the unit of both probes; raise `InputError` if they differ, or one is clipped."""
+    """Return the unit of both probes; raise `InputError` if they differ or one is clipped."""
     (x, length), (y, other) = found["x"], found["y"]
     if length != other:
         raise InputError(f"x and y must be in one unit, got {length} and {other}")
@@ -415,18 +414,18 @@ def _check_probes(
         if where is not None:
             raise InputError(
                 f"{name} must not be clipped, but stays at {values[where]:.6g} from t "
-                f"{times[where]:.6g} on; accept_clipped=True takes it as it is"
+                f"{times[where]:.6g} on; accept_clipped=True accepts it"
             )
     return length
 
 
 def _clipped_at(values: Values) -> int | None:
-    """Return where a reading first stays at its largest or smallest value, after a leap to it."""
+    """Return where a reading first stays at its largest or smallest value, after a jump to it."""
     leaps = np.abs(np.diff(values))
     moving = leaps[leaps > 0.0]
     if not moving.size:
         return None
-    # a smooth peak is come upon by one step of the digits, a clipped one by many
+    # a smooth peak is reached in steps of one digit, a clipped one in a step of many
     finest = float(moving.min())
     for extreme in (values.max(), values.min()):
         at = np.concatenate([[0], (values == extreme).astype(np.int8), [0]])
@@ -438,7 +437,7 @@ def _clipped_at(values: Values) -> int | None:
 
 
 def _angle(column: tuple[Values, str], times: Values) -> Values:
-    """Return a measured angle that grows, also where it was counted from 0 to one revolution."""
+    """Return a measured angle as a growing one, even if it was counted from 0 to one revolution."""
     angles, unit = column
     if angles.size != times.size:
         raise InputError(f"angle must have one number for each t, got {angles.size}")
@@ -466,7 +465,7 @@ def _integrated(column: tuple[Values, str], times: Values, time: str) -> Values:
     if not (speeds >= 0.0).all() or not speeds.any():
         at = int(speeds.argmin())
         raise InputError(
-            f"speed must be positive, or 0 at times, got {speeds[at]:.6g} rad/s at t "
+            f"speed must be 0 or positive, not always 0, got {speeds[at]:.6g} rad/s at t "
             f"{times[at]:.6g}"
         )
     steps = 0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times)
@@ -487,7 +486,7 @@ def _pulses(column: tuple[Values, str], times: Values, kind: str, fill: bool) ->
 
 
 def _labelled(name: str, dim: str, values: Values, unit: str) -> xr.Variable:
-    """Return values labelled by name, in a unit of their own."""
+    """Return values labelled by name, in the given unit."""
     variable = labelled(name, dim, values)
     variable.attrs["units"] = unit
     return variable

@@ -1,4 +1,4 @@
-"""What a dataset of signals is: how one is made of a run, recognised, and read as plain arrays."""
+"""Datasets of signals: make one from a run, check it, and read it as arrays."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Record:
     Parameters
     ----------
     times : ndarray, shape (n,)
-        When the samples were taken.
+        Times of the samples.
     z : ndarray of complex, shape (n,)
         Displacements ``x + i y``.
     angles : ndarray, shape (n,), or None
@@ -38,7 +38,7 @@ class Record:
     length, time : str
         Units of displacements and times.
     coordinates : mapping
-        Parameters of the rotor that were given.
+        The given parameters of the rotor.
     attributes : mapping
         Attributes that results inherit.
     """
@@ -53,17 +53,17 @@ class Record:
 
     @property
     def has_mark(self) -> bool:
-        """Whether angles are known and count from a mark of the shaft."""
+        """Whether angles are known and counted from a mark on the shaft."""
         return self.angles is not None and not integrated(self.attributes)
 
     def known_angles(self) -> Values:
         """Return the angles of the rotor; raise `InputError` if they are not known."""
         if self.angles is None:
-            raise InputError("signals must hold angle, keyphasor or omega, got none of them")
+            raise InputError("signals must contain angle, keyphasor or omega, got none of them")
         return self.angles
 
     def pulses(self) -> Values:
-        """Return when the mark of the shaft passes the keyphasor: once a revolution."""
+        """Return the times at which the shaft's mark passes the keyphasor, once per revolution."""
         if self.angles is None:
             return np.empty(0)
         turns = self.angles / (2.0 * math.pi)
@@ -114,9 +114,9 @@ def integrated(attributes: Mapping[str, object]) -> bool:
 
 
 def equal_step(times: Values, name: str, unequal: float) -> float:
-    """Return the step of times that rise equally, each out by at most this part of the step."""
+    """Return the step of equally spaced times, each off by at most `unequal` of a step."""
     if times.size < FEWEST_SAMPLES:
-        raise InputError(f"{name} must hold at least {FEWEST_SAMPLES} samples, got {times.size}")
+        raise InputError(f"{name} must have at least {FEWEST_SAMPLES} samples, got {times.size}")
     with np.errstate(invalid="ignore"):  # of times that are infinite
         steps = np.diff(times)
         mean = float(times[-1] - times[0]) / (times.size - 1)
@@ -130,7 +130,7 @@ def equal_step(times: Values, name: str, unequal: float) -> float:
 
 
 def signals_of(run: xr.Dataset) -> xr.Dataset:
-    """Return what two probes and a keyphasor would see of a run.
+    """Return the signals that two probes and a keyphasor would measure in a run.
 
     Parameters
     ----------
@@ -141,13 +141,13 @@ def signals_of(run: xr.Dataset) -> xr.Dataset:
     -------
     Dataset
         Displacements ``x y`` and ``angle``, that of the unbalance [rad], on ``t``; the parameters
-        of the rotor as scalars. The same comes from `rotor_ida.read_signals`, though there may be
-        times of pulses, ``keyphasor`` on ``pulse``, in place of ``angle``.
+        of the rotor as scalars. `rotor_ida.read_signals` returns the same, possibly with pulse
+        times, ``keyphasor`` on ``pulse``, instead of ``angle``.
 
     Raises
     ------
     InputError
-        If the dataset holds no displacements over time, or nothing that tells the angle.
+        If the dataset has no displacements over time, or no angle.
 
     Notes
     -----
@@ -174,26 +174,26 @@ def signals_of(run: xr.Dataset) -> xr.Dataset:
 
 
 def record_of(signals: object, name: str = "signals") -> Record:
-    """Return signals, or a run, as arrays; with a keyphasor, what lies between its pulses."""
+    """Return signals, or a run, as arrays; with a keyphasor, the part between its pulses."""
     given = check_instance(name, signals, xr.Dataset)
     missing = [each for each in ("t", "x", "y") if each not in given.variables]
     if missing:
-        raise InputError(f"{name} must hold t, x and y; it lacks {', '.join(missing)}")
+        raise InputError(f"{name} must contain t, x and y; it lacks {', '.join(missing)}")
     if any(given[each].dims != ("t",) for each in ("t", "x", "y")):
         raise InputError(f"{name} must be of one motion, with x and y on t alone")
     times = np.asarray(given["t"].values, dtype=np.float64)
     if times.size < FEWEST_SAMPLES:
-        raise InputError(f"{name} must hold at least {FEWEST_SAMPLES} samples, got {times.size}")
+        raise InputError(f"{name} must have at least {FEWEST_SAMPLES} samples, got {times.size}")
     check_increasing("t", times)
     z = np.asarray(given["x"].values + 1j * given["y"].values, dtype=np.complex128)
     if not np.isfinite(z).all():
         at = times[~np.isfinite(z)][0]
-        raise InputError(f"{name} must hold finite x and y, got {z[~np.isfinite(z)][0]} at t {at}")
+        raise InputError(f"{name} must have finite x and y, got {z[~np.isfinite(z)][0]} at t {at}")
     within, angles = _angles(given, times, name)
     velocities = velocities_of(given)
     if within.sum() < FEWEST_SAMPLES:
         raise InputError(
-            f"{name} must hold at least {FEWEST_SAMPLES} samples between the pulses of the "
+            f"{name} must have at least {FEWEST_SAMPLES} samples between the pulses of the "
             f"keyphasor, got {within.sum()}"
         )
     seen = None if velocities is None else velocities[within]
@@ -216,7 +216,7 @@ def record_of(signals: object, name: str = "signals") -> Record:
 def _angles(
     given: xr.Dataset, times: Values, name: str
 ) -> tuple[npt.NDArray[np.bool_], Values | None]:
-    """Return at which samples the angle is known, and the angles there."""
+    """Return the samples at which the angle is known, and the angles there."""
     everywhere = np.ones(times.size, dtype=bool)
     if "keyphasor" in given.variables:
         pulses = given["keyphasor"]

@@ -1,4 +1,4 @@
-"""How densely a motion must be sampled, so that none of its whirls passes for another."""
+"""Check that a motion is sampled densely enough for its whirls, without aliasing."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from rotor_ida.checks import SAMPLES_A_REVOLUTION
 from rotor_ida.errors import InputError
 from rotor_ida.results.si_units import scale_of
 
-# In each revolution, and in each turn of the whirl. What was measured has passed a filter before;
-# what was simulated has not, and the harmonics of a rub would be folded back.
+# Samples per revolution, and per turn of the whirl. Measured signals have passed a filter;
+# simulated ones have not, and the harmonics of a rub would be aliased.
 OF_RUN, OF_MEASUREMENT = 4.0, 2.0
-# Samples over which the whirl is judged.
+# Samples over which the whirl frequency is estimated.
 BLOCK = 32
-# Slower than this part of the fastest block the motion is rest, or rounding.
+# A motion slower than this part of the fastest block is rest or rounding.
 AT_REST = 1e-6
 
 
@@ -29,30 +29,30 @@ def check_sampling(
     velocities: npt.NDArray[np.complex128] | None,
     angles: Values | None,
 ) -> None:
-    """Refuse samples that are too far apart to tell how the rotor turns and whirls.
+    """Refuse samples that are too far apart to resolve rotation and whirl.
 
     Parameters
     ----------
     name : str
-        What the samples are of, for the message.
+        Name of the argument, for the message.
     times : ndarray, shape (n,)
-        When they were taken.
+        Times of the samples.
     z, velocities : ndarray of complex, shape (n,)
-        Displacements and velocities. Without velocities the samples are taken for measured ones.
+        Displacements and velocities. Samples without velocities count as measured.
     angles : ndarray, shape (n,), or None
         Angles of the rotor [rad], if they are known.
 
     Raises
     ------
     InputError
-        If there are no more than 2 samples in a revolution; of a run no more than 4, or no more
-        than 4 in a turn of the whirl. The message tells how many would do.
+        If there are at most 2 samples per revolution; for a run at most 4 per revolution or per
+        turn of the whirl. The message states how many are enough.
 
     Notes
     -----
-    The circular frequency of a whirl is taken as ``rms(z')/rms(z - mean(z))`` over 32 samples: that
-    of a motion of several frequencies is their root mean square, with the squares of the amplitudes
-    as weights. It needs no samples that are close to each other.
+    The circular frequency of a whirl is taken as ``rms(z')/rms(z - mean(z))`` over 32 samples. For
+    several frequencies it is their root mean square, weighted by the squared amplitudes. It does
+    not need closely spaced samples.
 
     Examples
     --------
@@ -61,7 +61,7 @@ def check_sampling(
     >>> check_sampling("run", times, whip, -5j * whip, times)
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: run must hold more than 4 samples in each turn of the whirl, ...
+    rotor_ida.errors.InputError: run must have more than 4 samples in each turn of the whirl, ...
     """
     if times.size < 2:
         return
@@ -86,7 +86,7 @@ def check_run_sampling(run: xr.Dataset) -> None:
 
 
 def velocities_of(run: xr.Dataset) -> npt.NDArray[np.complex128] | None:
-    """Return complex velocities in units of length over units of time, if there are any."""
+    """Return complex velocities in units of length over units of time; None if there are none."""
     if not {"vx", "vy"} <= set(run.variables):
         return None
     unit = scale_of(run, "length") / (scale_of(run, "time") * scale_of(run, "velocity"))
@@ -94,7 +94,7 @@ def velocities_of(run: xr.Dataset) -> npt.NDArray[np.complex128] | None:
 
 
 def run_angles(run: xr.Dataset, times: Values) -> Values | None:
-    """Return the angles of the rotor in a run, at one speed or at one that changes."""
+    """Return the angles of the rotor in a run, at a constant or changing speed."""
     if "angle" in run.variables:
         return np.asarray(run["angle"].values, dtype=np.float64)
     if "omega" in run.variables and not run["omega"].ndim:
@@ -134,6 +134,6 @@ def _check(
         return
     enough = math.ceil(SAMPLES_A_REVOLUTION * rates.max() * extent / (2.0 * math.pi)) + 1
     raise InputError(
-        f"{name} must hold more than {fewest:g} samples in each {of_what}, got "
-        f"{1.0 / turned[worst]:.3g} at t {times[worst]:.6g}: {enough} samples in all would do"
+        f"{name} must have more than {fewest:g} samples in each {of_what}, got "
+        f"{1.0 / turned[worst]:.3g} at t {times[worst]:.6g}: {enough} samples in all are enough"
     )

@@ -1,4 +1,4 @@
-"""Full spectra: forward and backward lines of a record, with bandwidth and noise floor stated."""
+"""Full spectra: forward and backward lines of a record, with bandwidth and noise floor."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ Window = Literal["flattop", "hann", "boxcar"]
 WINDOWS = ("flattop", "hann", "boxcar")
 # Times of a run differ from equally spaced ones by rounding only: of a step.
 ROUNDING = 1e-6
-# A speed that changes by less than that in the record is one speed.
+# A speed that changes by less than this in the record counts as constant.
 STEADY = 1e-3
 MOST_LINES = 100_000_000
-# Least length of a segment that is chosen here.
+# Smallest length of a segment that is chosen here.
 LEAST_SEGMENT = 64
 
 
 def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
-    """Return how much forward and backward whirl a run holds at each frequency.
+    """Compute the amplitudes of forward and backward whirl in a run at each frequency.
 
     Parameters
     ----------
     run : Dataset
         A run of `rotor_ida.simulate` with equally spaced samples, or a part of one:
-        ``run.sel(t=slice(100, None))`` leaves the transient out.
+        ``run.sel(t=slice(100, None))`` omits the transient.
     window : {"flattop", "hann", "boxcar"}
         Weights of the samples. Flat-top shows the amplitude of a line to 0.1 %, wherever it
         lies between the frequencies of the grid, but makes it 9 steps wide; Hann makes it 4
@@ -52,7 +52,7 @@ def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
     Raises
     ------
     InputError
-        If the dataset is no run, or its samples are not equally spaced, too few, or too far apart.
+        If the dataset is not a run, or its samples are unequally spaced, too few or too far apart.
 
     Notes
     -----
@@ -98,7 +98,7 @@ def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
 
 
 def lines_of(z: npt.NDArray[np.complex128], step: float, window: Window) -> tuple[Values, Values]:
-    """Return frequencies [1] and amplitudes [1] of the whirls that displacements hold.
+    """Return frequencies [1] and amplitudes [1] of the whirls in displacements.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def lines_of(z: npt.NDArray[np.complex128], step: float, window: Window) -> tupl
 def full_spectrum(
     signals: xr.Dataset, *, window: Window = "flattop", segment: int | None = None
 ) -> xr.Dataset:
-    """Return the forward and backward lines of a record, with their bandwidth and the noise floor.
+    """Compute the forward and backward lines of a record, with bandwidth and noise floor.
 
     Parameters
     ----------
@@ -135,9 +135,9 @@ def full_spectrum(
     -------
     Dataset
         ``whirl_amplitude`` on ``frequency``, positive for forward and negative for backward whirl;
-        ``frequency_over_omega`` beside it if there is one speed. ``bandwidth``, the circular
-        frequencies that one line gathers noise from, and ``noise_floor``, the amplitude that noise
-        has in a line.
+        ``frequency_over_omega`` too if there is one speed. ``bandwidth``, the equivalent noise
+        bandwidth of one line as a circular frequency, and ``noise_floor``, the amplitude of noise
+        in one line.
 
     Raises
     ------
@@ -149,10 +149,10 @@ def full_spectrum(
     The spectrum is scipy.signal.welch's of ``z = x + i y``, two-sided, scaled so that a whirl
     ``A exp(i Omega t)`` is a line of height A: with one segment, that of `spectrum`. With N
     weights w a step h apart the equivalent noise bandwidth is
-    ``2 pi sum(w**2)/(h sum(w)**2)``. The noise floor is the root of the mean power that noise would
-    have of which the median over all lines is the one found: lines, being few, do not move
-    a median. Segments that overlap count as fewer independent ones, by Welch's formula. The floor
-    falls with longer segments; the density ``noise_floor**2/bandwidth`` does not.
+    ``2 pi sum(w**2)/(h sum(w)**2)``. The noise floor is the root of the mean power of noise with
+    the median power of all lines; a few strong lines do not change a median. Segments that overlap
+    count as fewer independent ones, by Welch's formula. The floor falls with longer segments; the
+    density ``noise_floor**2/bandwidth`` does not.
 
     References
     ----------
@@ -207,7 +207,7 @@ def spectrogram(
     segment: int = 1024,
     overlap: float = 0.5,
 ) -> xr.Dataset:
-    """Return the full spectrum of one segment after the other, over time and speed.
+    """Compute the full spectra of successive segments, over time and speed.
 
     Parameters
     ----------
@@ -218,7 +218,7 @@ def spectrogram(
     segment : int
         Number of samples in a segment; the whole record if that is shorter.
     overlap : float
-        By which part segments overlap [1], from 0 to 0.95.
+        Fraction by which segments overlap [1], from 0 to 0.95.
 
     Returns
     -------
@@ -233,9 +233,8 @@ def spectrogram(
 
     Notes
     -----
-    Of segments that lie wholly in the record, scaled so that a whirl of amplitude A
-    is a line of height A. While the speed changes by ``d`` in a segment, the line of
-    a synchronous whirl is about ``d`` wide and lower.
+    Only complete segments are used. A whirl of amplitude A is a line of height A. If the speed
+    changes by ``d`` in a segment, the line of a synchronous whirl is about ``d`` wide and lower.
 
     Examples
     --------
@@ -288,7 +287,7 @@ def _bandwidth(weights: npt.NDArray[np.float64], step: float) -> float:
 
 
 def _independent(weights: Values, overlap: int, count: int) -> float:
-    """Return how many independent segments say as much as those that overlap (Welch, 1967)."""
+    """Return the number of independent segments equivalent to overlapping ones (Welch, 1967)."""
     hop = weights.size - overlap
     shared = 0.0
     for apart in range(1, min(count, math.ceil(weights.size / hop))):
@@ -298,15 +297,15 @@ def _independent(weights: Values, overlap: int, count: int) -> float:
 
 
 def _noise_floor(power: Values, count: float) -> float:
-    """Return the amplitude of noise in a line, judged by the median of all lines."""
+    """Return the amplitude of noise in a line, from the median of all lines."""
     from scipy.stats import gamma  # noqa: PLC0415 - takes long to import
 
-    # a mean of so many squares of complex normal numbers
+    # a mean of `count` squares of complex normal numbers
     return math.sqrt(float(np.median(power)) / float(gamma.median(count) / count))
 
 
 def one_speed(record: Record) -> float | None:
-    """Return the speed of a record in which it does not change, else None."""
+    """Return the speed of a record if it is constant, else None."""
     if record.angles is None:
         return None
     half = record.angles.size // 2
@@ -322,10 +321,10 @@ def one_speed(record: Record) -> float | None:
 
 
 def segment_for(record: Record) -> int:
-    """Return how many samples make a segment whose lines are as narrow as the speed allows.
+    """Return the number of samples in a segment with lines as narrow as the speed allows.
 
-    At one speed an eighth of the record; else so many that the speed changes in a segment by as
-    much as a line of a Hann window is wide.
+    At one speed an eighth of the record. Otherwise the speed changes in a segment by the width of
+    a line of a Hann window.
     """
     size, step = record.times.size, record.equal_step()
     length = size * step / 8.0

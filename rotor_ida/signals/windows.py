@@ -13,11 +13,11 @@ from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.signals.record import Record
 
-# Of a window: a sample at its edge belongs to it, whatever rounding did to its angle.
+# Tolerance relative to a window: a sample at its edge belongs to it in spite of rounding.
 EDGE = 1e-9
-# Numbers that are worked on at once: what fits into the processor's cache is done sooner.
+# Numbers to process at once: blocks that fit into the processor's cache are faster.
 AT_ONCE = 200_000
-# By which part windows, and segments of a spectrogram, overlap.
+# Limits on the overlap of windows, and of segments of a spectrogram.
 MOST_OVERLAP = 0.95
 MOST_SAMPLES = 200_000_000
 Complex = npt.NDArray[np.complex128]
@@ -30,13 +30,13 @@ class Windows:
     Parameters
     ----------
     samples : ndarray of int, or slice
-        Which samples the windows hold, one window after the other: those in several as often.
+        Samples of the windows, one window after another; repeated if they are in several.
     edges : ndarray of int, shape (windows + 1,)
-        Where each window begins among them, and where the last ends.
+        Index among them at which each window begins, and at which the last ends.
     revolutions : int
         Revolutions in a window.
     times, speeds : ndarray, shape (windows,)
-        Mean time of the samples of each, and the speed there [rad over the unit of time].
+        Mean time of the samples in each, and the speed there [rad over the unit of time].
     """
 
     samples: npt.NDArray[np.intp] | slice
@@ -46,11 +46,11 @@ class Windows:
     speeds: Values
 
     def spread(self, values: npt.NDArray[np.inexact]) -> npt.NDArray[np.inexact]:
-        """Return for each sample in a window what belongs to the window."""
+        """Return the value of its window for each sample."""
         return np.repeat(values, np.diff(self.edges))
 
     def parts(self, width: int) -> Iterator[slice]:
-        """Return windows that are worked on at once, where each sample takes so many numbers."""
+        """Yield slices of windows to process at once, with `width` numbers per sample."""
         first, last = 0, self.edges.size - 1
         while first < last:
             until = int(np.searchsorted(self.edges, self.edges[first] + AT_ONCE // width))
@@ -61,16 +61,16 @@ class Windows:
 
 @dataclass(frozen=True)
 class Orders:
-    """What each window holds of each order.
+    """Amplitudes of the orders in each window.
 
     Parameters
     ----------
     amplitudes : ndarray of complex, shape (windows, k)
         ``c`` of ``z = sum(c_n exp(i n angle))``.
     errors : ndarray, shape (windows, k)
-        Standard errors of their real and imaginary parts alike, hence of ``abs(c)``.
+        Standard errors of their real and imaginary parts, and so of ``abs(c)``.
     residual : ndarray, shape (windows,)
-        Root of the mean square of what is left, by degrees of freedom.
+        Root mean square of the residual, by degrees of freedom.
     """
 
     amplitudes: Complex
@@ -81,10 +81,10 @@ class Orders:
 def windows_of(
     record: Record, revolutions: int, overlap: float = 0.0, begin: float | None = None
 ) -> Windows:
-    """Return the windows of so many revolutions that a record holds whole.
+    """Return the complete windows of a number of revolutions in a record.
 
-    The first begins with the record, or at the angle `begin`, at most a sample before: so a record
-    that is taken up again goes on with the windows that it would have had as a whole.
+    The first begins with the record, or at the angle `begin`, at most one sample before it. So a
+    record that is continued gets the same windows as an uninterrupted one.
     """
     angles = record.known_angles()
     turns = (angles - (angles[0] if begin is None else begin)) / (2.0 * math.pi * revolutions)
@@ -92,7 +92,7 @@ def windows_of(
     end = turns[-1] + (turns[-1] - turns[-2]) + EDGE
     if end < 1.0:
         raise InputError(
-            f"signals must hold at least {revolutions} whole revolutions, got "
+            f"signals must have at least {revolutions} whole revolutions, got "
             f"{turns[-1] * revolutions:.3g}"
         )
     starts = (1.0 - overlap) * np.arange(math.floor((end - 1.0) / (1.0 - overlap)) + 1)
@@ -101,7 +101,7 @@ def windows_of(
     if counts.min() < 2:
         at = record.times[min(first[counts.argmin()], record.times.size - 1)]
         raise InputError(
-            f"signals must hold more than two samples a revolution, got {counts.min()} in "
+            f"signals must have more than two samples a revolution, got {counts.min()} in "
             f"{revolutions} at t {at:.6g}"
         )
     if (held := int(counts.sum())) > MOST_SAMPLES:
@@ -117,7 +117,7 @@ def windows_of(
 def _times_and_speeds(
     times: Values, angles: Values, edges: npt.NDArray[np.intp]
 ) -> tuple[Values, Values]:
-    """Return the mean time of each window, and by least squares the speed."""
+    """Return the mean time of each window, and its speed by least squares."""
     starts, counts = edges[:-1], np.diff(edges)
     mean_time = np.add.reduceat(times, starts) / counts
     mean_angle = np.add.reduceat(angles, starts) / counts
@@ -127,7 +127,7 @@ def _times_and_speeds(
 
 
 def fit_orders(record: Record, windows: Windows, orders: Values) -> Orders:
-    """Return the complex amplitude of each signed order in each window, and what they leave.
+    """Return the complex amplitude of each signed order in each window, and the residual.
 
     Parameters
     ----------
@@ -140,8 +140,8 @@ def fit_orders(record: Record, windows: Windows, orders: Values) -> Orders:
 
     Notes
     -----
-    The normal equations hold sums of ``exp(i (n - m) angle)`` alone. Over whole revolutions the
-    orders are nearly orthogonal, so that they are solved to rounding. Beside noise of the variance
+    The normal equations contain only sums of ``exp(i (n - m) angle)``. Over whole revolutions the
+    orders are nearly orthogonal, so the equations are solved to rounding. For noise of variance
     s**2 in z the covariance of the amplitudes is s**2 times the inverse of their matrix.
     """
     angles, z = record.known_angles()[windows.samples], record.z[windows.samples]
@@ -158,7 +158,7 @@ def fit_orders(record: Record, windows: Windows, orders: Values) -> Orders:
 
 
 def _key(order: float) -> float:
-    """Return what orders that differ by rounding have in common."""
+    """Return a key that is equal for orders that differ by rounding."""
     return round(order, 12)
 
 
@@ -178,7 +178,7 @@ def _exponentials(angles: Values, orders: dict[float, float]) -> dict[float, Com
 def _fit(
     turned: dict[float, Complex], z: Complex, edges: npt.NDArray[np.intp], orders: Values
 ) -> tuple[Complex, Values, Values]:
-    """Return amplitudes, their errors and what is left, in windows with these edges."""
+    """Return amplitudes, their errors and the residual in windows with these edges."""
     starts, counts = edges[:-1], np.diff(edges)
     sums = {key: np.add.reduceat(each, starts) for key, each in turned.items()}
     apart = (orders - orders[:, None]).ravel().tolist()
@@ -199,6 +199,6 @@ def _fit(
 
 
 def _signed(of: dict[float, Complex], order: float) -> Complex:
-    """Return what belongs to an order, given what belongs to its modulus."""
+    """Return the values of an order, given those of its modulus."""
     each = of[_key(abs(order))]
     return each if order >= 0.0 else each.conj()

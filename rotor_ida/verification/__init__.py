@@ -1,1 +1,1 @@
-"""Compare results with what is exact, compute them again, and resume a study."""
+"""Compare results with exact ones, compute them again, and resume studies."""

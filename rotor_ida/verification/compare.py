@@ -1,7 +1,7 @@
-"""Hold simulated responses against exact ones: synchronous whirls, and limit cycles.
+"""Compare simulated responses with exact ones: synchronous whirls and limit cycles.
 
-What was simulated comes from the sweep alone. A whirl is held against the closed forms; a motion
-that repeats itself against the limit cycle to which Newton's method leads from where it ended.
+The simulated numbers come from the sweep alone. A whirl is compared with the closed forms, a
+periodic motion with the limit cycle that Newton's method finds from its end.
 """
 
 from __future__ import annotations
@@ -33,39 +33,39 @@ NEEDED = ("response", "amplitude", "phase_lag")
 # A settled whirl lies on a branch when it is this near, as a part of its amplitude: far above
 # any simulation's error, far below the distance between branches.
 ON_BRANCH = 1e-5
-# What is stated of a motion that repeats itself, and the state from which Newton's method begins.
+# Variables of a periodic motion, and of the state from which Newton's method begins.
 OF_CYCLES = ("period", "radius_min", "radius_max")
 ENDS = tuple(f"end_{name}" for name in COMPONENTS)
 UNDER_LOAD = (
     "under a load no whirl in contact is synchronous; rest, the contact-free whirl of a rotor with "
     "a shaft and limit cycles are exact"
 )
-# A double holds no more decimal digits than this.
+# Decimal digits of a double.
 ALL_DIGITS = 16.0
 
 
 def compare(dataset: xr.Dataset) -> xr.Dataset:
-    """Put each simulated response of a sweep beside the exact one that it is on.
+    """Compare each simulated response of a sweep with the exact one.
 
     Parameters
     ----------
     dataset : Dataset
         A sweep: ``response``, ``amplitude`` and ``phase_lag`` on ``omega``, ``zeta`` and
-        ``delta0`` and any further dimensions, those of a machine among them; for limit cycles also
-        ``period``, ``radius_min``, ``radius_max`` and the states at the ends.
+        ``delta0`` and any other dimensions, such as parameters of the rotor; for limit cycles also
+        ``period``, ``radius_min``, ``radius_max`` and the final states.
 
     Returns
     -------
     Dataset
-        ``response`` says what each point does. On the dimensions of the sweep: ``lies_on``
-        (nothing, a whirl, or a cycle) and ``digits``, to how many decimal digits simulated and
-        exact numbers agree, NaN where it lies on nothing. Of whirls ``matched_branch`` (-1 where it
-        is on none), ``amplitude_error`` [1] and ``phase_error`` [rad]; with ``branch`` added
+        On the dimensions of the sweep: ``response``, the kind of each point; ``lies_on`` (nothing,
+        a whirl or a cycle); ``digits``, the number of decimal digits to which simulated and exact
+        numbers agree, NaN where there is no exact response. For whirls: ``matched_branch`` (-1 if
+        none), ``amplitude_error`` [1] and ``phase_error`` [rad]; with ``branch`` added
         ``branch_amplitude_error`` and ``branch_phase_error``; on ``branch`` and the parameters
         that are dimensions ``exact_amplitude``, ``exact_phase_lag``, ``stability`` and
-        ``in_contact``, and under a load ``exact_offset``. Of limit cycles
-        ``period``, ``radius_min``, ``radius_max`` and the end as simulated, and ``exact_period``,
-        ``exact_radius_min``, ``exact_radius_max`` [1] and ``cycle_stability`` beside them.
+        ``in_contact``, and under a load ``exact_offset``. For limit cycles: the simulated
+        ``period``, ``radius_min``, ``radius_max`` and final state, and ``exact_period``,
+        ``exact_radius_min``, ``exact_radius_max`` [1] and ``cycle_stability``.
 
     Raises
     ------
@@ -74,25 +74,23 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
 
     Notes
     -----
-    Only a response of constant radius in contact, or a contact-free one, can lie on a branch.
-    It does when the complex amplitudes ``A exp(-i theta)`` differ by less than 1e-5 of the
-    exact amplitude; ``digits`` is minus the decimal logarithm of that difference. A response with a
-    period lies on the limit cycle that Newton's method finds from its end, by Taylor series, where
-    period and extremes of the radius differ by less than 1e-5 of the exact ones; ``digits`` is that
-    of the largest of the three. The simulated numbers are those of the sweep, found in its own
-    motion.
+    Only a contact-free response, or one in contact at constant radius, can lie on a branch. It
+    does if the complex amplitudes ``A exp(-i theta)`` differ by less than 1e-5 of the exact
+    amplitude; ``digits`` is minus the decimal logarithm of that difference. A periodic response is
+    compared with the limit cycle that Newton's method finds from its end by Taylor series. It lies
+    on the cycle if period and extremes of the radius differ by less than 1e-5 of the exact ones;
+    ``digits`` is that of the largest of the three differences.
 
-    Under a load there is no synchronous whirl in contact. What is known exactly is the contact-free
-    whirl of a rotor with a shaft, ``z = -i gamma/kappa + A_f exp(i (omega t - theta))``, which is
-    not touched by the load but for its centre, where it fits into the clearance,
-    ``gamma/kappa + A_f <= delta0``; and the rest of a rotor that does not turn, which counts as a
-    whirl that lags by a quarter turn, at ``z = -i A``. A motion that repeats itself after whole
-    revolutions is held against its limit cycle as without a load. The attribute ``comment`` says
-    so.
+    Under a load there is no synchronous whirl in contact, as the attribute ``comment`` states. Two
+    exact responses remain. One is the contact-free whirl of a rotor with a shaft,
+    ``z = -i gamma/kappa + A_f exp(i (omega t - theta))``, if it fits into the clearance,
+    ``gamma/kappa + A_f <= delta0``; the load shifts only its centre. The other is the rest of a
+    rotor that does not rotate, which counts as a whirl at ``z = -i A`` that lags by a quarter turn.
+    A motion that is periodic after whole revolutions is compared with its limit cycle.
 
-    With friction the synchronous whirls are exact as well, on which the disc slides forwards
-    whatever its radius, and dry whip with unbalance is held against its limit cycle; a rest on the
-    ring under a load lies on nothing that is known, as friction may hold it at many places.
+    With friction the synchronous whirls, on which the disc slides forwards whatever its radius,
+    are exact too, and dry whip with unbalance is compared with its limit cycle. Rest on the stator
+    under a load has no exact counterpart, as friction may hold the disc at many places.
 
     Examples
     --------
@@ -146,26 +144,26 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
         str(name): each.variable
         for name, each in {**dataset["response"].coords, "branch": exact["branch"]}.items()
     }
-    title = "Simulated responses beside the exact ones"
+    title = "Simulated responses and the exact ones"
     comment = {"comment": UNDER_LOAD} if "exact_offset" in exact else {}
     attributes = origin_of(dataset) | comment
     return labelled_dataset(title, variables, coordinates, attributes, kind="comparison")
 
 
 def summarise(compared: xr.Dataset) -> list[dict[str, object]]:
-    """Count, for each clearance, how many responses lie on an exact one, and to how far.
+    """Count, for each clearance, the responses that lie on an exact one, and their digits.
 
     Parameters
     ----------
     compared : Dataset
-        What `compare` returned.
+        A result of `compare`.
 
     Returns
     -------
     list of dict
-        One row for each ``delta0``, with the number of points, how many lie on a whirl and on a
-        limit cycle, smallest and median number of digits of those, and the number of every other
-        kind.
+        One row for each ``delta0``: the numbers of points, of those on a whirl and of those on a
+        limit cycle; the smallest and the median number of digits of these; the number of every
+        other kind.
 
     Examples
     --------
@@ -217,9 +215,9 @@ def _exact_whirls(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _under_load(exact: xr.Dataset, load: xr.DataArray) -> xr.Dataset:
-    """Return what a load leaves of exact whirls, with the offset of their centres.
+    """Return the exact whirls that exist under a load, with the offset of their centres.
 
-    It is the first branch, the contact-free one, if any.
+    Only the contact-free branch remains, if there is one; it is the first.
     """
     kappa = (
         exact["shaft_stiffness"] if "shaft_stiffness" in exact.variables else xr.zeros_like(load)
@@ -245,7 +243,7 @@ def _under_load(exact: xr.Dataset, load: xr.DataArray) -> xr.Dataset:
 
 
 def _rest_beside(exact: xr.Dataset) -> None:
-    """Put the rest under a load beside the whirls, as the first branch where nothing turns."""
+    """Add rest under a load to the whirls, as the first branch where the rotor does not rotate."""
     of_parameters = exact["amplitude"].isel(branch=0)
     spread = {
         name: exact[name].broadcast_like(of_parameters).transpose(*of_parameters.dims).values
@@ -271,7 +269,7 @@ def _rest_beside(exact: xr.Dataset) -> None:
 def _relative_distance(
     amplitude: xr.DataArray, lag: xr.DataArray, exact: xr.Dataset
 ) -> xr.DataArray:
-    """Return the distance of complex amplitudes, as a part of the exact one."""
+    """Return the distance of complex amplitudes, relative to the exact one."""
     simulated = amplitude * np.exp(-1j * lag)
     expected = exact["amplitude"] * np.exp(-1j * exact["phase_lag"])
     distance = abs(simulated - expected)
@@ -281,7 +279,7 @@ def _relative_distance(
 
 
 def _cycles_beside(dataset: xr.Dataset) -> dict[str, npt.NDArray[np.generic]]:
-    """Return the exact limit cycles beside the responses with a period, and how far off these are.
+    """Return the exact limit cycles for the periodic responses, and the distances to them.
 
     Parameters
     ----------
@@ -293,7 +291,7 @@ def _cycles_beside(dataset: xr.Dataset) -> dict[str, npt.NDArray[np.generic]]:
     dict
         ``exact_period``, ``exact_radius_min`` and ``exact_radius_max``, NaN where there is none,
         ``cycle_stability``, and ``distance``: the largest difference from the simulated numbers,
-        as a part of the exact one, infinite where there is none.
+        relative to the exact one, infinite where there is none.
     """
     response = dataset["response"]
     found = {f"exact_{name}": np.full(response.shape, np.nan) for name in OF_CYCLES}

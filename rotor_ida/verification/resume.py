@@ -1,4 +1,4 @@
-"""Go on with a study, as its own folder says what it computes."""
+"""Resume a study from the design in its folder."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rotor_ida.results.studies import design_of, program_of
 from rotor_ida.steady.run_ups import run_ups
 from rotor_ida.steady.sweep import sweep
 
-# What a study computes, as its folder has it; what does the work; and what goes on with it.
+# The design of a study, as in its folder; the arguments for its jobs; the function that resumes it.
 Design = Mapping[str, Any]
 Jobs = Mapping[str, Any]
 Resumed = Callable[..., xr.Dataset]
@@ -39,7 +39,7 @@ def resume(
     executor: str = "auto",
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Go on with the study in a folder until it is done.
+    """Resume the study in a folder and complete it.
 
     Parameters
     ----------
@@ -47,22 +47,22 @@ def resume(
         The folder that was given as `study` to `sweep`, `run_ups`, `basin`, `basin_fractions`,
         `continue_attractors` or `continue_cycle`.
     workers, executor, progress
-        As for the function that began it; they leave no trace in the result. A branch is followed
-        point by point, and needs no workers.
+        As for the function that began it; they do not affect the result. A branch is followed
+        point by point, without workers.
 
     Returns
     -------
     Dataset
-        What that function returns, to the same bits as if nothing had interrupted it. Where all
-        is done already, nothing is computed again; then the program may be another than the one
-        that did it, of which the attribute ``computed_with`` tells the versions.
+        The result of that function, equal bit for bit to that of an uninterrupted study. If the
+        study is complete, nothing is computed again, and the versions of the program may differ
+        from those that computed it, which the attribute ``computed_with`` gives.
 
     Raises
     ------
     InputError
-        If there is no study, or it is not done and was begun with other versions of what computes.
+        If there is no study, or if it is incomplete and was begun with other versions.
     ArchiveError
-        If another process is at work on it, or its file is damaged or cannot be written.
+        If another process is working on it, or its file is damaged or cannot be written.
 
     Examples
     --------
@@ -88,37 +88,37 @@ def resume(
 
 
 def resume_sweep(design: Design, jobs: Jobs) -> Resumed:
-    """Return what goes on with a sweep."""
+    """Return the function that resumes a sweep."""
     given = _given(design, "direction", *SOLVER, "flight") | _axes(design)
     return partial(sweep, **given, starts=_starts(design), **jobs)
 
 
 def resume_run_ups(design: Design, jobs: Jobs) -> Resumed:
-    """Return what goes on with many run-ups."""
+    """Return the function that resumes many run-ups."""
     given = _given(design, "to", "rate", "phase", *SOLVER) | _axes(design)
     return partial(run_ups, **given, starts=_starts(design), **jobs)
 
 
 def resume_basin(design: Design, jobs: Jobs) -> Resumed:
-    """Return what goes on with a basin."""
+    """Return the function that resumes a basin."""
     return partial(basin, _rotor(design), **_given(design, *COMPONENTS, "rtol"), **jobs)
 
 
 def resume_fractions(design: Design, jobs: Jobs) -> Resumed:
-    """Return what goes on with basin fractions."""
+    """Return the function that resumes basin fractions."""
     given = _given(design, *COMPONENTS, "rtol", "starts", "seed")
     return partial(basin_fractions, _rotor(design), **given, **jobs)
 
 
 def resume_atlas(design: Design, jobs: Jobs) -> Resumed:
-    """Return what goes on with an atlas; its starts may have been given, and not drawn."""
+    """Return the function that resumes an atlas; its starts may be given instead of drawn."""
     given = _given(design, "rtol", "starts", "shocks") | _axes(design)
     drawn = _given(design, *(name for name in (*COMPONENTS, "seed") if name in design))
     return partial(continue_attractors, **given, **drawn, **jobs)
 
 
 def resume_branch(design: Design, _jobs: Jobs) -> Resumed:
-    """Return what goes on with a branch of limit cycles."""
+    """Return the function that resumes a branch of limit cycles."""
     state = np.array(design["state"], dtype=np.float64)
     guess = Guess(_rotor(design), state, **_given(design, "period", "special", "slope"))
     given = _given(design, "parameter", "direction", "points")
@@ -130,7 +130,7 @@ def _given(design: Design, *names: str) -> dict[str, Any]:
 
 
 def _axes(design: Design) -> dict[str, Any]:
-    """Return the parameters of the rotors of a study as it was given them."""
+    """Return the parameters of the rotors of a study, as they were given."""
     return _given(design, *PARAMETERS, *(name for name in OPTIONAL if name in design))
 
 

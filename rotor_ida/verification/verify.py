@@ -1,7 +1,7 @@
-"""Compute an archived result again, from its own attributes, and hold it against the archive.
+"""Compute an archived result again, from its attributes, and compare it with the archive.
 
-On another machine the steps along a branch may fall elsewhere, so its points are not compared. What
-does not hang on the steps is: the special points, the ends, and where it is stable.
+The steps along a branch may differ on another machine, so its points are not compared. Results
+that do not depend on the steps are: the special points, the ends and the stable ranges.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ from rotor_ida.steady.sweep import DIRECTIONS, sweep
 from rotor_ida.testing import assert_events_close
 
 HOW = ("rtol", "atol", "method", "flight")
-# How the speed of a run-up changes.
+# Attributes of the speed of a run-up.
 CHANGES = ("to", "rate", "speeds", "torque", "inertia")
-# Of which motions the numbers are those of the motion, not of one stretch of it.
+# Responses whose numbers belong to the motion, not to one stretch of it.
 OF_MOTION = {
     **dict.fromkeys(("amplitude", "phase_lag"), (CONTACT_FREE, SYNCHRONOUS)),
     **dict.fromkeys(
@@ -49,22 +49,22 @@ OF_MOTION = {
         (CONTACT_FREE, SYNCHRONOUS, BOUNCING, FULL_CONTACT),
     ),
 }
-# Ends of a branch that do not hang on its steps.
+# Ends of a branch that do not depend on its steps.
 SHARP = ("limits", "closed", "halved", "hopf", "start")
-# How far numbers may be off on another machine, relative to their size: those of responses, and
-# those of cycles. Lengths, forces and multipliers of cycles are of the size of 1.
+# Relative differences allowed between machines, for responses and for cycles. Lengths, forces and
+# multipliers of cycles are of order 1.
 CLOSE, CLOSE_OF_CYCLES = 1e-6, 1e-8
 OF_SIZE_ONE = ("radius", "largest_force", "multiplier")
 
-# How many were compared, and how far they differ; and the first difference in words.
+# Numbers compared and differences; and the first difference in words.
 Verdict = tuple[dict[str, object], str]
-# What is compared of cycles, by name.
+# Facts of cycles that are compared, by name.
 Facts = dict[str, object]
 
 
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """What it takes to compute results of a kind again, and how they are compared."""
+    """How results of one kind are computed again and compared."""
 
     variables: tuple[str, ...]  # numbers that are needed
     attributes: tuple[str, ...]
@@ -79,29 +79,29 @@ def rerun(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Compute a result again, as its own attributes say, or by another method.
+    """Compute a result again from its attributes, or by another method.
 
     Parameters
     ----------
     dataset : Dataset
         A result of `simulate`, `run_up`, `sweep`, `run_ups`, `basin`, `basin_fractions`,
-        `continue_attractors`, `limit_cycle`, `continue_cycle` or `bifurcation_curve`, for instance
-        one that was loaded from an archive.
+        `continue_attractors`, `limit_cycle`, `continue_cycle` or `bifurcation_curve`, for example
+        one loaded from an archive.
     method : {"adams", "bdf", "ida", "taylor"}, optional
-        Another solver of the contacts of a run, sweep or run-up: a witness that shares no step with
-        the first.
+        Another solver for the contacts of a run, sweep or run-up: an independent check that shares
+        no step with the first.
     workers, progress
-        As for the function that computed it; a single run or cycle needs neither.
+        As for the function that computed it; not used for a single run or cycle.
 
     Returns
     -------
     Dataset
-        The same result, made anew and without dimensions; an atlas without its shocks.
+        The same result, computed again and dimensionless; an atlas without its shocks.
 
     Raises
     ------
     InputError
-        If the dataset is no such result, or its attributes cannot be used.
+        If the dataset is not such a result, or its attributes are invalid.
 
     Examples
     --------
@@ -122,22 +122,22 @@ def rerun(
 
 
 def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
-    """Hold a result made again against that of the archive.
+    """Compare a result computed again with that of the archive.
 
     Parameters
     ----------
     again, archived : Dataset
-        The two results, of the same kind; those in SI units are compared without dimensions.
+        Two results of the same kind; those in SI units are compared as dimensionless.
 
     Returns
     -------
     dict
-        ``agrees``, and ``trouble``: the first difference in words. Of runs the numbers of events,
-        the largest difference of two event times and the largest error stated for one [1]; of the
-        others the number of points, starts or numbers of limit cycles that were compared, of those
-        that differ, and the largest difference of two amplitudes, radii, periods or such numbers,
-        relative to the larger one. And ``core``: whether the compiled core is the same; another
-        gives other last bits.
+        ``agrees``, and ``trouble``, the first difference in words. For runs: the numbers of events,
+        the largest difference between event times and the largest error stated for one [1]. For
+        other results: the number of points, starts or values of limit cycles compared, the number
+        of those that differ, and the largest difference between amplitudes, radii, periods or
+        other numbers, relative to the larger one. ``core``: whether the compiled core is the same;
+        another one gives different last bits.
 
     Examples
     --------
@@ -148,21 +148,21 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     """
     verification = _verification_of(archived)
     counts, trouble = verification.compared(dimensionless(again), dimensionless(archived))
-    # on the core the last bits depend
+    # the last bits depend on the core
     same = again.attrs.get("core_sources") == archived.attrs.get("core_sources")
-    core = "the same" if same else "another than that of the archive"
+    core = "the same" if same else "different from that of the archive"
     return {"agrees": not trouble, **counts, "trouble": trouble, "core": core}
 
 
 def _verification_of(dataset: xr.Dataset) -> Verification:
-    """Return how a result is verified; refuse one that cannot be, or that lacks what it takes."""
+    """Return how a result is verified; refuse one that cannot be, or that lacks variables."""
     kind = kind_of(dataset)
     place = KINDS[kind].verified
     verification: Verification | None = loaded(place) if place else None
     if verification is None or not set(verification.variables) <= set(dataset.variables):
         raise InputError(
-            "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, "
-            "continue_attractors, limit_cycle, continue_cycle and bifurcation_curve have computed "
+            "only results of simulate, run_up, sweep, run_ups, basin, basin_fractions, "
+            "continue_attractors, limit_cycle, continue_cycle and bifurcation_curve "
             f"can be verified, got a dataset of {shown(list(map(str, dataset.data_vars)))}"
         )
     missing = [name for name in verification.attributes if name not in dataset.attrs]
@@ -261,12 +261,12 @@ def _curve(dataset: xr.Dataset, _workers: int | None, progress: Progress | None)
 
 
 def _axes(dataset: xr.Dataset) -> dict[str, Any]:
-    """Return the parameters of many rotors, each a number or an axis, as it was given."""
+    """Return the parameters of many rotors, each a number or an axis, as given."""
     return {name: dataset[name].values[()] for name in ALL_PARAMETERS if name in dataset.variables}
 
 
 def _drawn(dataset: xr.Dataset) -> dict[str, Any]:
-    """Return how random starts were drawn and followed."""
+    """Return how random starts were drawn and simulated."""
     given = dataset.attrs
     ranges = {name: tuple(np.atleast_1d(given[f"range_{name}"]).tolist()) for name in COMPONENTS}
     how = {"starts": given["starts"], "seed": given["seed"], "rtol": given["labelling_rtol"]}
@@ -274,7 +274,7 @@ def _drawn(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def _rotor(dataset: xr.Dataset, prefix: str = "") -> Rotor:
-    """Return the rotor that the attributes tell; what they do not tell is the default."""
+    """Return the rotor in the attributes; missing parameters have their defaults."""
     attributes = {name: f"{prefix}{name}" for name in ALL_PARAMETERS}
     given = dataset.attrs
     return Rotor(**{name: given[each] for name, each in attributes.items() if each in given})
@@ -299,12 +299,12 @@ def _events(again: xr.Dataset, archived: xr.Dataset) -> Verdict:
 
 
 def _points(name: str, again: xr.Dataset, archived: xr.Dataset) -> Verdict:
-    """Compare points, starts or attractors by one of their variables, and by the numbers told."""
+    """Compare points, starts or attractors by one variable, and by their numbers."""
     trouble, differing, apart = "", 0, 0.0
-    archived = archived.drop_dims("target", errors="ignore")  # shocks are not sought again
+    archived = archived.drop_dims("target", errors="ignore")  # shocks are not computed again
     if dict(again.sizes) != dict(archived.sizes):
         sizes = {dim: size for dim, size in again.sizes.items() if archived.sizes.get(dim) != size}
-        trouble = f"made again, it has {sizes}, archived {dict(archived.sizes)}"
+        trouble = f"computed again, it has {sizes}, archived {dict(archived.sizes)}"
     else:
         # earlier versions wrote labels the other way round
         archived = archived.transpose(*again[name].dims, ...)
@@ -316,7 +316,7 @@ def _points(name: str, again: xr.Dataset, archived: xr.Dataset) -> Verdict:
             place = dict(zip(again[name].dims, np.argwhere(differs)[0].tolist(), strict=True))
             one, other = again[name].isel(place).item(), archived[name].isel(place).item()
             trouble = f"{differing} of {differs.size} differ in {name}; the first: "
-            trouble += f"{place}, made again {one}, archived {other}"
+            trouble += f"{place}, computed again {one}, archived {other}"
         elif not apart <= CLOSE:
             trouble = f"amplitudes, radii or periods differ by {apart:.3g} of their size"
     return _counts(archived[name].size, differing, apart), trouble
@@ -325,7 +325,7 @@ def _points(name: str, again: xr.Dataset, archived: xr.Dataset) -> Verdict:
 def _apart_in_motion(again: xr.Dataset, archived: xr.Dataset, name: str) -> float:
     """Return the largest difference of a number of the motions, relative to the larger value.
 
-    Numbers of one stretch of a motion are passed over: another machine may see another stretch.
+    Numbers of one stretch of a motion are skipped: another machine may give another stretch.
     """
     kinds = archived["kind" if "kind" in archived else "response"].values
     told = np.isin(kinds, [RESPONSE[kind] for kind in OF_MOTION[name]])
@@ -336,7 +336,7 @@ def _apart_in_motion(again: xr.Dataset, archived: xr.Dataset, name: str) -> floa
 def _facts(
     facts_of: Callable[[xr.Dataset], Facts], again: xr.Dataset, archived: xr.Dataset
 ) -> Verdict:
-    """Compare single facts of cycles, numbers as such and anything else as it is."""
+    """Compare single facts of cycles: numbers within a tolerance, anything else exactly."""
     facts, found = facts_of(archived), facts_of(again)
     trouble, differing, largest = "", 0, 0.0
     for name, value in facts.items():
@@ -347,7 +347,7 @@ def _facts(
             largest, agrees = max(largest, apart), apart <= CLOSE_OF_CYCLES
         differing += not agrees
         if not agrees and not trouble:
-            trouble = f"{name} differs: made again {here}, archived {value}"
+            trouble = f"{name} differs: computed again {here}, archived {value}"
     return _counts(len(facts), differing, largest), trouble
 
 
@@ -358,7 +358,7 @@ def _counts(compared: int, differing: int, largest: float) -> dict[str, object]:
 def _apart(one: Values | float, other: Values | float, least: float = 0.0) -> Values:
     """Return the differences of numbers, relative to the larger one or to `least`.
 
-    What is told by neither counts as equal.
+    Numbers missing in both count as equal.
     """
     one, other = np.asarray(one), np.asarray(other)
     same = (one == other) | (np.isnan(one) & np.isnan(other))
@@ -404,7 +404,7 @@ def _of_branch(dataset: xr.Dataset) -> Facts:
     facts = _of_curve(dataset)
     if facts["first_end"] in SHARP and facts["last_end"] in SHARP:
         values, ranges = course_of(dataset).value, stable_ranges(dataset)
-        facts["the least value of the parameter"] = float(values.min())
+        facts["the smallest value of the parameter"] = float(values.min())
         facts["the largest value of the parameter"] = float(values.max())
         facts["the number of stable ranges"] = len(ranges)
         for number, (low, high) in enumerate(ranges):

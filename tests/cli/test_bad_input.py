@@ -254,7 +254,7 @@ MISTAKES = [
     ("show nothing.nc", "must be a file that exists, got 'nothing.nc'"),
     ("show .", "must be a file, got the folder '.'"),
     ("show {text}", "is not an archive of rotor_ida"),
-    ("show {empty}", "is not an archive of rotor_ida: it is no netCDF-4 file"),
+    ("show {empty}", "is not an archive of rotor_ida: it is not netCDF-4"),
     ("show {cut}", "is damaged, was altered or is not an archive"),
     ("show {run} --figure nowhere/a.png", "figure must be in a folder that exists"),
     ("show {report} --figure a.png", "figure must be of a run, of whirls, their folds"),
@@ -287,7 +287,7 @@ MISTAKES = [
     ("plot {text} --kind trace --figure a", "is not an archive of rotor_ida"),
     ("plot nothing.nc --kind trace --figure a", "must be a file that exists, got 'nothing.nc'"),
     ("plot nothing.csv --kind trace --figure a", "must be a file that exists, got 'nothing.csv'"),
-    ("plot taken.png --kind trace --figure a", "must hold lines of two numbers or more, got none"),
+    ("plot taken.png --kind trace --figure a", "must have lines of two numbers or more, got none"),
     (
         "plot {run} --kind trace --figure a --columns x",
         "columns must be pairs such as x=..., got 'x'",

@@ -163,7 +163,7 @@ def test_a_forged_stability_does_not_verify(program: Program, archives: Path):
     dataset["stability"].values[...] = 1
     rotor_ida.save(dataset, "forged.nc")
     answer = program("verify", "forged.nc")
-    assert "stability differs: made again stable, archived unstable" in answer.err
+    assert "stability differs: computed again stable, archived unstable" in answer.err
 
 
 def test_figure_of_a_curve_has_the_folds_of_the_whirl_within_its_limits(archives: Path):

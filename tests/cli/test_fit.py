@@ -96,7 +96,7 @@ def test_contact_times_are_taken(program: Program, folder: Path):
         (("--unknown", "zeta", "--entries", "20"), "time_error must be given with entries"),
         (("--unknown", "zeta", "--time-error", "0.1"), "entries or exits must be given"),
         (("--unknown", "zeta", "--noise", "-1"), "noise must be positive, got -1"),
-        (("--unknown", "zeta", "--orders", "0"), "orders must hold one above 0"),
+        (("--unknown", "zeta", "--orders", "0"), "orders must be 0 or positive"),
         (("--unknown", "friction"), "machine must have a disc_radius"),
         (("--unknown", "zeta", "--times", "0", "5"), "signals must"),
         (("--unknown", "zeta", "--entries", "1e6", "--time-error", "1"),

@@ -52,6 +52,6 @@ def test_what_nothing_can_compute_again_is_refused(program: Program):
     answer = program("verify", "folds.nc")
     assert answer.status == 2
     assert answer.err.startswith(
-        "rotor-ida: only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_a"
+        "rotor-ida: only results of simulate, run_up, sweep, run_ups, basin, basin_fractions"
     )
     assert program("verify", "missing.nc").status == 2

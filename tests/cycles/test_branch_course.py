@@ -91,7 +91,9 @@ def test_a_response_without_a_cycle_is_made_again_too():
     again = rerun(none)
     assert differences(again, none)["agrees"]
     cycle = limit_cycle(BOUNCING, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
-    assert differences(cycle, none)["trouble"].startswith("response differs: made again bouncing")
+    assert differences(cycle, none)["trouble"].startswith(
+        "response differs: computed again bouncing"
+    )
 
 
 def test_one_special_point_more_or_less_is_a_difference(branch):
@@ -99,5 +101,5 @@ def test_one_special_point_more_or_less_is_a_difference(branch):
     trouble = differences(branch, fewer)["trouble"]
     count = branch.sizes["special"]
     assert trouble.startswith(
-        f"the number of special points differs: made again {count}, archived {count - 1}"
+        f"the number of special points differs: computed again {count}, archived {count - 1}"
     )

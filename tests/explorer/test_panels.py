@@ -237,7 +237,7 @@ def test_probes_at_45_and_135_degrees_with_gains_are_turned_as_by_the_library(pa
     page.type("#measured-gain-x", 2)
     page.type("#measured-angle-y", 225)
     page.until("!rotorIda.measured.reading")
-    assert "do not look along one line" in page.find("#measured-said").text
+    assert "do not point along one line" in page.find("#measured-said").text
     assert measured(page, "order.amplitude") == pytest.approx(12.0, abs=1e-9)  # it stays
 
 

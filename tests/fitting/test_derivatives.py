@@ -103,5 +103,5 @@ def test_derivatives_are_those_of_the_core_at_one_speed():
 def test_a_disc_that_rolls_is_refused():
     """Where sliding ends derivatives jump; a small disc in firm contact comes to roll."""
     small = replace(MACHINE, friction=0.5, disc_radius=2e-6, load=0.0)
-    with pytest.raises(InputError, match=r"machine must slide one way on the ring.* fit without"):
+    with pytest.raises(InputError, match=r"machine must slide one way on the stator.* fit without"):
         motion_of(small, TURNING, START, TIMES, [])

@@ -174,14 +174,14 @@ def test_several_records_tell_more_than_one(up):
     assert set(two.record.values) == {0, 1}
 
 
-def test_a_clearance_that_is_never_touched_is_not_told():
+def test_a_clearance_that_is_never_touched_is_not_identifiable():
     wide = Rotor(omega=0.3, zeta=0.15, delta0=50.0, shaft_stiffness=1.0)
     run = run_up(wide, start=(0, 0, 0, 0), to=2.0, rate=0.02, samples=2001)
     seen = noisy(signals_of(run), np.random.default_rng(1))
     found = fit(seen, wide, SOUGHT)
     np.testing.assert_array_equal(found.told, [1, 0, 1])
     assert (
-        "delta0 is not told: nothing in these signals changes with it"
+        "delta0 is not identifiable: it changes nothing in these signals"
         in (found.attrs["identifiability"])
     )
     assert np.isinf(found.standard_error.sel(unknown="delta0"))
@@ -194,7 +194,7 @@ def test_what_is_known_only_together_is_said():
     found = fit(seen, wide, ["mass", "damping", "shaft_stiffness"])
     assert found.told.values.tolist() == [0, 0, 0]
     assert (
-        "mass, damping and shaft_stiffness are told only together"
+        "mass, damping and shaft_stiffness are identifiable only together"
         in (found.attrs["identifiability"])
     )
     assert "(mass +1, damping +1, shaft_stiffness +1)" in found.attrs["identifiability"]
@@ -207,11 +207,11 @@ def test_a_model_that_lacks_something_leaves_more_than_noise(up):
     found = fit(seen, stiff, ["zeta"], noise=NOISE)
     wider = math.sqrt(float(found.chi_square) / float(found.degrees_of_freedom))
     assert found.attrs["remainder"].startswith(
-        f"more than noise is left, and the errors are widened {wider:.3g} times: "
+        f"the residuals exceed the noise, so errors are widened {wider:.3g} times: "
     )
     # as one would state them who takes what is left for the noise
     as_noise = fit(seen, stiff, ["zeta"], noise=wider * NOISE)
-    assert as_noise.attrs["remainder"].startswith("what is left is noise")
+    assert as_noise.attrs["remainder"].startswith("the residuals are noise")
     assert found.standard_error.item() == pytest.approx(as_noise.standard_error.item(), rel=1e-3)
     part = 100.0 * (found.standard_error / found.estimate).item()
     assert found.attrs["identifiability"] == f"zeta is known to {part:.2g} %"
@@ -249,14 +249,17 @@ REFUSED = {
     "text": ({"unknown": "zeta"}, r"unknown must be a list of names.* got 'zeta'"),
     "twice": ({"unknown": ["zeta", "zeta"]}, r"unknown must name each once"),
     "friction": ({"unknown": ["friction"]}, r"machine must have a disc_radius .* got none"),
-    "orders": ({"orders": [0]}, r"orders must hold one above 0 and none below, got \[0.0\]"),
+    "orders": (
+        {"orders": [0]},
+        r"orders must be 0 or positive, at least one positive, got \[0.0\]",
+    ),
     "no error": ({"entries": [1.0]}, r"time_error must be given with entries or exits, got None"),
     "no times": ({"time_error": 1.0}, r"entries or exits must be given with time_error"),
     "outside": ({"entries": [-5.0], "time_error": 1.0}, r"entries must lie within the signals"),
     "start": ({"start": [1, 2]}, r"start must be four numbers"),
     "noise": ({"noise": -1}, r"noise must be positive, got -1.0"),
     "confidence": ({"confidence": 2}, r"confidence must lie from 0.5"),
-    "too long": ({"revolutions": 500}, r"signals must hold at least 500 whole revolutions"),
+    "too long": ({"revolutions": 500}, r"signals must have at least 500 whole revolutions"),
     "no machine": ({"machine": 3}, r"machine must be a Rotor or a DimensionalRotor, got 3"),
     "units": ({"machine": MACHINE, "unknown": ["load"]}, r"machine must be a Rotor for signals"),
     "always in contact": (
@@ -276,9 +279,9 @@ def test_what_cannot_be_fitted_is_told_in_one_line(name, up):
 
 def test_few_windows_and_no_angle_are_refused(up):
     seen = signals_of(up)
-    with pytest.raises(InputError, match="at least as many numbers to compare as are sought"):
+    with pytest.raises(InputError, match="at least as many numbers to compare as unknowns"):
         fit(seen.isel(t=slice(0, 420)), GUESS, SOUGHT)
-    with pytest.raises(InputError, match="signals must hold angle, keyphasor or omega"):
+    with pytest.raises(InputError, match="signals must contain angle, keyphasor or omega"):
         fit(seen.drop_vars(["angle", "omega"]), GUESS, SOUGHT)
     with pytest.raises(InputError, match="signals must be a dataset, or a list of them, got"):
         fit([], GUESS, SOUGHT)
@@ -289,7 +292,7 @@ def test_a_guess_far_off_is_said_to_be(up):
     far = Rotor(omega=0.3, zeta=0.6, delta0=4.0, shaft_stiffness=0.2)
     found = fit(noisy(signals_of(up), np.random.default_rng(7)), far, SOUGHT)
     near = bool((np.abs(found.estimate - TRUTH) < 6.0 * found.standard_error).all())
-    assert near or found.attrs["remainder"].startswith("more than noise")
+    assert near or found.attrs["remainder"].startswith("the residuals exceed the noise")
 
 
 def test_an_unknown_may_begin_at_zero(up):

@@ -102,7 +102,7 @@ def test_every_job_is_done_once_and_keeps_its_number(address, number):
 def test_only_the_job_that_kills_its_workers_is_lost(address):
     """Those that waited at the same worker are suspected with it, and done."""
     ended = dict(run_all(die_at_three, range(20), workers=None, executor=address))
-    assert ended.pop(3) == FailedJob("every worker that took it on died, 1 in all")
+    assert ended.pop(3) == FailedJob("every worker that tried it died, 1 in all")
     assert ended == {job: job for job in range(20) if job != 3}
 
 

@@ -87,7 +87,7 @@ def test_a_run_of_too_few_samples_is_refused_with_the_number_that_would_do(run, 
     with pytest.raises(InputError, match="more than 4 samples in each revolution, got 2") as no:
         draw(sparse)
     rotor, start = Rotor(omega=1.7, zeta=0.07, delta0=0.5), (0.0, 0.0, 0.0, 0.0)
-    enough = int(re.search(r"(\d+) samples in all would do", str(no.value))[1])
+    enough = int(re.search(r"(\d+) samples in all are enough", str(no.value))[1])
     draw(simulate(rotor, start=start, duration=20.0, samples=enough))
 
 

@@ -135,13 +135,13 @@ FORGERIES = {
 }
 # Not those that only take as much time and memory as they declare, nor the one that is too long.
 SEALED_AGAIN = {
-    "external_link": "is not a sound archive: it holds 'outside', which is a link",
-    "external_storage": "holds 'outside', whose data are in another file",
-    "soft_link": "holds 'turned', which is a link",
-    "virtual_dataset": "holds 'outside', which is put together from other variables",
+    "external_link": "is not a sound archive: it contains 'outside', which is a link",
+    "external_storage": "contains 'outside', whose data are in another file",
+    "soft_link": "contains 'turned', which is a link",
+    "virtual_dataset": "contains 'outside', which is composed of other variables",
     "vast_variable": r"declares 8e\+13 bytes",
-    "deep_groups": "holds 'g', which is not a variable",
-    "cyclic_links": "holds '(round|self)', which is not a variable",
+    "deep_groups": "contains 'g', which is not a variable",
+    "cyclic_links": "contains '(round|self)', which is not a variable",
     "user_types": "is not a sound archive",
     "missing_filter": "cannot read .*, which may be damaged",
     "many_variables": "does not have the checksum",

@@ -198,8 +198,11 @@ def test_archive_needs_no_solver() -> None:
     [
         ({"x": 1}, "dataset must be an xarray Dataset, got dict"),
         (xr.DataArray([1.0]), "dataset must be an xarray Dataset, got DataArray"),
-        (xr.Dataset({"z": ("t", [1j])}), "'z' must hold integers.*got complex128; keep its real"),
-        (xr.Dataset({"z": ("t", [True])}), "'z' must hold integers.*got bool; keep it as int8"),
+        (
+            xr.Dataset({"z": ("t", [1j])}),
+            "'z' must contain integers.*got complex128; keep its real",
+        ),
+        (xr.Dataset({"z": ("t", [True])}), "'z' must contain integers.*got bool; keep it as int8"),
         (xr.Dataset({"z": ("t", np.zeros(1, "f2"))}), "got float16"),
         (xr.Dataset({"z": ("t", np.zeros(1, "M8[ns]"))}), "got datetime64"),
         (xr.Dataset({"z": ("t", np.array([b"a"]))}), "got bytes8"),

@@ -112,7 +112,9 @@ def test_archive_too_large_for_load_is_for_open_archive(
 ) -> None:
     path = save(xr.Dataset({"x": ("t", np.zeros(1000))}), tmp_path / "run.nc")
     monkeypatch.setattr(reading, "LARGEST_CONTENT", 7999)
-    with pytest.raises(ArchiveError, match=r"holds 8e\+03 bytes.*open_archive reads larger ones"):
+    with pytest.raises(
+        ArchiveError, match=r"contains 8e\+03 bytes.*open_archive reads larger ones"
+    ):
         load(path)
     with open_archive(path) as opened:
         assert opened.x.sum() == 0

@@ -40,9 +40,9 @@ def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "other.nc"
     for data in (b"", b"time,x\n0,1\n"):
         path.write_bytes(data)
-        refused(path, "is not an archive of rotor_ida: it is no netCDF-4 file")
+        refused(path, "is not an archive of rotor_ida: it is not netCDF-4")
     netCDF4.Dataset(path, "w", format="NETCDF3_CLASSIC").close()
-    refused(path, "it is no netCDF-4 file")
+    refused(path, "it is not netCDF-4")
     path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
     refused(path, "is not an archive of rotor_ida: it has no seal")
     append_seal(path)
@@ -88,8 +88,8 @@ def alter(path: Path, change: str) -> None:
         ("name", "is damaged or was altered"),
         ("coordinates", "is damaged or was altered"),
         ("no checksum", "is damaged or was altered"),
-        ("group", "is not a sound archive: it holds 'hidden', which is not a variable"),
-        ("complex", "holds 'complex', which is not a variable"),
+        ("group", "is not a sound archive: it contains 'hidden', which is not a variable"),
+        ("complex", "contains 'complex', which is not a variable"),
         ("char", "is not a sound archive: see variable 'extra'"),
         ("newer", "has format 4, but this version of rotor_ida reads format 3 only"),
         ("older", "has format 2, but this version of rotor_ida reads format 3 only"),
@@ -114,7 +114,7 @@ def test_truncated_archive_is_refused(archive: Path) -> None:
     whole = archive.read_bytes()
     for length in [*range(0, len(whole), len(whole) // 40), len(whole) - 1]:
         archive.write_bytes(whole[:length])
-        refused(archive, "no netCDF-4 file|it has no seal")
+        refused(archive, "not netCDF-4|it has no seal")
     archive.write_bytes(whole)
     load(archive)
 
@@ -126,7 +126,7 @@ def test_flipped_bits_are_reported(archive: Path) -> None:
         damaged = bytearray(whole)
         damaged[place // 8] ^= 1 << place % 8
         archive.write_bytes(damaged)
-        refused(archive, "no netCDF-4 file|has no seal|its bytes are not those that were sealed")
+        refused(archive, "not netCDF-4|has no seal|its bytes are not those that were sealed")
 
 
 def test_absurd_sizes_are_refused_before_reading(archive: Path, tmp_path: Path) -> None:
@@ -148,7 +148,7 @@ def test_absurd_strings_are_refused(archive: Path, monkeypatch: pytest.MonkeyPat
         xr.Dataset({"message": ("start", [""] * 50 + ["x" * 50])}),
         archive.with_name("texts.nc"),
     )
-    refused(path, "declares absurdly long strings in 'message'")
+    refused(path, "declares unreasonably long strings in 'message'")
 
 
 def test_file_replaced_while_it_is_read_is_read_again(

@@ -138,7 +138,7 @@ def test_damaged_tdms_files_are_refused(tmp_path: Path, capfd: pytest.CaptureFix
     whole = (tmp_path / "a.tdms").read_bytes()
     for size in (10, 300, len(whole) // 2):
         (tmp_path / "a.tdms").write_bytes(whole[:size])
-        told = "must hold channels" if size <= 300 else "got one that ends early"
+        told = "must contain channels" if size <= 300 else "got one that ends early"
         assert told in refused(tmp_path / "a.tdms")
     (tmp_path / "a.tdms").write_bytes(b"nonsense" * 50)
     assert "must be a TDMS file" in refused(tmp_path / "a.tdms")
@@ -198,14 +198,14 @@ def test_labview_files_without_a_head_are_tables(tmp_path: Path) -> None:
 def test_damaged_labview_files_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.lvm"
     path.write_text("LabVIEW Measurement\t\nSeparator\tTab\n")
-    assert "must have a head that ends in ***End_of_Header***" in refused(path)
+    assert "must have a header that ends in ***End_of_Header***" in refused(path)
     path.write_text(LVM_HEAD.format(point=".", columns="One"))
-    assert "must hold a segment with the line X_Value, got none" in refused(path)
+    assert "must contain a segment with the line X_Value, got none" in refused(path)
     write_lvm(path, columns="One")
     text = path.read_text().splitlines()
     text[40] = text[40].replace("0.0", "?")
     path.write_text("\n".join(text))
-    assert "must hold finite numbers, got nan in line 41" in refused(path)
+    assert "must contain finite numbers, got nan in line 41" in refused(path)
 
 
 COMTRADE = """pump,recorder,{year}
@@ -261,7 +261,7 @@ def test_comtrade_comes_back_with_times_from_its_rate(
 def test_comtrade_that_declares_more_than_it_holds_is_refused(kind: str, tmp_path: Path) -> None:
     write_comtrade(tmp_path / "a.cfg", kind=kind, size=10**12)
     message = refused(tmp_path / "a.cfg")
-    assert "must hold the 1000000000000 samples that 'a.cfg' declares, got 4000" in message
+    assert "must contain the 1000000000000 samples that 'a.cfg' declares, got 4000" in message
     (tmp_path / "a.cfg").write_text("nonsense")
     assert "must be a COMTRADE record" in refused(tmp_path / "a.cfg")
     (tmp_path / "a.dat").unlink()

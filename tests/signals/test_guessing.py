@@ -67,12 +67,12 @@ UNSURE = {
     "t; x; other": "must have a column for y; name it in columns, got 't, x, other'",
     "t; x1; x2": "must have a column for x and y; name them",
     "t; probe_A_x; probe_A_y; probe_B_x; probe_B_y": (
-        "which columns are x and y must be clear; name them in columns, got 'probe_A_x and "
+        "the columns of x and y must be unambiguous; name them in columns, got 'probe_A_x and "
         "probe_A_y; "
     ),
     "t; ai0; ai1; ai2": "got 'ai0 and ai1; ai1 and ai2' among 't, ai0, ai1, ai2'",
-    "time_s; time_ms; x; y": "which column is t must be clear; name it in columns, got 'time_",
-    "t; x; y; speed_1_rpm; speed_2_rpm": "which column is speed must be clear",
+    "time_s; time_ms; x; y": "the column of t must be unambiguous; name it in columns, got 'time_",
+    "t; x; y; speed_1_rpm; speed_2_rpm": "the column of speed must be unambiguous",
 }
 
 
@@ -196,8 +196,8 @@ ODD = {
     "no unit of the times": (HEAD.replace("time_s", "time"), None,
         "t must have a unit beside a speed; say it in units"),
     "a speed that turns back": (HEAD, np.linspace(600.0, -10.0, TIMES.size),
-        "speed must be positive, or 0 at times, got -1.0472 rad/s at t 3.9995"),
-    "no speed at all": (HEAD, np.zeros(TIMES.size), "speed must be positive, or 0 at times, got 0"),
+        "speed must be 0 or positive, not always 0, got -1.0472 rad/s at t 3.9995"),
+    "no speed at all": (HEAD, np.zeros(TIMES.size), "positive, not always 0, got 0"),
     "degrees that are not said": (HEAD.replace("speed_rpm", "angle"), (3600.0 * TIMES) % 360.0,
         "the unit of angle must be told in units, as it spans 358.2 and falls"),
 }  # fmt: skip

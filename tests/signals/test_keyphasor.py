@@ -76,7 +76,7 @@ def test_the_message_says_where_and_how_many():
     ):
         check_pulses(np.delete(np.arange(50.0), [10, 11, 20, 30, 40]))
     for extra in (5.1, 5.5, 5.9):
-        with pytest.raises(InputError, match=r"not have pulses too many, .* after t 5"):
+        with pytest.raises(InputError, match=r"not have extra pulses, .* after t 5"):
             check_pulses(np.sort(np.append(np.arange(20.0), extra)))
     with pytest.raises(InputError, match="at least 3 pulses, got 2"):
         check_pulses(np.arange(2.0))

@@ -180,16 +180,16 @@ COMMAS = {
     ),
     "decimals between commas": (
         "\n".join(f"0,{n:03d},1,{n % 7:03d},2,{n % 5:03d}" for n in range(200)),
-        "must not have decimal commas between columns that are parted by commas, got '0,000' in "
+        "must not have decimal commas in columns that are separated by commas, got '0,000' in "
         "line 1",
     ),
     "thousands and decimals": (
         "t;x;y\n" + "\n".join(f"{n}.0;1,234.5;{n % 7}.25" for n in range(30)),
-        "column 'x' must hold finite numbers, got '1,234.5' in line 2",
+        "column 'x' must contain finite numbers, got '1,234.5' in line 2",
     ),
     "points between thousands": (
         "t;x;y\n" + "\n".join(f"{n},0;1.234,5;{n % 7},25" for n in range(30)),
-        "column 'x' must hold finite numbers, got '1.234,5' in line 2",
+        "column 'x' must contain finite numbers, got '1.234,5' in line 2",
     ),
 }
 
@@ -219,15 +219,15 @@ def changed(row, column, cell):
 
 
 ODD = {
-    "empty": ("", "must hold lines of two numbers or more, got an empty file"),
-    "words": ("nothing\nof use\n", "must hold lines of two numbers or more, got none, but"),
-    "one row": (HEAD + BODY.splitlines()[0], "must hold at least 16 samples, got 1"),
+    "empty": ("", "must have lines of two numbers or more, got an empty file"),
+    "words": ("nothing\nof use\n", "must have lines of two numbers or more, got none, but"),
+    "one row": (HEAD + BODY.splitlines()[0], "must have at least 16 samples, got 1"),
     "no y": (HEAD.replace("y", "q") + BODY,
              "must have a column for y; name it in columns, got 't, x, q, angle'"),
-    "a blank": (changed(41, 1, ""), "column 'x' must hold finite numbers, got '' in line 43"),
+    "a blank": (changed(41, 1, ""), "column 'x' must contain finite numbers, got '' in line 43"),
     "a word": (changed(41, 2, "over"),
-               "column 'y' must hold finite numbers, got 'over' in line 43"),
-    "nan": (changed(41, 2, "NaN"), "column 'y' must hold finite numbers, got 'NaN' in line 43"),
+               "column 'y' must contain finite numbers, got 'over' in line 43"),
+    "nan": (changed(41, 2, "NaN"), "column 'y' must contain finite numbers, got 'NaN' in line 43"),
     "a cell less": (HEAD + BODY.replace(BODY.splitlines()[41], "0.0205,1,2"),
                     "line 43 of"),
     "time back": (changed(41, 0, "0.001"), "t must increase, got '0.001' in line 43 after"),
@@ -242,7 +242,7 @@ ODD = {
     "two units": (HEAD.replace("x [um]", "x [mm]") + BODY,
                   "x and y must be in one unit, got mm and um"),
     "bytes": ("\0\1\2\3" * 100,
-              "must be text, got other bytes; files of recorders are known by their endings"),
+              "must be text, got other bytes; files of recorders are recognised by their endings"),
 }  # fmt: skip
 
 
@@ -300,7 +300,7 @@ def test_what_a_matlab_file_holds_is_listed(tmp_path):
     ):
         read_signals(tmp_path / "a.mat")
     savemat(tmp_path / "b.mat", {"note": "of a machine"})
-    with pytest.raises(InputError, match=r"must hold vectors or matrices of numbers, got 'note"):
+    with pytest.raises(InputError, match=r"must contain vectors or matrices of numbers, got 'note"):
         read_signals(tmp_path / "b.mat")
     (tmp_path / "c.mat").write_bytes(b"no matlab file at all" * 20)
     with pytest.raises(InputError, match="must be a MATLAB file"):

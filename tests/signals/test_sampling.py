@@ -52,7 +52,7 @@ def test_one_sample_a_revolution_is_refused(coarse, read):
 def test_the_number_in_the_message_would_do(coarse):
     with pytest.raises(InputError) as refused:
         orders(coarse)
-    enough = int(re.search(r": (\d+) samples in all would do", str(refused.value))[1])
+    enough = int(re.search(r": (\d+) samples in all are enough", str(refused.value))[1])
     track = orders(ramp(enough)).isel(order=0)
     assert float(track.backward_whirl_amplitude.max()) < 0.02 * float(
         track.forward_whirl_amplitude.max()

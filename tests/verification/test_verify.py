@@ -186,7 +186,7 @@ def test_a_basin_written_before_with_the_first_component_first_verifies(tmp_path
         (
             "machines",
             lambda of: of.assign_coords(shaft_stiffness=of.shaft_stiffness + 0.1),
-            "made again, it has {'event': ",
+            "computed again, it has {'event': ",
         ),
         (
             "up and down of a machine",
@@ -217,7 +217,7 @@ def test_a_forged_result_of_many_points_does_not_verify(kind, forge, trouble):
 def test_another_kind_of_dataset_cannot_be_verified():
     with pytest.raises(
         InputError,
-        match="only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_att",
+        match="only results of simulate, run_up, sweep, run_ups, basin, basin_fractions",
     ):
         rerun(folds(zeta=0.07, delta0=0.0))
     run = simulate(ROTOR, start=(0, 0, 0, 0), duration=5.0)
@@ -232,18 +232,18 @@ def test_another_kind_of_dataset_cannot_be_verified():
         (
             "sweep",
             lambda of: of.drop_vars("start_y"),
-            "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_attr",
+            "only results of simulate, run_up, sweep, run_ups, basin, basin_fractions",
         ),
         (
             "sweep",
             lambda of: of.drop_vars("amplitude"),
-            "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_attr",
+            "only results of simulate, run_up, sweep, run_ups, basin, basin_fractions",
         ),
         ("sweep", lambda of: of.assign(amplitude=of.amplitude.astype(str)), "amplitude must be nu"),
         (
             "basin",
             lambda of: of.drop_vars("vy"),
-            "only what simulate, run_up, sweep, run_ups, basin, basin_fractions, continue_attr",
+            "only results of simulate, run_up, sweep, run_ups, basin, basin_fractions",
         ),
         (
             "basin_fractions",

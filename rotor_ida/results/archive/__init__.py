@@ -1,7 +1,7 @@
-"""Datasets kept in netCDF files: wholly written or not at all, and checked when read back.
+"""Save datasets in netCDF files: written atomically, and checked when read back.
 
-This package sees labelled datasets only, so that a file can be read, compared and plotted where
-no solver is installed.
+This package needs labelled datasets only, so files can be read, compared and plotted without a
+solver.
 """
 
 from rotor_ida.results.archive.reading import load, open_archive

@@ -1,8 +1,8 @@
-"""Two checksums: of what an archive says, and of the bytes of its file, which is its seal.
+"""Two checksums: of the content of an archive, and of the bytes of its file, which is its seal.
 
-A damaged file can make the HDF5 library loop for ever or crash. So the bytes are checked before
-the library sees them. HDF5 and netCDF do not read what follows the end of their data, where the
-seal is. Numbers that are not in memory pass block by block, so that they may be larger than it.
+A damaged file can make the HDF5 library crash or loop forever, so the bytes are checked before the
+library reads them. The seal follows the data of HDF5 and netCDF, which do not read it. Numbers that
+are not in memory are hashed block by block, so they may be larger than memory.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Array = npt.NDArray[np.generic]
 Index = tuple[slice | EllipsisType, ...]
 Look = Callable[[str, Index, Array], None]
 
-# Who asked for the content and when: what was computed alike has one checksum.
+# Attributes on who saved the content and when; equal results have equal checksums.
 _NOT_CONTENT = {*OF_THE_FILE, COMMAND}
 
 _SEAL = re.compile(rb"\nrotor_ida seal 1: sha256 of the bytes before is ([0-9a-f]{64})\n")
@@ -39,26 +39,26 @@ _SEAL_LENGTH = len("\nrotor_ida seal 1: sha256 of the bytes before is \n") + 64
 
 
 def content_sha256(dataset: xr.Dataset, look: Look | None = None) -> str:
-    r"""Return the SHA-256 of all that `dataset` says, however it is stored.
+    r"""Return the SHA-256 of the content of `dataset`, however it is stored.
 
     Parameters
     ----------
     dataset : xr.Dataset
-        What is hashed, in the form of `rotor_ida.results.archive.content.archived_form`.
+        The dataset, in the form of `rotor_ida.results.archive.content.archived_form`.
     look : callable, optional
-        Called with name, index and values of each block as it is hashed, so that what takes long
-        to read or to compute can be written at the same time.
+        Called with name, index and values of each block as it is hashed, so that slow blocks can be
+        written at the same time.
 
     Notes
     -----
-    Hashed are lines of JSON, each ended by ``\n``: first the attributes of the dataset, then each
-    variable in the order of the names. An attribute, also in the order of the names, is
+    The hashed bytes are lines of JSON, each ended by ``\n``: first the attributes of the dataset,
+    then the variables, both in the order of their names. An attribute is
     ``["attribute", name, dtype, value]``, where dtype is ``"str"`` or as in ``"<f8"``, and a
     number's value is the hexadecimal of its little-endian bytes. A variable is ``["variable",
     name, whether it is a coordinate, dims, shape, dtype]``, its data, then its attributes: the data
     are the little-endian bytes in C order, or for strings one line of JSON, a list. The attributes
-    ``content_sha256``, ``history``, ``date_created`` and ``command`` of the dataset are left out;
-    compression and the order of variables play no part.
+    ``content_sha256``, ``history``, ``date_created`` and ``command`` of the dataset are left out.
+    Compression and the order of variables do not matter.
 
     Examples
     --------
@@ -90,7 +90,7 @@ def content_sha256(dataset: xr.Dataset, look: Look | None = None) -> str:
 
 
 def append_seal(path: Path) -> None:
-    """Put a seal at the end of a finished file."""
+    """Append a seal to a finished file."""
     with path.open("rb+") as file:
         digest = _sha256(file, os.fstat(file.fileno()).st_size)
         file.seek(0, os.SEEK_END)
@@ -98,9 +98,9 @@ def append_seal(path: Path) -> None:
 
 
 def seal_of(path: Path, *, check: bool = True) -> Literal["good", "broken", "none"]:
-    """Say whether the bytes of a file are those that were sealed.
+    """Return whether the bytes of a file are those that were sealed.
 
-    If they are not to be checked, a seal that is there is taken to be good.
+    Without the check, an existing seal counts as good.
     """
     with path.open("rb") as file:
         length = os.fstat(file.fileno()).st_size - _SEAL_LENGTH
@@ -130,7 +130,7 @@ def largest_block(shape: Sequence[int], itemsize: int, limit: int) -> tuple[int,
 def block_indices(shape: Sequence[int], itemsize: int) -> Iterator[tuple[slice, ...]]:
     """Yield the indices of the blocks of an array, in C order.
 
-    Each block holds whole chunks, so that none is compressed twice.
+    Each block consists of whole chunks, so that none is compressed twice.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""What an archive holds: the form that a dataset gets, its names and attributes, and CF's view.
+"""The content of an archive: the stored form of a dataset, its names and attributes for CF.
 
-Plain readers of netCDF, who know the CF conventions but not this package, see the same variables;
-`stored_names` and `coordinates_of` say under which names and attributes.
+Readers of netCDF that know the CF conventions but not this package see the same variables;
+`stored_names` and `coordinates_of` return their names and attributes.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ HISTORY = "history"
 CREATED = "date_created"
 COMMAND = "command"
 
-# Given anew to each file that is saved.
+# Attributes that are new in each saved file.
 OF_THE_FILE = frozenset([CHECKSUM, HISTORY, CREATED])
 
-# The attribute of a label that names the coordinate that it is.
+# The attribute of a label with the name of its coordinate.
 LABEL_OF = "label_of"
 
 NUMERIC = frozenset(
@@ -61,15 +61,15 @@ _INSTEAD = {
 
 
 def archived_form(dataset: xr.Dataset) -> xr.Dataset:
-    """Return `dataset` as it comes back from a file, with the attributes of the format.
+    """Return `dataset` as it is read back from a file, with the attributes of the format.
 
-    The result shares no encoding and no attributes with `dataset`, which is left as it was.
-    Numbers that are not in memory stay where they are.
+    The result shares no encoding and no attributes with `dataset`, which is not changed. Numbers
+    that are not in memory are not loaded.
 
     Raises
     ------
     InputError
-        For a name, a dtype or an attribute that a netCDF file cannot hold.
+        For a name, a dtype or an attribute that a netCDF file cannot store.
 
     Examples
     --------
@@ -100,8 +100,8 @@ def archived_form(dataset: xr.Dataset) -> xr.Dataset:
 def stored_names(dataset: xr.Dataset) -> dict[str, str]:
     """Return the name in the file of each variable.
 
-    For CF the coordinate of a dimension is a number. Where it is a text it is stored under another
-    name, as a label of the dimension.
+    In CF the coordinate of a dimension is a number. A text coordinate is stored under another name,
+    as a label of the dimension.
 
     Examples
     --------
@@ -119,7 +119,7 @@ def stored_names(dataset: xr.Dataset) -> dict[str, str]:
 
 
 def coordinates_of(dataset: xr.Dataset) -> tuple[dict[str, str], str]:
-    """Return the attribute ``coordinates`` of each variable, and that of the file for the others.
+    """Return the attribute ``coordinates`` of each variable, and that of the file for others.
 
     Examples
     --------
@@ -139,7 +139,7 @@ def coordinates_of(dataset: xr.Dataset) -> tuple[dict[str, str], str]:
 
 
 def _labels_in_place(dataset: xr.Dataset) -> xr.Dataset:
-    """Make labels of a dimension, which plain readers see, its coordinate again."""
+    """Turn the stored label of a dimension back into its coordinate."""
     for name, variable in dataset.variables.items():
         dim = variable.attrs.get(LABEL_OF)
         if variable.dims == (dim,) and dim not in dataset.variables:
@@ -161,7 +161,7 @@ def _stored_variable(name: str, variable: xr.Variable) -> xr.Variable:
 
 
 def _stored_values(name: str, values: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:
-    """Return the values of a variable as they come back; raise InputError if they cannot."""
+    """Return the values of a variable as they are read back; raise InputError if they cannot be."""
     native = values.dtype.newbyteorder("=")
     if native in NUMERIC:
         return values.astype(native, copy=False)
@@ -169,7 +169,7 @@ def _stored_values(name: str, values: npt.NDArray[np.generic]) -> npt.NDArray[np
     if values.dtype.kind not in "UOT" or not all(isinstance(text, str) for text in texts):
         held = "objects that are not strings" if values.dtype.kind == "O" else values.dtype.name
         raise InputError(
-            f"variable {name!r} must hold integers, float32, float64 or strings, got {held}"
+            f"variable {name!r} must contain integers, float32, float64 or strings, got {held}"
             + _INSTEAD.get(values.dtype.kind, "")
         )
     for text in texts:
@@ -178,7 +178,7 @@ def _stored_values(name: str, values: npt.NDArray[np.generic]) -> npt.NDArray[np
 
 
 def _stored_attributes(owner: str, attributes: Mapping[str, object]) -> dict[str, object]:
-    """Return attributes as they come back; raise InputError if they cannot."""
+    """Return attributes as they are read back; raise InputError if they cannot be."""
     for name in attributes:
         _check_name("attribute", name, owner)
         if name in _RESERVED:
@@ -194,7 +194,7 @@ def _stored_attribute(owner: str, name: str, value: object) -> object:
         array = np.asarray(value)
         native = array.dtype.newbyteorder("=")
         if native in NUMERIC and array.ndim <= 1:
-            # netCDF does not tell an array of one number from the number.
+            # netCDF does not distinguish an array of one number from the number.
             return array.reshape(-1).astype(native)[0] if array.size == 1 else array.astype(native)
     raise InputError(
         f"attribute {name!r} of {owner} must be a string, a number or a one-dimensional numeric "

@@ -1,11 +1,11 @@
-"""The one door to the netCDF and HDF5 libraries: their lock, and what HDF5 says of a file's parts.
+"""Access to the netCDF and HDF5 libraries: their lock, and checks of the parts of a file.
 
-netCDF4-python and HDF5 are not thread-safe: every call into them is made under `LOCK`.
+netCDF4-python and HDF5 are not thread-safe, so every call into them is made under `LOCK`.
 
-What netCDF does not tell, whether a part of a file is a link or has its data elsewhere, is asked of
-the HDF5 library that netCDF4-python has loaded, through ctypes. h5py would bring a second HDF5 into
-the process, and the two do not get on: HDF errors and crashes are on record in h5py's issue 1541
-and in netcdf4-python's issues 653, 1214 and 1343.
+netCDF does not report whether a part of a file is a link or has its data in another file. So the
+HDF5 library that netCDF4-python has loaded is asked, through ctypes. h5py would load a second HDF5,
+and the two conflict: see HDF errors and crashes in h5py's issue 1541 and in netcdf4-python's
+issues 653, 1214 and 1343.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from pathlib import Path
 
 from xarray.backends.netCDF4_ import NETCDF4_PYTHON_LOCK
 
-# xarray's own, so that files which the user opened with xarray are kept apart from ours.
+# xarray's lock, which also guards files that the user opened with xarray.
 LOCK = NETCDF4_PYTHON_LOCK
 
 _Id = ctypes.c_int64
 _Status = ctypes.c_int
-# The kind of a link is the first member of the structure that HDF5 hands over.
+# The kind of a link is the first member of HDF5's structure.
 _Visitor = ctypes.CFUNCTYPE(
     _Status, _Id, ctypes.c_char_p, ctypes.POINTER(ctypes.c_int), ctypes.c_void_p
 )
@@ -54,11 +54,11 @@ _OWN_LAYOUTS = range(3)  # compact, contiguous, chunked; then comes virtual
 
 
 def what_is_no_variable(path: Path) -> str:
-    """Say which part of the HDF5 file at `path` is not a variable with its data in that file.
+    """Return the part of the HDF5 file at `path` that is not a variable with its data in that file.
 
-    netCDF follows links while it opens a file, so this is asked of HDF5 before. Call it under
-    `LOCK`. The answer is empty if every part is such a variable, or where netCDF4-python does not
-    let its HDF5 library be called (Windows). If HDF5 cannot make sense of the file, OSError rises.
+    netCDF follows links while it opens a file, so HDF5 is asked before. Call it under `LOCK`. The
+    result is empty if every part is such a variable, or if the HDF5 library of netCDF4-python
+    cannot be called (Windows). OSError is raised if HDF5 cannot read the file.
     """
     hdf5 = _hdf5()
     if hdf5 is None:
@@ -87,10 +87,10 @@ def what_is_no_variable(path: Path) -> str:
 
 
 def what_is_not_own(path: Path) -> str:
-    """Return which part of the HDF5 file at `path`, in groups too, is a link or in another file.
+    """Return the part of the HDF5 file at `path`, in groups too, that is a link or in another file.
 
-    As `what_is_no_variable`, for files of others: groups and types are as good as variables. Groups
-    that hold one another would crash netCDF, and so are refused by their depth.
+    Like `what_is_no_variable`, for files from elsewhere, which may have groups and types. Groups
+    that contain one another would crash netCDF, so groups that are nested too deep are refused.
     """
     hdf5 = _hdf5()
     if hdf5 is None:
@@ -124,7 +124,7 @@ def what_is_not_own(path: Path) -> str:
 
 
 def _links_in(hdf5: ctypes.CDLL, file: int, group: bytes) -> dict[bytes, int]:
-    """Return the kinds of links in a group by name; of what is no group, nothing."""
+    """Return the kinds of links in a group by name; empty for anything else."""
     kinds: dict[bytes, int] = {}
 
     def note(_group: int, name: bytes, kind: ctypes._Pointer[ctypes.c_int], _data: object) -> int:
@@ -147,7 +147,7 @@ def _outside_storage(hdf5: ctypes.CDLL, file: int, name: bytes) -> str:
         if files > 0:
             return "whose data are in another file"
         if layout not in _OWN_LAYOUTS:
-            return "which is put together from other variables"
+            return "which is composed of other variables"
     finally:
         hdf5.H5Pclose(creation)
         hdf5.H5Dclose(dataset)
@@ -156,7 +156,7 @@ def _outside_storage(hdf5: ctypes.CDLL, file: int, name: bytes) -> str:
 
 def _hdf5() -> ctypes.CDLL | None:
     """Return the HDF5 library that netCDF4-python has loaded, if it can be called."""
-    # A library's handle also finds the names in the libraries that it was linked against.
+    # A library's handle also finds names in the libraries to which it is linked.
     library = ctypes.CDLL(importlib.import_module("netCDF4._netCDF4").__file__)
     for name, (result, *arguments) in _SIGNATURES.items():
         function = getattr(library, name, None)

@@ -1,4 +1,4 @@
-"""Reading an archive: what cannot be trusted is refused before its data are read."""
+"""Read an archive; refuse untrusted files before reading their data."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 def load(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Read an archive that `save` wrote, fully into memory.
+    """Read an archive written by `save` into memory.
 
     Parameters
     ----------
     path : path-like
-        The file. It is closed again when the function returns.
+        The file. It is closed when the function returns.
 
     Returns
     -------
@@ -50,9 +50,9 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     InputError
         If there is no such file, or `path` is a folder.
     ArchiveError
-        If the file is not an archive of this package, is of another format, is damaged or was
-        altered, refers to other files, declares more data than it can hold, or if its content
-        does not have the checksum that it was saved with.
+        If the file is not an archive of this package, has another format, is damaged or altered,
+        refers to other files, declares more data than it can contain, or does not match its
+        checksum.
 
     See Also
     --------
@@ -79,19 +79,19 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 def open_archive(path: str | os.PathLike[str], *, check: bool = True) -> xr.Dataset:
-    """Open an archive that `save` wrote, whose numbers are read when they are asked for.
+    """Open an archive written by `save`; numbers are read when they are used.
 
     Parameters
     ----------
     path : path-like
-        The file. It stays open until the dataset is closed, and is to be left alone until then.
+        The file. It stays open until the dataset is closed; do not change it until then.
     check : bool
-        Whether to read all of it once, block by block, and verify its checksums.
+        Whether to read it once, block by block, and verify its checksums.
 
     Returns
     -------
     xr.Dataset
-        As from `load`; texts and the coordinates of dimensions are in memory. Use it in a ``with``
+        As from `load`, with texts and coordinates of dimensions in memory. Use it in a ``with``
         statement or call its ``close``.
 
     Raises
@@ -122,7 +122,7 @@ def _as_it_stands(path: str | os.PathLike[str], read: Callable[[Path], xr.Datase
             with _reported(source):
                 return read(source)
         except ArchiveError:
-            # Replaced in the midst of reading by another process: read the new one.
+            # Another process replaced the file during reading: read the new one.
             if _identity(source) == before:
                 raise
 
@@ -180,10 +180,10 @@ def _open(source: Path, *, check: bool) -> xr.Dataset:
 
 
 def _refuse_unsound(source: Path, *, check: bool) -> None:
-    """Keep from the HDF5 library what could make it crash or never end."""
+    """Refuse files that could make the HDF5 library crash or loop forever."""
     with source.open("rb") as file:
         if file.read(len(_HDF5_SIGNATURE)) != _HDF5_SIGNATURE:
-            raise ArchiveError(f"{source} is not an archive of rotor_ida: it is no netCDF-4 file")
+            raise ArchiveError(f"{source} is not an archive of rotor_ida: it is not netCDF-4")
     seal = seal_of(source, check=check)
     if seal != "good":
         what = "it has no seal" if seal == "none" else "its bytes are not those that were sealed"
@@ -194,7 +194,7 @@ def _refuse_unsound(source: Path, *, check: bool) -> None:
     with LOCK:
         other = what_is_no_variable(source)
     if other:
-        raise ArchiveError(f"{source} is not a sound archive: it holds {other}")
+        raise ArchiveError(f"{source} is not a sound archive: it contains {other}")
 
 
 def _check_content(dataset: xr.Dataset, source: Path) -> None:
@@ -208,7 +208,7 @@ def _check_content(dataset: xr.Dataset, source: Path) -> None:
 def _read(
     source: Path, take: Callable[[str, Stored], Any], *, in_memory: bool = False
 ) -> xr.Dataset:
-    """Return the dataset in a file, with the numbers that `take` gives for name and variable."""
+    """Return the dataset in a file, with numbers from `take(name, variable)`."""
     import netCDF4  # noqa: PLC0415 - not needed to import the package
 
     with netCDF4.Dataset(source) as file:
@@ -232,7 +232,7 @@ def _read(
 
 
 def _refuse_other_formats(file: netCDF4.Dataset, source: Path) -> None:
-    """Refuse what this version cannot read, and groups and types that no archive has."""
+    """Refuse formats that this version cannot read, and files with groups or types."""
     number = file.getncattr(FORMAT) if FORMAT in file.ncattrs() else "none"
     if not isinstance(number, np.integer) or number != FORMAT_NUMBER:
         raise ArchiveError(
@@ -240,14 +240,14 @@ def _refuse_other_formats(file: netCDF4.Dataset, source: Path) -> None:
             f"{FORMAT_NUMBER} only; xarray.open_dataset and ncdump still open it"
         )
     if file.groups or file.cmptypes or file.vltypes or file.enumtypes:
-        raise ArchiveError(f"{source} is not a sound archive: it has groups or types of its own")
+        raise ArchiveError(f"{source} is not a sound archive: it has groups or user-defined types")
     for name, stored in file.variables.items():
         if not _holds_texts(stored) and np.dtype(stored.dtype).newbyteorder("=") not in NUMERIC:
             raise ArchiveError(f"{source} is not a sound archive: see variable {name!r}")
 
 
 def _refuse_absurd_sizes(file: netCDF4.Dataset, source: Path, *, in_memory: bool) -> None:
-    """Refuse more data than the file can hold, or than memory should."""
+    """Refuse more data than the file can contain, or than `load` allows in memory."""
     length = source.stat().st_size
     declared = sum(
         math.prod(stored.shape) * (16 if _holds_texts(stored) else stored.dtype.itemsize)
@@ -256,12 +256,12 @@ def _refuse_absurd_sizes(file: netCDF4.Dataset, source: Path, *, in_memory: bool
     possible = LARGEST_COMPRESSION * length + SMALLEST_ALLOWANCE
     if declared > possible:
         raise ArchiveError(
-            f"{source} declares {declared:.3g} bytes of data: it has {length} bytes, and "
-            f"{possible:.3g} is the most that is read from it"
+            f"{source} declares {declared:.3g} bytes of data, but has {length} bytes, from which "
+            f"at most {possible:.3g} are read"
         )
     if in_memory and declared > LARGEST_CONTENT:
         raise ArchiveError(
-            f"{source} holds {declared:.3g} bytes of data, and load reads at most "
+            f"{source} contains {declared:.3g} bytes of data, and load reads at most "
             f"{LARGEST_CONTENT:.3g} into memory: open_archive reads larger ones"
         )
 
@@ -280,5 +280,5 @@ def _values(stored: Stored, source: Path) -> npt.NDArray[np.generic]:
         return values
     longest = max(map(len, values.ravel().tolist()), default=0)
     if values.size * longest * 4 > LARGEST_CONTENT:
-        raise ArchiveError(f"{source} declares absurdly long strings in {stored.name!r}")
+        raise ArchiveError(f"{source} declares unreasonably long strings in {stored.name!r}")
     return values.astype(str)

@@ -1,4 +1,4 @@
-"""Writing an archive: checked, written through netCDF4 block by block, sealed and published."""
+"""Write an archive: check it, write it with netCDF4 block by block, seal it and publish it."""
 
 from __future__ import annotations
 
@@ -47,17 +47,17 @@ _NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
 def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-    """Write `dataset` to a netCDF file at `path`, wholly or not at all.
+    """Write `dataset` to a netCDF file at `path` atomically.
 
     Parameters
     ----------
     dataset : xr.Dataset
         Variables of integers, float32, float64 or strings; attributes that are strings, numbers
-        or one-dimensional numeric arrays. It is left as it was.
+        or one-dimensional numeric arrays. It is not changed.
     path : path-like
-        Where to write. The folder must exist.
+        The file. Its folder must exist.
     overwrite : bool
-        Whether a file that is there may be replaced.
+        Whether an existing file may be replaced.
 
     Returns
     -------
@@ -67,32 +67,31 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
     Raises
     ------
     InputError
-        If the folder does not exist or cannot be written to, `path` is a folder, or a file is
-        there and `overwrite` is false, even one that appeared during the writing; or for a name,
-        dtype or attribute that an archive cannot hold.
+        If the folder does not exist or cannot be written to; if `path` is a folder; if a file
+        exists and `overwrite` is false, even one that appeared during writing; or for a name,
+        dtype or attribute that an archive cannot store.
     ArchiveError
-        If the system does not let the file be written: a full disk, for example.
+        If the file cannot be written: a full disk, for example.
 
     Notes
     -----
-    The file gets six global attributes, which `load` shows: ``Conventions``,
-    ``rotor_ida_format``, ``rotor_ida_version`` (unless `dataset` has one: it says what computed
-    the data), ``date_created`` (unchanged if the content is the same), ``history`` (one line more)
-    and ``content_sha256``, the checksum of `content_sha256`, which `load` verifies. They describe
-    the file: a dataset that was changed since it was loaded carries the old ones until it is saved
-    again.
+    The file gets six global attributes: ``Conventions``, ``rotor_ida_format``,
+    ``rotor_ida_version`` (kept if `dataset` has one, as that version computed the data),
+    ``date_created`` (unchanged if the content is the same), ``history`` (with one line added) and
+    ``content_sha256``, the checksum by `content_sha256`, which `load` verifies. They describe the
+    file: a loaded dataset that was changed has the old ones until it is saved again.
 
     Numbers that are not in memory, but in another file or to be computed by dask, are written
     block by block. The disk must have room for the numbers uncompressed, at most 32 MiB at a time.
 
-    netCDF makes no difference between an attribute that is an array of one number and the number:
-    both come back as the number. It has no fixed dimension of length zero: such a one is unlimited
-    in the file, the others are fixed. The width of strings and encodings are lost. Compressed
-    variables carry HDF5's own checksum beside.
+    netCDF does not distinguish an attribute that is an array of one number from the number: both
+    are read back as the number. It has no fixed dimension of length zero, so such a dimension is
+    unlimited in the file. String widths and encodings are lost. Compressed variables also have
+    HDF5's checksum.
 
-    A process that is killed while it writes leaves `path` as it was, and perhaps a folder
+    A process killed while writing leaves `path` unchanged, and perhaps a folder
     ``.*.rotor_ida-part`` beside it, which the next `save` there removes. On a file system without
-    hard links the moment of publishing without `overwrite` can leave an empty file in such a case.
+    hard links, a process killed while it publishes without `overwrite` can leave an empty file.
 
     Examples
     --------
@@ -126,7 +125,7 @@ def now() -> str:
 
 
 def _write_netcdf(stored: xr.Dataset, path: Path, earlier: Mapping[str, Any]) -> None:
-    """Write a dataset in its archived form to a new file; `earlier` are the attributes before."""
+    """Write a dataset in its archived form to a new file; `earlier` are the original attributes."""
     import netCDF4  # noqa: PLC0415 - not needed to import the package
 
     names = stored_names(stored)
@@ -147,7 +146,7 @@ def _write_netcdf(stored: xr.Dataset, path: Path, earlier: Mapping[str, Any]) ->
     try:
         with LOCK:
             _define(file, stored, names)
-        # to compute a block may itself read a file under the lock
+        # computing a block may itself read a file under the lock
         checksum = content_sha256(stored, write)
         with LOCK:
             file.setncatts(_of_the_file(checksum, earlier))
@@ -157,10 +156,10 @@ def _write_netcdf(stored: xr.Dataset, path: Path, earlier: Mapping[str, Any]) ->
 
 
 def _make_sure_of_room(folder: Path, size: int) -> None:
-    """Raise what the system says where so many bytes may not be written.
+    """Raise the system's error if this many bytes cannot be written.
 
-    Where a disk is full, HDF5 fails without saying so, and does not give back the file and its
-    space until the process ends.
+    If a disk is full, HDF5 fails without that reason, and releases the file and its space only
+    when the process ends.
     """
     if not hasattr(os, "posix_fallocate"):
         return
@@ -193,7 +192,7 @@ def _define(file: netCDF4.Dataset, stored: xr.Dataset, names: Mapping[str, str])
 def _create(file: netCDF4.Dataset, name: str, variable: xr.Variable) -> netCDF4.Variable[Any]:
     dims = tuple(str(dim) for dim in variable.dims)
     if variable.dtype not in NUMERIC:
-        # Strings of any length go past HDF5's filters; the checksum of the content covers them.
+        # HDF5's filters skip variable-length strings; the checksum of the content covers them.
         return file.createVariable(name, str, dims)
     if variable.ndim == 0 or variable.size == 0:
         return file.createVariable(name, variable.dtype, dims)
@@ -210,7 +209,7 @@ def _create(file: netCDF4.Dataset, name: str, variable: xr.Variable) -> netCDF4.
 
 
 def _of_the_file(checksum: str, earlier: Mapping[str, Any]) -> dict[str, object]:
-    """Return the attributes that tell of the file; a content saved again keeps its date."""
+    """Return the attributes of the file; content that is saved again keeps its date."""
     import netCDF4  # noqa: PLC0415 - not needed to import the package
 
     moment = now()
@@ -229,7 +228,7 @@ def _of_the_file(checksum: str, earlier: Mapping[str, Any]) -> dict[str, object]
 
 
 def _reason(error: Exception, folder: Path) -> str:
-    """Return one line; the netCDF library hides a full disk, so it also says how full it is."""
+    """Return the error in one line, with the free space, as netCDF hides a full disk."""
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
     free = shutil.disk_usage(folder).free

@@ -1,7 +1,7 @@
-"""Studies: the finished pieces of a long computation, in a folder, so that it can go on.
+"""Studies: the finished pieces of a long computation in a folder, so that it can be resumed.
 
-A study knows nothing of rotors. It has a *design*, which says what is computed, and *pieces*,
-numbered from 0, each the bytes that one job has returned.
+A study knows nothing of rotors. It has a *design*, which states what is computed, and *pieces*,
+numbered from 0, each with the bytes that one job returned.
 """
 
 from rotor_ida.results.studies.database import design_of, program_of

@@ -1,4 +1,4 @@
-"""Arrays of a study: as bytes in its store, and those larger than memory in files of its folder."""
+"""Arrays of a study: as bytes in its store, or in files of its folder if larger than memory."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import Arrays
 from rotor_ida.errors import ArchiveError
 
-# The fastest level: the numbers of an orbit hardly shrink, labels and headers do at any level.
+# The fastest level: numbers of an orbit hardly compress; labels and headers do at any level.
 _LEVEL = 1
 # Smaller arrays stay in memory.
 LARGE = 64 * 2**20  # bytes
@@ -27,7 +27,7 @@ LARGE = 64 * 2**20  # bytes
 def packed(arrays: Mapping[str, npt.NDArray[Any]]) -> bytes:
     """Return arrays as bytes: NumPy's npz without pickles, compressed whole by zlib.
 
-    `numpy.savez_compressed` leaves the headers as they are, which are most of a small piece.
+    `numpy.savez_compressed` does not compress the headers, which are most of a small piece.
 
     Examples
     --------
@@ -40,18 +40,18 @@ def packed(arrays: Mapping[str, npt.NDArray[Any]]) -> bytes:
 
 
 def unpacked(content: bytes) -> Arrays:
-    """Return what `packed` was given. Nothing in it can run code.
+    """Return the arrays packed by `packed`. Nothing in them can run code.
 
     Raises
     ------
     ValueError
-        If `packed` cannot have written it.
+        If the bytes were not written by `packed`.
     """
     try:
         with np.load(io.BytesIO(zlib.decompress(content)), allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
     except (zlib.error, zipfile.BadZipFile, ValueError, EOFError, OSError, AttributeError) as error:
-        raise ValueError(f"it holds no packed arrays: {error}") from error
+        raise ValueError(f"it contains no packed arrays: {error}") from error
 
 
 def scratch(
@@ -59,7 +59,7 @@ def scratch(
 ) -> npt.NDArray[np.generic]:
     """Return an array of unset values, on the disk of `folder` if it is large.
 
-    Its file has no name and goes away with the array, even if the process is killed. Without a
+    Its file has no name and disappears with the array, even if the process is killed. Without a
     folder the array is in memory, whatever its size.
 
     Raises
@@ -78,7 +78,7 @@ def scratch(
         return np.empty(shape, dtype=kind)
     try:
         with tempfile.TemporaryFile(dir=folder) as file:
-            # Room that is only promised would end the process when the disk is full.
+            # Without real allocation the process would crash when the disk is full.
             if hasattr(os, "posix_fallocate"):
                 os.posix_fallocate(file.fileno(), 0, size)
             else:

@@ -1,4 +1,4 @@
-"""The SQLite file of a study: opened, begun, and compared with what it was begun with."""
+"""The SQLite file of a study: open it, begin it, and compare its design."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Design = dict[str, Any]
 
 FILE = "study.sqlite"
 FORMAT = 2
-# A reader of the status holds the file for an instant only.
+# A reader of the status locks the file for an instant only.
 _PATIENCE = 30.0  # seconds
 
 _TABLES = (
@@ -29,7 +29,7 @@ _TABLES = (
     "CREATE TABLE sessions (began REAL NOT NULL, seen REAL NOT NULL, points INTEGER NOT NULL)",
     f"PRAGMA user_version = {FORMAT}",
 )
-# What the disk or the permissions are to blame for, not the file.
+# Errors caused by the disk or by permissions, not by the file.
 _OF_THE_SYSTEM = frozenset(
     [
         *(sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_READONLY, sqlite3.SQLITE_PERM),
@@ -40,7 +40,7 @@ _OF_THE_SYSTEM = frozenset(
 
 @contextmanager
 def connected(place: Path) -> Iterator[sqlite3.Connection]:
-    """Open the file in a folder, and say what SQLite says as an error of the study."""
+    """Open the file in a folder, and turn SQLite's errors into errors of the study."""
     try:
         connection = sqlite3.connect(place / FILE, timeout=_PATIENCE, isolation_level=None)
         with closing(connection):
@@ -48,7 +48,7 @@ def connected(place: Path) -> Iterator[sqlite3.Connection]:
             connection.execute("PRAGMA synchronous = FULL")
             yield connection
     except sqlite3.DatabaseError as error:
-        # what SQLite adds to a code stands above its last eight bits
+        # SQLite's extended codes use the bits above the last eight
         code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF
         intact = code in _OF_THE_SYSTEM
         hint = "what was kept before is intact" if intact else "it may be damaged"
@@ -57,7 +57,7 @@ def connected(place: Path) -> Iterator[sqlite3.Connection]:
 
 @contextmanager
 def transaction(connection: sqlite3.Connection) -> Iterator[None]:
-    """Write all that is written meanwhile, or nothing."""
+    """Commit everything written in the block, or nothing."""
     connection.execute("BEGIN IMMEDIATE")
     try:
         yield
@@ -71,14 +71,14 @@ def transaction(connection: sqlite3.Connection) -> Iterator[None]:
 def begin(
     connection: sqlite3.Connection, place: Path, design: Mapping[str, Any], points: int
 ) -> None:
-    """Write the design of a new study; hold that of one that was begun against it."""
+    """Write the design of a new study, or compare it with that of an existing one."""
     text = _as_text(design)
     if not _is_begun(connection, place):
         # a study has all its tables, or none yet
         if connection.execute("SELECT 1 FROM sqlite_master").fetchone() is not None:
             raise InputError(
                 f"study must be a new, an empty or a study's folder, got {str(place)!r}, whose "
-                f"{FILE} is of something else"
+                f"{FILE} is not a study"
             )
         with transaction(connection):
             for line in _TABLES:
@@ -89,14 +89,14 @@ def begin(
     begun, _ = begun_with(connection, place)
     wanted = json.loads(text)
     (done,) = connection.execute("SELECT coalesce(sum(points), 0) FROM pieces").fetchone()
-    if done == points:  # nothing is left to compute, so the program may be another
+    if done == points:  # nothing remains to compute, so the program may differ
         unsaid = dict.fromkeys(program_of(begun) | program_of(wanted))
         begun, wanted = begun | unsaid, wanted | unsaid
     refuse_another(str(place), begun, wanted)
 
 
 def program_of(design: Mapping[str, Any]) -> Design:
-    """Return what a design says of the program that computes: versions, and a digest of sources.
+    """Return the program in a design: versions, and a digest of sources.
 
     Examples
     --------
@@ -124,29 +124,29 @@ def begun_with(connection: sqlite3.Connection, place: Path) -> tuple[Design, int
 
 
 def refuse_another(folder: str, begun: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
-    """Refuse a design that differs from that with which the study in `folder` was begun.
+    """Raise `InputError` if a design differs from that of the existing study in `folder`.
 
     Examples
     --------
     >>> refuse_another("study", {"rtol": 1e-10}, {"rtol": 1e-09})
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: study 'study' was begun with rtol 1e-10, got 1e-09: go on with what
-    it was begun with, or begin another in a folder of its own
+    rotor_ida.errors.InputError: study 'study' was begun with rtol 1e-10, got 1e-09: resume it with
+    the same arguments, or begin another in a separate folder
     """
     for name in sorted({*begun, *wanted}):
         before, now = begun.get(name, "nothing"), wanted.get(name, "nothing")
         # as text, since 0.0 and -0.0 are equal but give other bits
         if _as_text({name: before}) != _as_text({name: now}):
             raise InputError(
-                f"study {folder!r} was begun with {name} {_shown(before)}, got {_shown(now)}: go "
-                "on with what it was begun with, or begin another in a folder of its own"
+                f"study {folder!r} was begun with {name} {_shown(before)}, got {_shown(now)}: "
+                "resume it with the same arguments, or begin another in a separate folder"
             )
 
 
 @contextmanager
 def reading(folder: str | os.PathLike[str]) -> Iterator[sqlite3.Connection]:
-    """Open the store of the study in a folder to look at it, even while it is worked on."""
+    """Open the store of the study in a folder for reading, even while it is running."""
     place = check_path("study", folder, kind="folder")
     refusal = f"folder must be that of a study, got {str(place)!r}"
     try:
@@ -176,7 +176,7 @@ def design_of(folder: str | os.PathLike[str]) -> Design:
 
 
 def damaged(place: Path, what: str) -> ArchiveError:
-    """Return the error for what is not as it was written."""
+    """Return the error for damaged content."""
     return ArchiveError(
         f"study {str(place)!r} is damaged: {what} in {FILE} is not what was written; restore the "
         "file from a copy, or begin another study"
@@ -184,12 +184,12 @@ def damaged(place: Path, what: str) -> ArchiveError:
 
 
 def _is_begun(connection: sqlite3.Connection, place: Path) -> bool:
-    """Return whether there is a study; one that was killed at once is none."""
+    """Return whether there is a study; one killed before its first write does not count."""
     (version,) = connection.execute("PRAGMA user_version").fetchone()
     if version not in {0, FORMAT}:
         raise InputError(
-            f"study {str(place)!r} has format {version}, but this version of rotor_ida goes on "
-            f"with format {FORMAT} only"
+            f"study {str(place)!r} has format {version}, but this version of rotor_ida resumes "
+            f"format {FORMAT} only"
         )
     return bool(version == FORMAT)
 

@@ -1,4 +1,4 @@
-"""Results of jobs, gathered as they come: in memory, or in the folder of a study."""
+"""Results of jobs, collected as they arrive: in memory, or in the folder of a study."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Folder = str | os.PathLike[str]
 
 @dataclass(frozen=True, slots=True)
 class Form(Generic[Result]):
-    """What a result is called, and how it becomes arrays and comes back.
+    """The name of a result, and its conversion to arrays and back.
 
     Examples
     --------
@@ -33,7 +33,7 @@ class Form(Generic[Result]):
     >>> form.unpack(packed({}))
     Traceback (most recent call last):
     ...
-    ValueError: it holds no time: 't'
+    ValueError: it contains no time: 't'
     """
 
     word: str
@@ -45,19 +45,19 @@ class Form(Generic[Result]):
         return packed(self.as_arrays(result))
 
     def unpack(self, content: bytes) -> Result:
-        """Return the result that `pack` was given; `ValueError` if it cannot have written it."""
+        """Return the result packed by `pack`; raise `ValueError` if these are other bytes."""
         arrays = unpacked(content)
         try:
             return self.from_arrays(arrays)
         except (KeyError, TypeError, IndexError, ValueError) as error:
-            raise ValueError(f"it holds no {self.word}: {error}") from error
+            raise ValueError(f"it contains no {self.word}: {error}") from error
 
 
 class Results(Generic[Result]):
     """The results of jobs, by number: in a study, or by default in memory.
 
-    What is larger than memory can go to `folder`, if there is one. The jobs in `done` need not be
-    done any more; `points_done` is the number of their points.
+    Data larger than memory can go to `folder`, if there is one. The jobs in `done` are complete;
+    `points_done` is the number of their points.
     """
 
     def __init__(self, study: Study | None = None, form: Form[Result] | None = None) -> None:
@@ -70,7 +70,7 @@ class Results(Generic[Result]):
     def keep(
         self, number: int, result: Result, points: int, *, failed: int = 0, reason: str = ""
     ) -> None:
-        """Keep the result of a job, with so many points of which so many failed."""
+        """Keep the result of a job, with its number of points and of failed points."""
         if self._study is None or self._form is None:
             self._held[number] = result
         else:
@@ -79,7 +79,7 @@ class Results(Generic[Result]):
         self.points_done += points
 
     def hold(self, number: int, result: Result) -> None:
-        """Keep the result of a job for this time only, so that the next session does it again."""
+        """Keep the result of a job for this session only; the next session runs it again."""
         self._held[number] = result
 
     def results(self) -> Iterator[tuple[int, Result]]:
@@ -107,7 +107,7 @@ def open_results(
     points: int,
     form: Form[Result],
 ) -> Iterator[Results[Result]]:
-    """Gather results in the study in `folder`, begun as by `opened`, or in memory if it is None."""
+    """Collect results in the study in `folder`, as in `opened`, or in memory if it is None."""
     if folder is None:
         yield Results()
         return

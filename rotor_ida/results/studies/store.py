@@ -1,6 +1,6 @@
 """The store of a study: one SQLite file in a folder, written by one process at a time.
 
-What is there outlasts a kill, a power failure and a full disk, as SQLite's transactions do.
+Its content survives a kill, a power failure and a full disk, as SQLite's transactions do.
 """
 
 from __future__ import annotations
@@ -34,33 +34,33 @@ from rotor_ida.results.studies.database import (
 LOCK = "study.lock"
 # The machine of a study whose results are in SI units.
 MACHINE_FILE = "machine.toml"
-# Who only asks whether the lock is held holds it for an instant.
+# A process that only checks the lock holds it for an instant.
 _PATIENCE = 1.0  # seconds
 _READ_ONLY = {errno.EROFS, errno.EACCES, errno.EPERM}
-# So many different reasons of failure are told.
+# Number of different reasons of failure that are reported.
 _MOST_REASONS = 10
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """What one job has returned."""
+    """The result of one job."""
 
     number: int  # of the job
-    points: int  # how many points of the study it holds
-    failed: int  # how many of these failed
-    reason: str  # why the first of them did; empty if none
-    content: bytes  # what `rotor_ida.results.studies.arrays.packed` made of the result
+    points: int  # number of points of the study in it
+    failed: int  # number of these that failed
+    reason: str  # why the first of them failed; empty if none
+    content: bytes  # the result, by `rotor_ida.results.studies.arrays.packed`
 
 
 class Study:
-    """A study that is being worked on, from `opened` only: which pieces and points it holds."""
+    """An open study, from `opened` only: its pieces and its number of points done."""
 
     def __init__(self, folder: Path, connection: sqlite3.Connection) -> None:
         self.folder = folder
         self.done: set[int] = set()
         self.points_done = 0
         self._connection = connection
-        # what is damaged is better known before more is computed
+        # find damage before more is computed
         for *told, digest in connection.execute(
             "SELECT number, points, failed, reason, content, digest FROM pieces"
         ):
@@ -81,7 +81,7 @@ class Study:
         Raises
         ------
         ArchiveError
-            If the system does not let it be written: a full disk, a missing permission.
+            If it cannot be written: a full disk, a missing permission.
         """
         points = self.points_done + piece.points
         seen = self._began + time.monotonic() - self._clock
@@ -107,17 +107,17 @@ class Study:
 def opened(
     folder: str | os.PathLike[str], design: Mapping[str, Any], points: int
 ) -> Iterator[Study]:
-    """Begin a study in a folder, or go on with the one that is there.
+    """Begin a study in a folder, or resume the existing one.
 
     Parameters
     ----------
     folder : path-like
-        The folder; made if it is not there.
+        The folder; created if it does not exist.
     design : mapping
-        What is computed, and all that decides on the bits of the result: strings, finite numbers,
-        None and lists of them.
+        All that determines the bits of the result: strings, finite numbers, None and lists of
+        them.
     points : int
-        How many points it has in all.
+        Total number of points.
 
     Yields
     ------
@@ -127,10 +127,10 @@ def opened(
     Raises
     ------
     InputError
-        If the folder cannot be made or written to, or holds something else, or a study of another
-        design.
+        If the folder cannot be created or written to, or contains something else or a study of
+        another design.
     ArchiveError
-        If another process is at work on it, or its file is damaged or cannot be written.
+        If another process is working on it, or its file is damaged or cannot be written.
 
     Examples
     --------
@@ -152,14 +152,14 @@ def opened(
         ) from error
     with _locked(place, _PATIENCE), connected(place) as connection:
         begin(connection, place, design, points)
-        # a commit to a log waits for the disk once, not four times; where nothing can be written
-        # none is needed
+        # a commit to a log waits for the disk once, not four times; a folder without write
+        # permission needs none
         with _log_beside(connection):
             yield Study(place.absolute(), connection)
 
 
 def status(folder: str | os.PathLike[str]) -> dict[str, object]:
-    """Return how far the study in a folder is, even while it is worked on.
+    """Return the progress of the study in a folder, even while it is running.
 
     Parameters
     ----------
@@ -170,9 +170,9 @@ def status(folder: str | os.PathLike[str]) -> dict[str, object]:
     -------
     dict
         ``kind``; the numbers of ``points``, and of those ``done``, ``failed`` and ``left``;
-        ``running``, whether a process is at work on it; ``points_per_second`` in the last session
-        and ``seconds_left`` at that rate (NaN where nothing is known); ``reasons``, why points
-        failed, the first few different ones.
+        ``running``, whether a process is working on it; ``points_per_second`` in the last session
+        and ``seconds_left`` at that rate (NaN if unknown); ``reasons``, the first few different
+        reasons why points failed.
 
     Raises
     ------
@@ -211,11 +211,11 @@ def status(folder: str | os.PathLike[str]) -> dict[str, object]:
 
 
 def _check_new(place: Path) -> None:
-    """Refuse a place where no study can be: what is there stays as it is."""
+    """Refuse a place that cannot be a study's folder, and leave it unchanged."""
     nearest = next(path for path in (place, *place.parents) if path.exists())
     if not nearest.is_dir():
         raise InputError(f"study must be a folder, got the file {str(nearest)!r}")
-    if (place / FILE).exists():  # what is done can be read even where nothing can be written
+    if (place / FILE).exists():  # a finished study can be read without write permission
         return
     if place.is_dir() and any(each.name not in {LOCK, MACHINE_FILE} for each in place.iterdir()):
         raise InputError(f"study must be a new, an empty or a study's folder, got {str(place)!r}")
@@ -225,17 +225,17 @@ def _check_new(place: Path) -> None:
 
 @contextmanager
 def _locked(folder: Path, patience: float) -> Iterator[None]:
-    """Hold a folder for this process alone.
+    """Lock a folder for this process.
 
-    What counts is the lock on the file, which goes away with the process, not that the file is
-    there. Who holds the lock removes the file in the end; one that a killed process has left does
-    no harm, and the next one removes it.
+    The lock on the file counts, which disappears with the process, not the existence of the file.
+    The process with the lock removes the file in the end. A file left by a killed process does no
+    harm, and the next process removes it.
     """
     lock = FileLock(folder / LOCK, timeout=patience)
     try:
         lock.acquire()
     except Timeout:
-        raise ArchiveError(f"another process is at work in {str(folder)!r}") from None
+        raise ArchiveError(f"another process is working in {str(folder)!r}") from None
     except OSError as error:
         if error.errno not in _READ_ONLY:
             raise ArchiveError(
@@ -250,7 +250,7 @@ def _locked(folder: Path, patience: float) -> Iterator[None]:
 
 
 def _is_locked(folder: Path) -> bool:
-    """Return whether a process is at work in a folder, as far as can be told."""
+    """Return whether a process is working in a folder, as far as is known."""
     if not (folder / LOCK).exists():
         return False
     try:
@@ -262,7 +262,7 @@ def _is_locked(folder: Path) -> bool:
 
 @contextmanager
 def _log_beside(connection: sqlite3.Connection) -> Iterator[None]:
-    """Let commits go to a log, which is gone afterwards: then the one file is all of the study."""
+    """Commit to a log, which is removed afterwards, so that one file contains the whole study."""
     with suppress(sqlite3.OperationalError):
         connection.execute("PRAGMA journal_mode = WAL")
     try:

@@ -1,4 +1,4 @@
-"""Files of named arrays, nested or not: MATLAB (.mat), HDF5 (.h5, .hdf5) and NumPy (.npz)."""
+"""Read files of named arrays, nested or not: MATLAB (.mat), HDF5 (.h5, .hdf5), NumPy (.npz)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rotor_ida.signals.files.columns import Column, Table, check_size, one_line
 MOST_COLUMNS = 1000
 # Structures within structures.
 DEEPEST = 32
-# The most by which deflate shortens, and what a small file may hold anyway.
+# Largest compression ratio of deflate, and numbers always allowed in a small file.
 LARGEST_COMPRESSION, SMALLEST_ALLOWANCE = 1032, 2**20
 _NO_NUMBERS = {"c": "complex numbers", "U": "text", "S": "text", "V": "a table or an object"}
 
@@ -47,7 +47,7 @@ def read_hdf5(path: Path) -> Table:
 
 
 def read_npz(path: Path) -> Table:
-    """Return the columns of a file of `numpy.savez`; nothing in it is run."""
+    """Return the columns of a file of `numpy.savez`; no code in it is run."""
     held: dict[str, object] = {}
     try:
         with zipfile.ZipFile(path) as archive:
@@ -63,7 +63,7 @@ def read_npz(path: Path) -> Table:
 
 
 def _member(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> object:
-    """Return an array of a file of NumPy; what it says of its size is checked before."""
+    """Return an array of a NumPy file, after a check of its declared size."""
     with archive.open(member) as file:
         version = np.lib.format.read_magic(file)
         header = {(1, 0): np.lib.format.read_array_header_1_0}.get(
@@ -80,19 +80,19 @@ def _member(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> object:
 
 
 def _possible(path: Path) -> float:
-    """Return how many numbers a compressed file can hold."""
+    """Return the largest number of numbers in a compressed file."""
     return LARGEST_COMPRESSION * path.stat().st_size + SMALLEST_ALLOWANCE
 
 
 def _in_hdf5(path: Path, kind: str) -> dict[str, object]:
-    """Return what an HDF5 file holds, by groups."""
+    """Return the content of an HDF5 file by groups."""
     from netCDF4 import Dataset  # noqa: PLC0415 - takes long to import
 
     with LOCK, warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of types that are not understood, and left out
+        warnings.simplefilter("ignore")  # about unknown types, which are left out
         try:
             if other := what_is_not_own(path):
-                raise InputError(f"{shown(path)} must hold its own data, got {other}")
+                raise InputError(f"{shown(path)} must contain its own data, got {other}")
             with Dataset(path) as file:
                 file.set_auto_maskandscale(False)
                 declared = sum(math.prod(map(float, each.shape)) for each in _all_in(file))
@@ -105,14 +105,14 @@ def _in_hdf5(path: Path, kind: str) -> dict[str, object]:
 
 
 def _all_in(group: Any) -> Iterator[Any]:
-    """Yield the variables of a group and of those within."""
+    """Yield the variables of a group and of its subgroups."""
     yield from group.variables.values()
     for within in group.groups.values():
         yield from _all_in(within)
 
 
 def _group(group: Any) -> dict[str, object]:
-    """Return the variables of a group, with those of structures within."""
+    """Return the variables of a group, with those of nested structures."""
     held: dict[str, object] = {}
     for name, variable in group.variables.items():
         matlab = getattr(variable, "MATLAB_class", "")
@@ -154,7 +154,7 @@ def _table(path: Path, held: Mapping[str, object]) -> Table:
                 rest.append(f"{each} ({found})")
     if not columns:
         raise InputError(
-            f"{shown(path)} must hold vectors or matrices of numbers, got "
+            f"{shown(path)} must contain vectors or matrices of numbers, got "
             + (shown(", ".join(rest)) if rest else "nothing")
         )
     matrices = {name.split("(")[0] for name in columns}
@@ -171,7 +171,7 @@ def _table(path: Path, held: Mapping[str, object]) -> Table:
 def _within(
     name: str, value: object, unit: str = "", depth: int = 0
 ) -> Iterator[tuple[str, Column | float | str]]:
-    """Yield vectors of numbers by the names that MATLAB would give them, and what else there is."""
+    """Yield vectors of numbers by the names that MATLAB would give them, and other content."""
     if depth > DEEPEST:
         raise InputError(f"structures must be nested at most {DEEPEST} deep, got {shown(name)}")
     if isinstance(value, Column):

@@ -1,4 +1,4 @@
-"""Columns of numbers that were found in a file, and the units that are understood."""
+"""Columns of numbers in a file, and the known units."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 
-# Endings by which a file is read as what it is; any other file is text.
+# Endings by which formats are recognised; any other file is text.
 ENDINGS = {
     "wav": (".wav",),
     "matlab": (".mat",),
@@ -24,7 +24,7 @@ ENDINGS = {
     "labview": (".lvm",),
     "comtrade": (".cfg", ".dat"),
 }
-# Numbers that are read from one file: 2 GiB of them.
+# Largest number of numbers read from one file: 2 GiB.
 MOST_NUMBERS = 2**28
 _BRACKETS = re.compile(
     r"^(.*?)\s*(?:\[\s*(?P<square>[^\]]*?)\s*\]|\(\s*(?P<round>[^)]*?)\s*\))\s*$"
@@ -33,7 +33,7 @@ _SLASH = re.compile(r"^(.+?)\s*/\s*(\S+)$")
 
 
 class Column(NamedTuple):
-    """Numbers, NaN where a cell held none, and the unit that the file gives, if any."""
+    """Numbers, NaN where a cell has none, and the unit given by the file, if any."""
 
     values: Values
     unit: str = ""
@@ -46,11 +46,11 @@ class Table:
     Parameters
     ----------
     columns : mapping of str to Column
-        By their names.
+        Columns by name.
     cell : callable
-        Takes a column's name and a row, from 0, and returns in words what is there and where.
+        Takes a column's name and a row, from 0, and returns its content and place in words.
     rest : str
-        What else the file holds, for a message about a missing column.
+        Other content of the file, for a message about a missing column.
     scalars : mapping of str to float
         Single numbers by name, such as the sampling rate.
     """
@@ -61,29 +61,29 @@ class Table:
     scalars: Mapping[str, float] = field(default_factory=dict)
 
     def listed(self) -> str:
-        """Return the names of the columns, and what else there is."""
+        """Return the names of the columns, and other content."""
         return ", ".join(self.columns) + (f"; and {self.rest}" if self.rest else "")
 
 
 class Unit(NamedTuple):
-    """What a unit is of, the one that its numbers are turned into, and how many of those it is."""
+    """Quantity of a unit, the unit to which its numbers are converted, and the factor."""
 
     kind: str
     plain: str
     factor: float
 
 
-# Lengths stay in their unit, or are turned into the one that stands for them.
+# Lengths keep their unit, or are converted to a standard one.
 _LENGTHS = {"m": "m", "mm": "mm", "um": "um", "nm": "nm", "in": "mm", "mil": "um"}
 _VOLTS = {"v": "V", "volt": "V", "volts": "V", "mv": "mV", "millivolts": "mV"}
 _NONE = ("1", "-", "")
-# Other names of units of speed than those that `rotor_ida.units` knows.
+# Names of units of speed besides those in `rotor_ida.units`.
 _SPEEDS = {
     **dict.fromkeys(("rad/s", "rad s-1", "s-1", "1/s"), "rad/s"),
     **dict.fromkeys(("rev/min", "u/min"), "rpm"),
     **dict.fromkeys(("rps", "rev/s"), "Hz"),
 }
-# Those that a message offers, by what they are of.
+# Units that a message offers, by quantity.
 _OFFERED = {
     "time": ("s", "ms", "us", "min"),
     "angle": ("rad", "deg", "rev"),
@@ -93,7 +93,7 @@ _OFFERED = {
 
 
 def unit_called(name: str) -> Unit | None:
-    """Return a unit by its name, in whichever case if that is the only one; None if not known.
+    """Return a unit by name, ignoring case if that is unambiguous; None if not known.
 
     Examples
     --------
@@ -123,13 +123,13 @@ def known_units(kind: str) -> str:
 
 
 def _ratio(symbol: str, plain: str) -> float:
-    """Return how many of one unit another makes."""
+    """Return the factor between two units."""
     unit, other = units.UNITS[symbol], units.UNITS[plain]
     return unit._replace(power=unit.power - other.power).in_si("1")
 
 
 def name_and_unit(name: str) -> tuple[str, str]:
-    """Return a name less the unit in it: ``x [um]``, ``x (um)`` or ``x/um``.
+    """Split a name and the unit in it: ``x [um]``, ``x (um)`` or ``x/um``.
 
     Examples
     --------
@@ -138,7 +138,7 @@ def name_and_unit(name: str) -> tuple[str, str]:
     """
     if "/" in name:
         last = re.split(r"[\s_]+", name)[-1]
-        if unit_called(last) is not None:  # omega rad/s is no number of radians in seconds
+        if unit_called(last) is not None:  # the unit of omega rad/s is not s
             return name[: -len(last)].rstrip(" _") or name, last
     if found := _BRACKETS.match(name):
         square, round_ = found["square"], found["round"]
@@ -150,7 +150,7 @@ def name_and_unit(name: str) -> tuple[str, str]:
 
 
 def check_size(path: Path, numbers: float, *, possible: float = MOST_NUMBERS) -> None:
-    """Raise `InputError` if a file declares more numbers than are read, or than it can hold."""
+    """Raise `InputError` if a file declares more numbers than are read, or than it can contain."""
     most = min(possible, MOST_NUMBERS)
     if not numbers <= most:
         raise InputError(
@@ -160,6 +160,6 @@ def check_size(path: Path, numbers: float, *, possible: float = MOST_NUMBERS) ->
 
 
 def one_line(error: Exception) -> str:
-    """Return what an error of a library says, in one line of moderate length."""
+    """Return the message of a library's error in one line of moderate length."""
     said = " ".join(str(error).split()) or type(error).__name__
     return said if len(said) <= 200 else f"{said[:200]} ..."

@@ -1,4 +1,4 @@
-"""Measurement files of LabVIEW (.lvm): a head, then segments of columns between tabs or commas."""
+"""LabVIEW measurement files (.lvm): a header, then segments of columns with tabs or commas."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ SEPARATORS = {"tab": "\t", "comma": ","}
 
 @dataclass(frozen=True)
 class Segment:
-    """Columns that were written in one go.
+    """Columns of one segment.
 
     Parameters
     ----------
     head : mapping of str to list of str
-        What precedes the columns, such as ``Delta_X``, one cell for each channel.
+        Header lines before the columns, such as ``Delta_X``, one cell for each channel.
     names : list of str
         Names of the columns.
     first : int
         Number of the first line of numbers, from 0.
     values : ndarray, shape (rows, columns)
-        The numbers, NaN where a cell held none.
+        The numbers, NaN where a cell has none.
     """
 
     head: Mapping[str, Sequence[str]]
@@ -44,16 +44,16 @@ class Segment:
 
 
 def read_labview(path: Path) -> Table:
-    """Return the columns of a measurement file of LabVIEW, segments one after the other."""
+    """Return the columns of a LabVIEW measurement file, segments one after another."""
     lines = lines_of(path)
     if not lines[0].startswith(FIRST_LINE):
-        return read_text(path)  # LabVIEW writes files without a head, too
+        return read_text(path)  # LabVIEW also writes files without a header
     head = _head(lines, path)
     separator = SEPARATORS.get(head.get("Separator", ["Tab"])[0].lower(), "\t")
     comma = head.get("Decimal_Separator", ["."])[0] == ","
     segments = _segments(lines, separator, comma)
     if not segments:
-        raise InputError(f"{shown(path)} must hold a segment with the line {ABSCISSA}, got none")
+        raise InputError(f"{shown(path)} must contain a segment with the line {ABSCISSA}, got none")
     first = segments[0]
     for segment in segments[1:]:
         if segment.names != first.names:
@@ -65,10 +65,10 @@ def read_labview(path: Path) -> Table:
 
 
 def _head(lines: Sequence[str], path: Path) -> dict[str, list[str]]:
-    """Return the cells of the head by the first of each line."""
+    """Return the cells of the header by the first cell of each line."""
     ends = [row for row, line in enumerate(lines[:200]) if line.startswith(END_OF_HEAD)]
     if not ends:
-        raise InputError(f"{shown(path)} must have a head that ends in {END_OF_HEAD}, got no end")
+        raise InputError(f"{shown(path)} must have a header that ends in {END_OF_HEAD}, got no end")
     found = {}
     for line in lines[: ends[0]]:
         cells = line.split("\t") if "\t" in line else line.split(",")
@@ -78,7 +78,7 @@ def _head(lines: Sequence[str], path: Path) -> dict[str, list[str]]:
 
 
 def _segments(lines: Sequence[str], separator: str, comma: bool) -> list[Segment]:
-    """Return the segments: each has lines of its head, one of names, and its numbers."""
+    """Return the segments: each has header lines, a line of names, and numbers."""
     segments: list[Segment] = []
     head: dict[str, list[str]] = {}
     row = 0
@@ -131,7 +131,7 @@ def _table(segments: Sequence[Segment], abscissae: str, comma: bool) -> Table:
 
 
 def _times(segment: Segment, comma: bool) -> Values:
-    """Return the times of a segment that tells only its first time and its step."""
+    """Return the times of a segment that gives only its first time and its step."""
     start, step = (
         number_in(cell.replace(",", ".") if comma else cell)
         for cell in (segment.head.get(name, [""])[0] for name in ("X0", "Delta_X"))

@@ -1,4 +1,4 @@
-"""Files of recorders, each read by the library for its format: WAV, UFF, TDMS and COMTRADE."""
+"""Read recorder files with the library for each format: WAV, UFF, TDMS and COMTRADE."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SINGLE, DOUBLE = 2, 4  # of real ordinates in UFF
 DIRECTIONS = {0: "", 1: " x", 2: " y", 3: " z", -1: " -x", -2: " -y", -3: " -z"}
 # Unset labels in UFF.
 UNNAMED = {"", "none", "null"}
-# What begins and ends a set in UFF.
+# Mark at the beginning and end of a set in UFF.
 _TAG = re.compile(rb"    -1(?: {74})?(?=[\r\n]|\Z)")
 # Bytes of an analogue channel in COMTRADE, by format.
 BYTES = {"BINARY": 2, "BINARY32": 4, "FLOAT32": 4}
@@ -34,7 +34,7 @@ STATUS_BITS = 16
 
 
 def read_wav(path: Path) -> Table:
-    """Return the channels of a sound file, numbered from 1, and ``t``; whole numbers as of 1."""
+    """Return the channels of a sound file, numbered from 1, and ``t``; integers scaled to 1."""
     from scipy.io import wavfile  # noqa: PLC0415 - takes long to import
 
     with _understood(path, "a WAV file"):
@@ -63,7 +63,7 @@ def read_uff(path: Path) -> Table:
     responses = [each for each in sets if _is_response(each)]
     if not responses:
         raise InputError(
-            f"{shown(path)} must hold time responses (set 58 or 58b), got the sets {kinds}"
+            f"{shown(path)} must contain time responses (set 58 or 58b), got the sets {kinds}"
         )
     times = np.asarray(responses[0]["x"], dtype=np.float64)
     names = told_apart([_response_name(each) for each in responses])
@@ -73,7 +73,7 @@ def read_uff(path: Path) -> Table:
         values = np.asarray(each["data"], dtype=np.float64)[: int(each["num_pts"])]
         if values.size < int(each["num_pts"]):
             raise InputError(
-                f"{shown(path)} must hold the {each['num_pts']} points that its set {name} "
+                f"{shown(path)} must contain the {each['num_pts']} points that its set {name} "
                 f"declares, got {values.size}"
             )
         columns[name] = Column(values, _label(each, "ordinate_axis_units_lab"))
@@ -106,7 +106,7 @@ def read_tdms(path: Path) -> Table:
     nptdms = _library("nptdms", "TDMS", "npTDMS")
     # it writes its warnings to the terminal
     import_module("nptdms.log").log_manager.set_level("CRITICAL")
-    # of a file that it opened itself and does not understand it leaves the handle open
+    # it leaves the handle open of a file that it opened itself and does not understand
     with (
         _understood(path, "a TDMS file"),
         path.open("rb") as held,
@@ -119,7 +119,7 @@ def read_tdms(path: Path) -> Table:
         several = len({each.group_name for each in channels}) > 1
         columns: dict[str, Column] = {}
         rest: list[str] = []
-        # channels of another rate than the longest one's have other times
+        # channels with another rate than the longest one have other times
         channels.sort(key=len, reverse=True)
         step = channels[0].properties.get("wf_increment") if channels else None
         for channel in channels:
@@ -138,12 +138,12 @@ def read_tdms(path: Path) -> Table:
         if step and channels and "t" not in columns:
             columns = {"t": Column(channels[0].time_track(), "s"), **columns}
     if not columns:
-        raise InputError(f"{shown(path)} must hold channels of numbers, got {rest or 'none'}")
+        raise InputError(f"{shown(path)} must contain channels of numbers, got {rest or 'none'}")
     return _sampled(columns, ", ".join(rest))
 
 
 def _as_numbers(values: Any) -> Values | None:
-    """Return numbers as they are, and dates in seconds since the first; None of anything else."""
+    """Return numbers unchanged, and dates in seconds since the first; None for anything else."""
     values = np.asarray(values)
     if values.dtype.kind == "M":
         return np.asarray((values - values[0]) / np.timedelta64(1, "ns") * 1e-9, dtype=np.float64)
@@ -154,7 +154,7 @@ def read_comtrade(path: Path) -> Table:
     """Return the channels of a COMTRADE record, a pair of files .cfg and .dat, and ``t``."""
     head, data = _pair_of(path)
     if head is None and path.suffix.lower() == ".dat":
-        return read_text(path)  # many tables are called so
+        return read_text(path)  # many tables have this ending
     if head is None or data is None:
         other = ".dat" if head else ".cfg"
         raise InputError(f"{shown(path)} must have the {other} of its COMTRADE record beside it")
@@ -166,7 +166,7 @@ def read_comtrade(path: Path) -> Table:
         rows, whole = int(cfg.sample_rates[-1][1]), _rows_in(data, cfg)
     if rows > whole:
         raise InputError(
-            f"{shown(data)} must hold the {rows} samples that {shown(head.name)} declares, got "
+            f"{shown(data)} must contain the {rows} samples that {shown(head.name)} declares, got "
             f"{whole}"
         )
     with _understood(path, kind):
@@ -197,7 +197,7 @@ def _pair_of(path: Path) -> tuple[Path | None, Path | None]:
 
 
 def _rows_in(data: Path, cfg: Any) -> int:
-    """Return how many samples a .dat holds."""
+    """Return the number of samples in a .dat file."""
     if cfg.ft.upper() not in BYTES:
         with data.open("rb") as file:
             return sum(1 for line in file if line.strip(b"\r\n\x1a \t"))
@@ -207,14 +207,14 @@ def _rows_in(data: Path, cfg: Any) -> int:
 
 
 def _sampled(columns: dict[str, Column], rest: str = "") -> Table:
-    """Return columns of which a cell is a sample."""
+    """Return columns whose cells are samples."""
     return Table(
         columns, lambda name, row: f"{columns[name].values[row]} in sample {row + 1}", rest
     )
 
 
 def _library(module: str, kind: str, package: str) -> Any:
-    """Return a library, or raise `InputError` with how to install it."""
+    """Return a library; raise `InputError` with how to install it if it is missing."""
     try:
         return import_module(module)
     except ImportError:
@@ -225,7 +225,7 @@ def _library(module: str, kind: str, package: str) -> Any:
 
 @contextmanager
 def _understood(path: Path, kind: str) -> Iterator[None]:
-    """Turn whatever a library raises of a damaged file into one line."""
+    """Turn any exception of a library about a damaged file into one line."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

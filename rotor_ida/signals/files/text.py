@@ -1,4 +1,4 @@
-"""Tables in text: commas, semicolons, tabs or blanks between numbers, with or without a head."""
+"""Read text tables: numbers with commas, semicolons, tabs or blanks, and perhaps a header."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rotor_ida.signals.files.columns import Column, Table, name_and_unit, unit_c
 # Lines before the numbers in which instruments describe themselves.
 MOST_HEAD = 200
 COMMENTS = ("#", "%", "//")
-# What stands where a number is missing.
+# Markers of a missing number.
 MISSING = {"", "-", "--", "---", "na", "n/a", "#n/a", "null", "none"}
 # What may be a decimal comma or one between thousands: 1,234 but not 0,234 nor 1,23.
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
@@ -30,7 +30,7 @@ _FRACTION = re.compile(r"0\d+")
 
 @dataclass(frozen=True)
 class Layout:
-    """How the lines with numbers are written, and where the first of them is."""
+    """Format of the lines with numbers, and the position of the first."""
 
     separator: str | None
     first: int
@@ -38,12 +38,12 @@ class Layout:
     decimal_comma: bool
 
     def cells(self, line: str) -> list[str]:
-        """Return the cells of a line, less an empty one behind a last separator."""
+        """Return the cells of a line, without an empty one after a final separator."""
         found = _cells(line, self.separator)
         return found[:-1] if len(found) == self.width + 1 and not found[-1] else found
 
     def number(self, cell: str) -> float:
-        """Return the number in a cell, NaN if it holds none."""
+        """Return the number in a cell, NaN if there is none."""
         return number_in(cell.replace(",", ".") if self.decimal_comma else cell)
 
 
@@ -80,8 +80,8 @@ def lines_of(path: Path) -> list[str]:
         text = held.decode("utf-16", errors="replace")
     elif b"\0" in held[:4096]:
         raise InputError(
-            f"{shown(path)} must be text, got other bytes; files of recorders are known by their "
-            "endings"
+            f"{shown(path)} must be text, got other bytes; files of recorders are recognised by "
+            "their endings"
         )
     else:
         try:
@@ -92,14 +92,14 @@ def lines_of(path: Path) -> list[str]:
 
 
 def _layout(lines: Sequence[str], path: Path) -> Layout:
-    """Return how the numbers are written: in lines of numbers alone if there are any."""
+    """Return the format of the numbers: that of lines with numbers only, if there are any."""
     begin = [
         (number, line)
         for number, line in enumerate(lines)
         if line.strip() and not line.lstrip().startswith(COMMENTS)
     ][: MOST_HEAD + 1]
     if not begin:
-        raise InputError(f"{shown(path)} must hold lines of two numbers or more, got an empty file")
+        raise InputError(f"{shown(path)} must have lines of two numbers or more, got an empty file")
     for alone in (True, False):
         for (number, line), (_, next_line) in zip(begin, [*begin[1:], (0, "")], strict=True):
             for separator in (";", "\t", ",", None):
@@ -108,12 +108,12 @@ def _layout(lines: Sequence[str], path: Path) -> Layout:
                 if _holds_numbers(cells, after, alone):
                     return _layout_from(lines, number, separator, cells)
     raise InputError(
-        f"{shown(path)} must hold lines of two numbers or more, got none, but {shown(begin[0][1])}"
+        f"{shown(path)} must have lines of two numbers or more, got none, but {shown(begin[0][1])}"
     )
 
 
 def _holds_numbers(cells: Sequence[str], after: Sequence[str], alone: bool) -> bool:
-    """Return whether cells are numbers, alone or beside words in the same places as in the next."""
+    """Return whether cells are numbers, alone or with words in the same places as the next line."""
     kinds = [_kind(cell) for cell in cells]
     if kinds.count("number") < 2:
         return False
@@ -125,7 +125,7 @@ def _holds_numbers(cells: Sequence[str], after: Sequence[str], alone: bool) -> b
 def _layout_from(
     lines: Sequence[str], first: int, separator: str | None, cells: Sequence[str]
 ) -> Layout:
-    """Return how the lines from the first with numbers on are written."""
+    """Return the format of the lines from the first with numbers on."""
     head = [_cells(_bare(line), separator) for line in lines[:first] if line.strip()]
     ended = not cells[-1] and any(
         len(each) == len(cells) - 1 or (len(each) == len(cells) and not each[-1]) for each in head
@@ -139,7 +139,7 @@ def _layout_from(
 
 
 def _check_commas(lines: Sequence[str], rows: Sequence[int], layout: Layout, path: Path) -> None:
-    """Raise `InputError` if commas may be decimal ones or something else."""
+    """Raise `InputError` if commas are ambiguous: decimal or other."""
     if layout.decimal_comma:
         first = ""
         for row in rows:
@@ -163,9 +163,9 @@ def _check_commas(lines: Sequence[str], rows: Sequence[int], layout: Layout, pat
             )
             place = next(n for n, cell in enumerate(first_cells) if _FRACTION.fullmatch(cell))
             raise InputError(
-                f"{shown(path)} must not have decimal commas between columns that are parted by "
+                f"{shown(path)} must not have decimal commas in columns that are separated by "
                 f"commas, got {shown(','.join(first_cells[place - 1 : place + 1]))} in line "
-                f"{row + 1}; write decimal points, or part the columns by semicolons"
+                f"{row + 1}; write decimal points, or separate columns by semicolons"
             )
 
 
@@ -176,7 +176,7 @@ def _numbers(body: Sequence[str], rows: Sequence[int], layout: Layout, path: Pat
         try:
             found = np.loadtxt(plain, delimiter=layout.separator, ndmin=2, comments=None)
         except ValueError:
-            pass  # some cells are no numbers
+            pass  # some cells are not numbers
         else:
             if found.shape[1] == layout.width:
                 return np.asarray(found, dtype=np.float64)
@@ -185,7 +185,7 @@ def _numbers(body: Sequence[str], rows: Sequence[int], layout: Layout, path: Pat
         cells = layout.cells(line)
         if len(cells) != layout.width:
             raise InputError(
-                f"line {rows[row] + 1} of {shown(path)} must hold {layout.width} cells as the "
+                f"line {rows[row] + 1} of {shown(path)} must contain {layout.width} cells as the "
                 f"first with numbers, got {len(cells)} in {shown(line)}"
             )
         table[row] = [layout.number(cell) for cell in cells]
@@ -193,7 +193,7 @@ def _numbers(body: Sequence[str], rows: Sequence[int], layout: Layout, path: Pat
 
 
 def _names(head: Sequence[str], layout: Layout, path: Path) -> tuple[list[str], list[str]]:
-    """Return names and units of the columns; without a line of names they are numbered from 1."""
+    """Return names and units of the columns, which are numbered from 1 if they have no names."""
     told = [line for line in head if line.strip()]
     plain = [line for line in told if not line.lstrip().startswith(COMMENTS)]
     fitting: list[list[str]] = []
@@ -219,7 +219,7 @@ def _names(head: Sequence[str], layout: Layout, path: Path) -> tuple[list[str], 
 
 
 def _are_units(cells: Sequence[str]) -> bool:
-    """Return whether a line is one of units: for the first column, or for most, they are known."""
+    """Return whether a line contains units: known ones for the first column or for most."""
     bare = [cell.strip("[]() ") for cell in cells]
     known = [cell for cell in bare if cell and unit_called(cell) is not None]
     first = unit_called(bare[0]) if bare[0] else None
@@ -227,7 +227,7 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 
 def told_apart(names: Sequence[str]) -> list[str]:
-    """Return names of which those that are alike are numbered: ``x (1)`` and ``x (2)``."""
+    """Return names with equal ones numbered: ``x (1)`` and ``x (2)``."""
     count, seen = Counter(names), Counter[str]()
     apart = []
     for name in names:
@@ -237,19 +237,19 @@ def told_apart(names: Sequence[str]) -> list[str]:
 
 
 def _bare(line: str) -> str:
-    """Return a line less the sign that makes it a comment."""
+    """Return a line without its comment sign."""
     return line.strip().lstrip("#%/").strip()
 
 
 def _cells(line: str, separator: str | None) -> list[str]:
-    """Return what stands between separators."""
+    """Return the cells between separators."""
     if '"' in line and separator is not None:
         return [cell.strip() for cell in next(csv.reader([line.strip("\n")], delimiter=separator))]
     return [cell.strip().strip('"') for cell in line.strip(" ").split(separator)]
 
 
 def _kind(cell: str) -> str:
-    """Return whether a cell holds a number, with point or comma, none, or a word."""
+    """Return whether a cell is a number, with point or comma, empty, or a word."""
     if cell.lower() in MISSING:
         return "none"
     return "word" if math.isnan(number_in(cell.replace(",", "."))) and cell.lower() != "nan" else (
@@ -257,7 +257,7 @@ def _kind(cell: str) -> str:
 
 
 def number_in(cell: str) -> float:
-    """Return a number, NaN if a cell holds none."""
+    """Return the number in a cell, NaN if there is none."""
     try:
         return float(cell)
     except ValueError:

@@ -43,9 +43,9 @@ def test_every_bit_of_a_batch_comes_back():
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (packed({}), "it holds no {word}: "),
-        (packed({"first": np.array(0), "rotor": np.array([1.0])}), "it holds no {word}: "),
-        (b"anything", "it holds no packed arrays: "),
+        (packed({}), "it contains no {word}: "),
+        (packed({"first": np.array(0), "rotor": np.array([1.0])}), "it contains no {word}: "),
+        (b"anything", "it contains no packed arrays: "),
     ],
 )
 def test_other_bytes_are_refused(word, content, message):
@@ -58,6 +58,8 @@ def test_a_piece_of_another_kind_is_damage_to_the_study(tmp_path):
         study.keep(Piece(0, 1, 0, "", packed({"first": np.array(0)})))
     with (
         open_results(tmp_path, {"kind": "sweep"}, 1, FORMS["points of a sweep"]) as kept,
-        pytest.raises(ArchiveError, match=r"damaged: piece 0 of study.*: it holds no points of a"),
+        pytest.raises(
+            ArchiveError, match=r"damaged: piece 0 of study.*: it contains no points of a"
+        ),
     ):
         list(kept.results())

@@ -117,7 +117,7 @@ def test_two_processes_cannot_work_on_one_study(tmp_path):
         ended = subprocess.run(
             [sys.executable, "-c", script], capture_output=True, text=True, check=False
         )
-        assert "ArchiveError: another process is at work" in ended.stderr
+        assert "ArchiveError: another process is working" in ended.stderr
     assert not status(tmp_path)["running"]
 
 
@@ -283,7 +283,7 @@ def test_a_number_of_points_that_is_none_is_reported(tmp_path):
 def test_the_database_of_something_else_is_left_alone(tmp_path):
     execute(tmp_path, "CREATE TABLE addresses (name)")
     before = (tmp_path / FILE).read_bytes()
-    with pytest.raises(InputError, match="is of something else"):
+    with pytest.raises(InputError, match="is not a study"):
         opened(tmp_path, DESIGN, 2).__enter__()
     assert (tmp_path / FILE).read_bytes() == before
 
@@ -309,7 +309,7 @@ def test_another_format_is_refused(tmp_path, number):
     with opened(tmp_path, DESIGN, 2):
         pass
     execute(tmp_path, f"PRAGMA user_version = {number}")
-    with pytest.raises(InputError, match=f"has format {number}, but this .* with format 2 only"):
+    with pytest.raises(InputError, match=f"has format {number}, but this .* resumes format 2 only"):
         opened(tmp_path, DESIGN, 2).__enter__()
 
 
