@@ -1,9 +1,9 @@
-"""Which response is the likeliest over speed and clearance, how hard it presses, what ends it.
+"""Map the most frequent response, its contact force and its robustness over speed and clearance.
 
-The paper advises to increase the clearance. Starts in the box |x|, |y| <= 10, |x'|, |y'| <= 10 are
-followed at each speed and clearance to the attractors that they end on; over the map lie the folds
-of the synchronous whirls, and where the bouncing cycle folds and doubles its period. On a coarser
-grid the smallest change of velocity is sought that throws the rotor off the likeliest attractor.
+The paper advises a larger clearance. At each speed and clearance, starts in the box
+|x|, |y| <= 10, |x'|, |y'| <= 10 are followed to their attractors. The map also shows the folds of
+the synchronous whirls, and the folds and period doublings of the bouncing cycle. A coarser grid
+shows the smallest change of velocity that moves the rotor off the most frequent attractor.
 
 Writes both atlases and the curves (netCDF) and a figure as PNG and SVG.
 """

@@ -1,11 +1,10 @@
-"""What the rotor does where no response curve can show it.
+"""Limit cycles and chaos that no response curve shows.
 
-At zeta = 0.07 most starts end bouncing on the ring at omega = 2, delta0 = 2, and in contact for
-ever with an oscillating radius at omega = 3, delta0 = 0.5. Both are limit cycles on the axes that
-turn with the unbalance: closed curves there, a section on a curve, lines beside the spin speed and
-backward ones in the spectrum, and a largest Lyapunov exponent of zero. In a narrow window of speeds
-about omega = 1.38, at delta0 = 1, the rotor never repeats itself: there the largest exponent is
-positive, which is chaos, and it lasts.
+At zeta = 0.07 most starts end in bouncing at omega = 2, delta0 = 2, and in lasting contact at an
+oscillating radius at omega = 3, delta0 = 0.5. On the axes that rotate with the unbalance, both are
+limit cycles: closed orbits with sections on a curve, spectral lines beside the spin speed and
+backward ones, and a largest Lyapunov exponent of zero. In a narrow range of speeds about
+omega = 1.38, at delta0 = 1, the largest exponent is positive: the motion is chaotic, and it lasts.
 
 Writes for each case the run, its section, spectrum, forces and Lyapunov exponents (netCDF), and one
 figure of all as PNG and SVG.

@@ -1,9 +1,9 @@
-"""What more clearance does: to the peak, the jumps, the force on the ring and the real response.
+"""Effects of a larger clearance on the peak, the jumps, the contact force and simulated response.
 
 The paper advises more clearance to reduce the risk (4.2.1). At zeta = 0.07 that lowers the peak,
-its speed and the force there. Below resonance it raises the amplitude, at omega = 1.2 from 3.4 to
-6.9. Above resonance the curve promises contact-free whirl; what a rotor that starts from rest does
-there is to bounce, and further out than without clearance.
+its speed and the force there. Below resonance it raises the amplitude: at omega = 1.2 from 3.4 to
+6.9. Above resonance the curve promises contact-free whirl, but a rotor that starts from rest
+bounces there, at a larger radius than without clearance.
 
 Writes the peaks and folds (design.nc), the curves over the clearance (curves.nc), the simulated
 responses (simulated.nc), and the figures as PNG and SVG.

@@ -1,10 +1,10 @@
-"""A machine in SI units, and the check of eq. (9): ω₀² = k√D/m, not k/m.
+"""A rotor in SI units, and a check of eq. (9): ω₀² = k√D/m, not k/m.
 
-A disc of 4 kg with an eccentricity of 10 micrometres turns at 3,000 rpm in a ring with 20
-micrometres of clearance. The run gives micrometres, milliseconds and newtons. The dimensional
-equation (7), integrated on its own by another program (SciPy, DOP853), lands on the same orbit when
-lengths are scaled with the eccentricity D and times with sqrt(m/(k sqrt(D))); with the printed k/m
-it is another orbit.
+A disc of 4 kg with an eccentricity of 10 micrometres runs at 3,000 rpm in a stator with 20
+micrometres of clearance. The run is in micrometres, milliseconds and newtons. An independent
+integration of the dimensional equation (7) (SciPy, DOP853) gives the same orbit when lengths are
+scaled with the eccentricity D and times with sqrt(m/(k sqrt(D))). With the printed k/m the orbit
+differs.
 
 Writes the run (run.nc), the same in SI units (machine.nc), the check (scaling.nc), and the figures
 as PNG and SVG.

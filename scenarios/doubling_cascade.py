@@ -1,12 +1,12 @@
 """A cascade of period doublings into chaos, at delta0 = 2.
 
-At zeta = 0.07 the stable cycle on which the rotor bounces at omega = 2 doubles its period near
-omega = 1.803 when the speed falls; the doubled cycle doubles again, and so on, ever faster: the
-distances shrink in the end by Feigenbaum's factor 4.669. Each doubling is located on its exact
-branch, and the next branch is entered there. A simulated rotor that is led down slowly shows the
-same: its largest radii split, and beyond the end of the cascade they fill bands. The exponent with
-which neighbours come together on a cycle, from its exact multipliers, rises to zero at each
-doubling; where no cycle is left, it is the Lyapunov exponent, which is positive.
+At zeta = 0.07 the rotor bounces on a stable cycle at omega = 2. As the speed falls, this cycle
+doubles its period near omega = 1.803. The doubled cycle doubles again, and so on, at distances that
+shrink by Feigenbaum's factor 4.669. Each doubling is located on its exact branch, and the next
+branch starts there. A simulation with slowly falling speed shows the same: the largest radii split,
+and past the end of the cascade they fill bands. The exponent at which neighbours approach a cycle,
+from its exact multipliers, rises to zero at each doubling. Where no stable cycle is left, the
+largest Lyapunov exponent is positive.
 
 Writes the branches (branch_1.nc and so on), the sweep (down.nc), its largest radii and exponents
 (radii.nc), and the figure as PNG and SVG; prints the table of doublings.

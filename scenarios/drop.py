@@ -1,24 +1,24 @@
-"""A rotor that loses its magnetic bearing and falls into the touchdown ring.
+"""Drop of a rotor from its magnetic bearing into the touchdown bearing.
 
-A rotor of 20 kg at 15,000 rpm, balanced to G 6.3, is let go in a touchdown ring 0.2 mm below:
-plausible numbers, of no machine in particular. Until then it turned about its centre of mass, at
-rest on the axis. It falls, hits the ring after 6.4 ms and bounces. If the ring takes enough of each
-impact, it is at rest within some hundredths of a second: it stays on the ring, in the whirl that
-the unbalance keeps up, and rocks at the bottom. If the ring takes too little, the unbalance gives
-back what the impacts lose, and the rotor bounces on. How much is enough, how long it takes and how
-large the forces get is mapped over clearance and contact damping.
+A rotor of 20 kg at 15,000 rpm, balanced to G 6.3, is released in a touchdown bearing with 0.2 mm of
+clearance: plausible numbers of no particular machine. At release it rotates about its centre of
+mass, at rest on the axis. It falls, hits the bearing after 6.4 ms and bounces. With enough contact
+damping it comes to rest within some hundredths of a second: it stays in contact, in the whirl that
+the unbalance drives, and rocks at the bottom. With too little, the unbalance restores the energy
+that impacts lose, and the rotor keeps bouncing. The necessary damping, the time to rest and the
+forces are mapped over clearance and contact damping.
 
-At rest means: on the ring for the last quarter of a second simulated, and the time to rest is that
-of the last entry. The speed is held.
+"At rest" means in contact for the last quarter of a second simulated. The time to rest is that of
+the last entry into contact. The speed is constant.
 
-In these drops the ring has no friction. With friction the rim, which turns at 31 m/s, drives the
-rotor backwards round the ring. If it is driven beyond the whirl that slips, nothing of this model
-stops it before the disc rolls, in dry whip, at a force that no machine lives to see. The share of
-drops that end so, let go at several places near the axis, is mapped over friction and damping
-for both contact dampings, beside the exact border beyond which no whip exists.
+These drops have no friction. With friction the rim, which moves at 31 m/s, drives the rotor
+backwards round the bearing. If it is driven past the slipping backward whirl, only rolling ends the
+acceleration: dry whip, at a force that no machine survives. The fraction of drops that end in whip,
+from several release points near the axis, is mapped over friction and damping for both contact
+dampings. The exact limit above which no whip exists is drawn beside it.
 
 Writes both drops in SI units (resting.nc, bouncing.nc), the map (map.nc), a drop that rests and one
-that whirls (lies.nc, whirls.nc), the shares (whip.nc), and the figures as PNG and SVG.
+that whirls (lies.nc, whirls.nc), the fractions (whip.nc), and the figures as PNG and SVG.
 """
 
 import math

@@ -1,9 +1,10 @@
 """Figures 4 and 5: natural frequency, period and phase portraits of free vibration.
 
-A free rotor (omega = zeta = 0) whirls on a circle or swings on a line. The paper has only the
-period of the circle and says that it grows with the amplitude; both fall: the ring hardens. Its
-phase portraits belong to the line, whose period is 4.746 % longer. With clearance the flight adds
-to the period, which grows without bound as the amplitude comes down to the clearance.
+A free rotor (omega = zeta = 0) whirls on a circle or swings on a line. The paper gives only the
+period of the circle, and states that it grows with the amplitude. Both periods fall, because the
+contact hardens. The paper's phase portraits belong to the line, whose period is 4.746 % longer.
+With clearance the flight adds to the period, which grows without bound as the amplitude approaches
+the clearance.
 
 Writes periods, exact and simulated (periods.nc, simulated_periods.nc), the portraits
 (portraits.nc), and figures as PNG and SVG.

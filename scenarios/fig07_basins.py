@@ -1,9 +1,9 @@
-"""Figure 7: from which starts the rotor comes to which response.
+"""Figure 7: basins of attraction.
 
-At omega = 1.7, zeta = 0.07, delta0 = 0, starts at rest make one smooth egg round the small whirl,
+At omega = 1.7, zeta = 0.07, delta0 = 0, starts at rest form one smooth egg round the small whirl,
 where the paper sees a spider. So do starts from the centre with any velocity. Fast starts bend the
-egg into a crescent, and starts with much angular momentum have arms. With clearance the picture
-changes altogether: contact-free, bouncing and full-contact responses share the plane.
+egg into a crescent, and starts with large angular momentum have arms. With clearance the picture
+is different: contact-free, bouncing and full-contact responses share the plane.
 
 Writes a basin for each plane and clearance, and the figures as PNG and SVG.
 """

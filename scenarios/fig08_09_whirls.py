@@ -1,8 +1,8 @@
-"""Figures 8 and 9: the small and the large whirl, each from its start, and a rotor that bounces.
+"""Figures 8 and 9: the small and the large whirl, and a rotor that bounces.
 
 At omega = 1.7, zeta = 0.07, delta0 = 0 the rotor settles on one of two whirls. The paper's
-captions are exchanged: from rest it comes to the small one, from (10, 0, 0, 0) to the large one.
-A third run has a clearance: it enters and leaves contact for ever.
+captions are exchanged: from rest it reaches the small one, from (10, 0, 0, 0) the large one.
+A third run, with clearance, enters and leaves contact for ever.
 
 Writes the three runs (small.nc, large.nc, bouncing.nc) and the figures as PNG and SVG.
 """

@@ -1,14 +1,14 @@
-"""Figures 10 and 11: amplitude over speed, for four clearances, beside simulations.
+"""Figures 10 and 11: amplitude over speed for four clearances, exact and simulated.
 
-Figure 10 draws every synchronous whirl at zeta = 0.07 with its stability, its folds and the
-backbone; from delta0 = 1 on the contacting whirls are an isola beside the contact-free family.
-Phases have figures of their own. Figure 11 adds what a simulated rotor settles on, from rest and
-with the speed going up and down, and the branches of limit cycles on which it bounces on the ring
-for ever, or stays in contact at a radius that oscillates: no curve of one harmonic can show them,
-yet they are as exact. Each branch is a band from the smallest to the largest radius, stable or not,
-with its folds and period doublings. With a clearance of 2 the rotor never comes to the contacting
-whirls from rest. A sweep lets the rotor settle at each speed; a machine does not wait. So real
-run-ups and run-downs, at a rate, are drawn beside the quasi-static ones: they jump later.
+Figure 10 shows every synchronous whirl at zeta = 0.07 with its stability, its folds and the
+backbone. From delta0 = 1 on the contacting whirls are an isola beside the contact-free family.
+Phases have separate figures. Figure 11 adds simulated responses, from rest and with the speed going
+up and down. It also shows the branches of limit cycles on which the rotor bounces for ever or stays
+in contact at an oscillating radius. No one-harmonic curve can show them, yet they are as exact.
+Each branch is a band from the smallest to the largest radius, stable or not, with its folds and
+period doublings. With a clearance of 2 the rotor never reaches the contacting whirls from rest. A
+sweep settles at each speed, but a machine does not wait. Run-ups and run-downs at a finite rate are
+therefore drawn beside the quasi-static ones: they jump later.
 
 Writes the exact curves (fig10.nc), the backbones (backbone.nc), the sweeps with all their contact
 events (fig11_from_rest.nc, fig11_up_down.nc), the comparison (fig11.nc), the branches of limit

@@ -1,13 +1,14 @@
-"""A machine is found from what its probes saw, with errors that hold.
+"""Fit of a machine to noisy probe signals, with a check of the standard errors.
 
-Six numbers of a machine are taken from the noisy signals of one run-up into its ring: first
-guesses of a data sheet are off by up to a third, the probes have noise of one micrometre, and where
-the unbalance is nobody knows. What `fit` finds is held against the truth, which here is known.
+Six parameters of a machine are fitted to the noisy signals of one run-up with contact. The first
+guesses from a data sheet are off by up to a third, the probes have noise of one micrometre, and the
+angle of the unbalance is unknown. The fitted values are compared with the true ones, which are
+known here.
 
-Whether the errors hold is a matter of many trials: another rotor is measured again and again, each
-time with noise of its own, and each fit is held against the truth.
+Many trials check the standard errors: another rotor is measured repeatedly with independent noise,
+and each fit is compared with the truth.
 
-Writes the signals (measured.nc), what was found in them (found.nc), the errors of the trials
+Writes the signals (measured.nc), the fitted values (found.nc), the errors of the trials
 (trials.nc), and the figures as PNG and SVG.
 """
 

@@ -1,11 +1,11 @@
 """Eqs (24)–(28): the "general solution" of the paper beside the simulated motion.
 
-The paper adds two exponentials to the whirl. The equation is nonlinear, so that solutions do not
-add up; three different exponents are given, and the phase has the wrong sign. Shown are the
-formula as printed, with the signs mended, and with exponents that belong to the stiffness of the
-whirl, from two starts. What does describe the motion near a whirl is the linearisation about it,
-whose four exponents are exact; the last figure shows its error beside the others from a start one
-percent away.
+The paper adds two exponentials to the whirl. The equation is nonlinear, so solutions do not
+superpose. The paper also gives three different exponents, and its phase has the wrong sign. The
+figures show the formula as printed, with corrected signs, and with exponents from the stiffness of
+the whirl, for two starts. The motion near a whirl is described by its linearisation, whose four
+exponents are exact. The last figure shows its error beside the others, from a start one percent
+away.
 
 Writes the comparisons (from_ten.nc, from_rest.nc, near_whirl.nc) and the figures as PNG and SVG.
 """

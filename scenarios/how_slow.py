@@ -1,18 +1,17 @@
-"""How slow is slow enough: what a run-up through resonance meets over its rate, and how it ends.
+"""How slow is slow enough: peak force and outcome of a run-up through resonance over its rate.
 
-A rotor on a shaft is run up through its critical speed inside a ring, from rest on the axis.
-Slowly, it follows the exact response: it touches, is pushed up the rub that the ring stiffens, and
-meets the largest force where that response ends: 92 % of it or more where the speed rises by less
-than 5 % of the critical speed in the time in which a free vibration decays. Fast enough, it never
-touches: whatever the damping, its radius stays below Lewis' 1.467/sqrt(a) and one eccentricity
-more, a the rate over the critical speed squared. Run-ups over rate and clearance show what lies in
-between, beside the largest force on the exact response; run-ups over rate and friction, for four
-angles of the unbalance at the beginning, show whether they end off the ring, in a rub, or in dry
-whip.
+A rotor on a shaft runs up through its critical speed in a stator, from rest on the axis. At a slow
+rate it follows the exact response: it touches, rides up the stiffened resonance, and reaches the
+largest force where that response ends. The force is 92 % of the exact maximum or more if the speed
+rises by less than 5 % of the critical speed during the decay time of a free vibration. At a fast
+rate the rotor never touches. At any damping its radius stays below Lewis' 1.467/sqrt(a) plus one
+eccentricity, where a is the rate over the critical speed squared. Run-ups over rate and clearance
+show the range between, beside the largest force on the exact response. Run-ups over rate and
+friction, for four initial angles of the unbalance, end out of contact, in a rub, or in dry whip.
 
-The same in SI units for the rotor of the scenario drop, while its magnetic bearing carries it:
-20 kg balanced to G 6.3, in a touchdown ring 0.2 mm away, held with 2 MN/m. Its critical speed is
-3,020 rpm; it is run up from 1,000 to 6,000 rpm.
+The same in SI units for the rotor of the scenario drop on its magnetic bearing: 20 kg balanced to
+G 6.3, with 0.2 mm of clearance to the touchdown bearing and a stiffness of 2 MN/m. Its critical
+speed is 3,020 rpm; it runs up from 1,000 to 6,000 rpm.
 
 Writes the run-ups (forces.nc, endings.nc), those of the machine in SI units (machine_forces.nc,
 machine_endings.nc), and the figures as PNG and SVG.

@@ -1,15 +1,15 @@
-"""Limit cycles on closed branches, and a sliver of stable ones.
+"""Isolas of limit cycles, and a narrow range of stable ones.
 
-A branch of limit cycles of the rotor need not be tied to a whirl. At zeta = 0.07, delta0 = 0.5 and
-2, it is an isola: followed from a cycle that a simulated rotor settles on, over the speed, round
-two folds, it comes back to where it began. Nothing that grows out of the synchronous whirls would
-ever find it. At delta0 = 2 the isola turns round near omega = 0.4, and between the fold there and
-the period doubling behind it lies a sliver of stable cycles less than 0.003 wide, where the rotor
-bounces although hardly any start leads there. Where the isolas end, over speed and clearance, is
-told by the curves of their folds and period doublings, beside those of the synchronous whirls.
+A branch of limit cycles need not be connected to a whirl. At zeta = 0.07, delta0 = 0.5 and 2, it is
+an isola: continued over the speed from a cycle of a simulated rotor, it passes two folds and closes
+on itself. Continuation from the synchronous whirls would never find it. At delta0 = 2 the isola
+folds near omega = 0.4. Between that fold and the next period doubling, cycles are stable over a
+range less than 0.003 wide. The rotor bounces there, although hardly any start leads to it. Curves
+of folds and period doublings show where the isolas end over speed and clearance, beside those of
+the synchronous whirls.
 
 Writes the branches (isola_1.nc, isola_2.nc), the curves (curves_1.nc and so on), a simulated
-witness inside the sliver (sliver.nc), and the figures as PNG and SVG.
+check inside the narrow range (sliver.nc), and the figures as PNG and SVG.
 """
 
 import sys

@@ -1,10 +1,10 @@
-"""The plots that practitioners read, of simulated and measured signals alike.
+"""Practitioners' plots of simulated and measured signals.
 
-A machine runs up through its critical speed, on which its rotor rubs: Bode and polar plot, order
-tracks, cascade and spectrogram show it in rpm, Hz and micrometres, with the exact response of the
-rotor beneath. What two probes at 45 and 135 degrees measure of it, with noise and in a CSV file,
-gives the same Bode plot. A rotor that bounces for ever shows orbit, full spectrum and the lines of
-its exact cycle; a heavy one the way of its centre line through the clearance.
+A machine runs up through its critical speed with contact. Bode and polar plot, order tracks,
+cascade and spectrogram show the run-up in rpm, Hz and micrometres, over the exact response of the
+rotor. A CSV file with noisy signals of two probes at 45 and 135 degrees gives the same Bode plot. A
+bouncing rotor shows the orbit, the full spectrum and the lines of its exact cycle. A heavy rotor
+shows the shaft centreline in the clearance.
 
 Writes the runs (run_up.nc, bouncing.nc, heavy.nc), the measured file (probes.csv) and the figures
 as PNG and SVG.

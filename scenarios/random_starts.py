@@ -1,10 +1,11 @@
-"""Figure 11 from random starts: which part of them ends on each attractor.
+"""Figure 11 from random starts: basin fractions of the attractors.
 
-Three parameter points, each followed from two independent samples of starts in the box
-|x|, |y| <= 10, |x'|, |y'| <= 10, which must agree within their sampling errors; and the attractors
-over the speed, for four clearances, each followed from speed to speed.
+Three parameter points are each computed from two independent samples of starts in the box
+|x|, |y| <= 10, |x'|, |y'| <= 10, which must agree within their sampling errors. The attractors of
+four clearances are continued over the speed.
 
-Writes the shares (netCDF) and a figure as PNG and SVG, and prints the comparison of the samples.
+Writes the basin fractions (netCDF) and a figure as PNG and SVG, and prints the comparison of the
+samples.
 """
 
 import sys

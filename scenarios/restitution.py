@@ -1,13 +1,12 @@
-"""What a ring gives back of an impact, and what that does to bouncing and to chaos.
+"""Restitution from contact damping, and its effect on bouncing and chaos.
 
-Hunt and Crossley's contact damping c takes energy from each impact. How much is left of the speed
-v at which a rotor meets the ring straight on follows from a law in closed form, in which neither
-stiffness nor exponent of the ring appears: x (1 + e) = ln((1 + x)/(1 - e x)) with x = c v. Radial
-impacts that are simulated lie on it to rounding, in a linear ring and in one of Hertz, and so does
-their depth. A rotor that bounces for ever, driven by its unbalance (omega = 2, zeta = 0.07,
-delta0 = 2), goes on at any damping of the ring: its branch over c ends nowhere, but from a certain
-c on it no longer leaves the ring. Chaos (omega = 1.38, delta0 = 1) is ended by far less, in a
-cascade of period doublings.
+Hunt and Crossley's contact damping c takes energy from each impact. The restitution e of a radial
+impact at speed v follows from a closed form that contains neither stiffness nor exponent of the
+contact: x (1 + e) = ln((1 + x)/(1 - e x)) with x = c v. Simulated radial impacts agree with it to
+rounding in a linear and in a Hertzian stator, and so do their depths. A rotor that bounces, driven
+by its unbalance (omega = 2, zeta = 0.07, delta0 = 2), keeps its cycle at any contact damping. Its
+branch over c has no end, but above a certain c it no longer leaves the stator. Chaos (omega = 1.38,
+delta0 = 1) ends at a far smaller c, in a cascade of period doublings.
 
 Writes the impacts (law.nc), the branch (bouncing.nc), peaks and exponents (chaos.nc), the doubled
 branches (doubled_1.nc and so on), and the figures as PNG and SVG.

@@ -1,13 +1,13 @@
-"""What friction does to a rotor that touches: rubs, Hopf points, and the knock that starts whip.
+"""Effects of friction: rubs, Hopf points, and the smallest knock that starts dry whip.
 
-Friction brakes a whirl that rubs on the ring: its amplitude falls, and from Hopf points on it no
-longer stays round, but swings in contact (zeta = 0.07, delta0 = 0.5, mu = 0, 0.05, 0.1 and 0.2).
-All this is exact, and simulated rotors that start near each whirl lie on it. What friction can do
-beside it is worse: it drives a backward whirl, until the disc rolls on the ring in dry whip
-(zeta = 0.1, mu = 0.2, delta0 = 1, rho = 10). Between a knock that dies away and one that goes over
-into whip lies the backward whirl that slips, a saddle, whose radius without unbalance is known in
-closed form. The smallest knock that starts whip is found by bisection, over the speed and at
-several angles of the unbalance; the smaller the unbalance, the nearer it is to the saddle.
+Friction brakes a whirl that rubs on the stator. Its amplitude falls, and past Hopf points it is no
+longer circular but swings in contact (zeta = 0.07, delta0 = 0.5, mu = 0, 0.05, 0.1 and 0.2). All
+this is exact, and simulated rotors that start near each whirl agree with it. Friction can also
+drive a backward whirl until the disc rolls on the stator in dry whip (zeta = 0.1, mu = 0.2,
+delta0 = 1, rho = 10). The slipping backward whirl is a saddle that separates knocks that die away
+from knocks that lead to whip. Its radius without unbalance is known in closed form. The smallest
+knock that starts whip is found by bisection, over the speed and at several angles of the unbalance.
+The smaller the unbalance, the closer it is to the saddle.
 
 Writes the exact curves (curves.nc), the ends of simulated rotors (simulated.nc), two knocks
 (dies.nc and whips.nc), the smallest knocks (knocks.nc), and the figures as PNG and SVG.

@@ -1,13 +1,13 @@
-"""Speeds that change: what is known exactly of run-ups, run-downs and limited power.
+"""Run-ups, run-downs and a drive of limited power beside exact results.
 
-Inside the clearance the motion on a ramp of the speed is made of error functions, and without
-damping the largest amplitude on the way through resonance is Lewis' as the rate falls. In contact
-a run-up follows the exact whirl as far as its fold, and jumps late: at the rate a by
-2.33811 a^(2/3)/|alpha b|^(1/3), with coefficients that the exact response knows; what is left,
-a (K ln(1/a) + C), is known up to one constant. Run-ups and run-downs so leave a hysteresis
-about the exact folds, the wider the faster they are. A drive of limited power, whose torque falls
-with the speed, holds the speeds at which its line meets the stable parts of Sommerfeld's curve:
-with more torque the speed rises little until the whirl falls off, and then it jumps.
+In flight the motion at a constant acceleration is given by error functions. Without damping the
+largest amplitude through resonance tends to Lewis' value as the rate falls. In contact a run-up
+follows the exact whirl to its fold and jumps late: at the rate a by
+2.33811 a^(2/3)/|alpha b|^(1/3), with coefficients from the exact response. The remainder,
+a (K ln(1/a) + C), is known up to one constant. Run-ups and run-downs therefore leave a hysteresis
+about the exact folds, which widens with the rate. A drive of limited power, whose torque falls with
+the speed, settles where its line meets the stable parts of Sommerfeld's curve. With more torque the
+speed rises little until the whirl is lost, and then it jumps.
 
 Writes flights through resonance (flight.nc, resonance.nc), late jumps (late.nc), run-ups and
 run-downs beside the exact response (hysteresis.nc, response.nc), Sommerfeld's curve and the speeds

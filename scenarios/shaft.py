@@ -1,13 +1,13 @@
-"""What a shaft that springs back does: amplitude over speed, without, with a soft and a stiff one.
+"""Effect of shaft stiffness on amplitude over speed: no shaft, a soft one and a stiff one.
 
-Most publications on rotors that touch their stator have a shaft and a linear ring; the rotor of the
-paper has neither. Here both are put side by side, at zeta = 0.07 and delta0 = 2: no shaft, a soft
-and a stiff one, in a linear ring and in one of Hertz. Without a shaft the whirls in contact are an
-isola, which a rotor from rest never comes to. A shaft has a critical speed of its own; as long as
-the whirl does not reach the ring there, the isola stays one. With a stiffer shaft the isola grows
-out of the resonance, and a rotor from rest climbs it. Beside the whirls lie limit cycles on which
-the rotor bounces, on isolas of their own, at higher speeds the stiffer the shaft. Simulated rotors,
-from rest with the speed going up and down and from pushes at each speed, lie on the exact results.
+Most publications on rotor-stator contact have a shaft and a linear stator; the rotor of the paper
+has neither. Here they are compared at zeta = 0.07 and delta0 = 2: no shaft, a soft and a stiff one,
+in a linear and in a Hertzian stator. Without a shaft the contacting whirls are an isola, which a
+rotor from rest never reaches. A shaft adds a critical speed. The isola remains as long as the whirl
+does not reach the stator there. With a stiffer shaft the isola joins the resonance, and a rotor
+from rest climbs it. Bouncing limit cycles lie on further isolas, at higher speeds for a stiffer
+shaft. Simulated rotors, from rest with the speed going up and down and from pushes at each speed,
+agree with the exact results.
 
 Writes the exact curves (curves.nc), the sweeps (up_down.nc, pushed.nc), the branches of limit
 cycles (cycles_1.nc and so on), and the figure as PNG and SVG.

@@ -1,13 +1,13 @@
-"""What the pictures of rub look like: orbit, full spectrum and cascade of eight motions.
+"""Rub signatures: orbit, full spectrum and cascade of eight motions.
 
-One rotor on a shaft (zeta = 0.04, kappa = 0.04, a linear ring, mu = 0.1, rho = 20, delta0 = 2) does
-it all. Upright it whirls with the spin on the ring; from a Hopf point on it swings in contact, from
-a graze on it leaves the ring in each swing, and beyond a fold of these cycles it rolls backwards
-in dry whip. On its side, under a load, it touches once a revolution or, faster, every other one,
-with lines at halves of the speed to the last digit, and faster still it is chaotic. In a ring that
-is too wide to be touched it runs up, without oil, through resonance. Each motion is an attractor by
-its eigenvalues, multipliers or exponents, and its lines are known exactly. What signals of two
-probes show of each is held against what is said of rubs.
+One rotor on a shaft (zeta = 0.04, kappa = 0.04, a linear stator, mu = 0.1, rho = 20, delta0 = 2)
+shows all eight. Upright it whirls forward in contact. Past a Hopf point it swings in contact, past
+a graze it leaves the stator in each swing, and past a fold of these cycles it rolls backwards in
+dry whip. Horizontal, under a load, it touches once a revolution or, faster, every second one, with
+lines at exact halves of the speed; faster still it is chaotic. In a stator too wide to touch it
+runs up without contact through resonance. Each motion is shown to be an attractor by its
+eigenvalues, multipliers or exponents, and its lines are known exactly. The signals of two probes
+are compared with what is published on rubs.
 
 Writes the signs of all motions (signs.nc), the branch (branch.nc), of each motion a record (records
 such as whip.nc) and a run-up or run-down (such as whip_cascade.nc), and the figures as PNG and SVG.

@@ -1,15 +1,15 @@
-"""Where friction drives a rotor into dry whip, over speed and friction: exactly, and simulated.
+"""Map of dry whip over speed and friction, exact and simulated.
 
-In dry whip the disc rolls backwards round the ring, and friction holds it there. From which speed
-on it exists at a coefficient of friction is known exactly without unbalance: from the birth of whip
-and of the whirl that slips. Whether a rotor comes to it is another question. Two rotors are
-simulated, each from rest on the axis, from a knock backwards along the ring, and on whip itself:
-one with a shaft (kappa = 0.05) in a linear ring, as in most publications, and one without in a ring
-of Hertz (zeta = 0.05, delta0 = 1, rho = 10). In a linear ring friction below a certain coefficient
-leaves no whip at any speed: the whirl that slips would need a stiffer ring.
+In dry whip the disc rolls backwards round the stator, held by friction. Without unbalance the speed
+from which whip exists is known exactly for each coefficient of friction: there whip and the
+slipping whirl are born together. Whether a rotor reaches whip is another question. Two rotors are
+simulated, each from rest on the axis, from a knock backwards along the stator, and on whip itself.
+One has a shaft (kappa = 0.05) in a linear stator, as in most publications, and one has none in a
+Hertzian stator (zeta = 0.05, delta0 = 1, rho = 10). In a linear stator, friction below a certain
+coefficient allows no whip at any speed: the slipping whirl would need a stiffer stator.
 
-Whip is told by the end of a run: in contact for good, the whirl backward, and the disc rolling, or
-sliding both ways by turns where the unbalance is too strong for it to roll.
+Whip is identified at the end of a run: lasting contact, backward whirl, and a disc that rolls, or
+that slides both ways by turns if the unbalance is too strong for it to roll.
 
 Writes the map of each rotor (shaft.nc, hertz.nc) and the figure as PNG and SVG.
 """
