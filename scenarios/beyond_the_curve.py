@@ -45,13 +45,13 @@ CASES = {
     "window": Rotor(omega=1.38, zeta=0.07, delta0=1.0),
 }
 WORDS = {
-    "bouncing": "A rotor that bounces for ever",
-    "full_contact": "A rotor that stays in contact at a radius that is not constant",
-    "window": "A rotor in a narrow window of speeds",
+    "bouncing": "Bouncing",
+    "full_contact": "Lasting contact at an oscillating radius",
+    "window": "A narrow range of speeds with chaos",
 }
 REST = (0.0, 0.0, 0.0, 0.0)
 STARTS = {"bouncing": REST, "full_contact": REST, "window": (1.5, -0.25, 0.0, 0.0)}
-# So many standard errors from zero, a Lyapunov exponent is not zero.
+# A Lyapunov exponent further from zero than this many standard errors is not zero.
 CLEAR = 5.0
 NAMES = ("x", "y", "vx", "vy")
 SAMPLES = 64  # a revolution
@@ -96,13 +96,13 @@ def main(settings: Settings) -> None:
 
 
 def meaning(found) -> str:
-    """Return what Lyapunov exponents say of the motion, held against their errors."""
+    """Interpret the Lyapunov exponents, given their errors."""
     clear = found.lyapunov_exponent.values / (CLEAR * found.lyapunov_error.values)
     if clear[0] > 1.0:
-        return "the largest stands clear of its error, so the motion is chaotic"
+        return "the largest exceeds its error, so the motion is chaotic"
     if clear[0] > -1.0 and (clear[1:] < -1.0).all():
         return "one is zero and the others are negative, so the motion is a limit cycle on the axes"
-    return "they do not decide what the motion is"
+    return "they do not decide the kind of motion"
 
 
 def settled(rotor: Rotor, start: tuple[float, ...], revolutions: int) -> tuple[float, ...]:

@@ -39,7 +39,7 @@ def main(settings: Settings) -> None:
     shared_legend(figure, axes, columns=4)
     settings.show(
         figure, "bifurcation_diagram", archives=["bifurcation_diagram", "exact"],
-        shows="Local extrema of |z| that remain at each speed, from random starts, over the exact "
+        shows="Local extrema of the steady |z| at each speed, from random starts, over the exact "
         "curve.",
         paper="The curve of one harmonic agrees with the numerical solution.",
         verdict="Without clearance it does; with clearance not at high speed.",
@@ -51,13 +51,13 @@ def main(settings: Settings) -> None:
 
 
 def on_the_curve(found):
-    """Return in words how many runs without clearance end on a synchronous whirl."""
+    """Return the count of runs without clearance that end on a synchronous whirl, in words."""
     whirls = found.response.sel(delta0=0.0) == flags_of(found.response)["synchronous"]
     return f"{int(whirls.sum())} of {whirls.size}"
 
 
 def beyond(found):
-    """Return in words from which speed on a start keeps bouncing or swinging, by clearance."""
+    """Return the speed from which some start keeps bouncing or swinging, by clearance."""
     flags = flags_of(found.response)
     swings = found.response.isin([flags[kind] for kind in ("bouncing", "full_contact", "chaotic")])
     anywhere = swings.any([dim for dim in swings.dims if dim not in {"omega", "delta0"}])

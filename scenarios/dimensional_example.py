@@ -46,7 +46,7 @@ def main(settings: Settings) -> None:
         "force.",
         found=f"ω = {rotor.omega:.4g}, ζ = {rotor.zeta:.4g}, δ₀ = {rotor.delta0:.4g}: "
         f"{run.sizes['contact']} contacts in {1e3 * duration * MACHINE.time_scale:.0f} ms; the "
-        f"ring bears up to {force:.2f} N, the disc comes out to "
+        f"force reaches {force:.2f} N and the radius "
         f"{1e6 * float(np.hypot(machine.x, machine.y).max()):.1f} µm.",
     )  # fmt: skip
 
@@ -70,13 +70,13 @@ def draw_check(checked: xr.Dataset, settings: Settings) -> None:
     apart = deviations(checked)
     settings.show(
         figure, "scaling", archives=["scaling"],
-        shows="Eq. (7) in SI units beside dimensionless runs, scaled with the right and with the "
+        shows="Eq. (7) in SI units beside dimensionless runs, scaled with the correct and with the "
         "printed reference frequency.",
         paper="ω₀² = k/m, above eq. (8).",
         verdict="Wrong: k√D/m.",
         found=f"With k√D/m the runs differ by {scientific(apart['k sqrt(D)/m'])} of the "
-        f"largest displacement, with k/m by {apart['k/m']:.2g} of it; k/m is no frequency "
-        "squared, since k is in N/(m√m).",
+        f"largest displacement, with k/m by {apart['k/m']:.2g} of it; k/m is not a squared "
+        "frequency, because k is in N/(m√m).",
     )  # fmt: skip
 
 

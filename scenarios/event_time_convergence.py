@@ -64,7 +64,7 @@ def main(settings: Settings) -> None:
         figure, "event_time_convergence", archives=["event_time_convergence"],
         shows="The largest error of an event time over the tolerance, for three methods.",
         found=f"Over {decades:.0f} decades of tolerance the error falls by {fallen} decades, with "
-        "no floor where contact begins and ends. The largest error that a run states is "
+        "no floor where contact begins and ends. The largest error estimate of a run is "
         f"{ratio:.1f} times the true one or more.",
     )  # fmt: skip
 

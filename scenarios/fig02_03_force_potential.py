@@ -39,7 +39,7 @@ def main(settings: Settings) -> None:
 
 
 def with_energies(run: xr.Dataset) -> xr.Dataset:
-    """Return a run with the energy, and with what eq. (13) prints for it."""
+    """Return a run with the energy, and with the sum printed in eq. (13)."""
     states = np.stack([run[name].values for name in ("x", "y", "vx", "vy")], axis=-1)
     delta0 = float(run.delta0)
     units = {"units": "1"}

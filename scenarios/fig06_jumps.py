@@ -68,8 +68,8 @@ def main(settings: Settings) -> None:
         figure, "fig06_cusp", archives=["cusp"],
         shows="The cusp: damping above which the response curve has no fold, against clearance.",
         found=f"{limit.cusp_zeta[0].item():.9f} without clearance. It rises with the clearance "
-        f"to {highest.cusp_zeta.item():.6f} at δ₀ = {highest.delta0.item():.4f} and falls "
-        "from there on. Above that no rotor jumps.",
+        f"to {highest.cusp_zeta.item():.6f} at δ₀ = {highest.delta0.item():.4f}, then falls. "
+        "Above that value no rotor jumps.",
     )  # fmt: skip
 
 

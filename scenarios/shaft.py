@@ -27,7 +27,7 @@ from rotor_ida.schema import EXACT, RESPONSE, SPECIAL
 
 ZETA, DELTA0 = 0.07, 2.0
 SHAFTS = {0.0: "no shaft", 0.05: "soft shaft", 0.25: "stiff shaft"}
-RINGS = {1.0: "linear ring", 1.5: "ring of Hertz"}
+RINGS = {1.0: "linear stator", 1.5: "Hertzian stator"}
 LIMITS = (0.05, 4.2)
 PUSHES = [(4.0, 0.0, 0.0, 0.0), (0.0, 4.0, -2.0, 2.0), (-3.0, 0.0, 0.0, 3.0)]
 WHIRLS, CYCLES = [RESPONSE["synchronous"]], [RESPONSE["bouncing"], RESPONSE["full_contact"]]
@@ -62,7 +62,7 @@ def main(settings: Settings) -> None:
 
 
 def of_rotor(branches: Sequence[xr.Dataset], here: xr.Dataset) -> list[xr.Dataset]:
-    """Return the branches with the shaft and the ring of a point."""
+    """Return the branches with the shaft and the stator of a point."""
     shaft, ring = here.shaft_stiffness.item(), here.contact_exponent.item()
     return [
         branch for branch in branches
@@ -72,7 +72,7 @@ def of_rotor(branches: Sequence[xr.Dataset], here: xr.Dataset) -> list[xr.Datase
 
 
 def agreement(compared: Sequence[xr.Dataset], kinds: Sequence[int]) -> tuple[int, int, float]:
-    """Return how many responses are of some kinds, how many of these are exact, and how nearly."""
+    """Return the count of responses of some kinds, the exact ones among them, and their error."""
     met = exactly = 0
     missed = 0.0
     for each in compared:
@@ -109,14 +109,14 @@ def draw(
         archives=["curves", "up_down", "pushed",
                   *(f"cycles_{number + 1}" for number in range(len(branches)))],
         shows=f"Amplitude over speed at ζ = {ZETA}, δ₀ = {DELTA0:g} without a shaft, with a soft "
-        f"(κ = 0.05) and a stiff one (κ = 0.25), in a linear ring and in one of Hertz: exact "
+        f"(κ = 0.05) and a stiff one (κ = 0.25), in a linear stator and in a Hertzian one: exact "
         "whirls, branches of limit cycles, and simulated rotors.",
         found=told(exact, compared, branches),
     )  # fmt: skip
 
 
 def is_isola(curve: xr.Dataset) -> bool:
-    """Return whether the whirls in contact are a closed curve of their own."""
+    """Return whether the whirls in contact form a separate closed curve."""
     piece = curve.piece.values.ravel()
     points = np.flatnonzero(piece == piece.max())
     ends = curve.omega.values.ravel()[points[[0, -1]]]
@@ -124,7 +124,7 @@ def is_isola(curve: xr.Dataset) -> bool:
 
 
 def told(exact: xr.Dataset, compared: Sequence[xr.Dataset], branches: Sequence[xr.Dataset]) -> str:
-    """Return what the gallery says of the figure."""
+    """Return the gallery text on the figure."""
     rows, leading = [], {}
     for ring, name in RINGS.items():
         reached = []
@@ -135,14 +135,14 @@ def told(exact: xr.Dataset, compared: Sequence[xr.Dataset], branches: Sequence[x
             reached.append(" of ".join(f"{each:.2f}" for each in largest))
             if (from_rest.response == RESPONSE["synchronous"]).any():
                 leading[words] = True
-        rows.append(f"in the {name} to {', '.join(reached[:-1])} and {reached[-1]}")
+        rows.append(f"in the {name}, {', '.join(reached[:-1])} and {reached[-1]}")
     whirls, exact_whirls, whirls_missed = agreement(compared, WHIRLS)
     cycles, exact_cycles, cycles_missed = agreement(compared, CYCLES)
     closed = sum(int(branch.attrs["closed"]) for branch in branches)
     return (
-        f"From rest, with the speed going up and down, the rotor comes {'; '.join(rows)}, without "
-        "a shaft, with the soft and with the stiff one. What leads from rest to the whirls in "
-        f"contact: {' and '.join(leading) or 'none'}. Of {whirls} simulated whirls in contact "
+        f"From rest, with the speed going up and down, the radius reaches, {'; '.join(rows)}, without "
+        "a shaft, with the soft and with the stiff one. Shafts with which the rotor reaches the "
+        f"whirls in contact from rest: {' and '.join(leading) or 'none'}. Of {whirls} simulated whirls in contact "
         f"{exact_whirls} are exact ones, to {scientific(whirls_missed)}. Pushed rotors bounce or "
         f"stay in contact {cycles} times, {exact_cycles} of them on one of {len(branches)} "
         f"branches of limit cycles, {closed} of these isolas, to {scientific(cycles_missed)}."

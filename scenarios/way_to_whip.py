@@ -71,7 +71,7 @@ def draw(branch: xr.Dataset, simulated: xr.Dataset, whirls: xr.Dataset, settings
 
 
 def told(branch: xr.Dataset, simulated: xr.Dataset) -> str:
-    """Return what the gallery says."""
+    """Return the gallery text."""
     places = {
         kind: branch.special_value.values[branch.special_kind.values == SPECIAL[kind]]
         for kind in ("hopf", "fold", "sliding")
@@ -80,7 +80,7 @@ def told(branch: xr.Dataset, simulated: xr.Dataset) -> str:
     whips = int((simulated.response == RESPONSE["rolling"]).sum())
     return (
         f"The cycle is born at μ = {places['hopf'][0]:.8f}, the Hopf point of the closed form, "
-        f"folds at {places['fold'][0]:.8f}, and as an unstable one comes to the corner at "
+        f"folds at {places['fold'][0]:.8f}, and as an unstable one reaches the corner at "
         f"{places['sliding'][0]:.8f}, where its slip speed just falls to 0 and whip begins. Of "
         f"{on.size} simulated responses {int(on.sum())} lie on an exact whirl or cycle, to "
         f"{float(simulated.digits.values[on].min()):.1f} digits and more; {whips} are dry whip."

@@ -164,19 +164,19 @@ def _cycle(rotor: Rotor, dataset: xr.Dataset, record: Record) -> list[xr.Dataset
 
 
 def _hanging(rotor: Rotor) -> xr.Dataset:
-    """Return the motion clear of the ring under a load, in the form of a limit cycle.
+    """Return the motion clear of the stator under a load, in the form of a limit cycle.
 
     It is ``z = -i gamma/kappa + a exp(i omega t)``, linear and so exact.
     """
     offset = _offset(rotor)
-    assert offset is not None  # without a shaft a load takes the rotor to the ring
+    assert offset is not None  # without a shaft a load takes the rotor to the stator
     whirl = complex(complex_amplitude(rotor.omega, rotor.zeta, rotor.shaft_stiffness))
     period = 2.0 * math.pi / rotor.omega
     times = np.linspace(0.0, period, POINTS)
     z = whirl - 1j * offset * np.exp(-1j * rotor.omega * times)
     kinds = np.array([LINE_KIND["static"], LINE_KIND["spin"]], dtype=np.int8)
     return labelled_dataset(
-        "Motion of a rotor under a load, clear of the ring",
+        "Motion of a rotor under a load, clear of the stator",
         {
             "period": ((), period),
             "x": ("t", z.real),
@@ -191,7 +191,7 @@ def _hanging(rotor: Rotor) -> xr.Dataset:
 
 
 def _offset(rotor: Rotor) -> float | None:
-    """Return how far below the axis the rotor hangs on its shaft; None if it lies on the ring."""
+    """Return how far below the axis the rotor hangs on its shaft; None if it lies on the stator."""
     if rotor.load > 0.0 and rotor.shaft_stiffness == 0.0:
         return None
     smooth = replace(rotor, friction=0.0)  # in the clearance there is none
@@ -204,7 +204,7 @@ def _rest(rotor: Rotor) -> list[xr.Dataset]:
     if rotor.load == 0.0 and rotor.shaft_stiffness == 0.0:
         return []
     if rotor.friction > 0.0 and _offset(rotor) is None:
-        return []  # friction holds it anywhere about the lowest point of the ring
+        return []  # friction holds it anywhere about the lowest point of the stator
     return [rest(replace(rotor, friction=0.0))]
 
 

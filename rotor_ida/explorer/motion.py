@@ -27,7 +27,7 @@ Values = dict[str, npt.NDArray[Any]]
 SAMPLES_PER_REVOLUTION = 48
 # A longer run is drawn from fewer samples a revolution, but no fewer than the spectrum needs.
 MOST_SAMPLES, FEWEST_PER_REVOLUTION = 16_384, 8
-# A disc that rolls on the ring may whirl many times in a revolution: so many samples a whirl draw a
+# A disc that rolls on the stator may whirl many times in a revolution: so many samples a whirl draw a
 # curve, as long as the run has no more than so many in all.
 PER_WHIRL, MOST_SAMPLES_OF_WHIRLS = 32, 65_536
 # The end of a run is its last half.
@@ -105,7 +105,7 @@ def _sampled(question: Question, each: int) -> xr.Dataset:
 
 
 def whirls_per_revolution(run: Values, omega: float) -> float:
-    """Return how often the disc goes around on the ring in a revolution, at its fastest.
+    """Return how often the disc goes around on the stator in a revolution, at its fastest.
 
     Only of a disc with friction, which may roll; over the last half of the run.
     """

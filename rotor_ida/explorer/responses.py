@@ -189,7 +189,7 @@ def _exact(compared: xr.Dataset) -> dict[str, object]:
 
 
 def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) -> Answer:
-    """Return what is settled on, and what it does to the ring, watched from its end on."""
+    """Return what is settled on, and what it does to the stator, watched from its end on."""
     rotor = question.rotor
     facts = {**facts_of(question), **settled}
     if settled["response"] != "failed":

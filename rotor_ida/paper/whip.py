@@ -16,8 +16,8 @@ FIRST_OF_WHIP = ENDS["reversing"]
 def end_of(run: xr.Dataset, late: float = 2.0 / 3.0) -> int:
     """Return how a run with friction ends, a number of `ENDS`, told by its part after `late`.
 
-    In whip the rotor whirls backwards, in contact for good, and the disc stops sliding on the ring.
-    One that whirls so but still slides forwards at the end is ``slipping``.
+    In whip the rotor whirls backwards in lasting contact, and the disc stops sliding on the stator.
+    A backward whirl that still slides forwards at the end is ``slipping``.
     """
     begin = late * float(run.t.values[-1])
     shown = run.isel(t=run.t.values >= begin)

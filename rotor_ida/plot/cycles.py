@@ -90,7 +90,7 @@ def cycle_figure(cycle: xr.Dataset) -> Figure:
 
 
 def plot_cycle(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    r"""Draw one period of a limit cycle on axes that turn with the unbalance, with the ring.
+    r"""Draw one period of a limit cycle on axes that turn with the unbalance, with the stator.
 
     An arrow shows which way it is passed.
 
@@ -257,7 +257,7 @@ def _checked_cycle(cycle: object, needed: Sequence[str]) -> xr.Dataset:
 
 
 def _path_of(cycle: xr.Dataset, ring: float) -> tuple[Path, npt.NDArray[np.intp]]:
-    """Return one period as a path, with its points on the ring, and the numbers of these."""
+    """Return one period as a path, with its points on the stator, and the numbers of these."""
     time, x, y = (cycle[name].values for name in ("t", "x", "y"))
     gap = np.hypot(x, y) - ring
     before = (
@@ -269,7 +269,7 @@ def _path_of(cycle: xr.Dataset, ring: float) -> tuple[Path, npt.NDArray[np.intp]
         np.insert(column, after, column[before] + part * (column[after] - column[before]))
         for column in (time, x, y)
     )
-    # a stretch that begins on the ring goes where it comes to
+    # a stretch that begins on the stator goes where it comes to
     inside = np.insert(gap >= 0.0, after, gap[after] >= 0.0)
     crossings = after + np.arange(after.size)
     return Path(times, across, up, inside), crossings

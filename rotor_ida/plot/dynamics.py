@@ -78,7 +78,7 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     section : Dataset
         What `rotor_ida.poincare_section` returned. Entries and exits, which all lie on the
         ring, are drawn as radial velocity over the angle from the unbalance, other sections as
-        displacements, with the ring.
+        displacements, with the stator.
     ax : Axes, optional
         Where to draw, and what is returned; by default the axes of a new figure.
 

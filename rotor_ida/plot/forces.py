@@ -27,7 +27,7 @@ PEAK = "peak of a contact"
 def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw the contact force over time, with the peak of each contact.
 
-    With friction that is the normal force, and beside it the force along the ring.
+    With friction that is the normal force, and beside it the force along the stator.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ax.plot(time, normal, color=BLUE, lw=0.9, label="normal force" if rubs else "force")
         if rubs:
             along = forces["tangential_force"].values
-            ax.plot(time, along, color=ORANGE, lw=0.9, label="force along the ring")
+            ax.plot(time, along, color=ORANGE, lw=0.9, label="force along the stator")
             lowest = min(lowest, 1.1 * float(along.min(initial=0.0)))
         peaks = peaks_on(forces, time, normal)
         draw_marks(ax, *peaks, "o", RED, size=2.8, face="white", edge=0.8, label=PEAK)

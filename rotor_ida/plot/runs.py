@@ -66,7 +66,7 @@ MARKS = {
     "release": ("s", INK, False),
 }
 # With friction a motion has a colour, a line and a width for each way in which it goes on. What
-# is loose in the ring slips too, though nothing presses it on.
+# is loose in the stator slips too, though nothing presses it on.
 WAYS: tuple[tuple[tuple[str, ...], str, str, object, float], ...] = (
     (("flight",), "flight", BLUE, "-", 1.0),
     (("slipping_forward", "loose"), "slips forwards", RED, "-", 1.2),
@@ -132,7 +132,7 @@ def plot_run(run: xr.Dataset) -> Figure:
 
 
 def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    r"""Draw the orbit as seen on axes that turn with the unbalance, with the ring.
+    r"""Draw the orbit as seen on axes that turn with the unbalance, with the stator.
 
     A synchronous whirl is a point there; what is left moving is what the response curve of one
     harmonic cannot show.
@@ -239,7 +239,7 @@ def plot_machine(run: xr.Dataset) -> Figure:
     Returns
     -------
     Figure
-        The figure: the orbit, the radius over time with the ring, and the contact force with
+        The figure: the orbit, the radius over time with the stator, and the contact force with
         the peak of each contact.
 
     Examples
@@ -284,7 +284,7 @@ def plot_machine(run: xr.Dataset) -> Figure:
 
 
 def draw_orbit(ax: Axes, run: xr.Dataset, path: Path) -> None:
-    """Draw the orbit of a run along a path, with the ring, the events and the start."""
+    """Draw the orbit of a run along a path, with the stator, the events and the start."""
     draw_ring(ax, clearance_of(run))
     draw_motion(ax, path, path.x, path.y, width=_line_width(run), heavier=1.2)
     _mark_events(ax, run, run["event_x"].values, run["event_y"].values)
@@ -344,7 +344,7 @@ def _draw_histories(history: Sequence[Axes], run: xr.Dataset, path: Path) -> Non
 
 
 def _draw_radius(ax: Axes, path: Path, clearance: float, width: float) -> None:
-    """Draw the radius over time, with friction in the colours of the motion, and the ring."""
+    """Draw the radius over time, with friction in the colours of the motion, and the stator."""
     if path.mode is None:
         ax.plot(path.time, path.radius, color=INK, lw=width)
     else:

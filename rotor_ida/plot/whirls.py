@@ -241,7 +241,7 @@ def plot_by_clearance(
 
 
 def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    """Draw the backward whirls that friction keeps up without unbalance, with the ring.
+    """Draw the backward whirls that friction keeps up without unbalance, with the stator.
 
     Parameters
     ----------

@@ -103,7 +103,7 @@ def _core() -> tuple[dict[str, object], Check]:
 def _check_backend(backend: Backend) -> list[Check]:
     """Compare a free vibration across the clearance with its exact event times.
 
-    Released at rest at A, the rotor leaves the ring after a quarter of the planar period of
+    Released at rest at A, the rotor leaves the stator after a quarter of the planar period of
     amplitude ``A - delta0`` without clearance, and crosses ``2 delta0`` at constant speed. A
     backend that cannot be had here is absent, with the reason; the others do its work. Taylor
     series need no solver.

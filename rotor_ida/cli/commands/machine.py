@@ -142,6 +142,6 @@ def _rounded(value: float) -> float:
 
 
 def _resonance(machine: DimensionalRotor) -> float:
-    """Return the amplitude of the whirl at the critical speed, were there no ring [um]."""
+    """Return the amplitude of the whirl at the critical speed, were there no stator [um]."""
     ratio = machine.damping_ratio
     return machine.eccentricity * 1e6 / (2.0 * ratio) if ratio > 0.0 else math.nan

@@ -83,7 +83,7 @@ def _is_of_one_speed(given: xr.Dataset) -> bool:
 
 
 def _orbit_of_cycle(cycle: xr.Dataset, scales: Scales) -> list[Orbit]:
-    """Return a limit cycle on axes at rest, until it closes or has filled its ring."""
+    """Return a limit cycle on axes at rest, until it closes or has filled its stator."""
     omega, times = _speed_of(cycle), cycle["t"].values
     once = _rotating(cycle) * np.exp(1j * omega * times) * scales.length
     turns = omega * float(times[-1]) / (2.0 * math.pi) * np.arange(1, MOST_PERIODS + 1)

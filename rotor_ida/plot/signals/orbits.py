@@ -42,7 +42,7 @@ from rotor_ida.signals.sampling import check_run_sampling
 BLANK = 0.03
 # More pulses have smaller dots.
 FEW_PULSES, MANY_PULSES = 40, 400
-# An exact orbit of more points fills its ring, and is a thin line.
+# An exact orbit of more points fills its stator, and is a thin line.
 MANY_POINTS = 20_000
 TRACES = {"x": (BLUE, "$x$"), "y": (ORANGE, "$y$"), "radius": (INK, "radius")}
 
