@@ -459,10 +459,10 @@ def told_of_whip(runs: Mapping[str, xr.Dataset], shares: xr.Dataset) -> str:
         f"exceeds {1e-3 * HARD:g} kN, a hundred weights, {1e3 * beyond(whirls, HARD):.1f} ms after "
         "release, and grows until the disc rolls at "
         f"{1e-3 * float(whirls.normal_force[-1]):.1f} MN, which no real "
-        f"bearing survives. Of all drops {'; '.join(rows)}. Where whip exists {100.0 * there:.0f}% of drops "
-        f"end in it, elsewhere {'none does' if outside == 0.0 else 'some do'}: the first impacts "
-        "must drive the rotor round the stator faster than the slipping whirl, which is faster with "
-        "more damping and less friction."
+        f"bearing survives. Of all drops {'; '.join(rows)}. Where whip exists {100.0 * there:.0f}% "
+        f"of drops end in it, elsewhere {'none does' if outside == 0.0 else 'some do'}: the first "
+        "impacts must drive the rotor round the stator faster than the slipping whirl, which is "
+        "faster with more damping and less friction."
     )
 
 

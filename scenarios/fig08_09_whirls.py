@@ -45,8 +45,8 @@ def main(settings: Settings) -> None:
             shows=f"The {size} whirl over time, as an orbit, and x and y, from {right}.",
             paper=f"The {size} periodic solution is that for the initial condition {wrong}.",
             verdict=f"Wrong: for {right}; the captions of Figs 8 and 9 are exchanged.",
-            found=f"From {right} the amplitude settles at {reached:.7f}; the exact {size} whirl has "
-            f"{exact[number]:.7f}. The captions of Figs 8 and 9 are exchanged.",
+            found=f"From {right} the amplitude settles at {reached:.7f}; the exact {size} whirl "
+            f"has {exact[number]:.7f}. The captions of Figs 8 and 9 are exchanged.",
         )  # fmt: skip
     run = follow(BOUNCING, (0.0, 0.0, 0.0, 0.0), DRAWN)
     settings.keep(run, "bouncing")

@@ -209,7 +209,8 @@ def draw_run_ups(exact: xr.Dataset, up_down: xr.Dataset, settings: Settings) -> 
         "over the speed, beside the quasi-static ones, which settle at each speed.",
         found="Along a whirl a real run-up agrees with the quasi-static one. Past the fold it "
         "jumps later, and oscillates about the new response. It may miss a whirl that exists only "
-        f"over a short range of speeds. The largest |z| of real and quasi-static run-ups is {largest}.",
+        f"over a short range of speeds. The largest |z| of real and quasi-static run-ups is "
+        f"{largest}.",
     )
 
 
@@ -284,8 +285,8 @@ def of_sweeps(
     specials = [np.isin(each.special_kind, [SPECIAL[kind] for kind in ("fold", "period_doubling")])
                 for each in branches]  # fmt: skip
     texts["shows"] = texts["shows"][:-1] + (
-        f"; with the {len(branches)} branches of limit cycles that it reaches, as bands of |z|, and "
-        f"their {sum(int(each.sum()) for each in specials)} folds and period doublings."
+        f"; with the {len(branches)} branches of limit cycles that it reaches, as bands of |z|, "
+        f"and their {sum(int(each.sum()) for each in specials)} folds and period doublings."
     )
     times = f"{reached} times" if reached else "never"
     return texts | {

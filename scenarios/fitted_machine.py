@@ -155,11 +155,11 @@ def draw_trials(trials: xr.Dataset, settings: Settings) -> None:
         axes[0].set_ylabel("density of the trials")
     settings.show(
         figure, "trials", archives=["trials"],
-        shows="Errors of fits to signals with independent noise, over their stated standard errors, "
-        "on the normal distribution; dotted: limits of the 95 % intervals.",
+        shows="Errors of fits to signals with independent noise, over their stated standard "
+        "errors, on the normal distribution; dotted: limits of the 95 % intervals.",
         found=f"Of {count} intervals "
-        f"{', '.join(f'{covered[name]}' for name in SOUGHT)} contain the true damping, clearance and "
-        f"shaft stiffness; {0.95 * count:.0f} are expected.",
+        f"{', '.join(f'{covered[name]}' for name in SOUGHT)} contain the true damping, clearance "
+        f"and shaft stiffness; {0.95 * count:.0f} are expected.",
     )  # fmt: skip
 
 

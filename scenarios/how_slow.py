@@ -225,9 +225,10 @@ def draw(forces: xr.Dataset, endings: xr.Dataset, settings: Settings) -> None:
         shows="Run-ups through a critical speed of 1 over their rate, ζ = 0.02: (a) the largest "
         "force for four clearances, the largest on the exact response (horizontal), "
         "and the rate above which an undamped rotor does not touch (marks on the axis); (b) the "
-        "force over rate and clearance as a fraction of that on the exact response, the rule for slow "
-        f"run-ups (white: {SLOW:g} ζ) and that for fast ones (grey); (c) the force with friction; "
-        "(d) how run-ups end over rate and friction, the worst of the phases of the unbalance.",
+        "force over rate and clearance as a fraction of that on the exact response, the rule for "
+        f"slow run-ups (white: {SLOW:g} ζ) and that for fast ones (grey); (c) the force with "
+        "friction; (d) how run-ups end over rate and friction, the worst of the phases of the "
+        "unbalance.",
         found=told(forces, endings),
     )  # fmt: skip
 

@@ -156,11 +156,11 @@ def draw_curves(curves: list[xr.Dataset], settings: Settings) -> None:
         figure,
         "curves",
         archives=[f"curves_{number + 1}" for number in range(len(curves))],
-        shows="Folds and period doublings of limit cycles over speed and clearance, beside the folds "
-        "of the synchronous whirls.",
+        shows="Folds and period doublings of limit cycles over speed and clearance, beside the "
+        "folds of the synchronous whirls.",
         found=f"{sum(curve.sizes['point'] for curve in curves)} points on {len(curves)} curves; "
-        f"each cycle closes to {largest:.0e} of its size. The isolas of the previous figure are sections "
-        "through this map at δ₀ = 0.5 and 2.",
+        f"each cycle closes to {largest:.0e} of its size. The isolas of the previous figure are "
+        "sections through this map at δ₀ = 0.5 and 2.",
     )
 
 

@@ -207,11 +207,11 @@ def draw_law(law: xr.Dataset, settings: Settings) -> None:
     deep = np.abs(law.simulated_indentation / law.peak_indentation - 1.0)
     settings.show(
         figure, "law", archives=["law"],
-        shows="Restitution and depth of a radial impact over contact damping times speed: closed form "
-        "and simulated impacts, and their difference.",
+        shows="Restitution and depth of a radial impact over contact damping times speed: closed "
+        "form and simulated impacts, and their difference.",
         found=f"{law.simulated_restitution.sel(solver='taylor').size} impacts with x from "
-        f"{float(x.min()):.1g} to {float(x.max()):.2g} in a linear stator and in a Hertzian one lie on "
-        "the law to "
+        f"{float(x.min()):.1g} to {float(x.max()):.2g} in a linear stator and in a Hertzian one "
+        "lie on the law to "
         + " and ".join(
             f"{scientific(float(missed[name].max()))} by {words}" for name, words in METHODS.items()
         )

@@ -483,8 +483,9 @@ def told_of_smallest(found: xr.Dataset) -> str:
         f"{least.knock_speed.item():.2f}, at ω = {least.omega.item():.2f}. The saddle has the "
         f"radius {radius:.6f} and the whirl speed −{-speed:.6f} at any speed of the spin. With a "
         f"clearance of one eccentricity the smallest whirl lies up to "
-        f"{100.0 * spread[CLEARANCES[0]]:.0f}% off that radius, depending on the angle of the unbalance; "
-        f"with {CLEARANCES[1]:g} eccentricities up to {100.0 * spread[CLEARANCES[1]]:.1f}%."
+        f"{100.0 * spread[CLEARANCES[0]]:.0f}% off that radius, depending on the angle of the "
+        f"unbalance; with {CLEARANCES[1]:g} eccentricities up to "
+        f"{100.0 * spread[CLEARANCES[1]]:.1f}%."
     )
 
 

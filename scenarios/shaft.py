@@ -140,12 +140,13 @@ def told(exact: xr.Dataset, compared: Sequence[xr.Dataset], branches: Sequence[x
     cycles, exact_cycles, cycles_missed = agreement(compared, CYCLES)
     closed = sum(int(branch.attrs["closed"]) for branch in branches)
     return (
-        f"From rest, with the speed going up and down, the radius reaches, {'; '.join(rows)}, without "
-        "a shaft, with the soft and with the stiff one. Shafts with which the rotor reaches the "
-        f"whirls in contact from rest: {' and '.join(leading) or 'none'}. Of {whirls} simulated whirls in contact "
-        f"{exact_whirls} are exact ones, to {scientific(whirls_missed)}. Pushed rotors bounce or "
-        f"stay in contact {cycles} times, {exact_cycles} of them on one of {len(branches)} "
-        f"branches of limit cycles, {closed} of these isolas, to {scientific(cycles_missed)}."
+        f"From rest, with the speed going up and down, the radius reaches, {'; '.join(rows)}, "
+        "without a shaft, with the soft and with the stiff one. Shafts with which the rotor "
+        f"reaches the whirls in contact from rest: {' and '.join(leading) or 'none'}. Of {whirls} "
+        f"simulated whirls in contact {exact_whirls} are exact ones, to "
+        f"{scientific(whirls_missed)}. Pushed rotors bounce or stay in contact {cycles} times, "
+        f"{exact_cycles} of them on one of {len(branches)} branches of limit cycles, {closed} of "
+        f"these isolas, to {scientific(cycles_missed)}."
     )
 
 

@@ -510,8 +510,8 @@ def told(name: str, signs: xr.Dataset, ramp: xr.Dataset, branch: xr.Dataset) -> 
     apart = abs(here["amplitude"] / here["exact_amplitude"] - 1.0)
     return (
         f"{where}{contact}Beside 1X the strongest line is at {order}X, "
-        f"{here['amplitude'] / here['forward']:.2f} times as high; it agrees with the exact amplitude "
-        f"to {scientific(max(apart, 1e-9))}."
+        f"{here['amplitude'] / here['forward']:.2f} times as high; it agrees with the exact "
+        f"amplitude to {scientific(max(apart, 1e-9))}."
     )
 
 

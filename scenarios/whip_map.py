@@ -162,10 +162,10 @@ def draw(maps: dict[str, xr.Dataset], settings: Settings) -> None:
         figure.legend(handles=[*born, *lines, *patches], loc="outside lower center", ncols=2)
     settings.show(
         figure, "whip_map", archives=list(maps),
-        shows="Where dry whip exists over speed and friction (line, exact without unbalance), where "
-        f"a rotor stays in it, and where it reaches it from rest or from a knock of {KNOCK:g} "
-        "backwards along the stator: with a shaft (κ = 0.05) in a linear stator, and without in a "
-        "Hertzian one (ζ = 0.05, δ₀ = 1, ρ = 10).",
+        shows="Where dry whip exists over speed and friction (line, exact without unbalance), "
+        f"where a rotor stays in it, and where it reaches it from rest or from a knock of "
+        f"{KNOCK:g} backwards along the stator: with a shaft (κ = 0.05) in a linear stator, and "
+        "without in a Hertzian one (ζ = 0.05, δ₀ = 1, ρ = 10).",
         found=" ".join(told(name, mapped) for name, mapped in maps.items()),
     )  # fmt: skip
 

@@ -27,8 +27,8 @@ Values = dict[str, npt.NDArray[Any]]
 SAMPLES_PER_REVOLUTION = 48
 # A longer run is drawn from fewer samples a revolution, but no fewer than the spectrum needs.
 MOST_SAMPLES, FEWEST_PER_REVOLUTION = 16_384, 8
-# A disc that rolls on the stator may whirl many times in a revolution: so many samples a whirl draw a
-# curve, as long as the run has no more than so many in all.
+# A disc that rolls on the stator may whirl many times in a revolution: so many samples a whirl
+# draw a curve, as long as the run has no more than so many in all.
 PER_WHIRL, MOST_SAMPLES_OF_WHIRLS = 32, 65_536
 # The end of a run is its last half.
 LAST = 0.5
