@@ -30,7 +30,7 @@ FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
 CONSTANT_RADIUS = 1e-3
 MOST_IN_A_COLUMN = 6
 ROUNDING = 1e-9
-SHARE = "share of starts"
+SHARE = "fraction of starts"
 
 
 def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
@@ -42,9 +42,9 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.basin` returned.
+        Result of `rotor_ida.basin`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Raises
     ------
@@ -89,15 +89,15 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 
 def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Draw the fractions of starts by kind of response over the speed, one upon the other.
+    """Draw the fractions of starts by kind of response over the speed, stacked.
 
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.basin_fractions` returned, joined along ``omega``, for one ``zeta`` and one
+        Result of `rotor_ida.basin_fractions`, joined along ``omega``, for one ``zeta`` and one
         ``delta0``.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -105,7 +105,7 @@ def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ...     {"response_fraction": (("omega", "response"), [[1.0, 0.0], [0.25, 0.75]])},
     ...     {"omega": [1.0, 2.0], "response": [2, 3], "zeta": 0.07, "delta0": 0.5})
     >>> plot_basin_fractions(found).get_ylabel()
-    'share of starts'
+    'fraction of starts'
     """
     check_dataset("dataset", dataset, ("omega", "zeta", "delta0", "response", "response_fraction"))
     table = dataset["response_fraction"].transpose("omega", "response")
@@ -130,9 +130,9 @@ def plot_attractor_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axe
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.basin_fractions` returned.
+        Result of `rotor_ida.basin_fractions`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -166,7 +166,7 @@ def plot_attractor_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axe
 
 
 def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Draw the fractions of starts by attractor over a parameter, one upon the other.
+    """Draw the fractions of starts by attractor over a parameter, stacked.
 
     Attractors of one kind of response have shades of one colour; each keeps its own throughout. The
     legend names the kinds.
@@ -174,9 +174,9 @@ def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.continue_attractors` returned, over one parameter.
+        Result of `rotor_ida.continue_attractors`, over one parameter.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Raises
     ------
@@ -190,7 +190,7 @@ def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     >>> found = continue_attractors(omega=np.linspace(1.6, 1.8, 3), zeta=0.07, delta0=0.0,
     ...                             x=(-15, 15), y=(-15, 15), starts=50)
     >>> plot_attractors(found).get_ylabel()
-    'share of starts'
+    'fraction of starts'
     """
     dataset = check_dataset("dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind"))
     varying, line = _varying_part(dataset, 1, "one parameter to be drawn")
@@ -223,9 +223,9 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.continue_attractors` returned, over two parameters.
+        Result of `rotor_ida.continue_attractors`, over two parameters.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
     by : {"kind", "force", "shock"}
         What is coloured: the kind of response that most starts end on, with a legend; or, of the
         attractor that most of them end on, with a colour bar, the largest contact force, or the
@@ -269,7 +269,7 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
 
 
 def _draw_shares(ax: Axes, places: Values, shares: Iterable[tuple[Values, str, str]]) -> Values:
-    """Draw shares of starts one upon the other, in their colours; return where they end."""
+    """Draw shares of starts stacked, in their colours; return where they end."""
     base = np.zeros(places.size)
     for share, colour, words in shares:
         if share.any():

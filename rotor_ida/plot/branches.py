@@ -98,9 +98,9 @@ def plot_branch(branch: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     branch : Dataset
-        What `rotor_ida.continue_cycle` returned.
+        Result of `rotor_ida.continue_cycle`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -141,12 +141,12 @@ def plot_curves(
     Parameters
     ----------
     curves : Dataset or sequence of Dataset
-        What `rotor_ida.bifurcation_curve` returned, all over the same two parameters.
+        Result of `rotor_ida.bifurcation_curve`, all over the same two parameters.
     fold_points : Dataset, optional
-        What `rotor_ida.folds` returned for many clearances and one ``zeta``: the folds of the
+        Result of `rotor_ida.folds` for many clearances and one ``zeta``: the folds of the
         synchronous whirl, beside curves over ``omega`` and ``delta0``.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Raises
     ------

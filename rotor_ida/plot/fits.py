@@ -40,7 +40,7 @@ def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.fit` returned.
+        Result of `rotor_ida.fit`.
     order : float
         Multiple of the speed that is shown, one of those that were compared [1].
 
@@ -92,9 +92,9 @@ def plot_fit(
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.fit` returned.
+        Result of `rotor_ida.fit`.
     axes : list of two Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
     order : float
         Multiple of the speed that is shown [1].
 
@@ -131,9 +131,9 @@ def plot_fit_residuals(dataset: xr.Dataset, ax: Axes | None = None, *, order: fl
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.fit` returned.
+        Result of `rotor_ida.fit`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
     order : float
         Multiple of the speed that is shown [1].
     """

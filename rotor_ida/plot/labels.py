@@ -60,7 +60,7 @@ _QUANTITIES: dict[str, tuple[str, ...]] = {
     "force": ("contact force", "$f$", "$F$"),
     "contact_force": ("contact force", "$f$", "$F$"),
     "peak_force": ("peak force", "$f$", "$F$"),
-    "peak_fraction": ("share of contacts up to this force", ""),
+    "peak_fraction": ("fraction of contacts up to this force", ""),
     "normal_force": ("normal force", "$N$"),
     "slip_speed": ("slip speed", "$v_s$", "$V_s$"),
     "running_exponent": ("Lyapunov exponent", r"$\lambda$"),

@@ -83,7 +83,7 @@ def plot_run(run: xr.Dataset) -> Figure:
     Parameters
     ----------
     run : Dataset
-        What `rotor_ida.simulate` returned.
+        Result of `rotor_ida.simulate`.
 
     Returns
     -------
@@ -132,7 +132,7 @@ def plot_run(run: xr.Dataset) -> Figure:
 
 
 def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    r"""Draw the orbit as seen on axes that turn with the unbalance, with the stator.
+    r"""Draw the orbit as seen on axes that rotate with the unbalance, with the stator.
 
     A synchronous whirl is a point there; what is left moving is what the response curve of one
     harmonic cannot show.
@@ -174,11 +174,11 @@ def plot_history(run: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     run : Dataset
-        What `rotor_ida.simulate` returned.
+        Result of `rotor_ida.simulate`.
     name : {"x", "y", "radius"}
         What to draw.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -204,9 +204,9 @@ def plot_drawn_out(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     run : Dataset
-        What `rotor_ida.simulate` returned.
+        Result of `rotor_ida.simulate`.
     ax : Axes, optional
-        Three-dimensional axes to draw on and return; by default those of a new figure.
+        Three-dimensional axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -234,7 +234,7 @@ def plot_machine(run: xr.Dataset) -> Figure:
     Parameters
     ----------
     run : Dataset
-        What `rotor_ida.dimensional` made of a run.
+        Result of `rotor_ida.dimensional` for a run.
 
     Returns
     -------

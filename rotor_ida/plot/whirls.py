@@ -55,7 +55,7 @@ def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
     Parameters
     ----------
     jumps : Dataset
-        What `rotor_ida.closed_forms.jumps` returned, for one ``zeta`` and one ``delta0``.
+        Result of `rotor_ida.closed_forms.jumps`, for one ``zeta`` and one ``delta0``.
     ax : Axes
         Where the amplitude is drawn over the speed, in the same units.
 
@@ -94,9 +94,9 @@ def plot_backbone(curve: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     curve : Dataset
-        What `rotor_ida.closed_forms.free_periods` returned, for one ``delta0``.
+        Result of `rotor_ida.closed_forms.free_periods`, for one ``delta0``.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -126,11 +126,11 @@ def plot_by_damping(exact: xr.Dataset, quantity: str, *, ax: Axes | None = None)
     Parameters
     ----------
     exact : Dataset
-        What `rotor_ida.closed_forms.response_curve` returned, for one ``delta0``.
+        Result of `rotor_ida.closed_forms.response_curve`, for one ``delta0``.
     quantity : {"amplitude", "phase_lag"}
         What to draw.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -165,11 +165,11 @@ def plot_cusp(
     Parameters
     ----------
     limit : Dataset
-        What `rotor_ida.closed_forms.cusp` returned for many clearances.
+        Result of `rotor_ida.closed_forms.cusp` for many clearances.
     highest : Dataset, optional
         What it returned without a clearance: the cusp of largest damping is marked.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -212,7 +212,7 @@ def plot_by_clearance(
     label : str
         What the vertical axis is called; the unit of the first quantity is added.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -246,9 +246,9 @@ def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     whirls : Dataset
-        What `rotor_ida.backward_whirl` returned.
+        Result of `rotor_ida.backward_whirl`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------

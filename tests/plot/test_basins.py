@@ -202,7 +202,7 @@ def test_fractions_of_one_rotor_are_bars_with_their_errors(fractions):
         place for place, name in enumerate(names) if name.startswith("rolling (dry whip)")
     )
     assert ax.patches[rolling].get_facecolor() == to_rgba(KIND_SHADES["rolling"][0])
-    assert ax.get_xlabel() == "share of starts"
+    assert ax.get_xlabel() == "fraction of starts"
     assert r"$\mu = 0.2$" in ax.get_title()
 
 

@@ -79,7 +79,7 @@ def plot_cascade(
     Parameters
     ----------
     signals : Dataset
-        Signals, a run or run-up, or what `rotor_ida.spectrogram` made of one.
+        Signals, a run or run-up, or the result of `rotor_ida.spectrogram`.
     over : {"speed", "t"}, optional
         What the spectra are ordered by; by default the speed if it changes and never turns back.
     orders : array_like
@@ -96,7 +96,7 @@ def plot_cascade(
     beneath, frequencies
         As of `plot_full_spectrum`; what is told for one speed is marked there.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -155,7 +155,7 @@ def plot_spectrogram(
     colour_bar : bool
         Whether the colours are explained by a bar.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Notes
     -----

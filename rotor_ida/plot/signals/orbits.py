@@ -67,13 +67,13 @@ def plot_orbit(
         runs, whose contacts and events are drawn. A pulse of a run is where the unbalance points
         along x.
     clearance : float, optional
-        Clearance of signals that do not tell it, in their unit.
+        Clearance in the unit of the signals, if they do not contain it.
     beneath : Dataset or sequence of Dataset
         Exact orbits under this one: of `rotor_ida.synchronous_response`, `rotor_ida.limit_cycle`
         and `rotor_ida.backward_whirl`. Of whirls at several speeds those at that of the run. Under
         a run-up they may be of any speed, such as its last.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Notes
     -----
@@ -132,16 +132,16 @@ def plot_centre_line(
     Parameters
     ----------
     signals : Dataset
-        Signals, a run or run-up, or what `rotor_ida.centre_line` made of one.
+        Signals, a run or run-up, or the result of `rotor_ida.centre_line`.
     clearance : float, optional
-        Clearance of signals that do not tell it, in their unit.
+        Clearance in the unit of the signals, if they do not contain it.
     revolutions : int
         As of `rotor_ida.centre_line`, where that is still to be computed.
     beneath : Dataset or sequence of Dataset
         Exact places under the line: of `rotor_ida.closed_forms.rest`, the mean of a
         `rotor_ida.limit_cycle`, and the centre of `rotor_ida.synchronous_response`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -193,13 +193,13 @@ def plot_trace(
     names : tuple of {"x", "y", "radius"}
         What is drawn.
     clearance : float, optional
-        Clearance of signals that do not tell it, in their unit.
+        Clearance in the unit of the signals, if they do not contain it.
     beneath : Dataset or sequence of Dataset
         Exact motion under the trace: of `rotor_ida.limit_cycle`, shifted along time to where the
         end of the trace lies on it, of `rotor_ida.synchronous_response` the whirl nearest to that
         end, or any other motion ``x y`` on ``t``, such as a flight.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Notes
     -----

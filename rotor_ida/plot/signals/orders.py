@@ -65,7 +65,7 @@ def plot_bode(
     Parameters
     ----------
     signals : Dataset
-        Signals, a run or run-up, or what `rotor_ida.orders` made of one. Signals of more than 500
+        Signals, a run or run-up, or the result of `rotor_ida.orders`. Signals of more than 500
         revolutions are tracked in windows of up to 8, as many as leave 250 windows.
     order : float
         Multiple of the speed [1].
@@ -145,7 +145,7 @@ def plot_polar(
     signals, order, sense, beneath
         As of `plot_bode`.
     ax : Axes, optional
-        Polar axes to draw on and return; by default those of a new figure.
+        Polar axes to draw on and return; default: those of a new figure.
 
     Notes
     -----
@@ -206,7 +206,7 @@ def plot_orders(
     beneath
         As of `plot_bode`: under the order 1 forward.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------

@@ -50,11 +50,11 @@ def plot_spectrum(lines: xr.Dataset, *, span: float = 4.0, ax: Axes | None = Non
     Parameters
     ----------
     lines : Dataset
-        What `rotor_ida.spectrum` returned.
+        Result of `rotor_ida.spectrum`.
     span : float
         Largest frequency shown, over the spin speed; over one if the rotor does not turn [1].
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -101,7 +101,7 @@ def plot_full_spectrum(
     Parameters
     ----------
     signals : Dataset
-        Signals, a run, or what `rotor_ida.full_spectrum` made of one.
+        Signals, a run, or the result of `rotor_ida.full_spectrum`.
     span : float
         Largest frequency shown, over the speed if there is one, over half of the sampling rate
         otherwise [1].
@@ -114,7 +114,7 @@ def plot_full_spectrum(
         Further frequencies to mark, by the words for them: natural ones, for instance. In Hz if
         times have a unit; negative for backward whirl.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
