@@ -140,8 +140,8 @@ def plot_multipliers(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
     A shift along the cycle has the multiplier 1, with the partner ``q = exp(-2 zeta T)``. The other
     two have the product q: a pair on the dashed circle of radius ``sqrt(q)``, or real numbers. With
-    contact damping or friction, only the 1 of a shift is known. Under a load none is known; without
-    damping and friction there are then two pairs of product q.
+    contact damping or friction, only the 1 of a shift is known. Under a load none is known;
+    without contact damping and friction there are then two pairs of product q.
 
     Parameters
     ----------

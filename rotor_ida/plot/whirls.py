@@ -1,4 +1,4 @@
-"""Whirls known exactly: jumps of the response curve, backbone and cusp, and backward whirls."""
+"""Plots of exact whirls: jumps of the response curve, backbone and cusp, backward whirls."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import words_of
 
 BACKWARD = (*PARAMETERS, "amplitude", "whirl_speed", "kind", "stability", "birth_omega")
-# Backward whirls: colour, line, words, and an arrow on each circle, at an angle of its own [rad].
+# Backward whirls: colour, line, words, and an arrow on each circle, at a separate angle [rad].
 LOOKS = {
     "slipping": (GREY, DASHES, "slipping whirl", 0.8),
     "rolling": (DARK_BROWN, "-", "dry whip", 0.5),
@@ -50,7 +50,7 @@ LOOKS = {
 
 
 def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
-    """Draw an arrow from each fold to the whirl that is left there.
+    """Draw an arrow from each fold to the whirl that the rotor jumps to.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def plot_cusp(
     limit : Dataset
         Result of `rotor_ida.closed_forms.cusp` for many clearances.
     highest : Dataset, optional
-        What it returned without a clearance: the cusp of largest damping is marked.
+        Its result without a clearance: the cusp of largest damping, which is marked.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -205,12 +205,12 @@ def plot_by_clearance(
     Parameters
     ----------
     table : Dataset
-        The quantities on ``delta0``. One that has a further dimension, as the speeds of the
-        folds have, is drawn in points, since its values come and go.
+        The quantities on ``delta0``. One with a further dimension, such as the speeds of
+        the folds, is drawn as points, since not all exist at each clearance.
     names : mapping of str to str
-        What each quantity is called in the legend.
+        Label of each quantity in the legend.
     label : str
-        What the vertical axis is called; the unit of the first quantity is added.
+        Label of the vertical axis; the unit of the first quantity is added.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -241,7 +241,7 @@ def plot_by_clearance(
 
 
 def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    """Draw the backward whirls that friction keeps up without unbalance, with the stator.
+    """Draw the backward whirls that friction drives without unbalance, with the stator.
 
     Parameters
     ----------
@@ -290,7 +290,7 @@ def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 
 def _draw_backward_arrow(ax: Axes, radius: float, angle: float, colour: str) -> None:
-    """Show that a circle is passed clockwise."""
+    """Draw an arrow that shows clockwise motion."""
     tip, tail = (
         (radius * math.cos(each), radius * math.sin(each)) for each in (angle, angle + 0.02)
     )
@@ -299,7 +299,7 @@ def _draw_backward_arrow(ax: Axes, radius: float, angle: float, colour: str) -> 
 
 
 def _why_there_is_none(whirls: xr.Dataset) -> str:
-    """Return why there is no backward whirl."""
+    """Return the reason why no backward whirl exists."""
     birth = float(whirls["birth_omega"])
     if math.isnan(birth):
         return "no dry whip at any speed"
