@@ -76,9 +76,9 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     section : Dataset
-        Result of `rotor_ida.poincare_section`. Entries and exits, which all lie on the
-        ring, are drawn as radial velocity over the angle from the unbalance, other sections as
-        displacements, with the stator.
+        Result of `rotor_ida.poincare_section`. Entries and exits all lie on the
+        stator and are drawn as radial velocity over the angle from the unbalance. Other sections
+        are drawn as displacements, with the stator.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 

@@ -87,7 +87,7 @@ def plot_bode(
 
     Notes
     -----
-    The phase is the lag of the whirl behind the mark on the shaft, which for a run is the unbalance.
+    The phase is the lag of the whirl behind the mark on the shaft; for a run that is the unbalance.
     It is 0 below and 180° above a resonance. The line breaks at a jump of the whirl, and a window
     that spans a jump is left out.
 
@@ -149,8 +149,8 @@ def plot_polar(
 
     Notes
     -----
-    The lag grows clockwise from the x axis, against the counterclockwise rotation. The vector points
-    to the high spot at the instant when the mark on the shaft passes the x axis.
+    The lag grows clockwise from the x axis, against the counterclockwise rotation. The vector
+    points to the high spot when the mark on the shaft passes the x axis.
 
     Examples
     --------
