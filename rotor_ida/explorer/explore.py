@@ -170,6 +170,6 @@ async def _first(*awaited: asyncio.Event | asyncio.Task[None]) -> None:
 
 
 def can_show_a_page() -> bool:
-    """Return whether a browser can open a window; one in the terminal would take over the terminal."""
+    """Return whether a browser can open a window; a text browser would take over the terminal."""
     windows = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
     return windows or not sys.platform.startswith("linux")

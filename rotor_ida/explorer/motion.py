@@ -27,8 +27,8 @@ Values = dict[str, npt.NDArray[Any]]
 SAMPLES_PER_REVOLUTION = 48
 # A longer run is drawn with fewer samples per revolution, but enough for the spectrum.
 MOST_SAMPLES, FEWEST_PER_REVOLUTION = 16_384, 8
-# A disc that rolls on the stator may whirl many times in a revolution: so many samples a whirl
-# draw a curve, as long as the run has no more than so many in all.
+# A disc that rolls on the stator may whirl many times in a revolution: samples per whirl for a
+# smooth curve, and the largest number of samples in all.
 PER_WHIRL, MOST_SAMPLES_OF_WHIRLS = 32, 65_536
 # The end of a run is its last half.
 LAST = 0.5
@@ -149,9 +149,9 @@ def values_of(run: xr.Dataset) -> Values:
 def ending(run: Values, rotor: Rotor) -> dict[str, float]:
     """Summarize the last half of a run: contacts, their peak force, extreme radii.
 
-    With contact damping also what a contact that ends there loses by it, in the mean, what all
-    that is in contact there loses in a revolution, and how often the force falls to zero inside the
-    ring. With friction also how much of the time in contact it slips and rolls, and the heat.
+    With contact damping, add the mean energy loss of contacts that end there, the loss per
+    revolution, and how often the force falls to zero before the rotor leaves the stator. With
+    friction, add the fractions of contact time with slip and rolling, and the heat.
     """
     end = float(run["t"][-1])
     begin = LAST * end
