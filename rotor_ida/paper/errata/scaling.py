@@ -40,7 +40,7 @@ def check_scaling(machine: DimensionalRotor, *, duration: float) -> xr.Dataset:
     Raises
     ------
     InputError
-        If `duration` is not a positive finite number, or the machine has parameters that the paper's lacks.
+        If `duration` is not a positive finite number, or the machine is not of the paper's kind.
     SimulationError
         If SciPy gave up.
 
