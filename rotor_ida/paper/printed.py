@@ -375,8 +375,8 @@ def general_solution(
     Notes
     -----
     Wrong in principle: the equation is nonlinear, so solutions do not superpose. None of the three
-    lambdas makes it a solution; epsilon in the phase is undefined and taken as 1. There is no general
-    solution in closed form; `rotor_ida.simulate` integrates instead.
+    lambdas makes it a solution. Epsilon in the phase is undefined and taken as 1. There is no
+    general solution in closed form; `rotor_ida.simulate` integrates instead.
 
     References
     ----------

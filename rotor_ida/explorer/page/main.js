@@ -341,7 +341,7 @@ function showSignals() {
   }
   signals.show();
   const other = state.panels && lastTracks.some(({ order }) => order.speed.length) && lastRotors !== rotorsOf();
-  $("of-run-up").textContent = other ? `The last run-up was one of another rotor: ${lastRotors}.` : "";
+  $("of-run-up").textContent = other ? `The last run-up was of another rotor: ${lastRotors}.` : "";
 }
 
 /** Return what tells the rotors apart, whatever their speed. */
@@ -372,11 +372,11 @@ function showWords() {
     parts.push(["h2", sides.length > 1 ? clearance : "What it does", ""]);
     const fresh = settled && settled.number === motion.number;
     if (fresh) settled.facts.words.forEach((text, line) => parts.push(["p", text, line ? "" : "lead"]));
-    else if (unsettled?.number === motion.number) parts.push(["p", `What it settles on is not known: ${unsettled.message.replace(/\.$/, "")}.`, ""]);
+    else if (unsettled?.number === motion.number) parts.push(["p", `The settled response is not known: ${unsettled.message.replace(/\.$/, "")}.`, ""]);
     else if (rotor.zeta === 0) parts.push(["p", "Without damping nothing settles.", "lead"]);
-    else parts.push(["p", "Following it until it settles …", "waiting"]);
+    else parts.push(["p", "Simulating until it settles …", "waiting"]);
     if (note?.number === motion.number) parts.push(["p", note.facts.message, ""]);
-    parts.push(["h2", "The run that is drawn", ""]);
+    parts.push(["h2", "The drawn run", ""]);
     motion.facts.words.forEach((text) => parts.push(["p", text, ""]));
     if (!recorded) parts.push(["p", `${eventsOf(motion)}${errorOf(motion)}.`, ""]);
   });
@@ -542,7 +542,7 @@ function stepSpeed() {
 /** Return where a passage begins: where the runs that are drawn end; nothing while they are not there. */
 function beginPassage() {
   if (!sides.every((_, side) => page.shown[side].motion?.number === number)) {
-    $("passed").textContent = "The run-up starts from the end of the run that is drawn, which is still being computed.";
+    $("passed").textContent = "The run-up starts from the end of the drawn run, which is still being computed.";
     return null;
   }
   return { ...waysFrom(speedOf()), starts: sides.map((_, side) => page.shown[side].motion.facts.end) };
@@ -893,7 +893,7 @@ function beginRecorded() {
   const names = { start: "each speed from the start", up: "running up", down: "running down" };
   const choice = Object.assign(document.createElement("div"), { className: "choice" });
   choice.setAttribute("role", "radiogroup");
-  choice.setAttribute("aria-label", "How the speeds were gone through");
+  choice.setAttribute("aria-label", "Order of the speeds");
   for (const course of Object.keys(courses)) {
     const label = document.createElement("label");
     const radio = Object.assign(document.createElement("input"), { type: "radio", name: "course", value: course, checked: course === "start" });

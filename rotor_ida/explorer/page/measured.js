@@ -165,9 +165,9 @@ export class Measured {
     $("measured-period").closest("label").hidden = isMachine || $("measured-time").value === "1";
     const { scales } = this;
     const speeds = order?.speed.length ? `, ${this.#speeds(scales())}` : "";
-    const asked = isMachine ? "say how many µm a volt is" : "say how much a 1 of the page is, or choose SI units for the page";
+    const asked = isMachine ? "enter the µm per volt" : "enter the scale of the page, or choose SI units for it";
     const isOpen = this.#units(scales()) ? "" : ` To draw it, ${asked}.`;
-    const guessed = [time === "1" && isMachine ? "times are taken to be in s" : "", length === "1" && isMachine ? "lengths in the unit chosen below" : ""].filter(Boolean).join(" and ");
+    const guessed = [time === "1" && isMachine ? "times are assumed to be in s" : "", length === "1" && isMachine ? "lengths in the unit chosen below" : ""].filter(Boolean).join(" and ");
     this.#say(`${name}: ${samples.toLocaleString("en")} samples${by ? `, turned by ${by}` : ""}${speeds}${guessed ? `; ${guessed}` : ""}. It stays on the machine of the program.${isOpen}${notes.map((each) => ` Note: ${each}.`).join("")}`);
   }
 
