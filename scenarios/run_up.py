@@ -510,7 +510,7 @@ def draw_sommerfeld(settled: xr.Dataset, settings: Settings) -> None:
 
 
 def limits_of(curve: xr.Dataset) -> tuple[float, float]:
-    """Return the largest torque at which the large whirl is held, and the least for the small."""
+    """Return the largest torque that sustains the large whirl, and the least for the small."""
     speed, held = curve.omega.values, curve.driven_stability.values != STABILITY["unstable"]
     drive = curve.torque.values + MOTOR["slope"] * speed
     edges = np.flatnonzero(np.diff(held.astype(int)))[-2:]

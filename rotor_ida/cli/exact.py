@@ -29,7 +29,7 @@ OVER_SPEED = ("bode", "polar", "orders")
 OVER_FREQUENCY = ("cascade", "spectrogram")
 # The curve extends past the speeds of the run by this fraction of their range.
 BEYOND_RUN = 0.02
-# Limit cycles are followed to; what else a rotor settles on has no lines of its own.
+# Responses for which a limit cycle is computed; no other response has separate exact lines.
 CYCLES = ("bouncing", "full_contact", "rolling")
 STEADY = 1e-3
 # Number of speeds of a run-up with backward whirls, and points of one revolution.

@@ -65,7 +65,7 @@ MOST_ENDS, MOST_SAMPLES_KEPT = 32, 2**20
 
 
 def show_run_up(question: Question) -> Iterator[Answer]:
-    """Yield the radius on one piece of a ramp, and the state from which the next one goes on.
+    """Yield the radius on one piece of a ramp, and the state from which the next one continues.
 
     That state is rotated back by the angle of the unbalance, because each piece begins with the
     unbalance along x.

@@ -74,7 +74,7 @@ _ORDER = (
     FOLD_OF_CYCLES := "fold of cycles",
     DOUBLING := "period doubling",
     GRAZE := "graze",
-    SLIDING := "slip comes to 0",
+    SLIDING := "slip falls to 0",
 )
 
 _SETTINGS: Any = {
@@ -217,7 +217,7 @@ def mixed_panels(
     number = check_count("rows", rows) * check_count("columns", columns)
     for place in solid:
         if not 0 <= place < number:
-            raise InputError(f"solid must hold numbers of panels below {number}, got {place!r}")
+            raise InputError(f"solid must contain numbers of panels below {number}, got {place!r}")
     with style():
         figure = new_figure(width, height)
         kinds = ["3d" if place in solid else None for place in range(number)]

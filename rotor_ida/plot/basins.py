@@ -348,7 +348,7 @@ def _directions(label: xr.DataArray) -> tuple[str, str]:
     """Return the horizontal and the vertical coordinate."""
     if label.ndim != 2 or min(label.shape) < 2:
         sizes = dict(label.sizes)
-        raise InputError(f"dataset must hold at least 2 x 2 starts to be drawn, got {sizes}")
+        raise InputError(f"dataset must contain at least 2 x 2 starts to be drawn, got {sizes}")
     horizontal, vertical = (name for name in COMPONENTS if name in label.dims)
     return horizontal, vertical
 

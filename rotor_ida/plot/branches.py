@@ -165,7 +165,7 @@ def plot_curves(
     """
     datasets = [curves] if isinstance(curves, xr.Dataset) else list(curves)
     if not datasets:
-        raise InputError("curves must hold at least one bifurcation curve, got none")
+        raise InputError("curves must contain at least one bifurcation curve, got none")
     across, up = _plane_of(datasets)
     others = [name for name in ALL_PARAMETERS if name not in {across, up}]
     values = [

@@ -252,7 +252,7 @@ def _checked_cycle(cycle: object, needed: Sequence[str]) -> xr.Dataset:
     """Return a dataset if it contains a limit cycle."""
     checked = check_dataset("cycle", cycle, needed)
     if math.isnan(one_value("cycle", checked, "period")):
-        raise InputError("cycle must hold a limit cycle, got a result without one")
+        raise InputError("cycle must contain a limit cycle, got a result without one")
     return checked
 
 

@@ -25,7 +25,7 @@ def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Datas
         raise InputError(f"{name} must be a Dataset, got {type(dataset).__name__}")
     missing = [variable for variable in needed if variable not in dataset.variables]
     if missing:
-        raise InputError(f"{name} must hold {', '.join(needed)}; it lacks {', '.join(missing)}")
+        raise InputError(f"{name} must contain {', '.join(needed)}; it lacks {', '.join(missing)}")
     return _in_suitable_units(dataset)
 
 
@@ -62,7 +62,7 @@ def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
     values = np.atleast_1d(dataset[parameter].values)
     if values.size != 1:
         raise InputError(
-            f"{name} must hold one {parameter}, got {values.size}: choose with "
+            f"{name} must contain one {parameter}, got {values.size}: choose with "
             f".sel({parameter}=...)"
         )
     return float(values[0])

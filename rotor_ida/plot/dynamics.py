@@ -274,7 +274,7 @@ def _varied(found: xr.Dataset, exact: xr.Dataset | None) -> tuple[str, dict[str,
     check_same_parameters("found", others, fixed_parameters("exact", exact, ("zeta",)))
     delta0 = one_value("exact", exact, "delta0")
     if delta0 not in found["delta0"].values:
-        raise InputError(f"found must hold the delta0 of exact, {delta0!r}, it does not")
+        raise InputError(f"found must contain the delta0 of exact, {delta0!r}, it does not")
     return "omega", others | {"delta0": delta0}
 
 

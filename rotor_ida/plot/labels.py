@@ -197,7 +197,7 @@ class _ScaledLocator(MaxNLocator):
 
 
 def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMETERS) -> str:
-    """Return the parameters of a dataset, which holds one value of each, as a title.
+    """Return the parameters of a dataset, with one value of each, as a title.
 
     It has two lines if one is too long.
     """

@@ -314,7 +314,7 @@ def _one_order(signals: xr.Dataset, order: float, sense: str, beneath: Beneath) 
     wanted, tracked_orders = check_positive("order", order), tracks["order"].values
     place = int(np.abs(tracked_orders - wanted).argmin())
     if abs(tracked_orders[place] - wanted) > 1e-9 * wanted:
-        raise InputError(f"signals must hold the order {wanted:g}, got {tracked_orders.tolist()}")
+        raise InputError(f"signals must have the order {wanted:g}, got {tracked_orders.tolist()}")
     exact = responses_of(beneath, tracks, units)
     if exact and (order, sense) != (1.0, "forward"):
         raise InputError(f"beneath goes under the order 1 forward, got {order:g} {sense}")
