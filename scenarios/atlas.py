@@ -1,9 +1,9 @@
-"""Which response is the likeliest over speed and clearance, how hard it presses, what ends it.
+"""Map the most frequent response, its contact force and its robustness over speed and clearance.
 
-The paper advises to increase the clearance. Starts in the box |x|, |y| <= 10, |x'|, |y'| <= 10 are
-followed at each speed and clearance to the attractors that they end on; over the map lie the folds
-of the synchronous whirls, and where the bouncing cycle folds and doubles its period. On a coarser
-grid the smallest change of velocity is sought that throws the rotor off the likeliest attractor.
+The paper advises a larger clearance. At each speed and clearance, starts in the box
+|x|, |y| <= 10, |x'|, |y'| <= 10 are followed to their attractors. The map also shows the folds of
+the synchronous whirls, and the folds and period doublings of the bouncing cycle. A coarser grid
+shows the smallest change of velocity that moves the rotor off the most frequent attractor.
 
 Writes both atlases and the curves (netCDF) and a figure as PNG and SVG.
 """
@@ -53,8 +53,8 @@ def main(settings: Settings) -> None:
     settings.show(
         figure, "atlas",
         archives=["atlas", "shocks", *(f"curve_{k + 1}" for k in range(len(curves)))],
-        shows="The response that most starts end on, the largest contact force on the likeliest "
-        "attractor, and the smallest change of velocity that ends it, over speed and clearance.",
+        shows="The most frequent response, the largest contact force on its most frequent "
+        "attractor, and the smallest change of velocity that leaves it, over speed and clearance.",
         paper="A larger clearance lowers the amplitude.",
         verdict=verdict_on(found), found=f"{in_words(found)} {on_shocks(shocked)}",
     )  # fmt: skip
@@ -74,14 +74,14 @@ def curves_of_the_cycle(points: int) -> list[xr.Dataset]:
 
 
 def in_lasting_contact(found: xr.Dataset) -> xr.DataArray:
-    """Return the share of starts that end in lasting contact, over speed and clearance."""
+    """Return the fraction of starts that end in lasting contact, by clearance."""
     kinds = ("synchronous", "bouncing", "full_contact", "chaotic")
     hard = found.kind.isin([RESPONSE[kind] for kind in kinds])
     return found.fraction.where(hard, 0.0).sum("attractor").squeeze()
 
 
 def in_words(found: xr.Dataset) -> str:
-    """Return what the smallest and the largest clearance do."""
+    """Return the verdict text on the smallest and the largest clearance."""
     share = in_lasting_contact(found)
     parts = [
         f"at δ₀ = {float(row.delta0):.2g} {float(row.mean()):.0%} of all starts end in lasting "
@@ -92,27 +92,27 @@ def in_words(found: xr.Dataset) -> str:
 
 
 def on_shocks(shocked: xr.Dataset) -> str:
-    """Return where the likeliest response is the least firm."""
+    """Return the text on the weakest most frequent response."""
     likeliest = shocked.fraction.fillna(-1.0).argmax("attractor")
     least = shocked.velocity_shock.min("target").isel(attractor=likeliest).squeeze()
     place = least.isel(least.fillna(np.inf).argmin(("omega", "delta0")))
     part = float(np.isfinite(least).mean())
     return (
-        f"At {part:.0%} of the speeds and clearances a shock was found that ends the likeliest "
+        f"At {part:.0%} of the speeds and clearances a shock ends the most frequent "
         f"response; the smallest, {float(place):.2g}, at ω = {float(place.omega):.2g} and "
         f"δ₀ = {float(place.delta0):.2g}."
     )
 
 
 def verdict_on(found: xr.Dataset) -> str:
-    """Return where the likeliest attractor presses hardest."""
+    """Return the text on the largest contact force of the most frequent attractor."""
     likeliest = found.fraction.fillna(-1.0).argmax("attractor")
     depth = (found.radius_max - found.delta0).isel(attractor=likeliest).squeeze().fillna(0.0)
     place = depth.isel(depth.argmax(("omega", "delta0")))
     force, where = float(place) ** 1.5, float(place.delta0)
     least = "" if where == float(found.delta0.min()) else "not "
     return (
-        f"The likeliest response presses hardest, with a force of {force:.1f}, at ω = "
+        f"The largest contact force of the most frequent response is {force:.1f}, at ω = "
         f"{float(place.omega):.2g} and δ₀ = {where:.2g}, {least}the smallest clearance."
     )
 

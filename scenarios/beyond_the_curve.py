@@ -1,11 +1,10 @@
-"""What the rotor does where no response curve can show it.
+"""Limit cycles and chaos that no response curve shows.
 
-At zeta = 0.07 most starts end bouncing on the ring at omega = 2, delta0 = 2, and in contact for
-ever with an oscillating radius at omega = 3, delta0 = 0.5. Both are limit cycles on the axes that
-turn with the unbalance: closed curves there, a section on a curve, lines beside the spin speed and
-backward ones in the spectrum, and a largest Lyapunov exponent of zero. In a narrow window of speeds
-about omega = 1.38, at delta0 = 1, the rotor never repeats itself: there the largest exponent is
-positive, which is chaos, and it lasts.
+At zeta = 0.07 most starts end in bouncing at omega = 2, delta0 = 2, and in lasting contact at an
+oscillating radius at omega = 3, delta0 = 0.5. On the axes that rotate with the unbalance, both are
+limit cycles: closed orbits with sections on a curve, spectral lines beside the spin speed and
+backward ones, and a largest Lyapunov exponent of zero. In a narrow range of speeds about
+omega = 1.38, at delta0 = 1, the largest exponent is positive: the motion is chaotic, and it lasts.
 
 Writes for each case the run, its section, spectrum, forces and Lyapunov exponents (netCDF), and one
 figure of all as PNG and SVG.
@@ -46,13 +45,13 @@ CASES = {
     "window": Rotor(omega=1.38, zeta=0.07, delta0=1.0),
 }
 WORDS = {
-    "bouncing": "A rotor that bounces for ever",
-    "full_contact": "A rotor that stays in contact at a radius that is not constant",
-    "window": "A rotor in a narrow window of speeds",
+    "bouncing": "Bouncing",
+    "full_contact": "Lasting contact at an oscillating radius",
+    "window": "A narrow range of speeds with chaos",
 }
 REST = (0.0, 0.0, 0.0, 0.0)
 STARTS = {"bouncing": REST, "full_contact": REST, "window": (1.5, -0.25, 0.0, 0.0)}
-# So many standard errors from zero, a Lyapunov exponent is not zero.
+# A Lyapunov exponent further from zero than this many standard errors is not zero.
 CLEAR = 5.0
 NAMES = ("x", "y", "vx", "vy")
 SAMPLES = 64  # a revolution
@@ -97,13 +96,13 @@ def main(settings: Settings) -> None:
 
 
 def meaning(found) -> str:
-    """Return what Lyapunov exponents say of the motion, held against their errors."""
+    """Interpret the Lyapunov exponents, given their errors."""
     clear = found.lyapunov_exponent.values / (CLEAR * found.lyapunov_error.values)
     if clear[0] > 1.0:
-        return "the largest stands clear of its error, so the motion is chaotic"
+        return "the largest exceeds its error, so the motion is chaotic"
     if clear[0] > -1.0 and (clear[1:] < -1.0).all():
         return "one is zero and the others are negative, so the motion is a limit cycle on the axes"
-    return "they do not decide what the motion is"
+    return "they do not decide the kind of motion"
 
 
 def settled(rotor: Rotor, start: tuple[float, ...], revolutions: int) -> tuple[float, ...]:

@@ -1,8 +1,8 @@
-"""The extrema of the radius that remain at each speed, from many starts, over the exact curve.
+"""Bifurcation diagram from many starts over the exact response curve.
 
-A synchronous whirl is one point on the curve; bouncing and contact at an oscillating radius are
-ranges beside it, which one harmonic cannot show. Drawn at zeta = 0.07 for the clearances 0, 0.5, 1
-and 2. How many of the starts end on the curve without clearance is counted.
+A synchronous whirl is one point on the curve. Bouncing and contact at an oscillating radius are
+ranges beside it, which a one-harmonic solution cannot show. Drawn at zeta = 0.07 for the clearances
+0, 0.5, 1 and 2. The script counts the starts that end on the curve without clearance.
 
 Writes the extrema (bifurcation.nc) and the exact curves (exact.nc), and the figure as PNG and SVG.
 """
@@ -39,7 +39,7 @@ def main(settings: Settings) -> None:
     shared_legend(figure, axes, columns=4)
     settings.show(
         figure, "bifurcation_diagram", archives=["bifurcation_diagram", "exact"],
-        shows="Local extrema of |z| that remain at each speed, from random starts, over the exact "
+        shows="Local extrema of the steady |z| at each speed, from random starts, over the exact "
         "curve.",
         paper="The curve of one harmonic agrees with the numerical solution.",
         verdict="Without clearance it does; with clearance not at high speed.",
@@ -51,13 +51,13 @@ def main(settings: Settings) -> None:
 
 
 def on_the_curve(found):
-    """Return in words how many runs without clearance end on a synchronous whirl."""
+    """Return the count of runs without clearance that end on a synchronous whirl, in words."""
     whirls = found.response.sel(delta0=0.0) == flags_of(found.response)["synchronous"]
     return f"{int(whirls.sum())} of {whirls.size}"
 
 
 def beyond(found):
-    """Return in words from which speed on a start keeps bouncing or swinging, by clearance."""
+    """Return the speed from which some start keeps bouncing or swinging, by clearance."""
     flags = flags_of(found.response)
     swings = found.response.isin([flags[kind] for kind in ("bouncing", "full_contact", "chaotic")])
     anywhere = swings.any([dim for dim in swings.dims if dim not in {"omega", "delta0"}])

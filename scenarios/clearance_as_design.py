@@ -1,9 +1,9 @@
-"""What more clearance does: to the peak, the jumps, the force on the ring and the real response.
+"""Effects of a larger clearance on the peak, the jumps, the contact force and simulated response.
 
 The paper advises more clearance to reduce the risk (4.2.1). At zeta = 0.07 that lowers the peak,
-its speed and the force there. Below resonance it raises the amplitude, at omega = 1.2 from 3.4 to
-6.9. Above resonance the curve promises contact-free whirl; what a rotor that starts from rest does
-there is to bounce, and further out than without clearance.
+its speed and the force there. Below resonance it raises the amplitude: at omega = 1.2 from 3.4 to
+6.9. Above resonance the curve promises contact-free whirl, but a rotor that starts from rest
+bounces there, at a larger radius than without clearance.
 
 Writes the peaks and folds (design.nc), the curves over the clearance (curves.nc), the simulated
 responses (simulated.nc), and the figures as PNG and SVG.
@@ -92,16 +92,16 @@ def draw_responses(exact: xr.Dataset, simulated: xr.Dataset, settings: Settings)
     free = float(simulated.delta0[at_rest.values].min())
     settings.show(
         figure, "responses", archives=["curves", "simulated"],
-        shows="Whirls over the clearance at four speeds, and what a rotor settles on from rest.",
+        shows="Whirls over the clearance at four speeds, and the response from rest.",
         paper="The amplitude can be reduced by increasing the clearance.",
-        verdict="False below resonance; above it the rotor bounces further out, until the ring is "
-        "too far to be reached.",
+        verdict="False below resonance; above it the rotor bounces at a larger radius, until the "
+        "stator is out of reach.",
         found=f"Below resonance it grows: at ω = 1.2, δ₀ = 0, 0.5, 1, 2 it is {rising}. At "
-        f"ω = 2 the rotor from rest comes out to {float(reach.sel(fast)[0]):.2f} without "
-        f"clearance and to {float(reach.sel(fast).sel(delta0=2.0)):.2f} with δ₀ = 2, where it "
+        f"ω = 2 the rotor from rest reaches a radius of {float(reach.sel(fast)[0]):.2f} without "
+        f"clearance and {float(reach.sel(fast).sel(delta0=2.0)):.2f} with δ₀ = 2, where it "
         f"bounces; the largest force goes from {float(force.sel(fast)[0]):.2f} to "
         f"{float(force.sel(fast).sel(delta0=2.0)):.2f}. From "
-        f"δ₀ = {free:g} on it comes to contact-free whirl.",
+        f"δ₀ = {free:g} on it settles on contact-free whirl.",
     )  # fmt: skip
 
 

@@ -1,10 +1,10 @@
-"""A machine in SI units, and the check of eq. (9): ω₀² = k√D/m, not k/m.
+"""A rotor in SI units, and a check of eq. (9): ω₀² = k√D/m, not k/m.
 
-A disc of 4 kg with an eccentricity of 10 micrometres turns at 3,000 rpm in a ring with 20
-micrometres of clearance. The run gives micrometres, milliseconds and newtons. The dimensional
-equation (7), integrated on its own by another program (SciPy, DOP853), lands on the same orbit when
-lengths are scaled with the eccentricity D and times with sqrt(m/(k sqrt(D))); with the printed k/m
-it is another orbit.
+A disc of 4 kg with an eccentricity of 10 micrometres runs at 3,000 rpm in a stator with 20
+micrometres of clearance. The run is in micrometres, milliseconds and newtons. An independent
+integration of the dimensional equation (7) (SciPy, DOP853) gives the same orbit when lengths are
+scaled with the eccentricity D and times with sqrt(m/(k sqrt(D))). With the printed k/m the orbit
+differs.
 
 Writes the run (run.nc), the same in SI units (machine.nc), the check (scaling.nc), and the figures
 as PNG and SVG.
@@ -46,7 +46,7 @@ def main(settings: Settings) -> None:
         "force.",
         found=f"ω = {rotor.omega:.4g}, ζ = {rotor.zeta:.4g}, δ₀ = {rotor.delta0:.4g}: "
         f"{run.sizes['contact']} contacts in {1e3 * duration * MACHINE.time_scale:.0f} ms; the "
-        f"ring bears up to {force:.2f} N, the disc comes out to "
+        f"force reaches {force:.2f} N and the radius "
         f"{1e6 * float(np.hypot(machine.x, machine.y).max()):.1f} µm.",
     )  # fmt: skip
 
@@ -70,13 +70,13 @@ def draw_check(checked: xr.Dataset, settings: Settings) -> None:
     apart = deviations(checked)
     settings.show(
         figure, "scaling", archives=["scaling"],
-        shows="Eq. (7) in SI units beside dimensionless runs, scaled with the right and with the "
+        shows="Eq. (7) in SI units beside dimensionless runs, scaled with the correct and with the "
         "printed reference frequency.",
         paper="ω₀² = k/m, above eq. (8).",
         verdict="Wrong: k√D/m.",
         found=f"With k√D/m the runs differ by {scientific(apart['k sqrt(D)/m'])} of the "
-        f"largest displacement, with k/m by {apart['k/m']:.2g} of it; k/m is no frequency "
-        "squared, since k is in N/(m√m).",
+        f"largest displacement, with k/m by {apart['k/m']:.2g} of it; k/m is not a squared "
+        "frequency, because k is in N/(m√m).",
     )  # fmt: skip
 
 

@@ -1,12 +1,12 @@
 """A cascade of period doublings into chaos, at delta0 = 2.
 
-At zeta = 0.07 the stable cycle on which the rotor bounces at omega = 2 doubles its period near
-omega = 1.803 when the speed falls; the doubled cycle doubles again, and so on, ever faster: the
-distances shrink in the end by Feigenbaum's factor 4.669. Each doubling is located on its exact
-branch, and the next branch is entered there. A simulated rotor that is led down slowly shows the
-same: its largest radii split, and beyond the end of the cascade they fill bands. The exponent with
-which neighbours come together on a cycle, from its exact multipliers, rises to zero at each
-doubling; where no cycle is left, it is the Lyapunov exponent, which is positive.
+At zeta = 0.07 the rotor bounces on a stable cycle at omega = 2. As the speed falls, this cycle
+doubles its period near omega = 1.803. The doubled cycle doubles again, and so on, at distances that
+shrink by Feigenbaum's factor 4.669. Each doubling is located on its exact branch, and the next
+branch starts there. A simulation with slowly falling speed shows the same: the largest radii split,
+and past the end of the cascade they fill bands. The exponent at which neighbours approach a cycle,
+from its exact multipliers, rises to zero at each doubling. Where no stable cycle is left, the
+largest Lyapunov exponent is positive.
 
 Writes the branches (branch_1.nc and so on), the sweep (down.nc), its largest radii and exponents
 (radii.nc), and the figure as PNG and SVG; prints the table of doublings.
@@ -38,7 +38,7 @@ NAMES = ("x", "y", "vx", "vy")
 # The first branch, and speeds of the simulated rotor.
 LIMITS = (1.6, 2.1)
 HIGHEST, MIDDLE, LOWEST = 1.82, 1.71, 1.685
-# Each further branch is followed down by so much of the distance between the doublings before.
+# Each further branch is continued down by this fraction of the previous doubling distance.
 AHEAD = 0.6
 REVOLUTIONS = 150
 PERIODS = 2
@@ -69,7 +69,7 @@ def main(settings: Settings) -> None:
 
 
 def cascade(count: int) -> list[xr.Dataset]:
-    """Return the branch of the cycle at omega = 2, and so many less one that it doubles into."""
+    """Return `count` branches: that of the cycle at omega = 2, and those it doubles into."""
     rotor = Rotor(omega=2.0, zeta=ZETA, delta0=DELTA0)
     branches = [continue_cycle(rotor, start=(0, 0, 0, 0), limits=LIMITS)]
     places = [first_doubling(branches[0])]
@@ -126,12 +126,12 @@ def largest_radii(down: xr.Dataset) -> xr.Dataset:
 
 
 def chaos_of(here: xr.Dataset) -> tuple[float, float]:
-    """Return the exponent and the error that the sweep states, NaN where it needed none."""
+    """Return the exponent and its error from the sweep, NaN where it computed none."""
     return float(here.lyapunov_exponent), float(here.lyapunov_error)
 
 
 def exponent_of(cycle: xr.Dataset) -> float:
-    """Return the rate at which the slowest neighbours come to a cycle, from its multipliers."""
+    """Return the slowest decay rate of disturbances of a cycle, from its multipliers."""
     sizes = np.hypot(cycle.multiplier_real.values, cycle.multiplier_imag.values)
     others = np.delete(sizes, np.argmin(np.abs(cycle.multiplier_real.values - 1.0)))
     return float(np.log(others.max()) / cycle.period)
@@ -178,8 +178,8 @@ def draw(
         figure,
         "doubling_cascade",
         archives=["down", "radii", *(f"branch_{number + 1}" for number in range(len(places)))],
-        shows="The largest radii of a simulated rotor led down in speed, with the exact period "
-        "doublings; the same drawn out; and the largest exponent beside that of a shift.",
+        shows="The largest radii of a simulated rotor as the speed falls, with the exact period "
+        "doublings; the same enlarged; and the largest exponent beside that of a shift.",
         found=f"Doublings at ω = {', '.join(f'{place:.9f}' for place, _, _ in places)}. Their "
         f"distances shrink by {', '.join(f'{ratio:.4f}' for ratio in ratios)}; Feigenbaum's factor "
         f"is 4.6692. By it the cascade ends at ω = {end:.6f}; below it: {words}.",
@@ -187,7 +187,7 @@ def draw(
 
 
 def ratios_of(places: list[tuple[float, float, int]]) -> list[float]:
-    """Return by what factor the distance of two doublings shrinks to the next one."""
+    """Return the ratios of successive distances between doublings."""
     gaps = -np.diff([place for place, _, _ in places])
     return (gaps[:-1] / gaps[1:]).tolist()
 

@@ -1,24 +1,24 @@
-"""A rotor that loses its magnetic bearing and falls into the touchdown ring.
+"""Drop of a rotor from its magnetic bearing into the touchdown bearing.
 
-A rotor of 20 kg at 15,000 rpm, balanced to G 6.3, is let go in a touchdown ring 0.2 mm below:
-plausible numbers, of no machine in particular. Until then it turned about its centre of mass, at
-rest on the axis. It falls, hits the ring after 6.4 ms and bounces. If the ring takes enough of each
-impact, it is at rest within some hundredths of a second: it stays on the ring, in the whirl that
-the unbalance keeps up, and rocks at the bottom. If the ring takes too little, the unbalance gives
-back what the impacts lose, and the rotor bounces on. How much is enough, how long it takes and how
-large the forces get is mapped over clearance and contact damping.
+A rotor of 20 kg at 15,000 rpm, balanced to G 6.3, is released in a touchdown bearing with 0.2 mm of
+clearance: plausible numbers of no particular machine. At release it rotates about its centre of
+mass, at rest on the axis. It falls, hits the bearing after 6.4 ms and bounces. With enough contact
+damping it comes to rest within some hundredths of a second: it stays in contact, in the whirl that
+the unbalance drives, and rocks at the bottom. With too little, the unbalance restores the energy
+that impacts lose, and the rotor keeps bouncing. The necessary damping, the time to rest and the
+forces are mapped over clearance and contact damping.
 
-At rest means: on the ring for the last quarter of a second simulated, and the time to rest is that
-of the last entry. The speed is held.
+"At rest" means in contact for the last quarter of a second simulated. The time to rest is that of
+the last entry into contact. The speed is constant.
 
-In these drops the ring has no friction. With friction the rim, which turns at 31 m/s, drives the
-rotor backwards round the ring. If it is driven beyond the whirl that slips, nothing of this model
-stops it before the disc rolls, in dry whip, at a force that no machine lives to see. The share of
-drops that end so, let go at several places near the axis, is mapped over friction and damping
-for both contact dampings, beside the exact border beyond which no whip exists.
+These drops have no friction. With friction the rim, which moves at 31 m/s, drives the rotor
+backwards round the bearing. If it is driven past the slipping backward whirl, only rolling ends the
+acceleration: dry whip, at a force that no machine survives. The fraction of drops that end in whip,
+from several release points near the axis, is mapped over friction and damping for both contact
+dampings. The exact limit above which no whip exists is drawn beside it.
 
 Writes both drops in SI units (resting.nc, bouncing.nc), the map (map.nc), a drop that rests and one
-that whirls (lies.nc, whirls.nc), the shares (whip.nc), and the figures as PNG and SVG.
+that whirls (lies.nc, whirls.nc), the fractions (whip.nc), and the figures as PNG and SVG.
 """
 
 import math
@@ -55,13 +55,13 @@ DROPS = {"resting": 10.0, "bouncing": 3.0}
 UNITS = {"length": "mm", "force": "kN"}
 SHOWN = 0.1  # s
 LASTS = 1.0  # s, simulated
-STAYS = 0.25  # s on the ring, by which a rotor is told to be at rest
+STAYS = 0.25  # s in contact after which a rotor counts as at rest
 FORCES = [1.0, 5.0, 20.0, 40.0]  # contact damping of the curves of forces [s/m]
 DISC_RADIUS = 20e-3  # m, where the rotor touches
 PUSHED = {"lies": 0.2, "whirls": 0.4}  # friction of two drops
-DECIDED = 0.2  # s, by which a drop has ended in whip or will not
-AWAY = 0.1  # distance from the axis at which rotors are let go, over the clearance
-HARD = 20e3  # N, a force of a hundred weights
+DECIDED = 0.2  # s, after which a drop either has ended in whip or will not
+AWAY = 0.1  # distance from the axis at release, over the clearance
+HARD = 20e3  # N, a hundred times the weight
 
 
 def main(settings: Settings) -> None:
@@ -95,7 +95,7 @@ def main(settings: Settings) -> None:
 def machine_with(
     contact_damping: float, clearance: float = CLEARANCE, friction: float = 0.0
 ) -> DimensionalRotor:
-    """Return the rotor in a ring with this contact damping [s/m], clearance [m] and friction."""
+    """Return the rotor in a stator with this contact damping [s/m], clearance [m] and friction."""
     return DimensionalRotor(
         mass=MASS,
         contact_stiffness=2e9,  # N/m^1.5
@@ -113,9 +113,9 @@ def machine_with(
 def drop(
     machine: DimensionalRotor, duration: float, *, samples: int = 2, away: complex = 0.0
 ) -> xr.Dataset:
-    """Return the motion of a rotor that is let go while its centre of mass rests.
+    """Return the motion of a rotor released while its centre of mass is at rest.
 
-    It rests on the axis, or `away` from it (over the clearance).
+    It is at rest on the axis, or `away` from it (over the clearance).
     """
     rotor = machine.rotor()
     place = away * rotor.delta0 - 1.0
@@ -134,7 +134,7 @@ def with_force(run: xr.Dataset) -> xr.Dataset:
 
 
 def time_to_rest(run: xr.Dataset, machine: DimensionalRotor) -> float:
-    """Return when the rotor has entered the ring for good [s]; NaN if it has not."""
+    """Return the time of the last entry into contact [s]; NaN if there is none."""
     last = run.entry_time.values[-1] * machine.time_scale
     stays = np.isnan(run.exit_time.values[-1]) and last <= LASTS - STAYS
     return float(last) if stays else math.nan
@@ -146,7 +146,7 @@ def impact_speed(clearance: float) -> float:
 
 
 def restitution(machine: DimensionalRotor) -> float:
-    """Return what the first impact gives back of the speed, by the closed form."""
+    """Return the restitution of the first impact, by the closed form."""
     given = machine.rotor().given
     speed = impact_speed(machine.clearance) / machine.velocity_scale
     hit = impact(entry_speed=speed, contact_damping=given.get("contact_damping", 0.0))
@@ -182,32 +182,32 @@ def map_of(*, contact_damping: np.ndarray, clearance: np.ndarray, settings: Sett
     force, rest = np.array(rows).reshape(dampings.size, clearance.size, 2).transpose(2, 0, 1)
     columns = {
         "largest_force": (force, "largest contact force of the drop", "N"),
-        "time_to_rest": (rest, "time of the entry after which the rotor stays on the ring", "s"),
+        "time_to_rest": (rest, "time of the entry after which the rotor stays in contact", "s"),
     }
     coordinates = {
         "damping": (dampings, "contact damping of Hunt and Crossley", "s m-1"),
-        "clearance": (clearance, "radial clearance of the touchdown ring", "m"),
+        "clearance": (clearance, "radial clearance of the touchdown bearing", "m"),
     }
     return xr.Dataset(
         {name: (tuple(coordinates), values, {"long_name": words, "units": unit})
          for name, (values, words, unit) in columns.items()},
         {name: (name, values, {"long_name": words, "units": unit})
          for name, (values, words, unit) in coordinates.items()},
-        {"title": "Drops into a touchdown ring over its clearance and contact damping"},
+        {"title": "Drops into a touchdown bearing over its clearance and contact damping"},
     )  # fmt: skip
 
 
 def rubbed(friction: float) -> xr.Dataset:
-    """Return the drop of a rotor into a ring with friction until it rests or rolls, in SI units."""
+    """Return the drop of a rotor with friction until it rests or rolls, in SI units."""
     machine = machine_with(DROPS["resting"], friction=friction)
     run = drop(machine, 0.06, samples=6001)
     return dimensional(run, machine, units=UNITS)
 
 
 def largest_whip_damping(friction: float) -> float:
-    """Return the damping [N s/m] above which no whip exists, load and unbalance aside.
+    """Return the damping [N s/m] above which no whip exists without load and unbalance.
 
-    Rolling backwards takes ``n V`` of friction along the ring and has ``N = m r Omega**2`` across
+    Rolling backwards takes ``n V`` of friction along the stator and has ``N = m r Omega**2`` across
     it, so that ``n <= mu m |Omega|``; damping does not change Omega.
     """
     machine = replace(machine_with(0.0, friction=friction), load=0.0, damping=0.0)
@@ -218,7 +218,7 @@ def largest_whip_damping(friction: float) -> float:
 def whip_shares(
     *, friction: np.ndarray, damping: np.ndarray, angles: np.ndarray, settings: Settings
 ) -> xr.Dataset:
-    """Return the share of drops that end in whip, of rotors let go at angles round the axis."""
+    """Return the fraction of drops that end in whip, released at angles round the axis."""
     dampings = list(DROPS.values())
     places = [(contact, each, mu) for contact in dampings for each in damping for mu in friction]
 
@@ -248,14 +248,14 @@ def whip_shares(
     return xr.Dataset(
         {
             "whip_share": (tuple(coordinates), shares, {
-                "long_name": "share of drops that end in dry whip", "units": "1"}),
+                "long_name": "fraction of drops that end in dry whip", "units": "1"}),
             "largest_whip_damping": ("friction", border, {
                 "long_name": "damping above which no dry whip exists, exact without load and "
                 "unbalance", "units": "N s m-1"}),
         },
         {name: (name, values, {"long_name": words, "units": unit})
          for name, (values, words, unit) in coordinates.items()},
-        {"title": "Drops into a touchdown ring with friction", "starts": angles.size},
+        {"title": "Drops into a touchdown bearing with friction", "starts": angles.size},
     )  # fmt: skip
 
 
@@ -293,16 +293,16 @@ def draw_drops(runs: Mapping[str, xr.Dataset], settings: Settings) -> None:
     )
     settings.show(
         figure, "drop", archives=list(runs),
-        shows=f"A rotor of {MASS:g} kg at 15,000 rpm falls into a touchdown ring with a clearance "
-        "of 0.2 mm, with two contact dampings λ: orbit, height and contact force.",
+        shows=f"A rotor of {MASS:g} kg at 15,000 rpm falls into a touchdown bearing with a "
+        "clearance of 0.2 mm, with two contact dampings λ: orbit, height and contact force.",
         found=f"It touches after {first:.3f} ms; a free fall of its centre of mass takes "
-        f"{free:.3f} ms. {ends} The ring bears up to {forces[0]:.2f} and {forces[1]:.2f} kN, "
+        f"{free:.3f} ms. {ends} The largest forces are {forces[0]:.2f} and {forces[1]:.2f} kN, "
         f"{weights[0]:.1f} and {weights[1]:.1f} times the weight.",
     )  # fmt: skip
 
 
 def told(run: xr.Dataset, machine: DimensionalRotor) -> str:
-    """Return in words when a rotor is at rest."""
+    """Return the time to rest in words."""
     rest = time_to_rest(run, machine)
     if math.isnan(rest):
         return f"not at rest within {LASTS - STAYS:g} s"
@@ -365,8 +365,8 @@ def draw_map(mapped: xr.Dataset, settings: Settings) -> None:
         f"{LASTS - STAYS:g} s. From {mapped.damping.values[always].min():.3g} s/m on all do, in "
         f"{1e3 * worst:.0f} ms or less; with less damping some do and some do not, by the phase of "
         "the unbalance that the bounces meet. The largest force grows with the clearance about as "
-        "that of an elastic fall, in waves by the phase of the first impact; damping lowers it "
-        "little, and raises it where it is strong.",
+        "that of an elastic fall, in waves with the phase of the first impact. Damping lowers it "
+        "little; strong damping raises it.",
     )  # fmt: skip
 
 
@@ -389,7 +389,7 @@ def draw_whip(runs: Mapping[str, xr.Dataset], shares: xr.Dataset, settings: Sett
             ax.minorticks_off()
             ax.grid(visible=False)
             ax.set_title(f"drops with $\\lambda$ = {contact:g} s/m", fontsize=9.5)
-            figure.colorbar(shown, ax=ax, label="share that ends in whip")
+            figure.colorbar(shown, ax=ax, label="fraction that ends in whip")
             for mu, colour in zip(PUSHED.values(), (BLUE, RED), strict=True):
                 if contact == DROPS["resting"]:
                     ax.plot(
@@ -398,8 +398,8 @@ def draw_whip(runs: Mapping[str, xr.Dataset], shares: xr.Dataset, settings: Sett
     shared_legend(figure, axes, columns=5, outer=False)
     settings.show(
         figure, "whip", archives=[*runs, "whip"],
-        shows=f"The rotor of {MASS:g} kg falls into a ring with friction, with its rim at a radius "
-        f"of {1e3 * DISC_RADIUS:g} mm: two drops, and the share of drops that end in dry whip over "
+        shows=f"The rotor of {MASS:g} kg with friction, with its rim at a radius of "
+        f"{1e3 * DISC_RADIUS:g} mm: two drops, and the fraction of drops that end in dry whip over "
         "friction and damping, for two contact dampings λ; above the line no whip exists (exact "
         "without load and unbalance).",
         found=told_of_whip(runs, shares),
@@ -407,7 +407,7 @@ def draw_whip(runs: Mapping[str, xr.Dataset], shares: xr.Dataset, settings: Sett
 
 
 def draw_rubs(runs: Mapping[str, xr.Dataset], orbit: Axes, force: Axes) -> None:
-    """Draw orbits until the force is out of all bounds, and forces over time."""
+    """Draw orbits until the force exceeds a hundred weights, and forces over time."""
     looks = {"lies": (BLUE, "rests"), "whirls": (RED, "whirls")}
     around = np.exp(2j * math.pi * np.linspace(0.0, 1.0, 361)) * CLEARANCE * 1e3
     with style():
@@ -438,7 +438,7 @@ def beyond(run: xr.Dataset, force: float) -> float:
 
 
 def told_of_whip(runs: Mapping[str, xr.Dataset], shares: xr.Dataset) -> str:
-    """Return what the gallery says of drops with friction."""
+    """Return the gallery text on drops with friction."""
     whirls = runs["whirls"]
     rows = []
     for contact in sorted(DROPS.values()):
@@ -454,15 +454,15 @@ def told_of_whip(runs: Mapping[str, xr.Dataset], shares: xr.Dataset) -> str:
     outside = float(shares.whip_share.where(~exists).max())
     rests, goes_round = PUSHED.values()
     return (
-        f"With λ = {DROPS['resting']:g} s/m and μ = {rests:g} the rotor stays on the ring, on the "
+        f"With λ = {DROPS['resting']:g} s/m and μ = {rests:g} the rotor stays in contact, on the "
         f"side to which friction pulls it. With μ = {goes_round:g} it goes round: the force "
         f"exceeds {1e-3 * HARD:g} kN, a hundred weights, {1e3 * beyond(whirls, HARD):.1f} ms after "
         "release, and grows until the disc rolls at "
-        f"{1e-3 * float(whirls.normal_force[-1]):.1f} MN, which the model's ring bears and no "
-        f"other. Of all drops {'; '.join(rows)}. Where whip exists {100.0 * there:.0f}% of drops "
-        f"end in it, elsewhere {'none does' if outside == 0.0 else 'some do'}: the first impacts "
-        "must throw the rotor round the ring faster than the whirl that slips, which is the faster "
-        "the more damping and the less friction there is."
+        f"{1e-3 * float(whirls.normal_force[-1]):.1f} MN, which no real "
+        f"bearing survives. Of all drops {'; '.join(rows)}. Where whip exists {100.0 * there:.0f}% "
+        f"of drops end in it, elsewhere {'none does' if outside == 0.0 else 'some do'}: the first "
+        "impacts must drive the rotor round the stator faster than the slipping whirl, which is "
+        "faster with more damping and less friction."
     )
 
 

@@ -1,7 +1,7 @@
-"""How the error of event times falls with the tolerance.
+"""Convergence of event times with the tolerance.
 
-Free planar vibration with clearance (omega = zeta = 0) has exact event times. The script holds
-the simulated ones against them for Adams, BDF and IDA, with flight in closed form, over tolerances
+Free planar vibration with clearance (omega = zeta = 0) has exact event times. The script compares
+the simulated ones with them for Adams, BDF and IDA, with flight in closed form, over tolerances
 from 1e-6 to 1e-12. The error falls in proportion to the tolerance: the integration loses no order
 where contact begins and ends.
 
@@ -64,7 +64,7 @@ def main(settings: Settings) -> None:
         figure, "event_time_convergence", archives=["event_time_convergence"],
         shows="The largest error of an event time over the tolerance, for three methods.",
         found=f"Over {decades:.0f} decades of tolerance the error falls by {fallen} decades, with "
-        "no floor where contact begins and ends. The largest error that a run states is "
+        "no floor where contact begins and ends. The largest error estimate of a run is "
         f"{ratio:.1f} times the true one or more.",
     )  # fmt: skip
 

@@ -1,9 +1,9 @@
-"""Figures 2 and 3: the restoring force and its potential, and the energy that they conserve.
+"""Figures 2 and 3: the restoring force, its potential and the conserved energy.
 
-The paper writes the force as f(x) + i f(y), falling with x, and calls the potential concave. Each
-component depends on x and on y, f_x grows with x, and the potential is convex: the ring pushes
-back. In eq. (13) the paper prints |z|^2/2 for the kinetic energy |z'|^2/2; along a simulated free
-orbit the right sum stays what it was, the printed one does not.
+The paper writes the force as f(x) + i f(y), falling with x, and calls the potential concave. In
+fact each component depends on x and on y, f_x grows with x, and the potential is convex: the force
+is restoring. In eq. (13) the paper prints |z|^2/2 for the kinetic energy |z'|^2/2. Along a
+simulated free orbit the correct sum is constant and the printed one is not.
 
 Writes the force field (field.nc), a free run with both sums (energy.nc), and the figures as
 PNG and SVG.
@@ -39,7 +39,7 @@ def main(settings: Settings) -> None:
 
 
 def with_energies(run: xr.Dataset) -> xr.Dataset:
-    """Return a run with the energy, and with what eq. (13) prints for it."""
+    """Return a run with the energy, and with the sum printed in eq. (13)."""
     states = np.stack([run[name].values for name in ("x", "y", "vx", "vy")], axis=-1)
     delta0 = float(run.delta0)
     units = {"units": "1"}

@@ -1,9 +1,10 @@
 """Figures 4 and 5: natural frequency, period and phase portraits of free vibration.
 
-A free rotor (omega = zeta = 0) whirls on a circle or swings on a line. The paper has only the
-period of the circle and says that it grows with the amplitude; both fall: the ring hardens. Its
-phase portraits belong to the line, whose period is 4.746 % longer. With clearance the flight adds
-to the period, which grows without bound as the amplitude comes down to the clearance.
+A free rotor (omega = zeta = 0) whirls on a circle or swings on a line. The paper gives only the
+period of the circle, and states that it grows with the amplitude. Both periods fall, because the
+contact hardens. The paper's phase portraits belong to the line, whose period is 4.746 % longer.
+With clearance the flight adds to the period, which grows without bound as the amplitude approaches
+the clearance.
 
 Writes periods, exact and simulated (periods.nc, simulated_periods.nc), the portraits
 (portraits.nc), and figures as PNG and SVG.
@@ -52,7 +53,7 @@ def main(settings: Settings) -> None:
 
 
 def simulated_periods(sizes: list[float]) -> xr.Dataset:
-    """Return periods measured on simulated runs, laid out as `free_periods` does."""
+    """Return periods measured on simulated runs, in the layout of `free_periods`."""
     table = free_periods(amplitude=sizes, delta0=CLEARANCES)
     for delta0 in CLEARANCES:
         rotor = Rotor(omega=0.0, zeta=0.0, delta0=delta0)
@@ -147,7 +148,7 @@ def draw_portraits(portraits: xr.Dataset, settings: Settings) -> None:
         "= 0, 2, 4, 6, 8, with their periods T.",
         paper="The same starts, with the period of a circle.",
         verdict=f"The period of a line is {longer:.2f} % longer.",
-        found=f"From speed y₀′ the rotor comes to the A at which A²√A = 1.25 y₀′²: "
+        found=f"From speed y₀′ the rotor reaches the A at which A²√A = 1.25 y₀′²: "
         f"{amplitude_from_speed(8.0):.4g} at y₀′ = 8. The axis is crossed at "
         f"{centre_speed(8.0):.4g} from x₀ = 8. Periods fall as the amplitude grows; with "
         "clearance the portraits are flat where the rotor flies.",

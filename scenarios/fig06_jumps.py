@@ -1,10 +1,10 @@
-"""Figure 6: amplitude and phase for four dampings, where they jump, and when they cannot.
+"""Figure 6: amplitude and phase for four dampings, and where they jump.
 
-Without clearance and at zeta = 0.07 three whirls stand beside each other between two speeds, the
-middle one unstable; at the ends of that range the rotor jumps. The curve leans along its backbone,
-the amplitude of a free whirl over its speed. The paper's other dampings, 1.0, 1.5 and 2.0, are far
-too strong for a jump: at delta0 = 0 none is left above zeta = 0.156045, and above 0.251003 none at
-any clearance.
+Without clearance and at zeta = 0.07 three whirls coexist between two speeds, of which the middle
+one is unstable. At the ends of that range the rotor jumps. The curve leans along its backbone, the
+amplitude of free whirl over its speed. The paper's other dampings, 1.0, 1.5 and 2.0, are far too
+strong for a jump. At delta0 = 0 no jump exists above zeta = 0.156045, and above 0.251003 none
+exists at any clearance.
 
 Writes the curves (curves.nc), the folds and jumps (jumps.nc), the backbones (backbone.nc), the
 cusps (cusp.nc), and the figures as PNG and SVG.
@@ -68,8 +68,8 @@ def main(settings: Settings) -> None:
         figure, "fig06_cusp", archives=["cusp"],
         shows="The cusp: damping above which the response curve has no fold, against clearance.",
         found=f"{limit.cusp_zeta[0].item():.9f} without clearance. It rises with the clearance "
-        f"to {highest.cusp_zeta.item():.6f} at δ₀ = {highest.delta0.item():.4f} and falls "
-        "from there on. Above that no rotor jumps.",
+        f"to {highest.cusp_zeta.item():.6f} at δ₀ = {highest.delta0.item():.4f}, then falls. "
+        "Above that value no rotor jumps.",
     )  # fmt: skip
 
 

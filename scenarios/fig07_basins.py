@@ -1,9 +1,9 @@
-"""Figure 7: from which starts the rotor comes to which response.
+"""Figure 7: basins of attraction.
 
-At omega = 1.7, zeta = 0.07, delta0 = 0, starts at rest make one smooth egg round the small whirl,
+At omega = 1.7, zeta = 0.07, delta0 = 0, starts at rest form one smooth egg round the small whirl,
 where the paper sees a spider. So do starts from the centre with any velocity. Fast starts bend the
-egg into a crescent, and starts with much angular momentum have arms. With clearance the picture
-changes altogether: contact-free, bouncing and full-contact responses share the plane.
+egg into a crescent, and starts with large angular momentum have arms. With clearance the picture
+is different: contact-free, bouncing and full-contact responses share the plane.
 
 Writes a basin for each plane and clearance, and the figures as PNG and SVG.
 """
@@ -18,7 +18,7 @@ from rotor_ida.plot import panels, plot_basin, style
 from rotor_ida.schema import flags_of
 
 OMEGA, ZETA = 1.7, 0.07
-# How far two of the coordinates go, and where the others are held.
+# Range of two of the coordinates, and values of the others.
 PLANES = {
     "x_y": ({"x": 15.0, "y": 15.0}, {}),
     "vx_vy": ({"vx": 30.0, "vy": 30.0}, {}),
@@ -42,7 +42,7 @@ def main(settings: Settings) -> None:
     one_legend(figure, axes)
     settings.show(
         figure, "fig07", archives=[f"plane_{name}" for name in PLANES],
-        shows="Which whirl each start comes to, for four planes of starts: at rest; from the "
+        shows="Whirl reached from each start, for four planes of starts: at rest; from the "
         "centre with any velocity; everywhere with x′ = −15; and on the x axis with any y′.",
         paper="The shape of the attraction region looks like a spider.",
         verdict="For starts at rest it is one smooth egg.",
@@ -63,12 +63,12 @@ def main(settings: Settings) -> None:
     settings.show(
         figure, "clearances", archives=[f"clearance_{delta0:g}" for delta0 in CLEARANCES],
         shows="The plane of starts at rest for four clearances.",
-        found="What the starts come to: " + "; ".join(words) + ".",
+        found="Responses reached: " + "; ".join(words) + ".",
     )  # fmt: skip
 
 
 def one_legend(figure, axes):
-    """Put the legend that all panels have once under them."""
+    """Draw one shared legend under the panels."""
     handles = axes[0].get_legend().legend_handles
     for ax in axes:
         ax.get_legend().remove()
@@ -77,7 +77,7 @@ def one_legend(figure, axes):
 
 
 def kinds_reached(plane):
-    """Return the kinds of response that starts come to, in words."""
+    """Return the kinds of response that starts reach, in words."""
     reached = set(plane.kind.values[plane["count"].values > 0].tolist())
     names = [
         kind.replace("_", " ") for kind, flag in flags_of(plane.kind).items() if flag in reached

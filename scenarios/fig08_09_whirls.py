@@ -1,8 +1,8 @@
-"""Figures 8 and 9: the small and the large whirl, each from its start, and a rotor that bounces.
+"""Figures 8 and 9: the small and the large whirl, and a rotor that bounces.
 
 At omega = 1.7, zeta = 0.07, delta0 = 0 the rotor settles on one of two whirls. The paper's
-captions are exchanged: from rest it comes to the small one, from (10, 0, 0, 0) to the large one.
-A third run has a clearance: it enters and leaves contact for ever.
+captions are exchanged: from rest it reaches the small one, from (10, 0, 0, 0) the large one.
+A third run, with clearance, enters and leaves contact for ever.
 
 Writes the three runs (small.nc, large.nc, bouncing.nc) and the figures as PNG and SVG.
 """
@@ -26,7 +26,7 @@ from rotor_ida.plot import (
 
 ROTOR = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-# Damping needs this long to bring the amplitude to eight digits; the first part is drawn.
+# The amplitude converges to eight digits in this time; the first part is drawn.
 SETTLED, DRAWN = 300.0, 90.0
 
 
@@ -45,16 +45,16 @@ def main(settings: Settings) -> None:
             shows=f"The {size} whirl over time, as an orbit, and x and y, from {right}.",
             paper=f"The {size} periodic solution is that for the initial condition {wrong}.",
             verdict=f"Wrong: for {right}; the captions of Figs 8 and 9 are exchanged.",
-            found=f"From {right} the amplitude comes to {reached:.7f}; the exact {size} whirl has "
-            f"{exact[number]:.7f}. The captions of Figs 8 and 9 are exchanged.",
+            found=f"From {right} the amplitude settles at {reached:.7f}; the exact {size} whirl "
+            f"has {exact[number]:.7f}. The captions of Figs 8 and 9 are exchanged.",
         )  # fmt: skip
     run = follow(BOUNCING, (0.0, 0.0, 0.0, 0.0), DRAWN)
     settings.keep(run, "bouncing")
     radius = np.hypot(run.x, run.y).sel(t=slice(0.5 * DRAWN, None))
     draw(
         "bouncing", run, "bouncing", settings,
-        shows="With a clearance of 2, at ω = 2, from rest: contact and flight in their "
-        "colours.",
+        shows="With a clearance of 2, at ω = 2, from rest: contact and flight by "
+        "colour.",
         paper="",
         found=f"The rotor enters and leaves contact for ever, from t = {0.5 * DRAWN:g} on with |z| "
         f"between {float(radius.min()):.2f} and {float(radius.max()):.2f}; no synchronous whirl "

@@ -1,14 +1,14 @@
-"""Figures 10 and 11: amplitude over speed, for four clearances, beside simulations.
+"""Figures 10 and 11: amplitude over speed for four clearances, exact and simulated.
 
-Figure 10 draws every synchronous whirl at zeta = 0.07 with its stability, its folds and the
-backbone; from delta0 = 1 on the contacting whirls are an isola beside the contact-free family.
-Phases have figures of their own. Figure 11 adds what a simulated rotor settles on, from rest and
-with the speed going up and down, and the branches of limit cycles on which it bounces on the ring
-for ever, or stays in contact at a radius that oscillates: no curve of one harmonic can show them,
-yet they are as exact. Each branch is a band from the smallest to the largest radius, stable or not,
-with its folds and period doublings. With a clearance of 2 the rotor never comes to the contacting
-whirls from rest. A sweep lets the rotor settle at each speed; a machine does not wait. So real
-run-ups and run-downs, at a rate, are drawn beside the quasi-static ones: they jump later.
+Figure 10 shows every synchronous whirl at zeta = 0.07 with its stability, its folds and the
+backbone. From delta0 = 1 on the contacting whirls are an isola beside the contact-free family.
+Phases have separate figures. Figure 11 adds simulated responses, from rest and with the speed going
+up and down. It also shows the branches of limit cycles on which the rotor bounces for ever or stays
+in contact at an oscillating radius. No one-harmonic curve can show them, yet they are as exact.
+Each branch is a band from the smallest to the largest radius, stable or not, with its folds and
+period doublings. With a clearance of 2 the rotor never reaches the contacting whirls from rest. A
+sweep settles at each speed, but a machine does not wait. Run-ups and run-downs at a finite rate are
+therefore drawn beside the quasi-static ones: they jump later.
 
 Writes the exact curves (fig10.nc), the backbones (backbone.nc), the sweeps with all their contact
 events (fig11_from_rest.nc, fig11_up_down.nc), the comparison (fig11.nc), the branches of limit
@@ -141,7 +141,7 @@ def of_kinds(branch: xr.Dataset, *kinds: str) -> xr.Dataset:
 def draw_cycles(
     exact: xr.Dataset, simulated: xr.Dataset, branches: Sequence[xr.Dataset], settings: Settings
 ) -> None:
-    """Draw the branches of limit cycles alone, as large as they are."""
+    """Draw the branches of limit cycles alone, at their full range."""
     with_cycles = [delta0 for delta0 in CLEARANCES if of_clearance(branches, delta0)]
     if not with_cycles:
         return
@@ -166,7 +166,7 @@ def draw_cycles(
         archives=archives,
         shows="The limit cycles of Fig. 11 alone: branches over the speed, with folds, period "
         "doublings and grazes.",
-        found=f"Branches on which a simulated rotor was met: {counted}. Most are parts of isolas: "
+        found=f"Branches reached by a simulated rotor: {counted}. Most are parts of isolas: "
         "closed curves that no continuation from a whirl can reach.",
     )
 
@@ -205,16 +205,17 @@ def draw_run_ups(exact: xr.Dataset, up_down: xr.Dataset, settings: Settings) -> 
         figure,
         "fig11_run_up",
         archives=["fig11_run_up", "fig11_up_down", "fig10"],
-        shows=f"Fig. 11 from real run-ups and run-downs at a rate of {rate:g}: the range of |z| as "
-        "the speed passes, beside the quasi-static ones, which settle at each speed.",
-        found="Along a whirl a real run-up is where the quasi-static one is; beyond its fold it "
-        "jumps later, and swings about where it lands. A way on to another whirl that is short in "
-        f"speed may be passed by. The largest |z| of real and quasi-static run-ups is {largest}.",
+        shows=f"Fig. 11 from real run-ups and run-downs at a rate of {rate:g}: the range of |z| "
+        "over the speed, beside the quasi-static ones, which settle at each speed.",
+        found="Along a whirl a real run-up agrees with the quasi-static one. Past the fold it "
+        "jumps later, and oscillates about the new response. It may miss a whirl that exists only "
+        f"over a short range of speeds. The largest |z| of real and quasi-static run-ups is "
+        f"{largest}.",
     )
 
 
 def of_curves(quantity: str, exact: xr.Dataset) -> dict[str, str]:
-    """Return what the gallery says of Fig. 10."""
+    """Return the gallery text on Fig. 10."""
     counts = exact.fold_omega.notnull().sum("fold").squeeze()
     peaks = exact.amplitude.where(exact.in_contact == 1).max("point").squeeze()
     rows = ", ".join(
@@ -227,7 +228,7 @@ def of_curves(quantity: str, exact: xr.Dataset) -> dict[str, str]:
         "with stability and folds."
     )
     isola = (
-        "From δ₀ = 1 on the contacting whirls are a curve of their own, an isola, beside the "
+        "From δ₀ = 1 on the contacting whirls are an isola, a closed curve beside the "
         "contact-free family."
     )
     if quantity == "amplitude":
@@ -252,7 +253,7 @@ def of_curves(quantity: str, exact: xr.Dataset) -> dict[str, str]:
 def of_sweeps(
     quantity: str, compared: xr.Dataset, branches: Sequence[xr.Dataset]
 ) -> dict[str, str]:
-    """Return what the gallery says of Fig. 11."""
+    """Return the gallery text on Fig. 11."""
     rows = summarise(compared.sel(direction=[0]))[::-1]
     counted = ", ".join(
         f"{row['on_whirl']} and {row['on_cycle']} of {row['points']} at δ₀ = {row['delta0']:g}"
@@ -270,7 +271,7 @@ def of_sweeps(
     digits = float(compared.digits.min())
     reached = int((compared.response.sel(delta0=2.0, direction=0) == RESPONSE["synchronous"]).sum())
     texts = {
-        "shows": f"The exact {quantity} and what a simulated rotor settles on, from rest and with "
+        "shows": f"The exact {quantity} and simulated responses, from rest and with "
         "the speed going up and down.",
         "paper": "The numerical results are in good agreement with the theoretical ones.",
     }
@@ -278,23 +279,23 @@ def of_sweeps(
         error = float(np.abs(compared.phase_error).max())
         return texts | {
             "found": f"On an exact whirl the simulated lag is right to {scientific(error)}. A "
-            "rotor that bounces or swings has many harmonics: marked is the lag of the one at the "
-            "spin speed."
+            "rotor that bounces or swings has many harmonics; the lag shown is that of the one at "
+            "the spin speed."
         }
     specials = [np.isin(each.special_kind, [SPECIAL[kind] for kind in ("fold", "period_doubling")])
                 for each in branches]  # fmt: skip
     texts["shows"] = texts["shows"][:-1] + (
-        f"; with the {len(branches)} branches of limit cycles that it meets, as bands of |z|, and "
-        f"their {sum(int(each.sum()) for each in specials)} folds and period doublings."
+        f"; with the {len(branches)} branches of limit cycles that it reaches, as bands of |z|, "
+        f"and their {sum(int(each.sum()) for each in specials)} folds and period doublings."
     )
     times = f"{reached} times" if reached else "never"
     return texts | {
         "verdict": "Without clearance they are; with clearance the rotor often settles on limit "
-        "cycles, which the theory does not hold.",
+        "cycles, which the theory does not contain.",
         "found": f"From rest on an exact whirl and on an exact limit cycle: {counted}. Of all "
         f"{points} responses {exact} lie on one or the other, to {digits:.1f} digits or more"
         + (f"; the rest: {rest}. " if rest else ". ")
-        + f"From rest the rotor comes {times} to the contacting whirls at δ₀ = 2.",
+        + f"From rest the rotor settles {times} on the contacting whirls at δ₀ = 2.",
     }
 
 

@@ -1,13 +1,14 @@
-"""A machine is found from what its probes saw, with errors that hold.
+"""Fit of a machine to noisy probe signals, with a check of the standard errors.
 
-Six numbers of a machine are taken from the noisy signals of one run-up into its ring: first
-guesses of a data sheet are off by up to a third, the probes have noise of one micrometre, and where
-the unbalance is nobody knows. What `fit` finds is held against the truth, which here is known.
+Six parameters of a machine are fitted to the noisy signals of one run-up with contact. The first
+guesses from a data sheet are off by up to a third, the probes have noise of one micrometre, and the
+angle of the unbalance is unknown. The fitted values are compared with the true ones, which are
+known here.
 
-Whether the errors hold is a matter of many trials: another rotor is measured again and again, each
-time with noise of its own, and each fit is held against the truth.
+Many trials check the standard errors: another rotor is measured repeatedly with independent noise,
+and each fit is compared with the truth.
 
-Writes the signals (measured.nc), what was found in them (found.nc), the errors of the trials
+Writes the signals (measured.nc), the fitted values (found.nc), the errors of the trials
 (trials.nc), and the figures as PNG and SVG.
 """
 
@@ -36,7 +37,7 @@ MACHINE = DimensionalRotor(
     speed=31.416,  # rad/s, where the run-up begins
     shaft_stiffness=5e4,  # N/m
 )
-LAST, RATE, SLOW = 2500, 200.0, 50.0  # rpm; rpm/s, quickly and not
+LAST, RATE, SLOW = 2500, 200.0, 50.0  # rpm; rpm/s, fast and slow
 AHEAD = 0.7  # rad from the mark to the unbalance
 NOISE = 1.0  # micrometres
 SEED = 1
@@ -66,7 +67,7 @@ def main(settings: Settings) -> None:
 
 
 def signals_of_machine(rate: float) -> xr.Dataset:
-    """Return what two noisy probes see of a run-up by so many rpm a second, in micrometres."""
+    """Return the noisy signals of two probes from a run-up at a rate in rpm/s, in micrometres."""
     change = MACHINE.change_of_speed(to=LAST, rate=rate, unit="rpm")
     samples = round(1000.0 * (LAST - 300.0) / rate) + 1
     run = run_up(MACHINE.rotor(), start=REST, samples=samples, **change)
@@ -89,7 +90,7 @@ def with_noise(signals: xr.Dataset, noise: float, seed: int) -> xr.Dataset:
 
 
 def draw_found(found: xr.Dataset, settings: Settings) -> None:
-    """Draw measured over fitted tracks, and say how far from the truth they led."""
+    """Draw measured over fitted tracks, and state the errors of the fit."""
     true = {**{name: getattr(MACHINE, name) for name in DATA_SHEET}, "unbalance_angle": AHEAD}
     off = [
         (float(each.estimate) - true[name]) / float(each.standard_error)
@@ -99,15 +100,15 @@ def draw_found(found: xr.Dataset, settings: Settings) -> None:
     free = int(found["degrees_of_freedom"])
     settings.show(
         fit_figure(found), "found", archives=["measured", "found"],
-        shows="Amplitude and lag that two noisy probes measured, on those of the machine found.",
-        found=f"The six numbers found differ from the true ones by {min(map(abs, off)):.1f} to "
-        f"{max(map(abs, off)):.1f} of their standard errors, and what is left is "
-        f"{float(found['chi_square']) / free:.2f} of what the noise alone would leave.",
+        shows="Amplitude and lag from two noisy probes, over those of the fitted machine.",
+        found=f"The six fitted values differ from the true ones by {min(map(abs, off)):.1f} to "
+        f"{max(map(abs, off)):.1f} of their standard errors; the residual sum of squares is "
+        f"{float(found['chi_square']) / free:.2f} of that expected from noise alone.",
     )  # fmt: skip
 
 
 def trials_with(count: int, workers: int) -> xr.Dataset:
-    """Return by how many of its standard errors each fit misses the truth."""
+    """Return the error of each fit over its standard error."""
     run = run_up(TRIED, start=REST, to=2.0, rate=0.02, samples=2501)
     clean = signals_of(run)
     entries = run["event_time"].values[run["event_kind"].values == 1]
@@ -120,13 +121,13 @@ def trials_with(count: int, workers: int) -> xr.Dataset:
     words = {"long_name": "estimate less truth over the standard error stated", "units": "1"}
     return xr.Dataset(
         {"miss": (("trial", "unknown"), np.array(rows), words)},
-        {"unknown": ("unknown", list(SOUGHT), {"long_name": "what was sought"})},
+        {"unknown": ("unknown", list(SOUGHT), {"long_name": "fitted parameter"})},
         {"Conventions": CONVENTIONS, "title": "Trials of a fit", "noise": TRIAL_NOISE},
     )
 
 
 def one_trial(clean: xr.Dataset, entries: np.ndarray, seed: int) -> np.ndarray:
-    """Return by how many of its standard errors one fit misses the truth."""
+    """Return the error of one fit over its standard error."""
     late = np.random.default_rng([seed, 1]).normal(0.0, TIME_ERROR, entries.size)
     found = fit(
         with_noise(clean, TRIAL_NOISE, seed), GUESS, list(SOUGHT),
@@ -136,7 +137,7 @@ def one_trial(clean: xr.Dataset, entries: np.ndarray, seed: int) -> np.ndarray:
 
 
 def draw_trials(trials: xr.Dataset, settings: Settings) -> None:
-    """Draw the errors of the trials on the law that they should follow."""
+    """Draw the errors of the trials over the normal distribution."""
     covered = covered_of(trials)
     grid = np.linspace(-4.0, 4.0, 201)
     count = trials.sizes["trial"]
@@ -154,16 +155,16 @@ def draw_trials(trials: xr.Dataset, settings: Settings) -> None:
         axes[0].set_ylabel("density of the trials")
     settings.show(
         figure, "trials", archives=["trials"],
-        shows="Errors of fits to signals with ever new noise, over the standard errors that these "
-        "state, on the normal law; dotted, where intervals of 95 % end.",
+        shows="Errors of fits to signals with independent noise, over their stated standard "
+        "errors, on the normal distribution; dotted: limits of the 95 % intervals.",
         found=f"Of {count} intervals "
-        f"{', '.join(f'{covered[name]}' for name in SOUGHT)} hold the true damping, clearance and "
-        f"shaft stiffness; {0.95 * count:.0f} are to be expected.",
+        f"{', '.join(f'{covered[name]}' for name in SOUGHT)} contain the true damping, clearance "
+        f"and shaft stiffness; {0.95 * count:.0f} are expected.",
     )  # fmt: skip
 
 
 def covered_of(trials: xr.Dataset) -> Mapping[str, int]:
-    """Return in how many trials the interval of 95 % holds the truth."""
+    """Return the number of trials whose 95 % interval contains the true value."""
     edge = float(norm.ppf(0.975))
     return {name: int((abs(trials["miss"].sel(unknown=name)) <= edge).sum()) for name in SOUGHT}
 

@@ -1,11 +1,11 @@
 """Eqs (24)–(28): the "general solution" of the paper beside the simulated motion.
 
-The paper adds two exponentials to the whirl. The equation is nonlinear, so that solutions do not
-add up; three different exponents are given, and the phase has the wrong sign. Shown are the
-formula as printed, with the signs mended, and with exponents that belong to the stiffness of the
-whirl, from two starts. What does describe the motion near a whirl is the linearisation about it,
-whose four exponents are exact; the last figure shows its error beside the others from a start one
-percent away.
+The paper adds two exponentials to the whirl. The equation is nonlinear, so solutions do not
+superpose. The paper also gives three different exponents, and its phase has the wrong sign. The
+figures show the formula as printed, with corrected signs, and with exponents from the stiffness of
+the whirl, for two starts. The motion near a whirl is described by its linearisation, whose four
+exponents are exact. The last figure shows its error beside the others, from a start one percent
+away.
 
 Writes the comparisons (from_ten.nc, from_rest.nc, near_whirl.nc) and the figures as PNG and SVG.
 """
@@ -35,8 +35,8 @@ from rotor_ida.schema import labelled
 ROTOR = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
 FORMULAS = {
     "as printed": {},
-    "signs mended": {"mended": True},
-    "signs and exponents mended": {"mended": True, "rates": "stiffness"},
+    "signs corrected": {"mended": True},
+    "signs and exponents corrected": {"mended": True, "rates": "stiffness"},
 }
 LINEARISED = "linearised about the whirl"
 
@@ -68,7 +68,7 @@ def on_whirl(amplitude: float, lag: float) -> tuple[float, float, float, float]:
 
 
 def compare_formulas(start, amplitude: float, lag: float, *, linearised: bool = False):
-    """Return the simulated motion with what each formula says."""
+    """Return the simulated motion with that of each formula."""
     run = simulate(ROTOR, start=start, duration=60.0, samples=1201)
     time = run.t.values
     given = {"start": start, "omega": 1.7, "zeta": 0.07, "amplitude": amplitude}
@@ -129,11 +129,11 @@ def draw(compared: xr.Dataset, name: str, words: str, settings: Settings) -> Non
         "from the simulated motion.",
         paper='z = C₃ exp(λ₁t) + C₄ exp(λ₂t) + A exp(i(ωt + θ)) is "the '
         'general solution".',
-        verdict="Wrong: no solution of the nonlinear equation; off by "
+        verdict="Wrong: it does not solve the nonlinear equation; off by "
         f"{float(at_five.sel(solution='as printed')):.3g} at t = 5."
         if name == "from_ten"
         else "",
-        found=f"{found}. It is no solution of the nonlinear equation.",
+        found=f"{found}. It does not solve the nonlinear equation.",
     )  # fmt: skip
 
 

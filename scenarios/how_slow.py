@@ -1,18 +1,17 @@
-"""How slow is slow enough: what a run-up through resonance meets over its rate, and how it ends.
+"""How slow is slow enough: peak force and outcome of a run-up through resonance over its rate.
 
-A rotor on a shaft is run up through its critical speed inside a ring, from rest on the axis.
-Slowly, it follows the exact response: it touches, is pushed up the rub that the ring stiffens, and
-meets the largest force where that response ends: 92 % of it or more where the speed rises by less
-than 5 % of the critical speed in the time in which a free vibration decays. Fast enough, it never
-touches: whatever the damping, its radius stays below Lewis' 1.467/sqrt(a) and one eccentricity
-more, a the rate over the critical speed squared. Run-ups over rate and clearance show what lies in
-between, beside the largest force on the exact response; run-ups over rate and friction, for four
-angles of the unbalance at the beginning, show whether they end off the ring, in a rub, or in dry
-whip.
+A rotor on a shaft runs up through its critical speed in a stator, from rest on the axis. At a slow
+rate it follows the exact response: it touches, rides up the stiffened resonance, and reaches the
+largest force where that response ends. The force is 92 % of the exact maximum or more if the speed
+rises by less than 5 % of the critical speed during the decay time of a free vibration. At a fast
+rate the rotor never touches. At any damping its radius stays below Lewis' 1.467/sqrt(a) plus one
+eccentricity, where a is the rate over the critical speed squared. Run-ups over rate and clearance
+show the range between, beside the largest force on the exact response. Run-ups over rate and
+friction, for four initial angles of the unbalance, end out of contact, in a rub, or in dry whip.
 
-The same in SI units for the rotor of the scenario drop, while its magnetic bearing carries it:
-20 kg balanced to G 6.3, in a touchdown ring 0.2 mm away, held with 2 MN/m. Its critical speed is
-3,020 rpm; it is run up from 1,000 to 6,000 rpm.
+The same in SI units for the rotor of the scenario drop on its magnetic bearing: 20 kg balanced to
+G 6.3, with 0.2 mm of clearance to the touchdown bearing and a stiffness of 2 MN/m. Its critical
+speed is 3,020 rpm; it runs up from 1,000 to 6,000 rpm.
 
 Writes the run-ups (forces.nc, endings.nc), those of the machine in SI units (machine_forces.nc,
 machine_endings.nc), and the figures as PNG and SVG.
@@ -36,10 +35,11 @@ from rotor_ida.plot import mixed_panels, style
 from rotor_ida.plot.appearance import DASHES, GREY, INK, look
 from rotor_ida.schema import ENDING
 
-# The largest radius of an undamped run-up through a critical speed of 1 is this over the root of
-# the rate as that goes to 0: Lewis, 1932. For rates up to 1 it is larger by less than MORE.
+# The largest radius of an undamped run-up through a critical speed of 1 tends to this over the
+# root of the rate as the rate goes to 0: Lewis, 1932. Up to a rate of 1 it is larger by less
+# than MORE.
 LEWIS, MORE = 1.46720, 1.0
-# A run-up is slow whose rate is this times damping ratio and square of the critical speed.
+# A slow run-up has a rate below this times the damping ratio and the critical speed squared.
 SLOW = 0.05
 
 METHOD = "taylor"
@@ -54,11 +54,11 @@ RADIANS = 2.0 * math.pi / 60.0  # rad/s in one rpm
 SUSPENSION = 2e6  # N/m, of the magnetic bearing
 RUN = (1000.0, 6000.0)  # rpm
 RING = [0.1e-3, 0.2e-3, 0.3e-3]  # m
-SMOOTH = 0.05  # friction of a ring that lets the rotor slide
-# What may come of a run-up, from good to bad, and its colour.
+SMOOTH = 0.05  # friction of a stator that lets the rotor slide
+# Outcomes of a run-up, from best to worst, with their colours.
 ENDS = {
     "never touches": "white",
-    "touches, and comes free": "#cfe3f5",
+    "touches, then leaves": "#cfe3f5",
     "ends in a rub": "#d7b3ea",
     "ends in dry whip": "#8a4f3d",
 }
@@ -105,7 +105,7 @@ def phases(*, quick: bool) -> np.ndarray:
 
 
 def run_over(what: str, settings: Settings, **given: object) -> xr.Dataset:
-    """Return run-ups over rate and something else."""
+    """Return run-ups over the rate and a second quantity."""
     with progress_bar(f"run-ups over rate and {what}") as progress:
         return run_ups(
             **given, method="adams", rtol=1e-8, workers=settings.workers, progress=progress
@@ -132,7 +132,7 @@ def of_machine(
     clearances: list[float], frictions: list[float] | np.ndarray, *, rate: np.ndarray,
     settings: Settings,
 ) -> xr.Dataset:  # fmt: skip
-    """Return run-ups of the machine in rings with these clearances [m], at rates in rpm/s."""
+    """Return run-ups of the machine in stators with these clearances [m], at rates in rpm/s."""
     machine = machine_with(clearances[0])
     frequency, given = machine.reference_frequency, machine.rotor().given
     given |= {
@@ -141,7 +141,7 @@ def of_machine(
         "delta0": np.array(clearances) / machine.eccentricity,
         "friction": np.asarray(frictions),
     }
-    found = run_over("the machine's ring", settings, **given)
+    found = run_over("the machine's stator", settings, **given)
     found = dimensional(found, machine, units={"speed": "rpm"})
     return found.assign_coords(
         rate_rpm=("rate", rate, {"long_name": "change of the speed", "units": "rpm s-1"}),
@@ -161,12 +161,12 @@ def steady_force(rotor: Rotor, to: float) -> float:
 
 
 def never_touches_from(rotor: Rotor) -> float:
-    """Return the rate beyond which an undamped rotor does not reach the ring, after Lewis."""
+    """Return the rate above which an undamped rotor does not reach the stator, after Lewis."""
     return LEWIS**2 * rotor.shaft_stiffness / (rotor.delta0 - MORE) ** 2
 
 
 def worst(found: xr.Dataset) -> xr.DataArray:
-    """Return by number what may come of a run-up, as `ENDS` has it: the worst over the phases."""
+    """Return the outcome of run-ups, as numbers of `ENDS`: the worst over the phases."""
     touches = (found.contact_count > 0).astype(float)
     comes = xr.where(found.ending == ENDING["contact_free"], touches, 2.0)
     comes = xr.where(found.ending == ENDING["whip"], 3.0, comes).where(found.status == 0)
@@ -174,7 +174,7 @@ def worst(found: xr.Dataset) -> xr.DataArray:
 
 
 def part_of_steady(forces: xr.Dataset) -> xr.DataArray:
-    """Return the largest forces over those on the exact response, by rate and clearance."""
+    """Return the largest forces relative to the exact response, by rate and clearance."""
     steady = [
         steady_force(Rotor(omega=FROM, delta0=clearance, **SHAFT), TO)
         for clearance in forces.delta0.values
@@ -183,7 +183,7 @@ def part_of_steady(forces: xr.Dataset) -> xr.DataArray:
 
 
 def rate_at(part: xr.DataArray, level: float) -> float:
-    """Return the rate at which the part of the steady force has fallen to a level."""
+    """Return the rate at which the fraction of the steady force has fallen to a level."""
     below = np.flatnonzero(part.values < level)
     if not below.size or not below[0]:
         return math.nan
@@ -223,21 +223,22 @@ def draw(forces: xr.Dataset, endings: xr.Dataset, settings: Settings) -> None:
     settings.show(
         figure, "how_slow", archives=["forces", "endings"],
         shows="Run-ups through a critical speed of 1 over their rate, ζ = 0.02: (a) the largest "
-        "force met on the way for four clearances, the largest on the exact response (horizontal), "
-        "and the rate beyond which an undamped rotor does not touch (marks on the axis); (b) the "
-        "force over rate and clearance as a part of that on the exact response, the rule for slow "
-        f"run-ups (white: {SLOW:g} ζ) and that for fast ones (grey); (c) the force with friction; "
-        "(d) how run-ups end over rate and friction, the worst of the phases of the unbalance.",
+        "force for four clearances, the largest on the exact response (horizontal), "
+        "and the rate above which an undamped rotor does not touch (marks on the axis); (b) the "
+        "force over rate and clearance as a fraction of that on the exact response, the rule for "
+        f"slow run-ups (white: {SLOW:g} ζ) and that for fast ones (grey); (c) the force with "
+        "friction; (d) how run-ups end over rate and friction, the worst of the phases of the "
+        "unbalance.",
         found=told(forces, endings),
     )  # fmt: skip
 
 
 def draw_part(ax: Axes, part: xr.DataArray) -> None:
-    """Draw which part of the steady force is met, over rate and clearance."""
+    """Draw the fraction of the steady force, over rate and clearance."""
     part = part.transpose("rate", "delta0")
     mesh = ax.pcolormesh(part.delta0, part.rate, part.where(part > 0.0), cmap="YlOrBr", vmin=0.0,
                          vmax=1.0, shading="nearest", rasterized=True)  # fmt: skip
-    ax.figure.colorbar(mesh, ax=ax, label="part of the steady force", pad=0.02)
+    ax.figure.colorbar(mesh, ax=ax, label="fraction of the steady force", pad=0.02)
     for level, dashes, colour in ((0.9, "-", "white"), (0.5, "--", INK), (0.1, ":", INK)):
         rates = [rate_at(part.isel(delta0=place), level) for place in range(part.delta0.size)]
         ax.plot(part.delta0, rates, color=INK, lw=0.9, ls=dashes)
@@ -271,7 +272,7 @@ def legend_of_endings(figure: Figure) -> None:
 
 
 def told(forces: xr.Dataset, endings: xr.Dataset) -> str:
-    """Return what the gallery says of run-ups over rate, clearance and friction."""
+    """Return the gallery text on run-ups over rate, clearance and friction."""
     part = part_of_steady(forces)
     said = []
     for clearance in CLEARANCES:
@@ -281,14 +282,14 @@ def told(forces: xr.Dataset, endings: xr.Dataset) -> str:
         touched = one.rate.values[one.values > 0.0]
         said.append(
             f"δ₀ = {clearance:g}: {steady:.3g}, 90% of it up to a rate of {rate_at(one, 0.9):.2g}, "
-            f"half of it up to {rate_at(one, 0.5):.2g}, no touch beyond "
+            f"half of it up to {rate_at(one, 0.5):.2g}, no touch above "
             f"{touched.max(initial=0.0):.2g} (by the rule {never_touches_from(rotor):.2g})"
         )
     some = worst(endings)
     whips = some.where(some == 3.0, drop=True)
     slowest = f"up to a rate of {whips.rate.max().item():.2g}" if whips.size else "nowhere"
     return (
-        "Largest forces on the exact response, and what is left of them: "
+        "Largest forces on the exact response, and how they fall with the rate: "
         f"{'; '.join(said)}. With friction run-ups end in dry whip {slowest}."
     )
 
@@ -316,9 +317,9 @@ def draw_machine(forces: xr.Dataset, endings: xr.Dataset, settings: Settings) ->
     settings.show(
         figure, "machine", archives=["machine_forces", "machine_endings"],
         shows="The rotor of the scenario drop on its magnetic bearing, run up from 1,000 to 6,000 "
-        "rpm through its critical speed of 3,020 rpm: (a) the largest force on the ring over the "
+        "rpm through its critical speed of 3,020 rpm: (a) the largest force on the stator over the "
         f"rate with μ = {SMOOTH:g}, for three clearances, that on the exact response (horizontal), "
-        "and the rate beyond which an undamped rotor does not touch (marks on the axis); (b) how "
+        "and the rate above which an undamped rotor does not touch (marks on the axis); (b) how "
         "run-ups end over rate and friction.",
         found=told_of_machine(forces, endings),
     )  # fmt: skip
@@ -331,12 +332,12 @@ def steady_in_newtons(machine: DimensionalRotor) -> float:
 
 
 def never_touches_in_rpm(machine: DimensionalRotor) -> float:
-    """Return the rate beyond which an undamped rotor does not reach the ring [rpm/s]."""
+    """Return the rate above which an undamped rotor does not reach the stator [rpm/s]."""
     return never_touches_from(machine.rotor()) * machine.reference_frequency**2 / RADIANS
 
 
 def told_of_machine(forces: xr.Dataset, endings: xr.Dataset) -> str:
-    """Return what the gallery says of the machine."""
+    """Return the gallery text on the machine in SI units."""
     said = []
     for number, clearance in enumerate(RING):
         machine = machine_with(clearance, SMOOTH)
@@ -351,7 +352,7 @@ def told_of_machine(forces: xr.Dataset, endings: xr.Dataset) -> str:
     whips = some.where(some == 3.0, drop=True)
     ends = (
         f"end in dry whip from μ = {whips.friction.min().item():.2g} on, at "
-        f"{1e-3 * endings.largest_force.max().item():.0f} kN, which no machine lives to see"
+        f"{1e-3 * endings.largest_force.max().item():.0f} kN, which no machine survives"
         if whips.size
         else "end in no dry whip"
     )

@@ -1,15 +1,15 @@
-"""Limit cycles on closed branches, and a sliver of stable ones.
+"""Isolas of limit cycles, and a narrow range of stable ones.
 
-A branch of limit cycles of the rotor need not be tied to a whirl. At zeta = 0.07, delta0 = 0.5 and
-2, it is an isola: followed from a cycle that a simulated rotor settles on, over the speed, round
-two folds, it comes back to where it began. Nothing that grows out of the synchronous whirls would
-ever find it. At delta0 = 2 the isola turns round near omega = 0.4, and between the fold there and
-the period doubling behind it lies a sliver of stable cycles less than 0.003 wide, where the rotor
-bounces although hardly any start leads there. Where the isolas end, over speed and clearance, is
-told by the curves of their folds and period doublings, beside those of the synchronous whirls.
+A branch of limit cycles need not be connected to a whirl. At zeta = 0.07, delta0 = 0.5 and 2, it is
+an isola: continued over the speed from a cycle of a simulated rotor, it passes two folds and closes
+on itself. Continuation from the synchronous whirls would never find it. At delta0 = 2 the isola
+folds near omega = 0.4. Between that fold and the next period doubling, cycles are stable over a
+range less than 0.003 wide. The rotor bounces there, although hardly any start leads to it. Curves
+of folds and period doublings show where the isolas end over speed and clearance, beside those of
+the synchronous whirls.
 
 Writes the branches (isola_1.nc, isola_2.nc), the curves (curves_1.nc and so on), a simulated
-witness inside the sliver (sliver.nc), and the figures as PNG and SVG.
+check inside the narrow range (sliver.nc), and the figures as PNG and SVG.
 """
 
 import sys
@@ -33,7 +33,7 @@ from rotor_ida.schema import EXACT, SPECIAL, STABILITY
 ZETA = 0.07
 CASES = {0.5: (3.0, (3.0, 1.0, 0.0, 0.0)), 2.0: (2.0, (0.0, 0.0, 0.0, 0.0))}
 LIMITS = (0.05, 5.0)
-# A curve that comes so near to a bifurcation, between two of its points, is its own.
+# A curve that passes this close to a bifurcation, between two of its points, contains it.
 NEAR = 0.03
 PLANE = {"omega": (0.1, 4.5), "delta0": (0.1, 4.5)}
 
@@ -81,7 +81,7 @@ def folds_of(isola: xr.Dataset) -> np.ndarray:
 
 
 def inside(isola: xr.Dataset, omega: float) -> xr.Dataset:
-    """Return what a rotor does that is started beside the stable cycle of the sliver."""
+    """Return the run of a rotor started beside the stable cycle of the narrow range."""
     stable = isola.where((isola.stability == STABILITY["stable"]) & (isola.omega < 0.5), drop=True)
     near = stable.isel(point=int(np.argmin(np.abs(stable.omega.values - omega))))
     rotor = Rotor(omega=omega, zeta=float(isola.zeta), delta0=float(isola.delta0))
@@ -118,7 +118,9 @@ def draw_isolas(
     ax.set_xlim(low - 0.5 * width, high + 1.0 * width)
     near = isolas[1].where(np.abs(isolas[1].omega - low) < 2 * width, drop=True)
     ax.set_ylim(0.0, 1.08 * float(near.radius_max.max()))
-    ax.set_title(ax.get_title() + ", the sliver", fontsize=axes[0].title.get_fontsize())
+    ax.set_title(
+        ax.get_title() + ", the narrow stable range", fontsize=axes[0].title.get_fontsize()
+    )
     shared_legend(figure, axes, columns=4, outer=False)
     digits = float(witness.digits.squeeze())
     lies = int(witness.lies_on.squeeze()) == EXACT["cycle"]
@@ -128,7 +130,7 @@ def draw_isolas(
         "isolas",
         archives=["isola_1", "isola_2", "sliver"],
         shows="The branches of limit cycles at δ₀ = 0.5 and 2 over the speed, and the left end of "
-        "the second drawn out.",
+        "the second enlarged.",
         found="; ".join(
             f"at δ₀ = {float(isola.delta0):g} the branch {word} on itself, between folds at ω = "
             f"{folds_of(isola).min():.10f} and {folds_of(isola).max():.10f}"
@@ -154,11 +156,11 @@ def draw_curves(curves: list[xr.Dataset], settings: Settings) -> None:
         figure,
         "curves",
         archives=[f"curves_{number + 1}" for number in range(len(curves))],
-        shows="Where limit cycles fold and double their period, over speed and clearance, beside "
-        "the folds of the synchronous whirls.",
+        shows="Folds and period doublings of limit cycles over speed and clearance, beside the "
+        "folds of the synchronous whirls.",
         found=f"{sum(curve.sizes['point'] for curve in curves)} points on {len(curves)} curves; "
-        f"each cycle closes to {largest:.0e} of its size. The isolas of the figure before are cuts "
-        "through this map at δ₀ = 0.5 and 2.",
+        f"each cycle closes to {largest:.0e} of its size. The isolas of the previous figure are "
+        "sections through this map at δ₀ = 0.5 and 2.",
     )
 
 

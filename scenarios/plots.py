@@ -1,10 +1,10 @@
-"""The plots that practitioners read, of simulated and measured signals alike.
+"""Practitioners' plots of simulated and measured signals.
 
-A machine runs up through its critical speed, on which its rotor rubs: Bode and polar plot, order
-tracks, cascade and spectrogram show it in rpm, Hz and micrometres, with the exact response of the
-rotor beneath. What two probes at 45 and 135 degrees measure of it, with noise and in a CSV file,
-gives the same Bode plot. A rotor that bounces for ever shows orbit, full spectrum and the lines of
-its exact cycle; a heavy one the way of its centre line through the clearance.
+A machine runs up through its critical speed with contact. Bode and polar plot, order tracks,
+cascade and spectrogram show the run-up in rpm, Hz and micrometres, over the exact response of the
+rotor. A CSV file with noisy signals of two probes at 45 and 135 degrees gives the same Bode plot. A
+bouncing rotor shows the orbit, the full spectrum and the lines of its exact cycle. A heavy rotor
+shows the shaft centreline in the clearance.
 
 Writes the runs (run_up.nc, bouncing.nc, heavy.nc), the measured file (probes.csv) and the figures
 as PNG and SVG.
@@ -78,13 +78,13 @@ def main(settings: Settings) -> None:
     show(
         plot_centre_line(heavy, revolutions=4), "centre_line", settings, ["heavy"],
         "The mean position of a heavy rotor as its speed rises, in the circle of the clearance.",
-        "Slowly it hangs 1.5 eccentricities low in its shaft. Where it rubs the ring lifts its "
-        "mean position by a third of that and takes it aside; above it sinks back.",
+        "At low speed it hangs 1.5 eccentricities below the axis. In a rub the stator lifts the "
+        "mean position by a third of that and moves it sideways; above the rub it sinks back.",
     )  # fmt: skip
 
 
 def up_of_machine(rate: float) -> xr.Dataset:
-    """Return the run-up of the machine, by so many rpm a second, in its units."""
+    """Return the run-up of the machine, at a rate in rpm/s, in SI units."""
     change = MACHINE.change_of_speed(to=LAST, rate=rate, unit="rpm")
     duration = (LAST - 300.0) / rate
     samples = round(1000.0 * duration) + 1
@@ -107,53 +107,54 @@ def draw_up(up: xr.Dataset, exact: Sequence[xr.Dataset], settings: Settings) -> 
     show(
         plot_bode(up, beneath=exact), "bode", settings, ["run_up"],
         "Amplitude and phase lag of the order 1 over the speed, on the exact response curve.",
-        "The run-up follows the stable whirl to its fold, and jumps late, as a run-up does.",
+        "The run-up follows the stable whirl to its fold, and jumps late.",
     )  # fmt: skip
     show(
         plot_polar(up, beneath=exact), "polar", settings, ["run_up"],
-        "The same as a vector, with marks of the speed along its way.",
+        "The same as a vector, with marks of the speed.",
         "The lag grows clockwise, against the rotation: 90° at the fold.",
     )  # fmt: skip
     show(
         plot_orders(up, orders=[0.5, 1, 2], logarithmic=True, beneath=exact[:1]), "orders",
         settings, ["run_up"],
         "Amplitudes of the orders ½, 1 and 2, forward and backward.",
-        "On the whirl the order 1 stands alone, three decades above the others; the jump rings.",
+        "On the whirl the order 1 is three decades above the others; after the jump free vibration "
+        "decays.",
     )  # fmt: skip
     show(
         plot_cascade(up), "cascade", settings, ["run_up"],
-        "Full spectra one behind the other over the speed, with lines along the orders.",
-        "Forward whirl along 1X, tallest at the jump, where vibration below the speed rings and "
-        "dies out.",
+        "Full spectra over the speed, with lines along the orders.",
+        "Forward whirl along 1X, largest at the jump, where free vibration below the speed "
+        "decays.",
     )  # fmt: skip
     show(
         plot_spectrogram(up), "spectrogram", settings, ["run_up"],
-        "The same as colours, down to a thousandth of the largest amplitude.",
-        "What rings after the jump spreads from forward to backward whirl, which no order does.",
+        "The same in colour, down to a thousandth of the largest amplitude.",
+        "The free vibration after the jump spreads from forward to backward whirl; no order does.",
     )  # fmt: skip
     rubs = float(up["entry_time"][0])
     part = up.sel(t=slice(rubs - 0.3, rubs + 0.5))
     show(
         plot_trace(part), "trace", settings, ["run_up"],
         "Displacements over time round the first touch; contacts are shaded.",
-        "From the first touch on the rotor stays on the ring: a full annular rub.",
+        "From the first touch on the rotor stays in contact: a full annular rub.",
     )  # fmt: skip
 
 
 def draw_measured(up: xr.Dataset, exact: Sequence[xr.Dataset], settings: Settings) -> None:
-    """Write what probes measure of the run-up, read it again and draw it."""
+    """Write the signals of the run-up as measured by probes, read them back and draw them."""
     path = settings.folder / "probes.csv"
     write_probes(path, up)
     signals = read_signals(
         path, columns={"x": "A", "y": "B"}, units={"x": "um", "y": "um"}, probe_angles=(45, 135)
     )
     beneath = [dimensional(each, MACHINE) for each in exact]
-    tracked = orders(signals, revolutions=4)  # a pulse is told to a part of a sample only
+    tracked = orders(signals, revolutions=4)  # a pulse is located to a fraction of a sample only
     show(
         plot_bode(tracked, beneath=beneath), "measured", settings, ["run_up"],
         "The Bode plot of two probes at 45° and 135° with noise and a keyphasor, read from a CSV "
         "file.",
-        "It is the one of the simulation: a file and a run are drawn by the same lines.",
+        "It equals that of the simulation: the same lines of code draw a file and a run.",
     )  # fmt: skip
 
 
@@ -171,18 +172,18 @@ def write_probes(path: Path, up: xr.Dataset) -> None:
 
 
 def draw_bouncing(bouncing: xr.Dataset, cycle: xr.Dataset, settings: Settings) -> None:
-    """Draw the motion and the spectrum of the rotor that bounces for ever."""
+    """Draw the motion and the spectrum of the bouncing rotor."""
     late = bouncing.sel(t=slice(370.0, None))
     show(
         plot_orbit(late, keyphasor=True, beneath=cycle), "orbit", settings, ["bouncing"],
-        "The orbit of a rotor that bounces, on that of its exact cycle, with a dot for each pulse "
-        "of the keyphasor.",
-        "The dots do not stand still: beside the order 1 there is a whirl of another frequency.",
+        "The orbit of a bouncing rotor over that of its exact cycle, with a dot at each keyphasor "
+        "pulse.",
+        "The dots move: beside the order 1 there is a whirl at another frequency.",
     )  # fmt: skip
     show(
         plot_full_spectrum(bouncing, beneath=cycle), "full_spectrum", settings, ["bouncing"],
-        "Forward and backward lines, with their bandwidth and the floor of the noise.",
-        "Each line is one of the exact cycle, none of which but 1X is at a multiple of the speed.",
+        "Forward and backward lines, with their bandwidth and the noise floor.",
+        "Each line belongs to the exact cycle; only 1X is at a multiple of the speed.",
     )  # fmt: skip
 
 
@@ -194,7 +195,7 @@ def show(
     shows: str,
     found: str,
 ) -> None:
-    """Show the figure of what was drawn."""
+    """Show a figure."""
     figure = (drawn[0] if isinstance(drawn, list) else drawn).figure
     settings.show(figure, name, archives=archives, shows=shows, found=found)
 

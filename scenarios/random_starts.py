@@ -1,10 +1,11 @@
-"""Figure 11 from random starts: which part of them ends on each attractor.
+"""Figure 11 from random starts: basin fractions of the attractors.
 
-Three parameter points, each followed from two independent samples of starts in the box
-|x|, |y| <= 10, |x'|, |y'| <= 10, which must agree within their sampling errors; and the attractors
-over the speed, for four clearances, each followed from speed to speed.
+Three parameter points are each computed from two independent samples of starts in the box
+|x|, |y| <= 10, |x'|, |y'| <= 10, which must agree within their sampling errors. The attractors of
+four clearances are continued over the speed.
 
-Writes the shares (netCDF) and a figure as PNG and SVG, and prints the comparison of the samples.
+Writes the basin fractions (netCDF) and a figure as PNG and SVG, and prints the comparison of the
+samples.
 """
 
 import sys
@@ -32,7 +33,7 @@ def main(settings: Settings) -> None:
             settings.keep(found, f"omega_{omega:g}_delta0_{delta0:g}_sample_{number}")
         furthest = max(furthest, apart(*pair))
         print(f"omega {omega:g}, delta0 {delta0:g}: {in_words(pair[0])}")
-    print(f"two samples are apart by at most {furthest:.1f} standard errors")
+    print(f"two samples differ by at most {furthest:.1f} standard errors")
 
     speeds = np.linspace(0.2, 3.0, 4 if settings.quick else 57)
     each = 40 if settings.quick else 400
@@ -56,32 +57,32 @@ def main(settings: Settings) -> None:
     settings.show(
         figure, "basin_fractions",
         archives=[f"over_speed_delta0_{delta0:g}" for delta0 in CLEARANCES],
-        shows="The part of random starts that ends on each attractor, over the speed, for four "
+        shows="The fraction of random starts that ends on each attractor, over the speed, for four "
         "clearances; shades of one colour are attractors of one kind of response.",
         paper="Analytical and numerical results are in good agreement for every clearance.",
         verdict="Without clearance they are; with clearance not for most starts at high speed.",
         found=f"Without clearance {on_whirls:.2%} of the starts end on a synchronous whirl. With "
         "clearance most starts bounce or stay in contact at a radius that is not constant "
-        f"{', '.join(most)}. Two samples at three points are apart by at most {furthest:.1f} "
-        f"standard errors. Of {again:.0f} labels over the speed that were found again with a "
+        f"{', '.join(most)}. Two samples at three points differ by at most {furthest:.1f} "
+        f"standard errors. Of {again:.0f} labels over the speed that were recomputed with a "
         f"smaller error {alike / again:.2%} are the same.",
     )  # fmt: skip
 
 
 def reached(omega, delta0, starts, seed, settings):
-    """Return the shares of random starts in the box."""
+    """Return the basin fractions from random starts in the box."""
     rotor = Rotor(omega=float(omega), zeta=ZETA, delta0=delta0)
     return basin_fractions(rotor, **BOX, starts=starts, seed=seed, workers=settings.workers)
 
 
 def part_on_whirls(over_speed: xr.Dataset) -> float:
-    """Return the share of all starts that end on synchronous whirls."""
+    """Return the fraction of all starts that end on synchronous whirls."""
     whirls = over_speed.kind == RESPONSE["synchronous"]
     return float(over_speed.fraction.where(whirls, 0.0).sum("attractor").mean())
 
 
 def off_the_curve(over_speed: xr.Dataset, delta0: float) -> list[str]:
-    """Return in words from which speed on most starts end where no curve shows them."""
+    """Return the speed from which most starts end off every response curve, in words."""
     off = over_speed.kind.isin([RESPONSE[kind] for kind in ("bouncing", "full_contact", "chaotic")])
     most = over_speed.fraction.where(off, 0.0).sum("attractor").squeeze().values > 0.5
     if not most.any():
@@ -90,7 +91,7 @@ def off_the_curve(over_speed: xr.Dataset, delta0: float) -> list[str]:
 
 
 def apart(one: xr.Dataset, other: xr.Dataset) -> float:
-    """Return the largest difference of two samples' shares, in standard errors."""
+    """Return the largest difference of two samples' fractions, in standard errors."""
     difference = np.abs(one.response_fraction - other.response_fraction)
     error = np.hypot(one.response_fraction_error, other.response_fraction_error)
     return float((difference / error.where(error > 0.0, np.inf)).max())

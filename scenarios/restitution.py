@@ -1,13 +1,12 @@
-"""What a ring gives back of an impact, and what that does to bouncing and to chaos.
+"""Restitution from contact damping, and its effect on bouncing and chaos.
 
-Hunt and Crossley's contact damping c takes energy from each impact. How much is left of the speed
-v at which a rotor meets the ring straight on follows from a law in closed form, in which neither
-stiffness nor exponent of the ring appears: x (1 + e) = ln((1 + x)/(1 - e x)) with x = c v. Radial
-impacts that are simulated lie on it to rounding, in a linear ring and in one of Hertz, and so does
-their depth. A rotor that bounces for ever, driven by its unbalance (omega = 2, zeta = 0.07,
-delta0 = 2), goes on at any damping of the ring: its branch over c ends nowhere, but from a certain
-c on it no longer leaves the ring. Chaos (omega = 1.38, delta0 = 1) is ended by far less, in a
-cascade of period doublings.
+Hunt and Crossley's contact damping c takes energy from each impact. The restitution e of a radial
+impact at speed v follows from a closed form that contains neither stiffness nor exponent of the
+contact: x (1 + e) = ln((1 + x)/(1 - e x)) with x = c v. Simulated radial impacts agree with it to
+rounding in a linear and in a Hertzian stator, and so do their depths. A rotor that bounces, driven
+by its unbalance (omega = 2, zeta = 0.07, delta0 = 2), keeps its cycle at any contact damping. Its
+branch over c has no end, but above a certain c it no longer leaves the stator. Chaos (omega = 1.38,
+delta0 = 1) ends at a far smaller c, in a cascade of period doublings.
 
 Writes the impacts (law.nc), the branch (bouncing.nc), peaks and exponents (chaos.nc), the doubled
 branches (doubled_1.nc and so on), and the figures as PNG and SVG.
@@ -86,13 +85,13 @@ def impacts(number: int) -> xr.Dataset:
 
 
 def simulated_impact(here: xr.Dataset, method: str) -> tuple[float, float]:
-    """Return restitution and depth of an impact on the ring, without spin and damping."""
+    """Return restitution and depth of an impact on the stator, without spin and damping."""
     speed = here.entry_speed.item()
     rotor = Rotor(
         omega=0.0, zeta=0.0, delta0=1.0, contact_damping=here.contact_damping.item(),
         contact_exponent=here.contact_exponent.item(),
     )  # fmt: skip
-    # time to sink in without damping, in and out at the speed that is left, and to spare
+    # time to enter without damping and to leave at the remaining speed, with a margin
     lasts = 4.0 * here.peak_indentation.item() / speed / here.restitution.item()
     run = simulate(
         rotor, start=(1.0, 0.0, speed, 0.0), duration=lasts, samples=2, rtol=1e-13, method=method
@@ -102,7 +101,7 @@ def simulated_impact(here: xr.Dataset, method: str) -> tuple[float, float]:
 
 
 def cascade(levels: int) -> list[xr.Dataset]:
-    """Return the branch over the contact damping that a cycle lies on, and branches doubled."""
+    """Return the branch of a cycle over the contact damping, and its period-doubled branches."""
     rotor = Rotor(**CHAOTIC, contact_damping=CYCLIC)
     given = {"parameter": "contact_damping", "limits": (0.0037, LARGEST)}
     branches = [continue_cycle(rotor, start=START, **given)]
@@ -186,8 +185,8 @@ def draw_law(law: xr.Dataset, settings: Settings) -> None:
                     label=f"simulated, $n = {ring:g}$",
                 )  # fmt: skip
             ax.set(xscale="log", xlabel=r"$x = c\,v$", ylabel=words, ylim=(0.0, None))
-    axes[0].set_title("one law for all rings", fontsize=9.5)
-    axes[1].set_title("one for the depth, too", fontsize=9.5)
+    axes[0].set_title("one law for all stators", fontsize=9.5)
+    axes[1].set_title("one law for all depths", fontsize=9.5)
     missed = {name: np.abs(law.simulated_restitution - law.restitution).sel(solver=name)
               for name in METHODS}  # fmt: skip
     with style():
@@ -201,18 +200,18 @@ def draw_law(law: xr.Dataset, settings: Settings) -> None:
                              marker=marker, ms=3.6, mfc="none", mew=0.9, color=colour,
                              label=words)  # fmt: skip
         axes[2].set(xscale="log", yscale="log", xlabel=r"$x = c\,v$", ylim=(3e-18, 1e-11),
-                    ylabel="simulated $e$ off exact $e$")  # fmt: skip
+                    ylabel="error of simulated $e$")  # fmt: skip
         worst = math.ceil(math.log10(max(float(each.max()) for each in missed.values())))
         axes[2].set_title(f"equal to better than $10^{{{worst}}}$", fontsize=9.5)
     shared_legend(figure, axes, columns=5, outer=False)
     deep = np.abs(law.simulated_indentation / law.peak_indentation - 1.0)
     settings.show(
         figure, "law", archives=["law"],
-        shows="What is left of the speed after a radial impact, and how deep it goes, over contact "
-        "damping times speed: closed form and simulated impacts, and their difference.",
+        shows="Restitution and depth of a radial impact over contact damping times speed: closed "
+        "form and simulated impacts, and their difference.",
         found=f"{law.simulated_restitution.sel(solver='taylor').size} impacts with x from "
-        f"{float(x.min()):.1g} to {float(x.max()):.2g} in a linear ring and in one of Hertz lie on "
-        "the law to "
+        f"{float(x.min()):.1g} to {float(x.max()):.2g} in a linear stator and in a Hertzian one "
+        "lie on the law to "
         + " and ".join(
             f"{scientific(float(missed[name].max()))} by {words}" for name, words in METHODS.items()
         )
@@ -234,7 +233,7 @@ def draw_bouncing(branch: xr.Dataset, settings: Settings) -> None:
     ):
         with style():
             ax.plot(branch.contact_damping, branch[name], color=INK, lw=1.3)
-            ax.axvline(graze, color=BROWN, lw=0.8, ls=DASHES, label="no longer leaves the ring")
+            ax.axvline(graze, color=BROWN, lw=0.8, ls=DASHES, label="no longer leaves the stator")
             ax.set(xlabel="contact damping $c$", ylabel=words)
             ax.set_title(title, fontsize=9.5)
     for ax in axes:
@@ -243,14 +242,14 @@ def draw_bouncing(branch: xr.Dataset, settings: Settings) -> None:
     first, last = branch.isel(point=0), branch.isel(point=-1)
     settings.show(
         figure, "bouncing", archives=["bouncing"],
-        shows="A rotor that bounces for ever at ω = 2, ζ = 0.07, δ₀ = 2, over the contact damping: "
+        shows="A bouncing rotor at ω = 2, ζ = 0.07, δ₀ = 2, over the contact damping: "
         "range of the radius, period and largest force.",
-        found=f"From c = {graze:.7f} on the rotor no longer leaves the ring: bouncing has become "
+        found=f"From c = {graze:.7f} on the rotor no longer leaves the stator: bouncing has become "
         "full contact, and the cycle stays stable. From c = 0 to 1 the largest radius falls from "
         f"{first.radius_max.item():.4f} to {last.radius_max.item():.4f}, the period from "
         f"{first.period.item():.4f} to {last.period.item():.4f}; the largest force rises from "
-        f"{first.largest_force.item():.3f} to {last.largest_force.item():.3f}, as damping adds to "
-        "it.",
+        f"{first.largest_force.item():.3f} to {last.largest_force.item():.3f}, because damping "
+        "adds to it.",
     )  # fmt: skip
 
 
@@ -267,9 +266,9 @@ def draw_chaos(chaos: xr.Dataset, branches: Sequence[xr.Dataset], settings: Sett
         exponents.axhline(0.0, color=GREY, lw=0.8)
         exponents.errorbar(chaos.sparse, chaos.largest_exponent, yerr=chaos.exponent_error,
                            color=RED, marker="o", ms=3.0, lw=0.9, capsize=2.0,
-                           label="largest exponent, with its error")  # fmt: skip
+                           label="largest exponent with its error")  # fmt: skip
         exponents.set(ylabel=r"Lyapunov exponent $\lambda$")
-        exponents.set_title("chaos ends where the doublings gather", fontsize=9.5)
+        exponents.set_title("chaos ends where the doublings accumulate", fontsize=9.5)
         diagram.set_title(f"{parameter_text(CHAOTIC)}: a cycle doubles into chaos", fontsize=9.5)
         for ax in (diagram, exponents):
             mark_doublings(ax, places)
@@ -292,13 +291,13 @@ def mark_doublings(ax: Axes, places: Sequence[float]) -> None:
 def words_of_chaos(
     chaos: xr.Dataset, places: Sequence[float], branches: Sequence[xr.Dataset]
 ) -> str:
-    """Return what the gallery says of the end of the chaos."""
+    """Return the gallery text on the end of chaos."""
     clear = chaos.largest_exponent > 5.0 * chaos.exponent_error
     last = float(chaos.sparse.values[clear.values].max())
     at_last = impact(entry_speed=1.0, contact_damping=places[-1]).restitution.item()
     text = (
         f"The largest exponent falls from {chaos.largest_exponent.values[0]:.4f} at c = 0; the "
-        f"last one clear of its error is at c = {last:.4f}. Coming down from cycles, the period "
+        f"last one above its error is at c = {last:.4f}. Coming down from cycles, the period "
         f"doubles at c = {', '.join(f'{place:.7f}' for place in places)}, from "
         f"{0.5 * branches[0].period.values[0]:.1f} on"
     )
@@ -307,8 +306,8 @@ def words_of_chaos(
         ratios = ", ".join(f"{ratio:.2f}" for ratio in steps[:-1] / steps[1:])
         text += f", in steps with the ratios {ratios} (Feigenbaum's number is 4.669)"
     return (
-        f"{text}. An impact at a speed of 1 then still gives back {at_last:.4f} of it: what ends "
-        "the chaos is hardly damping at all."
+        f"{text}. The restitution at a speed of 1 is then still {at_last:.4f}: very little damping "
+        "ends the chaos."
     )
 
 

@@ -1,13 +1,13 @@
-"""What friction does to a rotor that touches: rubs, Hopf points, and the knock that starts whip.
+"""Effects of friction: rubs, Hopf points, and the smallest knock that starts dry whip.
 
-Friction brakes a whirl that rubs on the ring: its amplitude falls, and from Hopf points on it no
-longer stays round, but swings in contact (zeta = 0.07, delta0 = 0.5, mu = 0, 0.05, 0.1 and 0.2).
-All this is exact, and simulated rotors that start near each whirl lie on it. What friction can do
-beside it is worse: it drives a backward whirl, until the disc rolls on the ring in dry whip
-(zeta = 0.1, mu = 0.2, delta0 = 1, rho = 10). Between a knock that dies away and one that goes over
-into whip lies the backward whirl that slips, a saddle, whose radius without unbalance is known in
-closed form. The smallest knock that starts whip is found by bisection, over the speed and at
-several angles of the unbalance; the smaller the unbalance, the nearer it is to the saddle.
+Friction brakes a whirl that rubs on the stator. Its amplitude falls, and past Hopf points it is no
+longer circular but swings in contact (zeta = 0.07, delta0 = 0.5, mu = 0, 0.05, 0.1 and 0.2). All
+this is exact, and simulated rotors that start near each whirl agree with it. Friction can also
+drive a backward whirl until the disc rolls on the stator in dry whip (zeta = 0.1, mu = 0.2,
+delta0 = 1, rho = 10). The slipping backward whirl is a saddle that separates knocks that die away
+from knocks that lead to whip. Its radius without unbalance is known in closed form. The smallest
+knock that starts whip is found by bisection, over the speed and at several angles of the unbalance.
+The smaller the unbalance, the closer it is to the saddle.
 
 Writes the exact curves (curves.nc), the ends of simulated rotors (simulated.nc), two knocks
 (dies.nc and whips.nc), the smallest knocks (knocks.nc), and the figures as PNG and SVG.
@@ -51,7 +51,7 @@ LOOKS = {"full_contact": (PURPLE, "in full contact"), "bouncing": (ORANGE, "boun
 
 KNOCKED = {"zeta": 0.1, "friction": 0.2}
 OMEGA = 0.62962981  # twice the speed at which whip is born
-KNOCKS = {"dies": 5.0, "whips": 5.5}  # speed along the ring, backwards
+KNOCKS = {"dies": 5.0, "whips": 5.5}  # speed along the stator, backwards
 SHOWN = 100.0
 CLEARANCES = (1.0, 30.0)  # over eccentricity
 ANGLES = 4  # of the unbalance
@@ -87,7 +87,7 @@ def main(settings: Settings) -> None:
 def simulated_ends(
     speeds: np.ndarray, frictions: Sequence[float], settings: Settings
 ) -> xr.Dataset:
-    """Return what becomes of rotors that start beside each whirl in contact."""
+    """Return the final response of rotors that start beside each whirl in contact."""
     whirls = synchronous_response(omega=speeds, zeta=ZETA, delta0=DELTA0, friction=list(frictions))
     whirls = whirls.squeeze(["zeta", "delta0"]).transpose("omega", "friction", "branch")
     places = np.argwhere(whirls.in_contact.values == 1)
@@ -108,7 +108,7 @@ def simulated_ends(
     names = {"radius_mean": "mean", "radius_min": "smallest", "radius_max": "largest"}
     dims = whirls.amplitude.dims
     end = (dims, table[..., 3].astype(np.int8), {
-        "long_name": "what the rotor does at the end, -1 where none was simulated",
+        "long_name": "response at the end, -1 where none was simulated",
         "flag_values": np.array([-1, *ENDS.values()], dtype=np.int8),
         "flag_meanings": " ".join(["not_started", *ENDS]),
     })  # fmt: skip
@@ -125,7 +125,7 @@ def simulated_ends(
 def beside(whirl: xr.Dataset) -> xr.Dataset:
     """Return the motion of a rotor from 1% beside a synchronous whirl, 10% where it is unstable.
 
-    It lasts as long as the growth rate of the whirl asks for.
+    Its duration follows from the growth rate of the whirl.
     """
     mu, omega = whirl.friction.item(), whirl.omega.item()
     rotor = Rotor(
@@ -159,7 +159,7 @@ def kind_of_end(run: xr.Dataset) -> int:
 
 
 def missed(ends: xr.Dataset) -> tuple[int, float]:
-    """Return how many rotors end synchronous, and how far off the nearest stable whirl."""
+    """Return the count of synchronous ends, and their distance from the nearest stable whirl."""
     stable = ends.amplitude.where((ends.stability == STABILITY["stable"]) & (ends.in_contact == 1))
     nearest = np.abs(stable.rename(branch="other") / ends.radius_mean - 1.0).min("other")
     synchronous = ends.end == ENDS["synchronous"]
@@ -183,16 +183,16 @@ def draw_curves(curves: xr.Dataset, ends: xr.Dataset, settings: Settings) -> Non
     settings.show(
         figure, "curves", archives=["curves", "simulated"],
         shows=f"Amplitude over speed at ζ = {ZETA}, δ₀ = {DELTA0:g} and a disc of radius "
-        f"{RHO:g} with more and more friction: exact whirls with their Hopf points, and where "
+        f"{RHO:g} with increasing friction: exact whirls with their Hopf points, and where "
         "rotors end that start 1% off each stable and 10% off each unstable one.",
         found=told_of_curves(curves, ends),
     )  # fmt: skip
 
 
 def draw_ends(ax: Axes, ends: xr.Dataset) -> None:
-    """Draw simulated rotors: amplitudes as points, all else as ranges of the radius."""
+    """Draw simulated rotors: whirls as points, all others as ranges of the radius."""
     speeds = np.broadcast_to(ends.omega.values[:, None], ends.end.shape)
-    # what starts beside several whirls at one speed is drawn side by side
+    # starts beside several whirls at one speed are drawn side by side
     aside = speeds + 0.02 * ends.branch.values
     chosen = ends.end.values == ENDS["synchronous"]
     ax.plot(speeds[chosen], ends.radius_mean.values[chosen], ls="", marker="o", ms=4.2, color=BLUE,
@@ -207,7 +207,7 @@ def draw_ends(ax: Axes, ends: xr.Dataset) -> None:
 
 
 def told_of_curves(curves: xr.Dataset, ends: xr.Dataset) -> str:
-    """Return what the gallery says of the curves."""
+    """Return the gallery text on the curves."""
     rows = []
     for mu in curves.friction.values:
         curve = curves.sel(friction=mu)
@@ -244,7 +244,7 @@ def saddle_of(rotor: Rotor) -> tuple[float, float]:
 
 
 def knocked(rotor: Rotor, speed: float, duration: float, samples: int) -> xr.Dataset:
-    """Return the motion of a rotor that touches the ring and is knocked backwards along it."""
+    """Return the motion of a rotor that touches the stator and is knocked backwards along it."""
     return simulate(
         rotor, start=(rotor.delta0, 0.0, 0.0, -speed), duration=duration, samples=samples,
         method="taylor",
@@ -254,7 +254,7 @@ def knocked(rotor: Rotor, speed: float, duration: float, samples: int) -> xr.Dat
 def whirling(rotor: Rotor, radius: float, angle: float, duration: float) -> xr.Dataset:
     """Return the motion from a backward whirl as fast as the saddle, at an angle of the unbalance.
 
-    The unbalance begins along x, so that the start is turned instead.
+    The unbalance begins along x, so the start is rotated instead.
     """
     z = radius * np.exp(1j * angle)
     v = 1j * saddle_of(rotor)[1] * z
@@ -265,7 +265,7 @@ def whirling(rotor: Rotor, radius: float, angle: float, duration: float) -> xr.D
 
 
 def with_forces(run: xr.Dataset) -> xr.Dataset:
-    """Return a run with its whirl speed, the force of friction, and what friction can hold."""
+    """Return a run with its whirl speed, friction force and largest static friction force."""
     names = ("omega", "zeta", "delta0", "friction", "disc_radius")
     rotor = Rotor(**{name: run[name].item() for name in names})
     radius = np.hypot(run.x, run.y)
@@ -280,7 +280,7 @@ def with_forces(run: xr.Dataset) -> xr.Dataset:
             (run.x * run.vy - run.y * run.vx) / radius**2, "whirl speed, negative backwards"),
         "holding_force": (
             xr.where(run["mode"] == MODE["rolling"], holding, sliding), "tangential contact force"),
-        "force_limit": (limit, "largest tangential force that friction can hold"),
+        "force_limit": (limit, "largest tangential force of static friction"),
     }  # fmt: skip
     return run.assign(
         {
@@ -293,7 +293,7 @@ def with_forces(run: xr.Dataset) -> xr.Dataset:
 def smallest(starts_whip: Callable[[float], bool], tries: np.ndarray, near: float) -> float:
     """Return the smallest knock that starts whip, by bisection below the first that does.
 
-    It is 0 where the least of the tries does, and NaN where none does.
+    It is 0 if the smallest knock tried does, and NaN if none does.
     """
     below = None
     for above in tries.tolist():
@@ -311,7 +311,7 @@ def smallest(starts_whip: Callable[[float], bool], tries: np.ndarray, near: floa
 
 
 def smallest_speed(omega: float) -> float:
-    """Return the smallest speed along the ring, backwards, from which a rotor goes into whip."""
+    """Return the smallest backward speed along the stator that leads to whip."""
     rotor = rotor_at(omega)
     return smallest(
         lambda speed: is_whip(knocked(rotor, speed, 250.0, 301)), np.linspace(0.0, 12.0, 13), 2e-3
@@ -319,7 +319,7 @@ def smallest_speed(omega: float) -> float:
 
 
 def smallest_radius(omega: float, delta0: float, angle: float, *, near: float = 1e-3) -> float:
-    """Return the smallest radius over that of the saddle from which a whirl goes into whip."""
+    """Return the smallest radius, over that of the saddle, that leads to whip."""
     rotor = rotor_at(omega, delta0)
     saddle = saddle_of(rotor)[0]
     return smallest(
@@ -329,7 +329,7 @@ def smallest_radius(omega: float, delta0: float, angle: float, *, near: float = 
 
 
 def smallest_knocks(speeds: np.ndarray, sparse: np.ndarray, settings: Settings) -> xr.Dataset:
-    """Return the smallest knocks over the speed, beside each other and the exact saddle."""
+    """Return the smallest knocks over the speed, beside the exact saddle."""
     angles = np.arange(ANGLES) * 2.0 * math.pi / ANGLES
     places = [(omega, delta0, angle) for omega in sparse for delta0 in CLEARANCES
               for angle in angles]  # fmt: skip
@@ -390,7 +390,7 @@ def draw_knocks(runs: dict[str, xr.Dataset], settings: Settings) -> None:
             slip.plot(run.t, run.slip_speed, color=INK, lw=0.8, label="simulated")
             slip.set(ylabel="slip speed $v_s$", ylim=(-0.5, 9.5))
             force.fill_between(run.t, -run.force_limit, run.force_limit, color=SHADE, lw=0.0,
-                               label="what friction can hold")  # fmt: skip
+                               label="limit of friction")  # fmt: skip
             force.plot(run.t, run.holding_force, color=INK, lw=0.8, label="simulated")
             force.set(ylabel="tangential force $T$", ylim=(-2.2, 2.2))
             for ax in (speed, slip, force):
@@ -399,9 +399,9 @@ def draw_knocks(runs: dict[str, xr.Dataset], settings: Settings) -> None:
     shared_legend(figure, axes, columns=5, outer=False)
     settings.show(
         figure, "knocks", archives=list(runs),
-        shows="A rotor that touches the ring is knocked backwards along it (ζ = 0.1, μ = 0.2, "
+        shows="A rotor that touches the stator is knocked backwards along it (ζ = 0.1, μ = 0.2, "
         f"δ₀ = 1, ρ = 10, ω = {OMEGA:.4f}), by too little for whip and by enough: orbit, whirl "
-        "speed, slip speed, and the force of friction within what friction can hold.",
+        "speed, slip speed, and the friction force within its limits.",
         found=told_of_knocks(runs, whip),
     )  # fmt: skip
 
@@ -417,7 +417,7 @@ def draw_rolls(run: xr.Dataset, rows: Sequence[tuple[Axes, xr.DataArray]]) -> No
 
 
 def told_of_knocks(runs: dict[str, xr.Dataset], whip: xr.Dataset) -> str:
-    """Return what the gallery says of both knocks."""
+    """Return the gallery text on both knocks."""
     dies, whips = runs.values()
     kinds = whips.event_kind.values
     leaves = dies.event_time.values[(dies.event_kind.values == -1) & (dies.event_time > 20.0)][0]
@@ -427,7 +427,7 @@ def told_of_knocks(runs: dict[str, xr.Dataset], whip: xr.Dataset) -> str:
     share = float((late["mode"] == MODE["rolling"]).mean())
     return (
         f"After the knock of {KNOCKS['dies']:g} the rotor whirls backwards, more and more slowly, "
-        f"until it leaves the ring at t = {leaves:.1f}. The whirl after one of "
+        f"until it leaves the stator at t = {leaves:.1f}. The whirl after one of "
         f"{KNOCKS['whips']:g} grows: at t = {first:.1f} the disc begins to roll, and from then on "
         f"it rolls and slips by turns ({int((kinds == 2).sum())} times up to t = {SHOWN:g}), as "
         f"the unbalance pulls one way and the other, and rolls {100.0 * share:.0f}% of the time. "
@@ -442,7 +442,7 @@ def draw_smallest(found: xr.Dataset, settings: Settings) -> None:
     with style():
         speeds.plot(found.omega, found.knock_speed, color=RED, marker="o", ms=3.2, lw=0.9,
                     label="smallest knock")  # fmt: skip
-        speeds.set(xlabel=r"spin speed $\omega$", ylabel="speed along the ring, backwards",
+        speeds.set(xlabel=r"spin speed $\omega$", ylabel="speed along the stator, backwards",
                    ylim=(0.0, None), xlim=(0.0, float(found.omega.max())))  # fmt: skip
         speeds.set_title("smallest knock that starts whip", fontsize=9.5)
         radii.axhline(1.0, color=INK, lw=1.2, label="saddle, exact without unbalance")
@@ -461,7 +461,7 @@ def draw_smallest(found: xr.Dataset, settings: Settings) -> None:
     shared_legend(figure, [speeds, radii], columns=3, outer=False)
     settings.show(
         figure, "smallest", archives=["knocks"],
-        shows="The smallest knock along the ring from which a rotor goes into whip (ζ = 0.1, "
+        shows="The smallest knock along the stator that leads to whip (ζ = 0.1, "
         "μ = 0.2, δ₀ = 1), over the speed, and the smallest radius of a backward whirl as fast as "
         "the saddle, beside its exact radius, at four angles of the unbalance and two clearances.",
         found=told_of_smallest(found),
@@ -469,7 +469,7 @@ def draw_smallest(found: xr.Dataset, settings: Settings) -> None:
 
 
 def told_of_smallest(found: xr.Dataset) -> str:
-    """Return what the gallery says of the smallest knocks."""
+    """Return the gallery text on the smallest knocks."""
     reached = found.omega.values[found.knock_speed.notnull()]
     radius, speed = saddle_of(rotor_at(OMEGA))
     spread = {
@@ -483,8 +483,9 @@ def told_of_smallest(found: xr.Dataset) -> str:
         f"{least.knock_speed.item():.2f}, at ω = {least.omega.item():.2f}. The saddle has the "
         f"radius {radius:.6f} and the whirl speed −{-speed:.6f} at any speed of the spin. With a "
         f"clearance of one eccentricity the smallest whirl lies up to "
-        f"{100.0 * spread[CLEARANCES[0]]:.0f}% off that radius, by the angle of the unbalance; "
-        f"with {CLEARANCES[1]:g} eccentricities up to {100.0 * spread[CLEARANCES[1]]:.1f}%."
+        f"{100.0 * spread[CLEARANCES[0]]:.0f}% off that radius, depending on the angle of the "
+        f"unbalance; with {CLEARANCES[1]:g} eccentricities up to "
+        f"{100.0 * spread[CLEARANCES[1]]:.1f}%."
     )
 
 

@@ -1,13 +1,13 @@
-"""Speeds that change: what is known exactly of run-ups, run-downs and limited power.
+"""Run-ups, run-downs and a drive of limited power beside exact results.
 
-Inside the clearance the motion on a ramp of the speed is made of error functions, and without
-damping the largest amplitude on the way through resonance is Lewis' as the rate falls. In contact
-a run-up follows the exact whirl as far as its fold, and jumps late: at the rate a by
-2.33811 a^(2/3)/|alpha b|^(1/3), with coefficients that the exact response knows; what is left,
-a (K ln(1/a) + C), is known up to one constant. Run-ups and run-downs so leave a hysteresis
-about the exact folds, the wider the faster they are. A drive of limited power, whose torque falls
-with the speed, holds the speeds at which its line meets the stable parts of Sommerfeld's curve:
-with more torque the speed rises little until the whirl falls off, and then it jumps.
+In flight the motion at a constant acceleration is given by error functions. Without damping the
+largest amplitude through resonance tends to Lewis' value as the rate falls. In contact a run-up
+follows the exact whirl to its fold and jumps late: at the rate a by
+2.33811 a^(2/3)/|alpha b|^(1/3), with coefficients from the exact response. The remainder,
+a (K ln(1/a) + C), is known up to one constant. Run-ups and run-downs therefore leave a hysteresis
+about the exact folds, which widens with the rate. A drive of limited power, whose torque falls with
+the speed, settles where its line meets the stable parts of Sommerfeld's curve. With more torque the
+speed rises little until the whirl is lost, and then it jumps.
 
 Writes flights through resonance (flight.nc, resonance.nc), late jumps (late.nc), run-ups and
 run-downs beside the exact response (hysteresis.nc, response.nc), Sommerfeld's curve and the speeds
@@ -45,7 +45,7 @@ SHAFT = {"delta0": 1e3, "shaft_stiffness": 1.0}
 DAMPED, AT_RATES = 0.02, (0.02, -0.02, 0.005)
 LEWIS = {"height": 1.46720, "place": 2.15742}
 
-# Machines, which of their folds is passed, and what is called the jump.
+# Machines, the fold that is passed, and the definition of the jump.
 JUMPS: dict[str, tuple[Parameters, int]] = {
     "up, off the large whirl": ({"zeta": 0.1, "delta0": 1.0}, 1),
     "up, with friction 0.05": (
@@ -90,7 +90,7 @@ def column(dims: Any, values: Any, words: str) -> tuple[Any, Any, dict[str, str]
 def side_by_side(
     words: str, work: Callable[..., Any], places: Sequence[Any], settings: Settings
 ) -> list[Any]:
-    """Return what comes of every place, with a bar that shows how far the work is."""
+    """Return the result at every place, with a progress bar."""
     found = []
     with progress_bar(words) as progress, ThreadPoolExecutor(settings.workers) as pool:
         for number, each in enumerate(pool.map(lambda place: work(*place), places), start=1):
@@ -120,7 +120,7 @@ def flights(settings: Settings) -> xr.Dataset:
         off = np.hypot(run.x.values - exact[0], run.y.values - exact[1])
         table[number] = run.speed.values, np.hypot(*exact[:2]), off
     names = {"speed": "spin speed", "radius": "exact distance from the bearing axis",
-             "deviation": "distance of the simulated from the exact place"}  # fmt: skip
+             "deviation": "distance between simulated and exact position"}  # fmt: skip
     return xr.Dataset(
         {
             name: column(("rate", "sample"), table[:, place], words)
@@ -191,12 +191,12 @@ def draw_flights(flown: xr.Dataset, passed: xr.Dataset, settings: Settings) -> N
     settings.show(
         figure, "flight", archives=["flight", "resonance"],
         shows=f"A rotor on a shaft (κ = 1, ζ = {DAMPED}) through resonance without contact: the "
-        "radius over the speed by error functions, and how far off a simulated one is; without "
-        "damping the largest radius and the speed at which it is met, over the rate.",
+        "radius over the speed by error functions, and the error of the simulated one; without "
+        "damping the largest radius and its speed, over the rate.",
         found=f"Simulated run-ups and run-downs lie on the error functions to {scientific(worst)}. "
         f"Without damping the largest radius times √a tends to Lewis' 1.46720 (at a = "
         f"{scientific(float(least))} it is {last.height.item():.5f}) and its speed to 1 + 2.15742 "
-        f"√a ({last.place.item():.5f}): what is left falls as √a, or faster.",
+        f"√a ({last.place.item():.5f}): the difference falls as √a, or faster.",
     )  # fmt: skip
 
 
@@ -204,7 +204,7 @@ def draw_flights(flown: xr.Dataset, passed: xr.Dataset, settings: Settings) -> N
 
 
 def jumps(settings: Settings) -> xr.Dataset:
-    """Return at which speeds slow run-ups and run-downs jump, and the law."""
+    """Return the speeds at which slow run-ups and run-downs jump, and the asymptotic law."""
     rates = np.geomspace(1e-3, 1e-5, 3) if settings.quick else np.geomspace(1e-3, 1e-8, 11)
     laws = [law_of(machine, fold, rates) for machine, fold in JUMPS.values()]
     places = [(name, rate) for name in JUMPS for rate in rates.tolist()]
@@ -229,7 +229,7 @@ def jumps(settings: Settings) -> xr.Dataset:
 
 
 def law_of(machine: Parameters, fold: int, rate: Any) -> xr.Dataset:
-    """Return what is known of one fold."""
+    """Return the exact data of one fold."""
     given = {name: value for name, value in machine.items() if name != "disc_radius"}
     found = late_jumps(rate=rate, **given).isel(zeta=0, delta0=0, fold=fold, drop=True)
     return found.drop_vars("friction", errors="ignore").transpose(
@@ -238,9 +238,9 @@ def law_of(machine: Parameters, fold: int, rate: Any) -> xr.Dataset:
 
 
 def jump_speed(name: str, rate: float) -> float:
-    """Return the speed at which a run jumps that begins on the exact whirl before the fold.
+    """Return the jump speed of a run that begins on the exact whirl before the fold.
 
-    It is called a jump where the radius has fallen to half of that at the fold, or grown by half.
+    A jump is where the radius has fallen to half of that at the fold, or grown by half.
     """
     machine, fold = JUMPS[name]
     law = law_of(machine, fold, rate)
@@ -296,7 +296,7 @@ def draw_jumps(late: xr.Dataset, settings: Settings) -> None:
                        label=str(name))  # fmt: skip
         delay.set(xlabel="rate $a$", ylabel="jump less fold, in speed", xscale="log", yscale="log")
         delay.set_title("lines: the law", fontsize=9.5)
-        rest.set(xlabel="rate $a$", ylabel="what the law leaves, over $a$", xscale="log")
+        rest.set(xlabel="rate $a$", ylabel="remainder of the law over $a$", xscale="log")
         rest.set_title("lines: the slope is known, $K\\,\\ln(1/a)$", fontsize=9.5)
     shared_legend(figure, (delay, rest), columns=3, outer=False)
     shares = np.abs((late.found_omega - late.law_omega) / (late.law_omega - late.passed_omega))
@@ -305,13 +305,13 @@ def draw_jumps(late: xr.Dataset, settings: Settings) -> None:
     settings.show(
         figure, "late", archives=["late"],
         shows="How late run-ups and run-downs jump that begin on the exact whirl before a fold: "
-        "beside the law 2.33811 a²ᐟ³/|αb|¹ᐟ³, and what it leaves, over the rate a. It is "
-        "called a jump where the radius has fallen by half, or grown by half.",
+        "beside the law 2.33811 a²ᐟ³/|αb|¹ᐟ³, and the remainder, over the rate a. A jump "
+        "is where the radius has fallen by half, or grown by half.",
         found=f"Over {decades:.0f} decade{'s' * (decades > 1.5)} the jumps follow the law; at the "
         f"slowest rate they miss it by {', '.join(f'{100 * each:.1f}%' for each in least.values)} "
-        f"of itself ({'; '.join(map(str, late.case.values))}). What is left over the rate is a "
-        "straight line over ln a, with the slope that the exact response has: it falls faster "
-        "than the law.",
+        f"of itself ({'; '.join(map(str, late.case.values))}). The remainder over the rate is a "
+        "straight line over ln a, with the slope from the exact response: it falls faster than "
+        "the law.",
     )  # fmt: skip
 
 
@@ -389,7 +389,7 @@ def draw_hysteresis(courses: xr.Dataset, settings: Settings) -> None:
 
 
 def told_of_hysteresis(courses: xr.Dataset, curve: xr.Dataset) -> str:
-    """Return where run-ups and run-downs jump, and where the folds are."""
+    """Return the jumps of run-ups and run-downs and the folds, in words."""
     speeds = curve.fold_omega.values[np.isfinite(curve.fold_omega.values)]
     rows = []
     for rate in courses.rate.values:
@@ -413,7 +413,7 @@ def jump_of(course: xr.Dataset) -> float:
 
 
 def settled_speeds(settings: Settings) -> xr.Dataset:
-    """Return the speeds that drives settle at, with more and more torque, and with less again."""
+    """Return the settled speeds of a drive as its torque rises step by step, then falls."""
     up = np.linspace(1.0, 4.6, 4 if settings.quick else 19)
     torques = np.concatenate([up, up[-2::-1]])
     rows, state, omega = [], None, 0.5
@@ -447,7 +447,7 @@ def settled_speeds(settings: Settings) -> xr.Dataset:
 
 
 def turned_back(run: xr.Dataset) -> tuple[float, ...]:
-    """Return the end of a run, turned so that the unbalance points along x."""
+    """Return the end of a run, rotated so that the unbalance points along x."""
     back = np.exp(-1j * run.angle.values[-1])
     z = complex(run.x.values[-1], run.y.values[-1]) * back
     v = complex(run.vx.values[-1], run.vy.values[-1]) * back
@@ -455,7 +455,7 @@ def turned_back(run: xr.Dataset) -> tuple[float, ...]:
 
 
 def missed(tau0: float, omega: float, radius: float) -> float:
-    """Return by how much a settled drive is off the torque of the exact whirl at its speed."""
+    """Return the torque of a settled drive less that of the exact whirl at its speed."""
     given = {name: value for name, value in DRIVEN.items() if name != "disc_radius"}
     amplitudes = synchronous_response(omega=omega, **given).amplitude.values.ravel()
     exact = amplitudes[np.nanargmin(np.abs(amplitudes - radius))]
@@ -500,17 +500,17 @@ def draw_sommerfeld(settled: xr.Dataset, settings: Settings) -> None:
         f"(ζ = {DRIVEN['zeta']}, δ₀ = {DRIVEN['delta0']:g}, μ = {DRIVEN['friction']}, ρ = "
         f"{DRIVEN['disc_radius']:g}, j = {MOTOR['inertia']:g}): the torque that every exact whirl "
         "takes, and where the drive settles as τ₀ is raised step by step, and lowered again.",
-        found=f"All {settled.sizes['step']} settled speeds lie on parts of the curve that are held,"
+        found=f"All {settled.sizes['step']} settled speeds lie on stable parts of the curve,"
         f" to {scientific(float(np.abs(settled.missed_torque).max()))} of torque. The drive can "
-        f"hold the large whirl up to τ₀ = {raised:.3f}; beyond, the speed jumps from "
-        f"{before_jump(settled, 1)[0]:.2f} to {before_jump(settled, 1)[1]:.2f}. On the way down it "
-        f"falls back below τ₀ = {lowered:.3f}, from {before_jump(settled, -1)[0]:.2f} to "
+        f"hold the large whirl up to τ₀ = {raised:.3f}; above that the speed jumps from "
+        f"{before_jump(settled, 1)[0]:.2f} to {before_jump(settled, 1)[1]:.2f}. As τ₀ falls it "
+        f"jumps back below τ₀ = {lowered:.3f}, from {before_jump(settled, -1)[0]:.2f} to "
         f"{before_jump(settled, -1)[1]:.2f}.",
     )  # fmt: skip
 
 
 def limits_of(curve: xr.Dataset) -> tuple[float, float]:
-    """Return the largest torque at which the large whirl is held, and the least for the small."""
+    """Return the largest torque that sustains the large whirl, and the least for the small."""
     speed, held = curve.omega.values, curve.driven_stability.values != STABILITY["unstable"]
     drive = curve.torque.values + MOTOR["slope"] * speed
     edges = np.flatnonzero(np.diff(held.astype(int)))[-2:]

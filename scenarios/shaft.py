@@ -1,13 +1,13 @@
-"""What a shaft that springs back does: amplitude over speed, without, with a soft and a stiff one.
+"""Effect of shaft stiffness on amplitude over speed: no shaft, a soft one and a stiff one.
 
-Most publications on rotors that touch their stator have a shaft and a linear ring; the rotor of the
-paper has neither. Here both are put side by side, at zeta = 0.07 and delta0 = 2: no shaft, a soft
-and a stiff one, in a linear ring and in one of Hertz. Without a shaft the whirls in contact are an
-isola, which a rotor from rest never comes to. A shaft has a critical speed of its own; as long as
-the whirl does not reach the ring there, the isola stays one. With a stiffer shaft the isola grows
-out of the resonance, and a rotor from rest climbs it. Beside the whirls lie limit cycles on which
-the rotor bounces, on isolas of their own, at higher speeds the stiffer the shaft. Simulated rotors,
-from rest with the speed going up and down and from pushes at each speed, lie on the exact results.
+Most publications on rotor-stator contact have a shaft and a linear stator; the rotor of the paper
+has neither. Here they are compared at zeta = 0.07 and delta0 = 2: no shaft, a soft and a stiff one,
+in a linear and in a Hertzian stator. Without a shaft the contacting whirls are an isola, which a
+rotor from rest never reaches. A shaft adds a critical speed. The isola remains as long as the whirl
+does not reach the stator there. With a stiffer shaft the isola joins the resonance, and a rotor
+from rest climbs it. Bouncing limit cycles lie on further isolas, at higher speeds for a stiffer
+shaft. Simulated rotors, from rest with the speed going up and down and from pushes at each speed,
+agree with the exact results.
 
 Writes the exact curves (curves.nc), the sweeps (up_down.nc, pushed.nc), the branches of limit
 cycles (cycles_1.nc and so on), and the figure as PNG and SVG.
@@ -27,7 +27,7 @@ from rotor_ida.schema import EXACT, RESPONSE, SPECIAL
 
 ZETA, DELTA0 = 0.07, 2.0
 SHAFTS = {0.0: "no shaft", 0.05: "soft shaft", 0.25: "stiff shaft"}
-RINGS = {1.0: "linear ring", 1.5: "ring of Hertz"}
+RINGS = {1.0: "linear stator", 1.5: "Hertzian stator"}
 LIMITS = (0.05, 4.2)
 PUSHES = [(4.0, 0.0, 0.0, 0.0), (0.0, 4.0, -2.0, 2.0), (-3.0, 0.0, 0.0, 3.0)]
 WHIRLS, CYCLES = [RESPONSE["synchronous"]], [RESPONSE["bouncing"], RESPONSE["full_contact"]]
@@ -62,7 +62,7 @@ def main(settings: Settings) -> None:
 
 
 def of_rotor(branches: Sequence[xr.Dataset], here: xr.Dataset) -> list[xr.Dataset]:
-    """Return the branches with the shaft and the ring of a point."""
+    """Return the branches with the shaft and the stator of a point."""
     shaft, ring = here.shaft_stiffness.item(), here.contact_exponent.item()
     return [
         branch for branch in branches
@@ -72,7 +72,7 @@ def of_rotor(branches: Sequence[xr.Dataset], here: xr.Dataset) -> list[xr.Datase
 
 
 def agreement(compared: Sequence[xr.Dataset], kinds: Sequence[int]) -> tuple[int, int, float]:
-    """Return how many responses are of some kinds, how many of these are exact, and how nearly."""
+    """Return the count of responses of some kinds, the exact ones among them, and their error."""
     met = exactly = 0
     missed = 0.0
     for each in compared:
@@ -109,14 +109,14 @@ def draw(
         archives=["curves", "up_down", "pushed",
                   *(f"cycles_{number + 1}" for number in range(len(branches)))],
         shows=f"Amplitude over speed at ζ = {ZETA}, δ₀ = {DELTA0:g} without a shaft, with a soft "
-        f"(κ = 0.05) and a stiff one (κ = 0.25), in a linear ring and in one of Hertz: exact "
+        f"(κ = 0.05) and a stiff one (κ = 0.25), in a linear stator and in a Hertzian one: exact "
         "whirls, branches of limit cycles, and simulated rotors.",
         found=told(exact, compared, branches),
     )  # fmt: skip
 
 
 def is_isola(curve: xr.Dataset) -> bool:
-    """Return whether the whirls in contact are a closed curve of their own."""
+    """Return whether the whirls in contact form a separate closed curve."""
     piece = curve.piece.values.ravel()
     points = np.flatnonzero(piece == piece.max())
     ends = curve.omega.values.ravel()[points[[0, -1]]]
@@ -124,7 +124,7 @@ def is_isola(curve: xr.Dataset) -> bool:
 
 
 def told(exact: xr.Dataset, compared: Sequence[xr.Dataset], branches: Sequence[xr.Dataset]) -> str:
-    """Return what the gallery says of the figure."""
+    """Return the gallery text on the figure."""
     rows, leading = [], {}
     for ring, name in RINGS.items():
         reached = []
@@ -135,17 +135,18 @@ def told(exact: xr.Dataset, compared: Sequence[xr.Dataset], branches: Sequence[x
             reached.append(" of ".join(f"{each:.2f}" for each in largest))
             if (from_rest.response == RESPONSE["synchronous"]).any():
                 leading[words] = True
-        rows.append(f"in the {name} to {', '.join(reached[:-1])} and {reached[-1]}")
+        rows.append(f"in the {name}, {', '.join(reached[:-1])} and {reached[-1]}")
     whirls, exact_whirls, whirls_missed = agreement(compared, WHIRLS)
     cycles, exact_cycles, cycles_missed = agreement(compared, CYCLES)
     closed = sum(int(branch.attrs["closed"]) for branch in branches)
     return (
-        f"From rest, with the speed going up and down, the rotor comes {'; '.join(rows)}, without "
-        "a shaft, with the soft and with the stiff one. What leads from rest to the whirls in "
-        f"contact: {' and '.join(leading) or 'none'}. Of {whirls} simulated whirls in contact "
-        f"{exact_whirls} are exact ones, to {scientific(whirls_missed)}. Pushed rotors bounce or "
-        f"stay in contact {cycles} times, {exact_cycles} of them on one of {len(branches)} "
-        f"branches of limit cycles, {closed} of these isolas, to {scientific(cycles_missed)}."
+        f"From rest, with the speed going up and down, the radius reaches, {'; '.join(rows)}, "
+        "without a shaft, with the soft and with the stiff one. Shafts with which the rotor "
+        f"reaches the whirls in contact from rest: {' and '.join(leading) or 'none'}. Of {whirls} "
+        f"simulated whirls in contact {exact_whirls} are exact ones, to "
+        f"{scientific(whirls_missed)}. Pushed rotors bounce or stay in contact {cycles} times, "
+        f"{exact_cycles} of them on one of {len(branches)} branches of limit cycles, {closed} of "
+        f"these isolas, to {scientific(cycles_missed)}."
     )
 
 

@@ -1,13 +1,13 @@
-"""What the pictures of rub look like: orbit, full spectrum and cascade of eight motions.
+"""Rub signatures: orbit, full spectrum and cascade of eight motions.
 
-One rotor on a shaft (zeta = 0.04, kappa = 0.04, a linear ring, mu = 0.1, rho = 20, delta0 = 2) does
-it all. Upright it whirls with the spin on the ring; from a Hopf point on it swings in contact, from
-a graze on it leaves the ring in each swing, and beyond a fold of these cycles it rolls backwards
-in dry whip. On its side, under a load, it touches once a revolution or, faster, every other one,
-with lines at halves of the speed to the last digit, and faster still it is chaotic. In a ring that
-is too wide to be touched it runs up, without oil, through resonance. Each motion is an attractor by
-its eigenvalues, multipliers or exponents, and its lines are known exactly. What signals of two
-probes show of each is held against what is said of rubs.
+One rotor on a shaft (zeta = 0.04, kappa = 0.04, a linear stator, mu = 0.1, rho = 20, delta0 = 2)
+shows all eight. Upright it whirls forward in contact. Past a Hopf point it swings in contact, past
+a graze it leaves the stator in each swing, and past a fold of these cycles it rolls backwards in
+dry whip. Horizontal, under a load, it touches once a revolution or, faster, every second one, with
+lines at exact halves of the speed; faster still it is chaotic. In a stator too wide to touch it
+runs up without contact through resonance. Each motion is shown to be an attractor by its
+eigenvalues, multipliers or exponents, and its lines are known exactly. The signals of two probes
+are compared with what is published on rubs.
 
 Writes the signs of all motions (signs.nc), the branch (branch.nc), of each motion a record (records
 such as whip.nc) and a run-up or run-down (such as whip_cascade.nc), and the figures as PNG and SVG.
@@ -57,37 +57,37 @@ WIDE = 4.0  # clearance that is not touched: the largest contact-free whirl is 2
 UNBALANCE, NEAR_WHIP, LOW = (3.0, 1.0, 0.0, 0.0), (6.0, 0.0, 0.0, -7.0), (0.0, -1.0, 0.0, 0.0)
 
 REVOLUTIONS, SAMPLES = 256, 64  # of a record, and in a revolution
-OFF = 1.01  # how far beside its attractor a run begins
-FORGOTTEN = 25.0  # in time constants, after which what is left of that is not seen
+OFF = 1.01  # distance from the attractor at which a run begins
+FORGOTTEN = 25.0  # in time constants, after which that distance is negligible
 SHOWN = 12  # revolutions of an orbit
 CHAOS = {"transient": 2000.0, "duration": 10_000.0}
-SEGMENT, BELOW = 32, (0.1, 0.9)  # revolutions and orders in which what lies between lines is told
+SEGMENT, BELOW = 32, (0.1, 0.9)  # revolutions and orders for the floor between lines
 ROUNDING = 1e-6
 FAINTEST = 1e-5  # line in a figure
-# A line within so many steps of the grid of another is part of that, by the flat-top window.
+# A line within this many grid steps of another is part of it, by the flat-top window.
 BESIDE = 6
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """One motion of the machine: where it is found, and the change of speed that passes it.
+    """One motion of the machine: where it occurs, and a run-up or run-down that passes it.
 
     Parameters
     ----------
     words : str
-        What it is called.
+        Name of the motion.
     omega : float
         Speed of its record.
     start : tuple of float
-        From which its attractor is found at `found_at`; then it is followed to `omega`.
+        State that leads to its attractor at `found_at`, which is then followed to `omega`.
     ramp : tuple of float
         First and last speed of the cascade.
     rate : float
-        Size of the change of the speed in a unit of time.
+        Rate of change of the speed (absolute value).
     found_at : float, optional
-        Speed at which the start leads to it, if not `omega`.
+        Speed at which the start leads to it; default: `omega`.
     changes : dict, optional
-        What differs from the machine.
+        Parameters that differ from the machine.
     spectrum, cascade : float
         Largest frequency shown over the speed, over the largest speed.
     """
@@ -111,7 +111,7 @@ DRAWN_QUICKLY = ("synchronous", "whip", "chaos")
 ON_ITS_SIDE = (("load", LOAD),)
 ROUND = ("free", "synchronous")  # whirls that are circles
 MOTIONS = {
-    "free": Motion("run-up without oil and without contact", 0.5, (0.0,) * 4, (0.05, 0.8), 5e-5,
+    "free": Motion("run-up without contact", 0.5, (0.0,) * 4, (0.05, 0.8), 5e-5,
                    changes=(("delta0", WIDE),), cascade=2.0),
     "synchronous": Motion("synchronous rub", 0.5, (0.0,) * 4, (0.05, 0.63), 5e-5,
                           cascade=2.0),
@@ -148,7 +148,7 @@ def main(settings: Settings) -> None:
 
 
 def exact_of(name: str) -> xr.Dataset:
-    """Return the exact whirl or cycle of a motion at its speed; of chaos that within it."""
+    """Return the exact whirl or cycle of a motion at its speed; in chaos an unstable one."""
     motion = MOTIONS[name]
     if name in ROUND:
         return stable_whirl(whirls_of(motion, [motion.omega]))
@@ -165,7 +165,7 @@ def whirls_of(motion: Motion, speeds: Any) -> xr.Dataset:
 def cycles_along(name: str, speeds: Any) -> list[xr.Dataset]:
     """Return the exact cycles of a motion at some speeds, each the guess for the next.
 
-    Where the kind of cycle changes on the way each is found anew.
+    If the kind of cycle changes on the way, each is computed anew.
     """
     motion = MOTIONS[name]
     if name in ("whip", "once"):
@@ -194,7 +194,7 @@ def state_of(exact: xr.Dataset) -> tuple[float, ...]:
 
 
 def stable_whirl(whirls: xr.Dataset) -> xr.Dataset:
-    """Return the stable whirl at a speed, that in contact where there are two."""
+    """Return the stable whirl at a speed; if there are two, that in contact."""
     stable = np.flatnonzero(whirls.stability.values.ravel() == STABILITY["stable"])
     touching = stable[whirls.in_contact.values.ravel()[stable] == 1]
     return whirls.isel(branch=[int((touching if touching.size else stable)[0])])
@@ -205,7 +205,7 @@ def decay_of(exact: xr.Dataset) -> float:
     if "period" not in exact.variables:
         return -exact.growth_rate.item()
     sizes = np.hypot(exact.multiplier_real.values, exact.multiplier_imag.values)
-    if "load" not in exact.coords:  # a shift along the cycle stays what it is
+    if "load" not in exact.coords:  # a shift along the cycle neither grows nor decays
         sizes = np.delete(sizes, np.abs(exact.multiplier_real.values - 1.0).argmin())
     return -math.log(sizes.max()) / exact.period.item()
 
@@ -227,7 +227,7 @@ def special(branch: xr.Dataset, kind: str) -> float:
 
 
 def record_of(name: str, exact: xr.Dataset) -> xr.Dataset:
-    """Return what two probes see of a motion that began beside its attractor, and forgot it."""
+    """Return the signals of two probes after the transient of a motion."""
     motion = MOTIONS[name]
     revolution = 2.0 * math.pi / motion.omega
     lasts = CHAOS["transient"] if name == "chaos" else FORGOTTEN / decay_of(exact)
@@ -241,7 +241,7 @@ def record_of(name: str, exact: xr.Dataset) -> xr.Dataset:
 
 
 def ramp_of(name: str) -> xr.Dataset:
-    """Return a run-up or run-down that passes a motion, from the exact one at its first speed."""
+    """Return a run-up or run-down that passes a motion, from the exact one at the first speed."""
     motion = MOTIONS[name]
     first, last = motion.ramp
     if name in (*ROUND, "once"):
@@ -261,7 +261,7 @@ def ramp_of(name: str) -> xr.Dataset:
 
 
 def signs_of_all(found: dict[str, xr.Dataset], records: dict[str, xr.Dataset]) -> xr.Dataset:
-    """Return the signs of every motion, and by what it is known to be one."""
+    """Return the signs of every motion, with evidence that it is an attractor."""
     rows = [signs_of(name, found[name], records[name]) for name in MOTIONS]
     return xr.Dataset(
         {
@@ -289,7 +289,7 @@ SIGNS = {
     "amplitude": "amplitude of that line",
     "exact_order": "exact order of the line",
     "exact_amplitude": "exact amplitude of the line",
-    "counterpart": "amplitude at the same order the other way round",
+    "counterpart": "amplitude at the same order in the other direction",
     "offset": "distance of the mean position from the bearing axis",
     "flatness": "least crest of the probes over that of a sine, below 1 where it is clipped",
     "phase_spread": "standard deviation of the phase of 1X over windows of a revolution",
@@ -298,7 +298,7 @@ SIGNS = {
 
 
 def signs_of(name: str, exact: xr.Dataset, record: xr.Dataset) -> dict[str, float]:
-    """Return the signs of one motion, by `rotor_ida.signals` alone but for the first ones."""
+    """Return the signs of one motion; all but the first ones come from `rotor_ida.signals`."""
     radius = np.hypot(record.x.values, record.y.values)
     signals = signals_of(record)
     held = full_spectrum(signals)
@@ -327,7 +327,7 @@ def signs_of(name: str, exact: xr.Dataset, record: xr.Dataset) -> dict[str, floa
 
 
 def known_of(name: str, exact: xr.Dataset) -> dict[str, float]:
-    """Return the kind of response and by what it is an attractor."""
+    """Return the kind of response and the evidence that it is an attractor."""
     error = math.nan
     if name == "chaos":
         motion = MOTIONS[name]
@@ -353,7 +353,7 @@ def height_at(held: xr.Dataset, order: float) -> float:
 def strongest(held: xr.Dataset) -> dict[str, float]:
     """Return the strongest line of a full spectrum beside 1X and the mean.
 
-    Its place is the centre of power of the steps that it is wide.
+    Its order is the centre of power over its width.
     """
     height, order = held.whirl_amplitude.values, held.frequency_over_omega.values
     width = BESIDE * (order[1] - order[0])
@@ -371,7 +371,7 @@ def strongest(held: xr.Dataset) -> dict[str, float]:
 
 
 def floor_of(signals: xr.Dataset) -> float:
-    """Return what lies between the lines below 1X, over 1X: the lower quartile there."""
+    """Return the floor between the lines below 1X, over 1X: the lower quartile there."""
     held = full_spectrum(signals, segment=SEGMENT * SAMPLES)
     order = np.abs(held.frequency_over_omega.values)
     between = held.whirl_amplitude.values[(order > BELOW[0]) & (order < BELOW[1])]
@@ -451,7 +451,7 @@ def lines_along(name: str, branch: xr.Dataset, count: int) -> list[xr.Dataset]:
 
 
 def finish(axes: list[Axes], motion: Motion) -> None:
-    """Title the panels, and take away what is the same in all or told in words."""
+    """Set the titles of the panels, and remove labels that all share."""
     first, last = motion.ramp
     digit, power = f"{motion.rate:.0e}".split("e")
     digit = "" if digit == "1" else rf"{digit} \cdot "
@@ -470,56 +470,55 @@ def finish(axes: list[Axes], motion: Motion) -> None:
 
 
 def shows(motion: Motion, chaotic: bool) -> str:
-    """Return what the gallery says that a figure shows."""
+    """Return the gallery caption of a figure."""
     rotor = motion.rotor(motion.omega)
-    lies = f", on its side under a load γ = {rotor.load:g}" if rotor.load else ""
-    marked = "of the unstable cycle within it" if chaotic else "that are known exactly"
+    lies = f", horizontal, under a load γ = {rotor.load:g}" if rotor.load else ""
+    marked = "of an unstable cycle within it" if chaotic else "that are known exactly"
     return (
         f"{motion.words[0].upper()}{motion.words[1:]}: orbit over {SHOWN} revolutions, full "
         f"spectrum and cascade of a rotor on a shaft (κ = {rotor.shaft_stiffness:g}, "
-        f"ζ = {rotor.zeta:g}) in a linear ring (δ₀ = {rotor.delta0:g}, μ = {rotor.friction:g}, "
+        f"ζ = {rotor.zeta:g}) in a linear stator (δ₀ = {rotor.delta0:g}, μ = {rotor.friction:g}, "
         f"ρ = {rotor.disc_radius:g}){lies}; the lines {marked} are marked."
     )
 
 
 def told(name: str, signs: xr.Dataset, ramp: xr.Dataset, branch: xr.Dataset) -> str:
-    """Return what the gallery says of a motion."""
+    """Return the gallery text on a motion."""
     here = {each: float(signs[each].sel(motion=name)) for each in signs.data_vars}
     if name in ROUND:
         off, turned = beside_the_curve(MOTIONS[name], ramp)
         return (
-            f"Nothing but 1X, which lies on the exact curve to {scientific(off)} of the "
-            f"largest amplitude all along the run-up; its phase lag grows by {turned:.0f}° on the "
-            "way."
+            f"Only 1X, which agrees with the exact curve to {scientific(off)} of the "
+            f"largest amplitude throughout; its phase lag grows by {turned:.0f}°."
         )
     where = {
         "annular": f"Born at the Hopf point {special(branch, 'hopf'):.7f}, the whirl swings in "
         f"contact up to the graze at {special(branch, 'graze'):.7f}. ",
         "partial": f"From the graze at {special(branch, 'graze'):.7f} on, up to the fold at "
-        f"{special(branch, 'fold'):.7f}, the rotor leaves the ring in each swing. ",
+        f"{special(branch, 'fold'):.7f}, the rotor leaves the stator in each swing. ",
         "whip": f"Beyond the fold of partial rub at {special(branch, 'fold'):.7f} the disc rolls "
-        "backwards on the ring. ",
+        "backwards on the stator. ",
     }.get(name, "")  # fmt: skip
     contact = f"It is in contact for {here['in_contact']:.0%} of the time. "
     if name == "chaos":
         return (
             f"The largest exponent is {here['growth']:.3f} ± {here['growth_error']:.3f}. Between "
             f"0.1X and 0.9X three quarters of the spectrum lie above {here['floor']:.1g} of 1X. "
-            "Only 1X and the mean of the unstable cycle within it stand out as lines."
+            "Only 1X and the mean of the unstable cycle within it appear as lines."
         )
     order = f"{here['exact_order']:.4f}".replace("-", "−")
     apart = abs(here["amplitude"] / here["exact_amplitude"] - 1.0)
     return (
         f"{where}{contact}Beside 1X the strongest line is at {order}X, "
-        f"{here['amplitude'] / here['forward']:.2f} times as high; it is as high as exactly known "
-        f"to {scientific(max(apart, 1e-9))}."
+        f"{here['amplitude'] / here['forward']:.2f} times as high; it agrees with the exact "
+        f"amplitude to {scientific(max(apart, 1e-9))}."
     )
 
 
 def beside_the_curve(motion: Motion, ramp: xr.Dataset) -> tuple[float, float]:
-    """Return how far 1X of a run-up is off the exact curve, of its height, and its turn [degree].
+    """Return the relative error of 1X of a run-up, and the growth of its lag [degree].
 
-    The windows from first to last are compared that begin after the start is forgotten.
+    Only windows after the initial transient are compared.
     """
     tracked = orders(ramp, revolutions=2).isel(order=0)
     tracked = tracked.isel(window=tracked.t.values > FORGOTTEN / 4.0 / motion.rotor(1.0).zeta)

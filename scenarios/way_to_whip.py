@@ -1,11 +1,11 @@
 """One branch of limit cycles leads from a forward rub to dry whip.
 
-Beyond its Hopf point a synchronous rub swings in contact. Followed over the friction, the cycle
-that is born there folds, turns unstable, and comes to where the slip speed just falls to 0: from
-that corner on the disc rolls on the ring for a part of each turn, backwards, in dry whip. So
-between the rub and whip lies an unstable cycle, and over a range of friction both attract (omega =
-1.2, zeta = 0.07, delta0 = 0.5, rho = 10). In whip a multiplier is 0, as rolling takes a dimension
-away.
+Past its Hopf point a synchronous rub swings in contact. The cycle that is born there is continued
+over the friction: it folds, becomes unstable, and reaches a corner where the slip speed just falls
+to 0. From that corner on the disc rolls on the stator backwards for a part of each period, in dry
+whip. An unstable cycle therefore lies between the rub and whip, and over a range of friction both
+attract (omega = 1.2, zeta = 0.07, delta0 = 0.5, rho = 10). In whip one multiplier is 0, because
+rolling removes a dimension.
 
 Writes the branch (branch.nc), what simulated rotors settle on, compared with exact whirls and
 cycles (simulated.nc), and the figure as PNG and SVG.
@@ -71,7 +71,7 @@ def draw(branch: xr.Dataset, simulated: xr.Dataset, whirls: xr.Dataset, settings
 
 
 def told(branch: xr.Dataset, simulated: xr.Dataset) -> str:
-    """Return what the gallery says."""
+    """Return the gallery text."""
     places = {
         kind: branch.special_value.values[branch.special_kind.values == SPECIAL[kind]]
         for kind in ("hopf", "fold", "sliding")
@@ -80,7 +80,7 @@ def told(branch: xr.Dataset, simulated: xr.Dataset) -> str:
     whips = int((simulated.response == RESPONSE["rolling"]).sum())
     return (
         f"The cycle is born at μ = {places['hopf'][0]:.8f}, the Hopf point of the closed form, "
-        f"folds at {places['fold'][0]:.8f}, and as an unstable one comes to the corner at "
+        f"folds at {places['fold'][0]:.8f}, and as an unstable one reaches the corner at "
         f"{places['sliding'][0]:.8f}, where its slip speed just falls to 0 and whip begins. Of "
         f"{on.size} simulated responses {int(on.sum())} lie on an exact whirl or cycle, to "
         f"{float(simulated.digits.values[on].min()):.1f} digits and more; {whips} are dry whip."

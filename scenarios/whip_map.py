@@ -1,15 +1,15 @@
-"""Where friction drives a rotor into dry whip, over speed and friction: exactly, and simulated.
+"""Map of dry whip over speed and friction, exact and simulated.
 
-In dry whip the disc rolls backwards round the ring, and friction holds it there. From which speed
-on it exists at a coefficient of friction is known exactly without unbalance: from the birth of whip
-and of the whirl that slips. Whether a rotor comes to it is another question. Two rotors are
-simulated, each from rest on the axis, from a knock backwards along the ring, and on whip itself:
-one with a shaft (kappa = 0.05) in a linear ring, as in most publications, and one without in a ring
-of Hertz (zeta = 0.05, delta0 = 1, rho = 10). In a linear ring friction below a certain coefficient
-leaves no whip at any speed: the whirl that slips would need a stiffer ring.
+In dry whip the disc rolls backwards round the stator, held by friction. Without unbalance the speed
+from which whip exists is known exactly for each coefficient of friction: there whip and the
+slipping whirl are born together. Whether a rotor reaches whip is another question. Two rotors are
+simulated, each from rest on the axis, from a knock backwards along the stator, and on whip itself.
+One has a shaft (kappa = 0.05) in a linear stator, as in most publications, and one has none in a
+Hertzian stator (zeta = 0.05, delta0 = 1, rho = 10). In a linear stator, friction below a certain
+coefficient allows no whip at any speed: the slipping whirl would need a stiffer stator.
 
-Whip is told by the end of a run: in contact for good, the whirl backward, and the disc rolling, or
-sliding both ways by turns where the unbalance is too strong for it to roll.
+Whip is identified at the end of a run: lasting contact, backward whirl, and a disc that rolls, or
+that slides both ways by turns if the unbalance is too strong for it to roll.
 
 Writes the map of each rotor (shaft.nc, hertz.nc) and the figure as PNG and SVG.
 """
@@ -34,9 +34,9 @@ ROTORS = {
     "shaft": {**SAME, "shaft_stiffness": 0.05, "contact_exponent": 1.0},
     "hertz": SAME,
 }
-WORDS = {"shaft": "shaft, linear ring", "hertz": "no shaft, ring of Hertz"}
+WORDS = {"shaft": "shaft, linear stator", "hertz": "no shaft, Hertzian stator"}
 STARTS = {"rest": "rest on the axis", "knock": "a knock backwards", "whip": "whip itself"}
-KNOCK = 10.0  # speed along the ring, backwards
+KNOCK = 10.0  # speed along the stator, backwards
 LASTS = 250.0
 SPEEDS, FRICTIONS = (0.05, 3.0), (0.03, 0.8)
 
@@ -52,7 +52,7 @@ def main(settings: Settings) -> None:
 
 
 def starts(rotor: Rotor) -> list[tuple[float, ...]]:
-    """Return rest on the axis, a knock backwards along the ring, and whip if it exists."""
+    """Return rest on the axis, a knock backwards along the stator, and whip if it exists."""
     radius = backward_whirl(rotor).amplitude.values[1]
     surface = rotor.disc_radius * rotor.omega
     rest, knock = (0.0, 0.0, 0.0, 0.0), (rotor.delta0, 0.0, 0.0, -KNOCK)
@@ -60,7 +60,7 @@ def starts(rotor: Rotor) -> list[tuple[float, ...]]:
 
 
 def ends_of(rotor: Rotor) -> list[int]:
-    """Return how runs from rest, a knock and whip end; -1 where there is no whip to start on."""
+    """Return the ends of runs from rest, a knock and whip; -1 where no whip exists."""
     ends = [
         end_of(simulate(rotor, start=start, duration=LASTS, samples=201, method="taylor"))
         for start in starts(rotor)
@@ -69,15 +69,15 @@ def ends_of(rotor: Rotor) -> list[int]:
 
 
 def birth(name: str, friction: float) -> float:
-    """Return the speed at which whip is born; NaN where friction is too weak at any speed."""
+    """Return the speed from which whip exists; NaN if friction is too weak at any speed."""
     rotor = Rotor(omega=1.0, friction=friction, **ROTORS[name])
     return float(backward_whirl(rotor).birth_omega)
 
 
 def weakest_friction(name: str) -> float:
-    """Return the friction that a ring needs for whip at some speed: none by Hertz.
+    """Return the friction above which whip exists at some speed: 0 for Hertzian contact.
 
-    A linear ring holds a backward whirl of any size by itself, ``Omega**2 = kappa + 1``, and
+    A linear stator holds a backward whirl of any size by itself, ``Omega**2 = kappa + 1``, and
     friction drives it where it exceeds damping, ``mu > 2 zeta |Omega|``.
     """
     rotor = Rotor(omega=1.0, friction=1.0, **ROTORS[name])
@@ -87,7 +87,7 @@ def weakest_friction(name: str) -> float:
 
 
 def map_of(name: str, omega: np.ndarray, friction: np.ndarray, settings: Settings) -> xr.Dataset:
-    """Return how runs end from each start, and where whip is born."""
+    """Return the ends of runs from each start, and the speed from which whip exists."""
     rotors = [Rotor(omega=speed, friction=mu, **ROTORS[name]) for mu in friction for speed in omega]
     found = []
     with progress_bar(WORDS[name]) as progress, ThreadPoolExecutor(settings.workers) as pool:
@@ -120,7 +120,7 @@ def map_of(name: str, omega: np.ndarray, friction: np.ndarray, settings: Setting
 
 
 def reached(mapped: xr.Dataset) -> xr.DataArray:
-    """Return whence there is whip: 3 from rest, 2 from the knock, 1 from itself alone, 0 never."""
+    """Return the starts that lead to whip: 3 rest, 2 the knock, 1 whip alone, 0 none."""
     rest, knock, whip = (mapped[f"end_from_{name}"] >= FIRST_OF_WHIP for name in STARTS)
     return xr.where(rest, 3, xr.where(knock, 2, xr.where(whip, 1, 0)))
 
@@ -162,16 +162,16 @@ def draw(maps: dict[str, xr.Dataset], settings: Settings) -> None:
         figure.legend(handles=[*born, *lines, *patches], loc="outside lower center", ncols=2)
     settings.show(
         figure, "whip_map", archives=list(maps),
-        shows="Where dry whip exists over speed and friction (line, exact without unbalance), and "
-        f"where a rotor stays in it, and reaches it from rest and from a knock of {KNOCK:g} "
-        "backwards along the ring: with a shaft (κ = 0.05) in a linear ring, and without in one of "
-        "Hertz (ζ = 0.05, δ₀ = 1, ρ = 10).",
+        shows="Where dry whip exists over speed and friction (line, exact without unbalance), "
+        f"where a rotor stays in it, and where it reaches it from rest or from a knock of "
+        f"{KNOCK:g} backwards along the stator: with a shaft (κ = 0.05) in a linear stator, and "
+        "without in a Hertzian one (ζ = 0.05, δ₀ = 1, ρ = 10).",
         found=" ".join(told(name, mapped) for name, mapped in maps.items()),
     )  # fmt: skip
 
 
 def told(name: str, mapped: xr.Dataset) -> str:
-    """Return what the gallery says of one rotor."""
+    """Return the gallery text on one rotor."""
     exists = mapped.omega >= mapped.birth_omega
     state = reached(mapped)
     beyond, without = int(exists.sum()), int((~exists).sum())

@@ -9,7 +9,7 @@ __all__ = ["main"]
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Run one command, as `rotor_ida.cli.program.main` does; an interrupt may come even before."""
+    """Run one command, as `rotor_ida.cli.program.main` does; also catch an early interrupt."""
     try:
         from rotor_ida.cli import program  # noqa: PLC0415 - takes a moment
 

@@ -1,4 +1,4 @@
-"""What a dataset says: its kind, a record of it for programs and tables for people."""
+"""Describe a dataset: its kind, a record for programs and tables for people."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ SPECTRAL_LINES = Sheet("Lines by least squares", (Rows(
     title="Lines", key="lines", lead="whirl_amplitude", gaps=True, falling=True,
     names=("frequency", "frequency_over_omega", "whirl_amplitude", "whirl_phase"),
 ),))  # fmt: skip
-# Of each attractor what a machine takes on it, a line for each.
+# Loads on each attractor, a line for each.
 DONE_TO_MACHINE = (
     *("fraction", "fraction_error", "settling_median", "settling_95"),
     *("largest_force", "mean_force", "contacts_per_revolution", "contact_fraction"),
@@ -128,24 +128,24 @@ OF_MACHINE = (
 SHOCK = ("velocity_shock", "displacement_shock")
 ENDS = {"low": "from", "high": "to"}
 STARTS = ("start_x", "start_y", "start_vx", "start_vy")
-# Over which the endings of run-ups are counted.
+# Dimensions over which the endings of run-ups are counted.
 COUNTED = ("phase", "start")
 MOST_FRACTIONS = 40
 RANGES = ("omega", "amplitude", "radius_max")
 OF_FIT = ("chi_square", "degrees_of_freedom", "noise")
 ENDS_OF_BRANCH = ("first_end", "first_reason", "last_end", "last_reason")
-# Attributes of a branch whose names a record has for something else.
+# Attributes of a branch whose names a record uses otherwise.
 RENAMED = {"kind": "of", "points": "most_points", "parameters": "varied"}
 
 
 def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
-    """Return the record of a dataset and its tables, of at most so many rows each."""
+    """Return the record of a dataset and its tables, with a largest number of rows each."""
     described: Description = loaded(KINDS[kind_of(dataset)].shown)(dataset, most)
     return described
 
 
 def origin(dataset: xr.Dataset) -> RenderableType:
-    """Return a table of what an archive is and where it came from."""
+    """Return a table of the kind and origin of an archive."""
     attributes = attributes_of(dataset)
     versions = attributes.pop("versions", {})
     method = attributes.pop("method", {})
@@ -189,7 +189,7 @@ def show_run_up_summary(dataset: xr.Dataset, _most: int | None) -> Description:
 
 
 def _change_of_speed(run: xr.Dataset) -> Record:
-    """Return how the speed changed during a run, by names with units."""
+    """Return the course of the speed during a run, by names with units."""
     if "speed" not in run:
         return {}
     first, last = run["speed"].values[[0, -1]].tolist()
@@ -227,7 +227,7 @@ def _largest(dataset: xr.Dataset, name: str) -> float:
 
 
 def show_sweep(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the responses of a sweep or diagram, and how many there are of each kind."""
+    """Return the responses of a sweep or diagram, with their number by kind."""
     record, parts = tabled(dataset, most, POINTS)
     kinds = _kinds(dataset)
     counted = table("Responses by kind", kinds, list(kinds[0]))
@@ -235,7 +235,7 @@ def show_sweep(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return how run-ups end at each rate of each rotor, and every one of them."""
+    """Return the endings of run-ups at each rate of each rotor, and every run-up."""
     record, tables = tabled(dataset, most, RUN_UPS)
     varied = [name for name in ALL_PARAMETERS if name in dataset and dataset[name].size > 1]
     told = [name for name in ALL_PARAMETERS if name in dataset.variables]
@@ -259,7 +259,7 @@ def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _kinds(dataset: xr.Dataset) -> list[Record]:
-    """Return how many points there are of each kind, and the ranges that they cover."""
+    """Return the number of points of each kind, and their ranges."""
     response = dataset["response"]
     numbers = response.values
     words = by_number(flags_of(response))
@@ -274,7 +274,7 @@ def _kinds(dataset: xr.Dataset) -> list[Record]:
 
 
 def _ranges(dataset: xr.Dataset, names: Sequence[str], here: xr.DataArray) -> Record:
-    """Return the range of each variable over the points where something holds."""
+    """Return the range of each variable over the points of a mask."""
     found: Record = {}
     for name in names:
         label, factor = si_of(dataset, name) or (name, 1.0)
@@ -283,7 +283,7 @@ def _ranges(dataset: xr.Dataset, names: Sequence[str], here: xr.DataArray) -> Re
 
 
 def show_attractors(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the attractors of a basin or of fractions, and what became of the starts."""
+    """Return the attractors of a basin or of fractions, with the ends of the starts."""
     record, parts = tabled(dataset, most, ATTRACTORS, SHARES)
     if "label" in dataset:
         record["grid"] = {
@@ -293,7 +293,7 @@ def show_attractors(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def show_atlas(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return each attractor with where it exists and how likely it is there."""
+    """Return each attractor with its range of existence and its basin fraction."""
     words = by_number(flags_of(dataset["kind"]))
     varied = [name for name in parameters_in(dataset) if dataset[name].size > 1]
     rows: list[Record] = []
@@ -315,21 +315,21 @@ def show_atlas(dataset: xr.Dataset, most: int | None) -> Description:
     if "agreement" in dataset:
         scalars |= _agreement(dataset)
     record, _ = tabled(dataset, most)
-    if isinstance(given := record.get("starts"), list):  # the archive holds them, row after row
+    if isinstance(given := record.get("starts"), list):  # the archive contains them, row by row
         record["starts"] = len(given) // len(COMPONENTS)
     parts = rows_table("Attractors", rows, list(rows[0]) if rows else [], most, digits=6)
     return record | scalars | {"attractors": rows}, [*parts, pairs("Starts", scalars)]
 
 
 def _agreement(dataset: xr.Dataset) -> Record:
-    """Return how many labels of all rotors were found again, and the part that are the same."""
+    """Return the number of recomputed labels of all rotors, and the fraction that agree."""
     count = int(dataset["agreement_count"].sum())
     alike = float((dataset["agreement"] * dataset["agreement_count"]).sum())
     return {"agreement": alike / count if count else math.nan, "agreement_count": count}
 
 
 def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return what each attractor does, a column for each, and what throws it to another."""
+    """Return the properties of each attractor, a column for each, and the smallest shocks."""
     rows = rows_of(dataset, names_on(dataset, "attractor"))
     scalars = parameters_in(dataset) | scalars_of(dataset)
     record: Record = tabled(dataset, most)[0] | scalars | {"attractors": rows}
@@ -363,7 +363,7 @@ def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _shocks(dataset: xr.Dataset) -> dict[tuple[int, int], Record]:
-    """Return the smallest shocks by the attractors that they lead from and to."""
+    """Return the smallest shocks by their initial and final attractors."""
     found = np.isfinite(dataset[SHOCK[0]].values) | np.isfinite(dataset[SHOCK[1]].values)
     shocks: dict[tuple[int, int], Record] = {}
     for one, to in np.argwhere(found).tolist():
@@ -382,12 +382,12 @@ def _end(row: Record, name: str) -> str:
 
 
 def show_comparison(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return how many responses lie on an exact one, and each point."""
+    """Return the number of responses that lie on an exact one, and each point."""
     from rotor_ida.verification.compare import summarise  # noqa: PLC0415 - only this kind needs it
 
     record, parts = tabled(dataset, most, COMPARED)
     record["summary"] = summary = summarise(dataset)
-    # of the kinds of response only those that there are
+    # only the kinds of response that occur
     none = {name for name in RESPONSE if all(row.get(name) == 0 for row in summary)}
     title = "On an exact whirl or limit cycle, by clearance"
     columns = [name for name in summary[0] if name not in none]
@@ -424,7 +424,7 @@ def show_curve(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _followed(title: str, dataset: xr.Dataset, varied: list[str], most: int | None) -> Description:
-    """Return what a branch and a bifurcation curve have in common."""
+    """Return the common description of a branch and a bifurcation curve."""
     plain = dataset.copy()
     plain.attrs = {RENAMED.get(str(name), str(name)): each for name, each in dataset.attrs.items()}
     points = Rows(title="Points", key="points", lead=varied[0], names=tuple(varied))
@@ -440,7 +440,7 @@ def _followed(title: str, dataset: xr.Dataset, varied: list[str], most: int | No
 
 
 def show_fit(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return what a fit found, what the signals tell of it, and whether noise is left."""
+    """Return the estimates of a fit, their constraint by the signals, and the residuals."""
     record, parts = tabled(dataset, most, FITTED)
     told = [f"{each}." for each in str(dataset.attrs["identifiability"]).split("; ")]
     summary: Record = {"machine": dataset.attrs["machine"], "windows": dataset.sizes["window"]}

@@ -1,4 +1,4 @@
-"""What is said of signals, their orders, spectra and whirl: the few lines that tell most."""
+"""Describe signals, their orders, spectra and whirl in a few lines."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from rotor_ida.cli.variables import (
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.units import SPEED_UNITS
 
-# Peaks that noise, too, may have are below so many times the floor.
+# Peaks below this multiple of the floor may be noise.
 CLEAR = 4.0
 MOST_PEAKS = 50
 PLACE = ("t", "speed")
@@ -36,16 +36,16 @@ PEAKS = Rows(
     title=f"Peaks above {CLEAR:g} times the noise floor", key="peaks", lead="whirl_amplitude",
     digits=6, falling=True, names=("frequency", "frequency_over_omega", "whirl_amplitude"),
 )  # fmt: skip
-# For programs alone; people read a summary of them.
+# For programs only; people read a summary of them.
 ORDERS = Rows(title="Orders", key="orders", lead="forward_whirl_amplitude", names=PLACE)
 MEAN_POSITIONS = Rows(title="Windows", key="windows", lead="offset_x", names=PLACE)
 RATIOS = Rows(title="Windows", key="windows", lead="whirl_over_spin", names=PLACE)
 
 
 def show_signals(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return how long and how dense a record is, how fast the rotor turns, and the displacements.
+    """Return duration, sampling, speed and displacements of a record.
 
-    The samples themselves stay in the archive.
+    The samples stay in the archive.
     """
     times = dataset["t"].values
     rate = (times.size - 1) / float(times[-1] - times[0])
@@ -87,7 +87,7 @@ def _displacement(dataset: xr.Dataset, name: str) -> Record:
 
 
 def _turning(dataset: xr.Dataset) -> Record:
-    """Return the revolutions of a record and the speeds at its ends, where the angle is known."""
+    """Return the revolutions of a record and the speeds at its ends, if the angle is known."""
     if "keyphasor" in dataset:
         pulses = dataset["keyphasor"].values
         step = 2.0 * math.pi / int(dataset.attrs.get("pulses_per_revolution", 1))
@@ -98,7 +98,7 @@ def _turning(dataset: xr.Dataset) -> Record:
         return {}
     told: Record = {"pulses": times.size} if "keyphasor" in dataset else {}
     told["revolutions"] = float(angles[-1] - angles[0]) / (2.0 * math.pi)
-    # over a revolution, as a single step is at the mercy of rounding
+    # over a revolution, since a single step is sensitive to rounding
     first = min(int(np.searchsorted(angles, angles[0] + 2.0 * math.pi)), angles.size - 1)
     last = min(int(np.searchsorted(angles, angles[-1] - 2.0 * math.pi)), angles.size - 2)
     ends = [
@@ -113,13 +113,13 @@ def _turning(dataset: xr.Dataset) -> Record:
 
 
 def _inverse_of(times: xr.DataArray) -> str:
-    """Return the unit of what is counted over time."""
+    """Return the unit of a rate."""
     unit = str(times.attrs.get("units", "1"))
     return {"1": "", "s": " [Hz]"}.get(unit, f" [1/{unit}]")
 
 
 def show_orders(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return of each order, forward and backward, the largest amplitude and where it is."""
+    """Return the largest amplitude of each order, forward and backward, and its place."""
     largest: list[Record] = []
     for order, sense in product(dataset["order"].values.tolist(), ("forward", "backward")):
         own, amplitude = dataset.sel(order=order), f"{sense}_whirl_amplitude"
@@ -135,7 +135,7 @@ def show_orders(dataset: xr.Dataset, most: int | None) -> Description:
                 **_place(here),
             }
         )
-    # of all windows the means, beside the largest
+    # means of all windows, beside the largest
     residual = {with_unit(dataset, "window_residual"): float(dataset["window_residual"].mean())}
     columns = list(largest[0]) if largest else []
     shown = table("Largest amplitudes", largest, columns, digits=6)
@@ -144,7 +144,7 @@ def show_orders(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def show_centre_line(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the mean position first and last, and where it is furthest from the middle."""
+    """Return the first, last and most distant mean position."""
     distance = np.hypot(dataset["offset_x"].values, dataset["offset_y"].values)
     places = {"first": 0, "last": -1, "furthest out": int(distance.argmax()),
               "furthest in": int(distance.argmin())}  # fmt: skip
@@ -159,7 +159,7 @@ def show_centre_line(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def show_whirl_over_spin(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the stretches over which the whirl keeps its sense."""
+    """Return the intervals over which the whirl keeps its direction."""
     sense = dataset["whirl_sense"].values
     edges = [0, *(np.flatnonzero(np.diff(sense)) + 1).tolist(), sense.size]
     rows: list[Record] = []
@@ -178,7 +178,7 @@ def show_whirl_over_spin(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def show_full_spectrum(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return bandwidth and noise floor, and the highest peaks that are clear of it."""
+    """Return bandwidth, noise floor, and the highest peaks above it."""
     record, parts = tabled(dataset.isel(frequency=_peaks(dataset)), most, PEAKS)
     told = {
         **parameters_in(dataset),
@@ -190,12 +190,12 @@ def show_full_spectrum(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _peaks(dataset: xr.Dataset) -> np.ndarray[Any, Any]:
-    """Return the places of the highest peaks, further apart than the window is wide."""
+    """Return the indices of the highest peaks, further apart than the window width."""
     from scipy.signal import find_peaks  # noqa: PLC0415 - takes long to import
 
     heights, frequency = dataset["whirl_amplitude"].values, dataset["frequency"].values
     apart = 2.0 * float(dataset["bandwidth"]) / float(frequency[1] - frequency[0])
-    # the spectrum goes on at its other end, so a peak may lie at an edge
+    # the spectrum is periodic, so a peak may lie at an edge
     ringed = np.concatenate([heights[-1:], heights, heights[:1]])
     least = CLEAR * float(dataset["noise_floor"])
     found = find_peaks(ringed, height=max(least, 1e-300), distance=max(apart, 1.0))[0] - 1
@@ -204,7 +204,7 @@ def _peaks(dataset: xr.Dataset) -> np.ndarray[Any, Any]:
 
 
 def show_spectrogram(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return what is covered, and the highest line of some segments from first to last."""
+    """Return the range covered, and the highest line of some segments from first to last."""
     record, _ = tabled(dataset, most)
     lines = dataset[["whirl_amplitude"]]
     highest = lines.isel(frequency=lines["whirl_amplitude"].argmax("frequency"))
@@ -227,7 +227,7 @@ def show_spectrogram(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _windows(dataset: xr.Dataset) -> Record:
-    """Return how many windows there are, of what length, and the times and speeds they cover."""
+    """Return the number and length of windows, and the times and speeds they cover."""
     told: Record = {**parameters_in(dataset), "windows": dataset.sizes["window"]}
     told |= _named(dict(dataset.attrs), ("window_revolutions", "window_overlap"))
     first, last = (_place(dataset.isel(window=place)) for place in (0, -1))

@@ -1,8 +1,8 @@
-"""What is known exactly of the rotor of an archive, to lie beneath a picture of its motion.
+"""Exact results of the rotor of an archive, to be drawn beneath a plot of its motion.
 
-While the speed stays, that is the limit cycle that the motion settles on, or the whirls. Over
-speeds it is the response curve with its special points. While the speed changes it is the motion
-in flight, up to the first touch.
+At constant speed these are the limit cycle that the motion settles on, or the whirls. Over speeds
+it is the response curve with its special points. While the speed changes it is the motion in
+flight, up to the first touch.
 """
 
 from __future__ import annotations
@@ -27,29 +27,29 @@ from rotor_ida.signals.record import Record, record_of
 
 OVER_SPEED = ("bode", "polar", "orders")
 OVER_FREQUENCY = ("cascade", "spectrogram")
-# The curve reaches beyond the speeds of the run by this part of them.
+# The curve extends past the speeds of the run by this fraction of their range.
 BEYOND_RUN = 0.02
-# Limit cycles are followed to; what else a rotor settles on has no lines of its own.
+# Responses for which a limit cycle is computed; no other response has separate exact lines.
 CYCLES = ("bouncing", "full_contact", "rolling")
 STEADY = 1e-3
-# Speeds of a run-up at which backward whirls are told, and points of one revolution.
+# Number of speeds of a run-up with backward whirls, and points of one revolution.
 WHIP_SPEEDS, POINTS = 24, 361
 
 
 def exact_beneath(dataset: xr.Dataset, kind: str) -> list[xr.Dataset]:
-    """Return the exact results for a kind of picture, of the rotor that the labels tell.
+    """Return the exact results for a kind of plot, for the rotor of the dataset.
 
     Parameters
     ----------
     dataset : Dataset
         A run, a run-up or signals with the parameters of the rotor.
     kind : str
-        Kind of the picture, as of the command ``plot``.
+        Kind of the plot, as in the command ``plot``.
 
     Raises
     ------
     InputError
-        If a parameter is missing, or nothing exact is known for the picture.
+        If a parameter is missing, or no exact result exists for the plot.
     """
     record = record_of(dataset)
     rotor = _rotor_of(dataset)
@@ -76,7 +76,7 @@ def exact_beneath(dataset: xr.Dataset, kind: str) -> list[xr.Dataset]:
 def _some(
     found: list[xr.Dataset], rotor: Rotor, kind: str, *, changes: bool = False
 ) -> list[xr.Dataset]:
-    """Return what was found; refuse where that is nothing."""
+    """Return the exact results; raise an error if there are none."""
     if found:
         return found
     if changes:
@@ -99,9 +99,9 @@ def _over_speed(rotor: Rotor, speeds: Values) -> list[xr.Dataset]:
 
 
 def _clear_of_ring(curve: xr.Dataset, rotor: Rotor) -> list[xr.Dataset]:
-    """Return the part of a curve on which a rotor whirls about where it hangs, without a touch.
+    """Return the part of a curve without contact, where a rotor whirls about its place of rest.
 
-    The equation is linear there, and load and unbalance do not know of each other.
+    The equation is linear there, so the effects of load and unbalance add.
     """
     offset = _offset(rotor)
     if offset is None:
@@ -135,7 +135,7 @@ def _special_points(rotor: Rotor, speeds: Values) -> list[xr.Dataset]:
 
 
 def _backward(rotors: list[Rotor]) -> list[xr.Dataset]:
-    """Return the backward whirls of rotors that have any."""
+    """Return the backward whirls of rotors, where they exist."""
     found = [
         rotor_ida.backward_whirl(each)
         for each in rotors
@@ -145,7 +145,7 @@ def _backward(rotors: list[Rotor]) -> list[xr.Dataset]:
 
 
 def _steady(rotor: Rotor, dataset: xr.Dataset, record: Record) -> list[xr.Dataset]:
-    """Return what the motion settles on at one speed: a limit cycle, or else the whirls."""
+    """Return the settled response at one speed: a limit cycle, or else the whirls."""
     cycle = _cycle(rotor, dataset, record)
     if cycle or rotor.load > 0.0:
         return cycle
@@ -153,7 +153,7 @@ def _steady(rotor: Rotor, dataset: xr.Dataset, record: Record) -> list[xr.Datase
 
 
 def _cycle(rotor: Rotor, dataset: xr.Dataset, record: Record) -> list[xr.Dataset]:
-    """Return the limit cycle that the end of a record leads to, if it leads to one."""
+    """Return the limit cycle reached from the end of a record, if any."""
     if rotor.zeta == 0.0:  # nothing settles
         return []
     cycle = rotor_ida.limit_cycle(rotor, start=_end_of(dataset, record))
@@ -164,19 +164,19 @@ def _cycle(rotor: Rotor, dataset: xr.Dataset, record: Record) -> list[xr.Dataset
 
 
 def _hanging(rotor: Rotor) -> xr.Dataset:
-    """Return the motion clear of the ring under a load, in the form of a limit cycle.
+    """Return the motion clear of the stator under a load, in the form of a limit cycle.
 
     It is ``z = -i gamma/kappa + a exp(i omega t)``, linear and so exact.
     """
     offset = _offset(rotor)
-    assert offset is not None  # without a shaft a load takes the rotor to the ring
+    assert offset is not None  # without a shaft a load presses the rotor on the stator
     whirl = complex(complex_amplitude(rotor.omega, rotor.zeta, rotor.shaft_stiffness))
     period = 2.0 * math.pi / rotor.omega
     times = np.linspace(0.0, period, POINTS)
     z = whirl - 1j * offset * np.exp(-1j * rotor.omega * times)
     kinds = np.array([LINE_KIND["static"], LINE_KIND["spin"]], dtype=np.int8)
     return labelled_dataset(
-        "Motion of a rotor under a load, clear of the ring",
+        "Motion of a rotor under a load, clear of the stator",
         {
             "period": ((), period),
             "x": ("t", z.real),
@@ -191,7 +191,7 @@ def _hanging(rotor: Rotor) -> xr.Dataset:
 
 
 def _offset(rotor: Rotor) -> float | None:
-    """Return how far below the axis the rotor hangs on its shaft; None if it lies on the ring."""
+    """Return the static sag of the rotor below the axis; None if it lies on the stator."""
     if rotor.load > 0.0 and rotor.shaft_stiffness == 0.0:
         return None
     smooth = replace(rotor, friction=0.0)  # in the clearance there is none
@@ -200,11 +200,11 @@ def _offset(rotor: Rotor) -> float | None:
 
 
 def _rest(rotor: Rotor) -> list[xr.Dataset]:
-    """Return the place of rest of a rotor that has one."""
+    """Return the place of rest of a rotor, if it has one."""
     if rotor.load == 0.0 and rotor.shaft_stiffness == 0.0:
         return []
     if rotor.friction > 0.0 and _offset(rotor) is None:
-        return []  # friction holds it anywhere about the lowest point of the ring
+        return []  # friction holds it anywhere near the lowest point of the stator
     return [rest(replace(rotor, friction=0.0))]
 
 
@@ -224,7 +224,7 @@ def _flight(dataset: xr.Dataset, record: Record, rotor: Rotor) -> xr.Dataset:
     scale = dataset.attrs.get("time_scale", 1.0)
     times = record.times / scale
     slope = float(rate) * scale**2 if "rate_units" in dataset.attrs else float(rate)
-    # also before the record begins, as it may be a part
+    # starts before the record, which may be a part of a run
     before = np.arange(0.0, times[0], times[1] - times[0])
     whole = np.concatenate([before, times])
     x, y, *_ = ramp_flight(whole, rotor=rotor, start=tuple(np.asarray(start)), rate=slope)
@@ -245,13 +245,13 @@ def _flight(dataset: xr.Dataset, record: Record, rotor: Rotor) -> xr.Dataset:
 
 
 def _few(speeds: Values) -> list[float]:
-    """Return speeds across those of a run."""
+    """Return speeds over the range of a run."""
     found: list[float] = np.linspace(speeds.min(), speeds.max(), WHIP_SPEEDS).tolist()
     return found
 
 
 def _given(rotor: Rotor) -> dict[str, float]:
-    """Return what closed forms ask of a rotor without load; the radius moves none of its whirls."""
+    """Return the parameters for closed forms without load; the disc radius has no effect."""
     names = (name for name in ALL_PARAMETERS[1:] if name not in {"load", "disc_radius"})
     return {name: getattr(rotor, name) for name in names}
 
@@ -261,7 +261,7 @@ def _labels(rotor: Rotor) -> dict[str, Column]:
 
 
 def _rotor_of(dataset: xr.Dataset) -> Rotor:
-    """Return the rotor that the labels of a dataset tell."""
+    """Return the rotor from the parameters of a dataset."""
     missing = [name for name in PARAMETERS if name not in dataset.variables]
     if missing:
         raise InputError(
@@ -272,7 +272,7 @@ def _rotor_of(dataset: xr.Dataset) -> Rotor:
 
 
 def _at(rotor: Rotor, omega: float) -> Rotor:
-    """Return the rotor at another speed, or at its own where that is the same but for rounding."""
+    """Return the rotor at another speed, or unchanged if the speed is equal to rounding."""
     return rotor if abs(omega - rotor.omega) <= STEADY * omega else replace(rotor, omega=omega)
 
 

@@ -1,4 +1,4 @@
-"""Machines on the command line: their files, and the units in which a command speaks of them."""
+"""Machines on the command line: their files and units."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 if TYPE_CHECKING:
     import xarray as xr
 
-# The dimensionless parameter that each quantity of a machine becomes; others keep their name.
+# Dimensionless parameter for each quantity of a machine; others keep their name.
 BECOMES = {"speed": "omega", "damping": "zeta", "clearance": "delta0"}
 
-# What a rotor needs, without dimensions or in SI units.
+# Required parameters of a rotor, dimensionless or in SI units.
 KINDS = (PARAMETERS, MACHINE_PARAMETERS)
 IS_OF_MACHINE = {new: old for old, new in BECOMES.items()}
 # A number, the numbers of an axis, or the two ends of a range.
@@ -29,13 +29,13 @@ Component = TypeVar("Component", float, list[float] | float, tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """The units in which a command takes and gives numbers: SI for a machine, or none."""
+    """Units of the input and output of a command: SI for a machine, or none."""
 
     machine: DimensionalRotor | None = None
 
     @classmethod
     def of(cls, chosen: Rotor | DimensionalRotor) -> Units:
-        """Return the units in which a rotor is given."""
+        """Return the units of a rotor."""
         return cls(chosen if isinstance(chosen, DimensionalRotor) else None)
 
     def start(self, start: State) -> State:
@@ -71,7 +71,7 @@ class Units:
         return self.speed(rate) / self.time(1.0)
 
     def parameter(self, name: str) -> Any:
-        """Return the dimensionless parameter that a name stands for."""
+        """Return the dimensionless parameter for a name."""
         if self.machine is None and name in BECOMES:
             raise InputError(
                 f"parameter must be {BECOMES[name]} for a dimensionless rotor, got {name!r}"
@@ -88,7 +88,7 @@ class Units:
         )
 
     def limits(self, name: str, values: Sequence[float]) -> tuple[float, ...]:
-        """Return limits of a parameter without dimensions; their units must be those of it."""
+        """Return dimensionless limits of a parameter; their units must match."""
         if self.machine is None:
             refuse_units({"limits": tuple(values)})
             return tuple(values)
@@ -107,7 +107,7 @@ class Units:
         return dimensional(dataset, self.machine)
 
     def keep(self, study: Path | None) -> None:
-        """Write the machine into the folder of a study, so that it goes on in these units."""
+        """Write the machine into the folder of a study, so that it continues in these units."""
         if study is None or self.machine is None:
             return
         from rotor_ida.results.machine_file import load_machine, save_machine  # noqa: PLC0415
@@ -123,7 +123,7 @@ class Units:
 
 
 def kept(study: Path) -> Units:
-    """Return the units in which a study was begun."""
+    """Return the units of a study."""
     from rotor_ida.results.machine_file import load_machine  # noqa: PLC0415 - not for --help
     from rotor_ida.results.studies.store import MACHINE_FILE  # noqa: PLC0415
 
@@ -132,14 +132,14 @@ def kept(study: Path) -> Units:
 
 
 def plain(dataset: xr.Dataset) -> tuple[xr.Dataset, Units]:
-    """Return an archived result without dimensions, and the units that it was in."""
+    """Return an archived result without dimensions, and its original units."""
     from rotor_ida.results.si_units import dimensionless, machine_of  # noqa: PLC0415 - heavy
 
     return dimensionless(dataset), Units(machine_of(dataset))
 
 
 def sheet_of(given: Mapping[str, object], file: Path | None) -> dict[str, object]:
-    """Return the data sheet that options give, over those of a file."""
+    """Return the data sheet from options, which override those of a file."""
     given = {name: float(each) if isinstance(each, float) else each
              for name, each in given.items()} | _with_its_unit(given)  # fmt: skip
     if file is None:
@@ -155,7 +155,7 @@ def sheet_of(given: Mapping[str, object], file: Path | None) -> dict[str, object
 
 
 def _with_its_unit(given: Mapping[str, object]) -> dict[str, object]:
-    """Return the stiffness of the contact as it was given: its unit tells the law of contact."""
+    """Return the contact stiffness as given: its unit decides the contact law."""
     stiffness = given.get("contact_stiffness")
     if isinstance(stiffness, Quantity) and stiffness.word:
         return {"contact_stiffness": stiffness.word}
@@ -165,7 +165,7 @@ def _with_its_unit(given: Mapping[str, object]) -> dict[str, object]:
 def chosen(
     given: Mapping[str, object], file: Path | None, optional: Sequence[str]
 ) -> Rotor | DimensionalRotor:
-    """Return the rotor that is given, without dimensions or as a machine."""
+    """Return the given rotor, dimensionless or as a machine."""
     if file is None:
         check_complete(given, optional)
         if "omega" in given:
@@ -174,7 +174,7 @@ def chosen(
 
 
 def check_complete(given: Mapping[str, object], optional: Sequence[str]) -> None:
-    """Refuse a rotor of which something is missing, or that is given in both ways."""
+    """Refuse a rotor that is incomplete, or given in both ways."""
     needed = [name for name in given if name not in optional]
     both = [next((name for name in needed if name in kind), "") for kind in KINDS]
     if all(both):
@@ -188,7 +188,7 @@ def check_complete(given: Mapping[str, object], optional: Sequence[str]) -> None
 
 
 def missing(given: Collection[str]) -> list[str]:
-    """Return what a rotor needs beside what is given, in the kind of which something is.
+    """Return the missing parameters of a rotor, for the kind of those given.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Options that several commands share: their types, their help, and the groups they come in."""
+"""Options shared by several commands: their types, help and groups."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ from rotor_ida.model.parameters import Parameter as Quantity
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import Backend, Flight, Method
 
-# Where a speed is needed, and none is looked at.
+# Placeholder where a speed is required but not used.
 ANY_SPEED = 1.0
-# The groups of options in the help of a command; what is in none is in the command's own.
+# Groups of options in the help of a command; options without one are in the command's group.
 ROTOR = Group("Rotor", sort_key=1)
 SPEED = Group("Change of the speed", sort_key=2)
 STUDY, OPTIONS = Group("Study", sort_key=3), Group("Options", sort_key=3)
@@ -47,7 +47,7 @@ IN_ROTOR, IN_SOLVER, IN_OUTPUT = (Parameter(group=each) for each in (ROTOR, SOLV
 
 
 def check_varies(points: int) -> None:
-    """Refuse a figure of an atlas of so many rotors in which nothing varies."""
+    """Refuse a figure of an atlas in which nothing varies."""
     if points < 2:
         raise InputError("figure needs an atlas of several speeds, dampings or clearances, got one")
 
@@ -57,7 +57,7 @@ def _number(text: str) -> Parameter:
 
 
 def _quantity(text: str, *allowed: str, name: str | Sequence[str] | None = None) -> Parameter:
-    """Return an option for a number, which may have a unit as those that are allowed."""
+    """Return an option for a number, which may have one of the allowed units."""
     return Parameter(
         name=name,
         help=text,
@@ -77,7 +77,7 @@ def _several_numbers(text: str, words: str, *allowed: str) -> Parameter:
 
 
 def _limits(text: str, words: str) -> Parameter:
-    """Return an option for values of a parameter, whose unit depends on which it is."""
+    """Return an option for values of a parameter, whose unit depends on the parameter."""
     every = tuple({each.unit for each in TABLE if each.unit != "1"})
     reading = parsing.converter(
         lambda name, given: tuple(parsing.quantity(name, [word], *every) for word in given)
@@ -407,18 +407,18 @@ AsJson = Annotated[bool, _flag("Print JSON instead of tables.", name="--json"), 
 Force = Annotated[bool, _flag("Overwrite existing files."), IN_OUTPUT]
 
 
-# A contact's stiffness is in N/m where it is linear.
+# The stiffness of a linear contact is in N/m.
 OTHER_UNITS = {"contact_stiffness": ("N m-1",)}
 
 
 def _units_of(parameter: Quantity) -> tuple[str, ...]:
-    """Return the units in which an option takes a parameter of a machine."""
+    """Return the allowed units of an option for a parameter of a machine."""
     if parameter.unit == "1":
         return ()
     return parameter.unit, *OTHER_UNITS.get(parameter.name, ())
 
 
-# Of one rotor, and of several, without dimensions or in SI units, or in an archive.
+# For one rotor or several, dimensionless or in SI units, or in an archive.
 ONE = {
     each.name: Annotated[
         float | None,
@@ -444,9 +444,9 @@ def with_parameters(
     Parameters
     ----------
     options : mapping of str to type
-        The type of each parameter, with the option it is.
+        The type of each parameter, with its option.
     defaults : mapping of str to float or None
-        The values of those that need not be given.
+        Default values of optional parameters.
     """
 
     def add(group: Fields) -> Fields:
@@ -474,15 +474,15 @@ class RotorOptions:
 
     @property
     def given(self) -> dict[str, float]:
-        """The quantities that are given."""
+        """The given quantities."""
         return {name: getattr(self, name) for name in ONE if getattr(self, name) is not None}
 
     def chosen(self, **known: float) -> Rotor | DimensionalRotor:
-        """Return the rotor of the two that is given in full, with what is known besides."""
+        """Return the rotor, dimensionless or in SI units, from the given quantities."""
         return machines.chosen(self.given | known, self.machine, OPTIONAL)
 
     def rotor_and_units(self) -> tuple[Rotor, Units]:
-        """Return the rotor without dimensions, and the units in which the command speaks."""
+        """Return the dimensionless rotor, and the units of the command."""
         chosen = self.chosen()
         return chosen if isinstance(chosen, Rotor) else chosen.rotor(), Units.of(chosen)
 
@@ -507,9 +507,9 @@ class RotorsOptions:
         return {name: getattr(self, name) for name in SEVERAL if getattr(self, name) is not None}
 
     def given_and_units(self, **known: list[float]) -> tuple[dict[str, Any], Units]:
-        """Return what is given without dimensions, and the units in which the command speaks.
+        """Return the given parameters without dimensions, and the units of the command.
 
-        One value of an optional parameter is no axis.
+        One value of an optional parameter does not make an axis.
         """
         values, units = self.values | known, Units()
         if self.machine is None:
@@ -523,11 +523,11 @@ class RotorsOptions:
         }, units
 
     def axes(self) -> list[list[float]]:
-        """Return the values of each parameter that is given."""
+        """Return the values of each given parameter."""
         return list(self.values.values())
 
     def panels(self, over: str = "") -> int:
-        """Return how many panels a figure over one of the parameters has."""
+        """Return the number of panels of a figure over one of the parameters."""
         return math.prod(
             len(each)
             for name, each in self.values.items()
@@ -538,7 +538,7 @@ class RotorsOptions:
 @Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
 class WhirlsOptions(RotorsOptions):
-    """Rotors of which whirls or folds are listed."""
+    """Rotors for lists of whirls or folds."""
 
     @property
     def has_speed(self) -> bool:
@@ -546,14 +546,14 @@ class WhirlsOptions(RotorsOptions):
         return self.machine is not None or bool({"omega", "speed"} & self.values.keys())
 
     def without_load(self) -> tuple[dict[str, Any], Units]:
-        """Return what is given, but for what exact whirls do not have, and its units."""
+        """Return the given parameters that affect exact whirls, and their units."""
         any_speed = {} if self.has_speed else {"speed" if self.in_si else "omega": [ANY_SPEED]}
         given, units = self.given_and_units(**any_speed)
         if any_speed:
             del given["omega"]
         if given.pop("load", 0.0) != 0.0:
             raise InputError("load must be 0 for exact whirls: under a load there are none")
-        radii = given.pop("disc_radius", None)  # it moves none
+        radii = given.pop("disc_radius", None)  # it moves no whirl
         if radii is not None:
             check_axis("disc_radius", radii)
         return given, units
@@ -562,7 +562,7 @@ class WhirlsOptions(RotorsOptions):
 @Parameter(name="*", group=SPEED)
 @dataclass(frozen=True, kw_only=True)
 class ChangeOptions:
-    """How the speed changes."""
+    """Options for the course of the speed."""
 
     to: Annotated[
         float | None,
@@ -635,7 +635,7 @@ class ChangeOptions:
     ] = None
 
     def beginning(self, rotor: RotorOptions) -> Rotor | DimensionalRotor:
-        """Return a rotor at the speed at which it begins: a file tells the running speed."""
+        """Return a rotor at its initial speed: a file contains the running speed."""
         speed, given = "speed" if rotor.in_si else "omega", rotor.given
         if self.begin is None:
             at_rest = rotor.machine is not None and speed not in given and self.speeds is None
@@ -645,7 +645,7 @@ class ChangeOptions:
         return rotor.chosen(**{speed: self.begin})
 
     def of(self, machine: Rotor | DimensionalRotor) -> dict[str, Any]:
-        """Return it as `run_up` takes it, without dimensions."""
+        """Return the arguments for `run_up`, without dimensions."""
         given = {name: each for name, each in asdict(self).items() if name != "begin"}
         if isinstance(machine, DimensionalRotor):
             return dict(machine.change_of_speed(**given))
@@ -655,7 +655,7 @@ class ChangeOptions:
 @Parameter(name="*", group=SOLVER)
 @dataclass(frozen=True, kw_only=True)
 class SolverOptions:
-    """How one motion is computed."""
+    """Options for the computation of one motion."""
 
     rtol: Rtol = 1e-10
     atol: Atol = 1e-12
@@ -669,7 +669,7 @@ class SolverOptions:
 @Parameter(name="*", group=SOLVER)
 @dataclass(frozen=True, kw_only=True)
 class RunUpSolverOptions:
-    """How one motion at a speed that changes is computed."""
+    """Options for the computation of one motion at a changing speed."""
 
     rtol: Rtol = 1e-10
     atol: Atol = 1e-12
@@ -680,7 +680,7 @@ class RunUpSolverOptions:
 @Parameter(name="*", group=SOLVER)
 @dataclass(frozen=True, kw_only=True)
 class JobOptions:
-    """What does the work of many motions."""
+    """Options for the executor of many motions."""
 
     workers: Workers = None
     executor: Annotated[
@@ -704,7 +704,7 @@ class JobOptions:
 @Parameter(name="*", group=STUDY)
 @dataclass(frozen=True, kw_only=True)
 class DrawnOptions:
-    """Random starts, and how they are labelled."""
+    """Options for random starts and their labels."""
 
     x: Range = 0.0
     y: Range = 0.0
@@ -727,7 +727,7 @@ def _named(text: str, words: str) -> Parameter:
 @Parameter(name="*", group=READING)
 @dataclass(frozen=True, kw_only=True)
 class ReadingOptions:
-    """How a measured file is read; archives need none of it."""
+    """Options for reading a measured file; not for archives."""
 
     columns: Annotated[
         list[str] | None,
@@ -769,7 +769,7 @@ class ReadingOptions:
     fill_pulses: Annotated[bool, _flag("Replace lost pulses by evenly spaced ones.")] = False
 
     def given(self) -> dict[str, Any]:
-        """Return what was given, as `rotor_ida.read_signals` takes it."""
+        """Return the given options as arguments of `rotor_ida.read_signals`."""
         found = {name: value for name, value in asdict(self).items() if value not in (None, False)}
         for name in ("columns", "units"):
             if name in found:

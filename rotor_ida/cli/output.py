@@ -1,4 +1,4 @@
-"""Where a result goes: files that are looked at before anything is computed, then the report."""
+"""Output of a result: check its files before computing, then write them and the report."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-# What the result of a study is called in its folder.
+# Name of the result of a study in its folder.
 RESULT = "result.nc"
 OUT_ENDING = ".nc"
 PICTURES = (".png", ".svg")
@@ -33,7 +33,7 @@ FORCED = "--force is given"
 @Parameter(name="*", group=options.OUTPUT)
 @dataclass(frozen=True, kw_only=True)
 class Output:
-    """What to do with a result."""
+    """Where to write a result."""
 
     out: options.Out = None
     figure: options.Figure = None
@@ -42,7 +42,7 @@ class Output:
     force: options.Force = False
 
     def check(self, *, panels: int = 1) -> None:
-        """Refuse files that cannot be written, so that nothing that is computed is lost."""
+        """Refuse files that cannot be written, so that no result is lost."""
         from rotor_ida.results.files import check_target  # noqa: PLC0415 - takes a moment
 
         if self.out is not None:
@@ -64,12 +64,12 @@ class Output:
 
 
 def _endings(figure: Path) -> tuple[str, ...]:
-    """Return the endings of the files that a figure is drawn into."""
+    """Return the endings of the files of a figure."""
     return (PDF,) if figure.suffix == PDF else PICTURES
 
 
 def write_figure(drawn: Figure, figure: Path, *, overwrite: bool) -> list[Path]:
-    """Write what was drawn into the files that were asked for."""
+    """Write a figure to the requested files."""
     from rotor_ida.plot import save_figure  # noqa: PLC0415 - only who draws needs it
 
     formats = [ending[1:] for ending in _endings(figure)]
@@ -79,9 +79,9 @@ def write_figure(drawn: Figure, figure: Path, *, overwrite: bool) -> list[Path]:
 def answer(
     dataset: xr.Dataset, output: Output, *, most: int | None = None, result: Path | None = None
 ) -> Report:
-    """Return the report on a dataset, written where it is wanted.
+    """Return the report on a dataset, and write its files.
 
-    A file that cannot be written is the report's trouble, so that what was computed is printed
+    A file that cannot be written becomes the trouble of the report, so that the result is printed
     even then. Tables have `most` rows; `result` is the file of a study, which may be replaced.
     """
     from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
@@ -129,7 +129,7 @@ def summarised(summary: xr.Dataset, report: Report) -> Report:
 
 
 def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None) -> Report:
-    """Return the report on a sweep, basin, sample or branch, in trouble if it is not whole."""
+    """Return the report on a sweep, basin, sample or branch, with trouble if it is incomplete."""
     in_study = None if study is None or output.out is not None else study / RESULT
     if "status" in dataset:
         report = answer(dataset, output, result=in_study)
@@ -144,7 +144,7 @@ def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None) -> Rep
     interrupted = bool(dataset.attrs["interrupted"])
     if not missing and not interrupted:
         return answer(dataset, output, result=in_study)
-    # a study goes on, and has a result when it is done
+    # a study can continue, and has a result when complete
     report = answer(dataset, output if study is None else Output(as_json=output.as_json))
     trouble = f"{_reason(dataset, missing)}{going_on(study)}"
     return _troubled(report, trouble, INTERRUPTED if interrupted else FAILED)
@@ -172,7 +172,7 @@ def _reason(dataset: xr.Dataset, missing: int) -> str:
 
 
 def read(file: Path) -> xr.Dataset:
-    """Return the dataset in an archive; one that cannot be used is a mistake in the input."""
+    """Return the dataset in an archive; an unusable one is an input error."""
     try:
         return rotor_ida.load(file)
     except ArchiveError as error:
@@ -181,7 +181,7 @@ def read(file: Path) -> xr.Dataset:
 
 @contextmanager
 def working(name: str, study: Path | None = None) -> Iterator[Callable[[int, int], None] | None]:
-    """Show a progress bar on a terminal; after a failure say how to continue the study."""
+    """Show a progress bar on a terminal; after a failure, print how to continue the study."""
     from rotor_ida.parallel.progress import progress_bar  # noqa: PLC0415 - not for --help
 
     watched = sys.stderr is not None and sys.stderr.isatty()
@@ -199,7 +199,7 @@ def working(name: str, study: Path | None = None) -> Iterator[Callable[[int, int
 
 
 def going_on(study: Path | None) -> str:
-    """Return how to go on with a study; nothing if there is none."""
+    """Return how to continue a study; empty if there is none."""
     if study is None:
         return ""
     try:

@@ -1,7 +1,7 @@
-"""From the words of an option to what cyclopts has no type for: ranges, starts, finite numbers.
+"""Parse option values without a type in cyclopts: ranges, starts, finite numbers.
 
-Python would take NaN for a number, "1_7" for seventeen, "10.5" for ten and the digits of every
-script for its own: here they are slips.
+Python would accept NaN as a number, "1_7" as seventeen, "10.5" as ten and digits of any script.
+Here they are errors.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ Value = TypeVar("Value")
 
 
 def readable(words: Sequence[str]) -> list[str]:
-    """Return words of which cyclopts takes none that begins below zero for an option.
+    """Protect negative numbers from being read by cyclopts as options.
 
-    A unit is joined to the number before it, from which a shell has parted it.
+    A unit that the shell has separated from its number is joined to it again.
 
     Examples
     --------
@@ -67,7 +67,7 @@ def converter(
 ) -> Callable[[Any, Sequence[Token]], Value]:
     """Return a converter of cyclopts from a function of the name and the words of an option.
 
-    The function is told too which units are allowed.
+    The function also gets the allowed units.
     """
 
     def convert(_kind: Any, tokens: Sequence[Token]) -> Value:
@@ -119,7 +119,7 @@ def whole_number(name: str, words: Sequence[str]) -> int:
 def numbers(name: str, words: Sequence[str], *allowed: str) -> list[float]:
     """Return numbers and ranges ``START:STOP:COUNT``, both ends included, as numbers.
 
-    They may have a unit as those that are allowed.
+    They may have one of the allowed units.
 
     Examples
     --------
@@ -139,7 +139,7 @@ def numbers(name: str, words: Sequence[str], *allowed: str) -> list[float]:
 
 
 def several_numbers(name: str, words: Sequence[str], *allowed: str) -> tuple[float, ...]:
-    """Return words as finite numbers, one each; the units that are allowed are by place.
+    """Return words as finite numbers, one each; allowed units are given by position.
 
     Examples
     --------
@@ -154,12 +154,12 @@ def several_numbers(name: str, words: Sequence[str], *allowed: str) -> tuple[flo
 
 
 class Quantity(float):
-    """A number in SI units that remembers the word it was given as.
+    """A number in SI units with the word from which it was read.
 
     Parameters
     ----------
     value : float
-        The number in SI units, or as it was given without a unit.
+        The number in SI units, or as given without a unit.
     word : str
         The number with its unit; empty if it had none.
     """
@@ -175,13 +175,13 @@ class Quantity(float):
 
     @property
     def unit(self) -> str:
-        """The unit that was given, empty if there was none."""
+        """The given unit, empty if there was none."""
         found = WITH_UNIT.fullmatch(self.word)
         return found["unit"] if found else ""
 
 
 def quantity(name: str, words: Sequence[str], *allowed: str) -> Quantity:
-    """Return a word as a number in SI units: alone, or with a unit as those that are allowed.
+    """Return a word as a number in SI units, with or without one of the allowed units.
 
     Examples
     --------
@@ -201,12 +201,12 @@ def quantity(name: str, words: Sequence[str], *allowed: str) -> Quantity:
     unit = units.unit_of(found["unit"])
     if unit is None or unit.dimension not in map(units.dimension_of, allowed):
         raise InputError(f"the unit of {name} must be {units.usual(*allowed)}, got {shown(word)}")
-    number(name, [found["number"]])  # which is what is wrong, if it is
+    number(name, [found["number"]])  # raises if the number is wrong
     return Quantity(check_real(name, unit.in_si(found["number"])), word)
 
 
 def refuse_units(given: Mapping[str, object]) -> None:
-    """Raise `InputError` for a value with a unit, where the rotor has no dimensions.
+    """Raise `InputError` for a value with a unit if the rotor is dimensionless.
 
     Examples
     --------
@@ -224,7 +224,7 @@ def refuse_units(given: Mapping[str, object]) -> None:
 
 
 def in_unit(name: str, value: float, unit: str) -> float:
-    """Return a value in the unit of the data that it goes with, in which it is if it has none.
+    """Return a value in the unit of its data; a value without a unit is in that unit.
 
     Examples
     --------
@@ -350,7 +350,7 @@ def starts(name: str, words: Sequence[str]) -> list[State]:
 
 def path(name: str, words: Sequence[str]) -> Path:
     """Return a word as a path."""
-    if not words[0]:  # which pathlib takes for the folder it is in
+    if not words[0]:  # which pathlib reads as the current folder
         raise InputError(f"{name} must be a path, got ''")
     return Path(words[0])
 
@@ -383,7 +383,7 @@ def _range(name: str, word: str, *allowed: str) -> list[float]:
 
 
 def _float(word: str) -> object:
-    """Return a word as a float, or as it is."""
+    """Return a word as a float if possible, else unchanged."""
     try:
         return float(word) if _may_be_number(word) else word
     except ValueError:

@@ -1,4 +1,4 @@
-"""The program: read the words, run the command, answer, and say with a number how it went."""
+"""The program: parse the arguments, run the command, print the report, return the exit status."""
 
 from __future__ import annotations
 
@@ -87,13 +87,13 @@ def main(words: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     words : sequence of str, optional
-        The words after the program's name; those of the process by default.
+        The words after the program's name; default: those of the process.
 
     Returns
     -------
     int
         0 done, 1 the run or the check failed, 2 bad input, 130 interrupted, 141 if the reader
-        of the results went away.
+        of the results closed the pipe.
 
     Examples
     --------
@@ -162,7 +162,7 @@ def _run(words: list[str], results: TextIO) -> int:
 
 
 def _refuse_units(arguments: Mapping[str, object]) -> None:
-    """Refuse units of numbers, wherever they stand, if the rotor has no dimensions."""
+    """Refuse units of numbers anywhere if the rotor is dimensionless."""
     values: dict[str, object] = {}
     for name, value in arguments.items():
         values |= vars(value) if is_dataclass(value) else {name: value}
@@ -172,13 +172,13 @@ def _refuse_units(arguments: Mapping[str, object]) -> None:
 
 
 def _write(text: str, results: TextIO) -> None:
-    """Write all of it, so that an error of the stream is met here."""
+    """Write and flush, so that an error of the stream is raised here."""
     results.write(text)
     results.flush()
 
 
 def misread(error: CycloptsError) -> str:
-    """Return in one line what could not be read, in the form of this package's own messages."""
+    """Return a parsing error in one line, in the form of this package's messages."""
     option = "" if error.argument is None else error.argument.name
     name = option.removeprefix("--")
     match error:
@@ -209,13 +209,13 @@ def misread(error: CycloptsError) -> str:
 
 
 def _unknown_option(word: str, known: Iterable[Argument]) -> str:
-    """Return in one line that there is no such option, and which may be meant."""
+    """Return a message about an unknown option in one line, with a suggestion."""
     names = [name for each in known for name in each.names]
     return f"unknown option {shown(word)}{did_you_mean(word, names)}"
 
 
 def _missing(error: MissingArgumentError, option: str) -> str:
-    """Return in one line what is missing; a misspelt option is the likelier cause."""
+    """Return a message about missing options in one line; a misspelt one is reported first."""
     known = [] if error.app is None else error.app.assemble_argument_collection()
     words = {word.partition("=")[0] for word in error.root_input_tokens or () if word[:2] == "--"}
     misspelt = words.intersection(word.partition("=")[0] for word in error.unused_tokens or ())
@@ -242,6 +242,6 @@ def _missing(error: MissingArgumentError, option: str) -> str:
 
 def _complain(message: str, status: int) -> int:
     if sys.stderr is not None:
-        # one line, in which the name of a file keeps its blanks
+        # one line, in which a file name keeps its blanks
         print("rotor-ida:", " ".join(map(str.strip, message.splitlines())), file=sys.stderr)
     return status

@@ -1,4 +1,4 @@
-"""What a command answers: a record for programs, lines and tables for people."""
+"""Reports of commands: a record for programs, lines and tables for people."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rich.console import Console, RenderableType
 from rich.table import Column, Table
 
 FAILED, INTERRUPTED = 1, 130
-# Wide enough that no line is broken when the output is a file or a pipe, unless COLUMNS is set.
+# Wide enough to avoid line breaks when the output is a file or a pipe, unless COLUMNS is set.
 NO_TERMINAL_WIDTH = 10_000
 # Blanks between the columns of a table.
 BETWEEN = 2
@@ -40,14 +40,14 @@ class Report:
 
 
 def console_on(stream: TextIO) -> Console:
-    """Return a console that shows words as they are."""
+    """Return a console without markup or highlighting."""
     return Console(file=stream, highlight=False, markup=False, emoji=False)
 
 
 def text_of(report: Report, console: Console) -> str:
-    """Return what is to be printed of a report.
+    """Return the text of a report.
 
-    rich writes nothing itself: it would end the program when the reader of a pipe goes away.
+    rich does not write it: it would end the program when the reader of a pipe closes.
     """
     if report.as_json:
         return json.dumps(plain(report.record), allow_nan=False, indent=2) + "\n"
@@ -60,7 +60,7 @@ def text_of(report: Report, console: Console) -> str:
 
 
 def plain(value: object) -> object:
-    """Return what JSON can hold; a number that is not finite becomes null.
+    """Return a value for JSON; a non-finite number becomes null.
 
     Examples
     --------
@@ -105,7 +105,7 @@ def pairs(title: str, entries: Record) -> Table:
 
 
 def shown(value: object, digits: int = 8) -> str:
-    """Return a value as a person reads it: some digits, and a dash for what there is not.
+    """Return a value for people: some digits, and a dash for a missing value.
 
     Examples
     --------
@@ -122,7 +122,7 @@ def shown(value: object, digits: int = 8) -> str:
 
 
 def _fitting(part: RenderableType, console: Console) -> RenderableType:
-    """Return a table that is too wide row by row, each as names and values; else what it is."""
+    """Return a table that is too wide as names and values of each row, else unchanged."""
     if not isinstance(part, Table) or not part.show_header:
         return part
     needed = sum(map(_least_width, part.columns)) + BETWEEN * (len(part.columns) - 1)
@@ -141,7 +141,7 @@ def _fitting(part: RenderableType, console: Console) -> RenderableType:
 
 
 def _least_width(column: Column) -> int:
-    """Return the least width of a column: that of its longest line, or word if it may wrap."""
+    """Return the least width of a column: of its longest line, or word if it may wrap."""
     texts = [str(column.header), *map(str, column.cells)]
     if not column.no_wrap:
         texts = [word for text in texts for word in text.split()]

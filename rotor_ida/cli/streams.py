@@ -1,7 +1,7 @@
-"""Standard output kept for results.
+"""Reserve standard output for results.
 
-SUNDIALS, a C library, prints its complaints to file descriptor 1. While a command runs, that
-descriptor leads to standard error, and a copy of the old one takes the results.
+SUNDIALS, a C library, prints its messages to file descriptor 1. While a command runs, that
+descriptor leads to standard error, and a copy of the original one receives the results.
 """
 
 from __future__ import annotations
@@ -18,10 +18,9 @@ OUTPUT, ERRORS = 1, 2
 
 @contextmanager
 def results_only() -> Iterator[TextIO]:
-    """Yield where results go; whatever else is written to standard output is an aside.
+    """Yield the stream for results; other writes to standard output go to standard error.
 
-    The one who writes to the stream flushes it, and meets the error of a full disk or a closed
-    pipe there.
+    The caller must flush the stream, and then gets the error of a full disk or a closed pipe.
     """
     _fill_closed_descriptors()
     kept = os.dup(OUTPUT)
@@ -55,9 +54,9 @@ def _stream_of(descriptor: int) -> tuple[TextIO, bool]:
 
 
 def _fill_closed_descriptors() -> None:
-    """Let no file that is opened later become a standard stream that the caller closed.
+    """Keep files opened later from replacing a standard stream that the caller closed.
 
-    A closed output takes nothing: who writes results there meets an error, as they would be lost.
+    Writing results to a closed output raises an error, since they would be lost.
     """
     for descriptor in (0, OUTPUT, ERRORS):
         try:
@@ -67,7 +66,7 @@ def _fill_closed_descriptors() -> None:
 
 
 def _flush_c_library() -> None:
-    """Empty C's own buffers while its standard output still leads to standard error."""
+    """Flush the buffers of C while its standard output still leads to standard error."""
     with suppress(OSError, AttributeError):
         library = ctypes.CDLL("ucrtbase" if os.name == "nt" else None)
         library.fflush(None)

@@ -1,4 +1,4 @@
-"""One printer of datasets, by dimension: rows for programs, tables and words for people."""
+"""Print datasets by dimension: rows for programs, tables and words for people."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ Record = dict[str, object]
 Description = tuple[Record, list[RenderableType]]
 METHOD = ("method", "flight", "backend", "rtol", "atol")
 VERSION = "_version"
-# What an archive adds for its own use, and what is shown as the kind.
+# Attributes for internal use, or shown as the kind.
 HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format", RESULT_KIND)
 
 SPEEDS = ("speed", "event_speed")
-# Rows of a table in the record; of a larger result it has sums and ranges, the archive the rest.
+# Most rows of a table in the record; for a larger result it has sums and ranges only.
 MOST_TOLD = 1_000_000
 
 
@@ -33,29 +33,29 @@ MOST_TOLD = 1_000_000
 class Rows:
     """A table of a result, along the dimensions of one of its variables.
 
-    The record has all variables along these dimensions, the table those that are named.
+    The record has all variables along these dimensions, the table only the named ones.
 
     Parameters
     ----------
     title, key : str
-        What the table is called, and the rows in the record.
+        Name of the table, and of the rows in the record.
     lead : str
         The variable that gives the dimensions.
     names : tuple of str
-        The columns, in order. Those that a dataset does not have are left out.
+        The columns, in order. Those missing from a dataset are left out.
     prefix : str
-        What the heads of the columns leave out.
+        Prefix omitted from the column heads.
     digits : int
-        Digits of a number.
+        Number of digits.
     gaps : bool
-        Whether there is no row where the lead is NaN.
+        Whether to leave out rows whose lead is NaN.
     falling : bool
-        Whether the rows are in order of the lead, the largest first.
+        Whether to sort the rows by the lead, the largest first.
     telling : bool
-        Whether columns that say nothing in any row are left out.
+        Whether to leave out columns that are empty in all rows.
     on_request : bool
-        Whether the table is printed only if a number of rows is asked for. Of more than
-        `MOST_TOLD` rows there is then none.
+        Whether to print the table only if a number of rows is requested. It is omitted if it has
+        more than `MOST_TOLD` rows.
     """
 
     title: str
@@ -100,7 +100,7 @@ class Rows:
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """What is said of a kind of result: its numbers, and tables along its dimensions."""
+    """Description of a kind of result: its numbers, and tables along its dimensions."""
 
     title: str
     tables: tuple[Rows, ...]
@@ -135,13 +135,13 @@ def show_by_dimension(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def _dimensions(dataset: xr.Dataset) -> list[tuple[str, ...]]:
-    """Return the dimensions of variables of which not too many values can be told."""
+    """Return the dimensions of variables with few enough values to print."""
     shapes = [each.dims for each in dataset.data_vars.values() if each.size <= MOST_TOLD]
     return [tuple(map(str, dims)) for dims in dict.fromkeys(shapes) if dims]
 
 
 def _along(dataset: xr.Dataset, dims: tuple[str, ...]) -> Rows:
-    """Return the rows of all variables along some dimensions, behind the coordinates there."""
+    """Return the rows of all variables along some dimensions, after the coordinates."""
     known = [name for name in (*ALL_PARAMETERS, *dims) if name in dataset.coords]
     places = [name for name in dict.fromkeys(known) if set(dataset[name].dims) & set(dims)]
     names, words = names_on(dataset, *dims), ", ".join(dims)
@@ -155,7 +155,7 @@ def _along(dataset: xr.Dataset, dims: tuple[str, ...]) -> Rows:
 
 
 def tabled(dataset: xr.Dataset, most: int | None, *tables: Rows) -> Description:
-    """Return the record of a dataset, and those of the tables for which it has the variables."""
+    """Return the record of a dataset, and the tables whose variables it has."""
     there = [each for each in tables if each.lead in dataset.variables]
     rows = {each.key: each.of(dataset) for each in there}
     record: Record = {
@@ -196,7 +196,7 @@ def with_units(dataset: xr.Dataset, entries: Record) -> Record:
 
 
 def _times(factor: float, value: Any) -> Any:
-    """Return numbers by a factor, also those in lists; what is no number stays."""
+    """Return numbers times a factor, also in lists; other values are unchanged."""
     if isinstance(value, list):
         return [_times(factor, each) for each in value]
     return value * factor if isinstance(value, float) else value
@@ -208,9 +208,9 @@ def scalars_of(dataset: xr.Dataset) -> Record:
 
 
 def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:
-    """Return one record for each element of the first variable named, the others spread on it.
+    """Return one record for each element of the first named variable, broadcasting the others.
 
-    Flags become their words, or true and false where the words are yes and no.
+    Flags become words, or true and false if the words are yes and no.
 
     Examples
     --------
@@ -233,12 +233,12 @@ def value_of(dataset: xr.Dataset, name: str) -> object:
 
 
 def names_on(dataset: xr.Dataset, *dims: str) -> list[str]:
-    """Return the variables that stand on just these dimensions."""
+    """Return the variables with exactly these dimensions."""
     return [str(name) for name, variable in dataset.data_vars.items() if variable.dims == dims]
 
 
 def attributes_of(dataset: xr.Dataset) -> Record:
-    """Return where a dataset came from: method, versions, and what else its attributes say."""
+    """Return the origin of a dataset: method, versions and other attributes."""
     plain = {
         str(name): value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
         for name, value in dataset.attrs.items()
@@ -259,13 +259,13 @@ def attributes_of(dataset: xr.Dataset) -> Record:
 
 
 def about(dataset: xr.Dataset) -> Record:
-    """Return what the attributes of a dataset say beside its parameters."""
+    """Return the attributes of a dataset other than its parameters."""
     attributes = attributes_of(dataset)
     return {name: entry for name, entry in attributes.items() if name not in ALL_PARAMETERS}
 
 
 def parameters_in(dataset: xr.Dataset) -> Record:
-    """Return the parameters that a result has, each as a number or, along an axis, as a list."""
+    """Return the parameters of a result, each as a number or, along an axis, as a list."""
     told = [name for name in ALL_PARAMETERS if name in dataset.variables]
     return {name: dataset[name].values.tolist() for name in told}
 
@@ -284,7 +284,7 @@ def with_unit(dataset: xr.Dataset, name: str) -> str:
 
 
 def span(values: np.ndarray[Any, Any], digits: int) -> str:
-    """Return the range of those values that are known, in words; nothing where none is."""
+    """Return the range of the finite values, in words; empty if there are none."""
     known = values[np.isfinite(values)]
     return f"{known.min():.{digits}g} to {known.max():.{digits}g}" if known.size else ""
 
@@ -298,7 +298,7 @@ def rows_table(
     prefix: str = "",
     digits: int = 8,
 ) -> list[RenderableType]:
-    """Return rows as a table, of at most so many, headed by how many there are."""
+    """Return at most a number of rows as a table, with their total in its title."""
     if not rows:
         return [f"{title}: none"]
     counted = f"{title}: {len(rows)}"
@@ -313,7 +313,7 @@ def spread_on(dataset: xr.Dataset, name: str, other: xr.DataArray) -> xr.DataArr
 
 
 def values_of(variable: xr.DataArray) -> list[Any]:
-    """Return the values of a variable one after the other, in words if it is a flag."""
+    """Return the values of a variable as a flat list, in words if it is a flag."""
     if "flag_meanings" not in variable.attrs:
         return list(variable.values.ravel().tolist())
     words = words_of(variable)

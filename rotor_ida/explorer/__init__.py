@@ -1,8 +1,8 @@
-"""A page in the browser that shows what a rotor does while its sliders move.
+"""Interactive page in the browser that shows the motion of a rotor.
 
-A page asks (`messages`), a process answers (`workers`, by way of `queues`), and the answer goes
-back as labelled arrays. What is in an answer: `motion` (one run), `run_ups`, `responses` (what the
-rotor settles on), `starts` (the basin) and `measured` (a dropped file), in words
-`words`. `server` lets the page of this machine in and nobody else; `files` gives files to keep, and
-a page that needs no server. The page itself is in the folder ``page``.
+The page sends questions (`messages`), a process answers them (`workers`, through `queues`), and the
+answers return as labelled arrays. Modules for the answers: `motion` (one run), `run_ups`,
+`responses` (the settled response), `starts` (basins) and `measured` (a dropped file); `words`
+makes the sentences. `server` admits only the page on this machine. `files` writes files to save,
+and a page that needs no server. The page itself is in the folder ``page``.
 """

@@ -1,4 +1,4 @@
-"""Open the page: make the processes ready, serve it on this machine, and end when told to."""
+"""Serve the explorer: start the processes, serve the page on this machine, and end on request."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from rotor_ida.parallel.progress import progress_bar
 LOOPBACK = "127.0.0.1"
 PORT = 8765
 LARGEST_PORT = 65_535
-# A page that leads on to an address, and does not say from where.
+# A page that redirects to an address without a referrer.
 LEADING_ON = """\
 <!DOCTYPE html>
 <html lang="en">
@@ -47,34 +47,34 @@ def explore(
     report: Callable[[str], None],
     longest_visit: float = LONGEST_VISIT,
 ) -> None:
-    """Serve the explorer on this machine until it is told to end.
+    """Serve the explorer on this machine until it is interrupted.
 
     Parameters
     ----------
     state : mapping
-        What the page shows first, as its address has it.
+        Initial state of the page, as in its address.
     port : int
-        Port on the loopback address; 0 takes any that is free.
+        Port on the loopback address; 0 takes any free one.
     browser : bool
         Whether to open the page in a browser.
     report : callable
-        Called with what to tell the user: the address, once the page can be opened.
+        Called with messages for the user: the address, once the page can be opened.
     longest_visit : float
-        How long a connection that has not shown the key may last, in seconds.
+        Longest time of a connection that has not shown the key [s].
 
     Raises
     ------
     InputError
         If the port cannot be used.
     RotorError
-        If the processes that compute do not start.
+        If the worker processes do not start.
     """
     with closing(_listen(port)) as listening:
         asyncio.run(_serve(listening, state, browser, report, longest_visit))
 
 
 def _listen(port: int) -> socket.socket:
-    """Return a socket on the port, or say that it is taken."""
+    """Return a socket on the port, or raise an error if it is taken."""
     number = check_count("port", port, 0, LARGEST_PORT)
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     if os.name == "posix":  # elsewhere it would let two programs share a port
@@ -143,21 +143,22 @@ async def _let_in(
 
 @contextmanager
 def _open_in_a_browser(address: str) -> Iterator[None]:
-    """Open an address through a file: any user may list arguments, only the owner reads the file.
+    """Open an address through a temporary file.
 
-    The file is removed on leaving.
+    Any user can list command-line arguments, but only the owner can read the file, which is removed
+    on exit.
     """
     with NamedTemporaryFile("w", prefix="rotor-ida-", suffix=".html", encoding="utf-8") as file:
         file.write(LEADING_ON.format(address=escape(address)))
         file.flush()
         place = Path(file.name).as_uri()
-        # some are waited for until they end
+        # some browsers block until they end
         threading.Thread(target=webbrowser.open, args=(place,), daemon=True).start()
         yield
 
 
 async def _first(*awaited: asyncio.Event | asyncio.Task[None]) -> None:
-    """Wait for the first of some events and tasks."""
+    """Wait for the first of several events and tasks."""
     tasks = [
         asyncio.create_task(each.wait()) if isinstance(each, asyncio.Event) else each
         for each in awaited
@@ -169,6 +170,6 @@ async def _first(*awaited: asyncio.Event | asyncio.Task[None]) -> None:
 
 
 def can_show_a_page() -> bool:
-    """Return whether a browser can open a window; one in the terminal would take that over."""
+    """Return whether a browser can open a window; a text browser would take over the terminal."""
     windows = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
     return windows or not sys.platform.startswith("linux")

@@ -1,4 +1,4 @@
-"""What one keeps of what the page shows: files of the run, and a page that needs no server."""
+"""Files to save from the page: files of the run, and a page that needs no server."""
 
 from __future__ import annotations
 
@@ -46,17 +46,17 @@ save({shown}, "{name}.nc", overwrite=True)
 save_figure({plot}({shown}), "{name}", overwrite=True)
 '''
 
-# How the speeds are gone through: each from the start, or each from the end of the one before.
+# Order of the speeds: each from the start, or each from the end of the previous one.
 COURSES = ("start", "up", "down")
 MOST_SPEEDS = 500
-# The speeds that are recorded by default, as parts of the largest that is shown.
+# Default speeds of the recording, as fractions of the largest one shown.
 SPEEDS: npt.NDArray[np.float64] = np.linspace(0.075, 0.825, 61)
-# Of each run so many revolutions are kept, the last ones.
+# Number of last revolutions kept of each run.
 KEPT = 10
 TIMES = ("t", "event_time", "exit_time")
 SCRIPT = '<script type="module" src="main.js"></script>'
 LINKS = re.compile(r'<link rel="(?:icon|stylesheet)"[^>]*>\n')
-# A page on disk cannot ask for its scripts one by one: they are modules in the page.
+# A page on disk cannot load its scripts: they are modules in the page.
 IMPORTS = re.compile(r'from "\./([\w./]+)"')
 MODULES = "rotor-ida/"
 POLICY = (
@@ -67,7 +67,7 @@ POLICY = (
 
 
 def show_file(question: Question) -> Iterator[Answer]:
-    """Yield a file, whole, with its name; before a page how much of it is recorded."""
+    """Yield a complete file with its name; for a page, yield its progress first."""
     contents = b""
     if question.about == "html":
         steps = _recording(question)
@@ -85,7 +85,7 @@ def show_file(question: Question) -> Iterator[Answer]:
 
 
 def _recording(question: Question) -> Generator[tuple[int, int], None, str]:
-    """Record the page over the usual speeds, and at the one that is shown."""
+    """Record the page over the default speeds, and at the one shown."""
     machine = question.machine
     speed, rate = question.rotor.omega, 1.0
     if isinstance(machine, DimensionalRotor):
@@ -97,7 +97,7 @@ def _recording(question: Question) -> Generator[tuple[int, int], None, str]:
 
 
 def command_of(question: Question) -> str:
-    """Return the command line that makes archive and figure again, of a machine in SI units.
+    """Return the command line that reproduces archive and figure, for a machine in SI units.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def command_of(question: Question) -> str:
 
 
 def lines_of(question: Question) -> str:
-    """Return the lines of Python that make archive and figure again.
+    """Return the Python script that reproduces archive and figure.
 
     Examples
     --------
@@ -180,13 +180,13 @@ def record(
     Parameters
     ----------
     machine : Rotor or DimensionalRotor
-        The rotor; its speed is the one that is shown first.
+        The rotor; its speed is shown first.
     start : tuple of float
         ``(x, y, vx, vy)`` at time 0 [1].
     revolutions : int
         Length of each run.
     speeds : sequence of float
-        Speeds as the machine has them, as `check_speeds` returns them.
+        Speeds in the unit of the machine, from `check_speeds`.
     progress : callable, optional
         Called with the number of runs done and their total.
     """
@@ -203,7 +203,7 @@ def record(
 def recording(
     machine: Rotor | DimensionalRotor, *, start: State, revolutions: int, speeds: Sequence[float]
 ) -> Generator[tuple[int, int], None, str]:
-    """Yield the number of runs done and their total after each run, and return the page."""
+    """Yield the number of completed runs and their total after each run; return the page."""
     beginning = Question(
         about="motion", number=0, side=0, machine=machine, start=start,
         revolutions=revolutions, speeds=speeds_shown(machine), reach=1.0,
@@ -234,7 +234,7 @@ def recording(
 
 
 def check_speeds(machine: Rotor | DimensionalRotor, speeds: Sequence[float] | None) -> list[float]:
-    """Return the speeds to record, as the machine has them: of those given, or of all that matter.
+    """Return the speeds to record, in the unit of the machine: those given or the default ones.
 
     Examples
     --------
@@ -275,7 +275,7 @@ def _motion(question: Question) -> Iterator[Answer]:
 
 
 def _single(answer: Answer) -> Answer:
-    """Return an answer in single precision, which is enough to be drawn."""
+    """Return an answer in single precision, which is enough for drawing."""
     arrays = {
         name: values if values.dtype == np.int8 else values.astype(np.float32)
         for name, values in answer.arrays.items()
@@ -294,14 +294,14 @@ def _speed(machine: Rotor | DimensionalRotor) -> float:
 
 
 def _end(answers: Sequence[Answer]) -> State:
-    """Return where the next run begins: where the rotor settled, or where this run ended."""
+    """Return the start of the next run: the settled state, or else the end of this run."""
     ends = {each.part: each.facts["end"] for each in answers if "end" in each.facts}
     x, y, vx, vy = np.asarray(ends.get("settled", ends["motion"])).tolist()
     return x, y, vx, vy
 
 
 def _name(answer: Answer) -> str:
-    """Return what tells the curve and the branches apart."""
+    """Return a key that distinguishes the curve and the branches."""
     first = answer.arrays["omega"][:1].tolist() if answer.part == "branch" else []
     return f"{answer.part} {first}"
 
@@ -311,7 +311,7 @@ def _text(answer: Answer) -> str:
 
 
 def _page(recorded: str) -> str:
-    """Return the page with all of its files in it, and what was recorded."""
+    """Return the page with all its files and the recorded results."""
     files = {name: contents.decode() for name, contents in page_files().items()}
     styles = "".join(files[name] for name in ("uplot/uPlot.min.css", "style.css"))
     modules = {

@@ -1,4 +1,4 @@
-"""What the panels draw of a measured file: order 1, and a cascade or one full spectrum."""
+"""Panels of a measured file: order 1, and a cascade or one full spectrum."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from rotor_ida.signals.reading import read_table, signals_in
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.spectra import full_spectrum, one_speed, spectrogram
 
-# Samples of a spectrum. It is as fine as can be while the speed changes: longer ones would show
-# wider lines again.
+# Samples of a spectrum, chosen for the finest resolution while the speed changes: a longer segment
+# would have wider lines again.
 FEWEST, MOST = 128, 4096
-# The lowest and the highest speed are means over one of so many parts of a record.
+# The lowest and the highest speed are means over one of this many parts of a record.
 PARTS = 256
-# Lines are drawn up to so many times the speed.
+# Highest frequency of lines, over the speed.
 ORDERS = 5.0
-# What a page is sent of a long file: more cannot be told apart on a screen.
+# Largest numbers sent to a page for a long file: more are not distinguishable on a screen.
 MOST_ROWS, MOST_LINES, MOST_REVOLUTIONS = 240, 2**17, 2**18
 NO_ANGLE = "there is no column for keyphasor, angle or speed, so neither speed nor phase is known"
 
 
 def show_measured(measurement: Measurement) -> Iterator[Answer]:
-    """Yield what a file holds; what cannot be analysed of it is a note."""
+    """Yield the panels of a file; anything that cannot be analysed becomes a note."""
     path = measurement.path
     assert path is not None
     try:
@@ -54,7 +54,7 @@ def show_measured(measurement: Measurement) -> Iterator[Answer]:
             gains=measurement.gains,
         )
         record = record_of(signals)
-    except InputError as error:  # the user may name other columns
+    except InputError as error:  # the user may choose other columns
         facts |= {
             "columns": dict(measurement.columns),
             "trouble": _renamed(str(error), measurement),
@@ -82,15 +82,15 @@ def show_measured(measurement: Measurement) -> Iterator[Answer]:
 
 
 def _renamed(message: str, measurement: Measurement) -> str:
-    """Return a message with the name of the file that the page knows."""
+    """Return a message with the name of the file on the page."""
     return message.replace(shown(measurement.path), shown(measurement.name))
 
 
 def segment_for(rate: float, step: float) -> int:
-    """Return how many samples a spectrum has while the speed changes at a rate.
+    """Return the number of samples of a spectrum while the speed changes at a rate.
 
     In a time T the speed changes by ``rate T``, and the lines of a spectrum are ``2 pi/T`` apart;
-    both are alike at ``T = sqrt(2 pi/rate)``.
+    the two are equal at ``T = sqrt(2 pi/rate)``.
     """
     fine = math.sqrt(2.0 * math.pi / rate) / step if rate > 0.0 else math.inf
     return int(2 ** round(math.log2(min(max(fine, FEWEST), MOST))))
@@ -102,7 +102,7 @@ def _unless_impossible(
     record: Record,
     notes: list[str],
 ) -> Arrays:
-    """Return what an analysis gives; note why it gives nothing."""
+    """Return the result of an analysis, or note the reason for none."""
     try:
         return analyse(signals, record)
     except InputError as error:
@@ -132,7 +132,7 @@ def _full(signals: xr.Dataset, record: Record) -> Arrays:
 
 
 def _tallest(frequency: Values, height: Values) -> tuple[Values, Values]:
-    """Return, of lines too many to be drawn, the tallest one of each few."""
+    """Return the tallest line of each group, if the lines are too many to draw."""
     few = math.ceil(frequency.size / MOST_LINES)
     if few == 1:
         return frequency, height
@@ -142,7 +142,7 @@ def _tallest(frequency: Values, height: Values) -> tuple[Values, Values]:
 
 
 def _cascade(signals: xr.Dataset, record: Record) -> Arrays:
-    """Return full spectra over the speed, no more than can be told apart."""
+    """Return full spectra over the speed, no more than are distinguishable."""
     step, angles, times = record.equal_step(), record.known_angles(), record.times
     parts = slice(None, None, max(angles.size // PARTS, 1))
     speeds = np.diff(angles[parts]) / np.diff(times[parts])

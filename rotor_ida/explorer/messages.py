@@ -1,4 +1,4 @@
-"""What a page may ask, checked, and an answer packed into one binary message."""
+"""Check the questions of a page, and pack each answer into one binary message."""
 
 from __future__ import annotations
 
@@ -34,57 +34,56 @@ About = Literal[
     "motion", "run_up", "lines", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"
 ]
 
-# Files to keep of a run: the archive, two figures, the lines of Python and the command that make
-# them again, and the page with all it shows over the speed.
+# Files of a run: the archive, two figures, the Python script and the command that reproduce them,
+# and the page with its results over the speed.
 FILES: tuple[About, ...] = ("nc", "png", "svg", "py", "sh", "html")
 
 LARGEST_FILE = 2**28
 LONGEST_NAME = 255
 
-# Characters of a question; what a page asks has some three hundred.
+# Most characters of a question; a page sends about three hundred.
 LONGEST_QUESTION = 4096
-# The speeds of a machine are shown up to so many times its largest one, and its curve from so small
-# a part of that on.
+# The range of speeds of a machine, as multiples of its largest one.
 ROOM, LEAST_SPEED = 1.5, 1e-3
 # Those of a rotor without dimensions [1].
 SPEEDS = (0.05, 4.0)
 # Whole revolutions of a run that is drawn.
 MOST_REVOLUTIONS = 2000
-# Two machines stand side by side at most.
+# At most two machines are shown side by side.
 SIDES = 2
 LARGEST_NUMBER_OF_QUESTION = 2**53
-# What is said of a piece of a run-up alone.
+# Names in a question about a piece of a run-up only.
 OF_RUN_UP = ("to", "rate")
-# Arrays begin at multiples of so many bytes, as a browser wants it.
+# Byte alignment of arrays, required by browsers.
 ALIGNED = 8
 KINDS = {np.dtype(kind): kind for kind in ("f8", "f4", "i1")}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Question:
-    """What a page asks, checked.
+    """A checked question of a page.
 
     Parameters
     ----------
     about : {"motion", "run_up", "lines", "responses", "starts", or the ending of a file}
         The panels to fill: one run; a piece of a run-up; the full spectrum of a run; the response
-        curve and what is settled on; the basin. Or the file to make of the run, one of `FILES`.
+        curve and the settled response; the basins. Or the file to write, one of `FILES`.
     number : int
-        Number of the question, which its answers bear.
+        Number of the question, repeated in its answers.
     side : int
-        Which of two rotors that stand side by side.
+        Number of the rotor, of two side by side.
     machine : Rotor or DimensionalRotor
-        The rotor, as the page has it.
+        The rotor on the page.
     start : tuple of float
         ``(x, y, vx, vy)`` at time 0 [1].
     revolutions : int
-        Length of the run; without spin, in times of 2 pi.
+        Length of the run; without spin, in units of 2 pi in time.
     speeds : tuple of float
         Lowest and highest speed of the response curve [1].
     reach : float
-        Starts of the basin lie within so much of the axis in x and in y [1].
+        Half-width of the plane of starts in x and y [1].
     to, rate : float, optional
-        Of a piece of a run-up: the speed at its end [1], and how the speed changes [1].
+        For a piece of a run-up: the speed at its end, and the rate of change of the speed [1].
     """
 
     about: About
@@ -105,7 +104,7 @@ class Question:
 
     @property
     def ticket(self) -> dict[str, object]:
-        """What its answers bear, so that the page knows which question they are to."""
+        """Data repeated in its answers, by which the page identifies the question."""
         return {"about": self.about, "number": self.number, "side": self.side}
 
 
@@ -116,17 +115,17 @@ class Measurement:
     Parameters
     ----------
     number : int
-        Number of the question, which its answer bears.
+        Number of the question, repeated in its answer.
     name : str
-        Name of the file, as the page has it.
+        Name of the file on the page.
     size : int
         Number of bytes of the file.
     probe_angles, gains : tuple of float
-        As of `rotor_ida.read_signals`, which checks them.
+        As in `rotor_ida.read_signals`, which checks them.
     columns, units : mapping of str to str
-        Those that the user chose on the page, as of `rotor_ida.read_signals`.
+        Choices of the user on the page, as in `rotor_ida.read_signals`.
     path : Path, optional
-        Where the file is kept until it is read.
+        Path of the file until it is read.
     """
 
     number: int
@@ -142,26 +141,26 @@ class Measurement:
 
     @property
     def ending(self) -> str:
-        """The ending that the file is read by."""
+        """The ending that decides the reader."""
         ending = Path(self.name).suffix.lower()
         return ending if any(ending in each for each in ENDINGS.values()) else ".csv"
 
     @property
     def ticket(self) -> dict[str, object]:
-        """What its answer bears, so that the page knows which question it is to."""
+        """Data repeated in its answer, by which the page identifies the question."""
         return {"about": self.about, "number": self.number, "side": self.side}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DataSheet:
-    """The data sheet of a machine, as the form of the page has it.
+    """The data sheet of a machine, as entered in the form of the page.
 
     Parameters
     ----------
     number : int
-        Number of the question, which its answer bears.
+        Number of the question, repeated in its answer.
     quantities : dict of str
-        Words with units by the names that `machine_from_data_sheet` has; none is empty.
+        Values with units by the names of `machine_from_data_sheet`; none is empty.
     """
 
     number: int
@@ -171,17 +170,17 @@ class DataSheet:
 
     @property
     def ticket(self) -> dict[str, object]:
-        """What its answer bears, so that the page knows which question it is to."""
+        """Data repeated in its answer, by which the page identifies the question."""
         return {"about": self.about, "number": self.number, "side": self.side}
 
     def machine(self) -> DimensionalRotor:
-        """Return the machine, or raise `InputError` with what is missing or wrong."""
+        """Return the machine, or raise `InputError` for missing or wrong quantities."""
         check_keys(self.quantities, "a data sheet")
         return machine_from_data_sheet(**cast(dict[str, Any], self.quantities))
 
 
 def read_question(text: str) -> Question | Measurement | DataSheet:
-    """Return a question, or raise `InputError` with what is wrong with it.
+    """Return a checked question, or raise `InputError`.
 
     Examples
     --------
@@ -244,7 +243,7 @@ def _measurement(given: Mapping[str, Any]) -> Measurement:
 
 
 def _mapping(name: str, given: object) -> dict[str, str]:
-    """Return words by words; `read_signals` checks which."""
+    """Return a mapping of strings; `read_signals` checks its contents."""
     if not isinstance(given, dict) or not all(isinstance(each, str) for each in given.values()):
         raise InputError(f"{name} must be words by names of signals, got {shown(given)}")
     return given
@@ -264,7 +263,7 @@ def _data_sheet(given: Mapping[str, Any]) -> DataSheet:
 
 
 def _pair(name: str, given: object) -> tuple[float, float]:
-    """Return two numbers; one that is not typed yet is NaN, which `read_signals` refuses."""
+    """Return two numbers; a missing one is NaN, which `read_signals` refuses."""
     if not isinstance(given, list) or len(given) != 2:
         raise InputError(f"{name} must be two numbers, got {shown(given)}")
     one, other = (math.nan if each is None else check_real(name, each) for each in given)
@@ -272,9 +271,9 @@ def _pair(name: str, given: object) -> tuple[float, float]:
 
 
 def largest_speed(machine: DimensionalRotor) -> float:
-    """Return the speed to which a machine is run up at first: past its critical speed [rad/s].
+    """Return the default final speed of a run-up, past the critical speed [rad/s].
 
-    Without a shaft twice the reference frequency takes the place of the critical speed.
+    Without a shaft, twice the reference frequency replaces the critical speed.
 
     Examples
     --------
@@ -291,7 +290,7 @@ def largest_speed(machine: DimensionalRotor) -> float:
 
 
 def speeds_shown(machine: Rotor | DimensionalRotor) -> tuple[float, float]:
-    """Return the speeds over which the response of a rotor is drawn at first [1]."""
+    """Return the default range of speeds of the response curve [1]."""
     if isinstance(machine, Rotor):
         return SPEEDS
     top = ROOM * largest_speed(machine) / machine.reference_frequency
@@ -299,7 +298,7 @@ def speeds_shown(machine: Rotor | DimensionalRotor) -> tuple[float, float]:
 
 
 def machine_of(given: object) -> Rotor | DimensionalRotor:
-    """Return the machine that a mapping of names to numbers is."""
+    """Return the machine from a mapping of names to numbers."""
     if isinstance(given, Mapping):
         needed = given.keys() - set(OPTIONAL)
         if needed == set(PARAMETERS):
@@ -339,7 +338,7 @@ def _checked(given: Mapping[str, Any]) -> Question:
 
 
 def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, float]:
-    """Return the end and the rate of a piece of a run-up that can be answered soon."""
+    """Return the end and the rate of a piece of a run-up, if it is short enough."""
     if given["about"] != "run_up":
         return {}
     to, rate = check_nonnegative("to", given["to"], LARGEST), check_real("rate", given["rate"])
@@ -355,14 +354,14 @@ def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, float]:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """One part of what a page shows.
+    """One part of an answer.
 
     Parameters
     ----------
     part : str
-        Which part.
+        Name of the part.
     facts : dict
-        Numbers, texts, and lists and mappings of them.
+        Numbers, strings, and lists and mappings of them.
     arrays : dict of ndarray
         Arrays by name; the facts give their dimensions.
     """
@@ -373,13 +372,14 @@ class Answer:
 
 
 def packed(answer: Answer, ticket: Mapping[str, object] | None = None) -> bytes:
-    """Return an answer as bytes, with the ticket of the question that it answers.
+    """Return an answer as bytes, with the ticket of its question.
 
     Notes
     -----
-    The number of bytes of the header, little-endian in four bytes; the header as JSON, with the
-    place of each array behind the header as kind (f8, f4 or i1), offset in bytes and number of
-    values; the arrays, little-endian. What is not finite is null in the header, NaN in an array.
+    The format is: the number of bytes of the header, little-endian in four bytes; the header as
+    JSON; the arrays, little-endian. The header gives each array as kind (f8, f4 or i1), offset in
+    bytes after the header and number of values. Non-finite values are null in the header and NaN
+    in an array.
 
     Examples
     --------
@@ -409,7 +409,7 @@ def packed(answer: Answer, ticket: Mapping[str, object] | None = None) -> bytes:
 
 
 def _finite(value: object) -> object:
-    """Return a fact as JSON has it: numbers of NumPy as Python's, None for what is not finite."""
+    """Return a fact for JSON: NumPy numbers as Python's, None for non-finite ones."""
     if isinstance(value, dict):
         return {str(name): _finite(each) for name, each in value.items()}
     if isinstance(value, (list, tuple)):

@@ -25,14 +25,14 @@ from rotor_ida.simulation.simulate import simulate
 Values = dict[str, npt.NDArray[Any]]
 
 SAMPLES_PER_REVOLUTION = 48
-# A longer run is drawn from fewer samples a revolution, but no fewer than the spectrum needs.
+# A longer run is drawn with fewer samples per revolution, but enough for the spectrum.
 MOST_SAMPLES, FEWEST_PER_REVOLUTION = 16_384, 8
-# A disc that rolls on the ring may whirl many times in a revolution: so many samples a whirl draw a
-# curve, as long as the run has no more than so many in all.
+# A disc that rolls on the stator may whirl many times in a revolution: samples per whirl for a
+# smooth curve, and the largest number of samples in all.
 PER_WHIRL, MOST_SAMPLES_OF_WHIRLS = 32, 65_536
 # The end of a run is its last half.
 LAST = 0.5
-# Lines are drawn up to so many times the spin speed, forward and backward.
+# Highest frequency of lines over the spin speed, forward and backward.
 FASTEST_LINE = 5.0
 METHOD: Method = "taylor"
 OF_ENDING = ("t", "x", "y", "vx", "vy", "mode", "slip_speed")
@@ -41,13 +41,13 @@ DRAWN = (
     *("event_time", "event_time_error", "event_x", "event_y", "event_radius"),
     *("event_rotating_x", "event_rotating_y", "entry_time", "exit_time", "peak_time", "peak_force"),
 )
-# Samples of one period of a cycle, and how small its lines may be beside the largest.
+# Samples of one period of a cycle, and its smallest line over the largest.
 SAMPLES = 512
 LEAST = 1e-9
 
 
 def show_motion(question: Question) -> Iterator[Answer]:
-    """Yield what a page draws of one run."""
+    """Yield the panels of one run."""
     omega = question.rotor.omega
     run = values_of(run_of(question))
     run |= {
@@ -79,12 +79,12 @@ def show_motion(question: Question) -> Iterator[Answer]:
 
 
 def _orders_shown(run: Values, omega: float) -> float:
-    """Return up to how many times the spin speed lines are shown: that of the fastest whirl too."""
+    """Return the highest frequency of lines over the spin speed, including the fastest whirl."""
     return max(FASTEST_LINE, math.ceil(1.25 * whirls_per_revolution(run, omega)))
 
 
 def run_of(question: Question) -> xr.Dataset:
-    """Return the run that is drawn, which is also the one that is saved."""
+    """Return the run that is drawn and saved."""
     run = _sampled(question, each := _samples_per_revolution(question.revolutions))
     finer = min(
         math.ceil(PER_WHIRL * whirls_per_revolution(values_of(run), question.rotor.omega)),
@@ -94,7 +94,7 @@ def run_of(question: Question) -> xr.Dataset:
 
 
 def _sampled(question: Question, each: int) -> xr.Dataset:
-    """Return the run with so many samples a revolution, and the first."""
+    """Return the run with this many samples per revolution, and the first sample."""
     return simulate(
         question.rotor,
         start=question.start,
@@ -105,9 +105,9 @@ def _sampled(question: Question, each: int) -> xr.Dataset:
 
 
 def whirls_per_revolution(run: Values, omega: float) -> float:
-    """Return how often the disc goes around on the ring in a revolution, at its fastest.
+    """Return the largest number of backward whirls in a revolution.
 
-    Only of a disc with friction, which may roll; over the last half of the run.
+    For a disc with friction only, which may roll; over the last half of the run.
     """
     late = run["t"] >= LAST * run["t"][-1]
     if "mode" not in run or omega == 0.0:
@@ -128,7 +128,7 @@ def _samples_per_revolution(revolutions: int) -> int:
 
 
 def facts_of(question: Question) -> dict[str, object]:
-    """Return what an answer says of the rotor that it is about."""
+    """Return the facts about the rotor in an answer."""
     machine = question.machine
     scales = {}
     if isinstance(machine, DimensionalRotor):
@@ -142,16 +142,16 @@ def facts_of(question: Question) -> dict[str, object]:
 
 
 def values_of(run: xr.Dataset) -> Values:
-    """Return the values of a run by name; a page that follows a slider has no time for labels."""
+    """Return the values of a run by name, without labels: a slider needs a fast answer."""
     return {str(name): variable.values for name, variable in run.variables.items()}
 
 
 def ending(run: Values, rotor: Rotor) -> dict[str, float]:
-    """Return what a run does over its last half: contacts, their peak force, extreme radii.
+    """Summarize the last half of a run: contacts, their peak force, extreme radii.
 
-    With contact damping also what a contact that ends there loses by it, in the mean, what all
-    that is in contact there loses in a revolution, and how often the force falls to zero inside the
-    ring. With friction also how much of the time in contact it slips and rolls, and the heat.
+    With contact damping, add the mean energy loss of contacts that end there, the loss per
+    revolution, and how often the force falls to zero before the rotor leaves the stator. With
+    friction, add the fractions of contact time with slip and rolling, and the heat.
     """
     end = float(run["t"][-1])
     begin = LAST * end
@@ -167,7 +167,7 @@ def ending(run: Values, rotor: Rotor) -> dict[str, float]:
         return float(((run["event_kind"] == kind) & (run["event_time"] >= begin)).sum())
 
     def per_revolution(rate: npt.NDArray[np.float64]) -> float:
-        # over whole periods, of a motion that repeats itself, it is as exact as the samples
+        # over whole periods of a periodic motion it is as exact as the samples
         return float(np.trapezoid(rate, late["t"])) / revolutions if revolutions else math.nan
 
     found = {
@@ -229,9 +229,9 @@ def show_lines(question: Question) -> Iterator[Answer]:
 def exact_lines(
     rotor: Rotor, lies_on: object, settled: dict[str, object], end: Sequence[float]
 ) -> Arrays:
-    """Return order and amplitude of the lines of the whirl or cycle that is settled on.
+    """Return order and amplitude of the lines of the settled whirl or cycle.
 
-    Of a cycle over one period, from a state on it; without any where it never repeats itself.
+    A cycle is sampled over one period, from a state on it. A motion that never repeats has none.
     """
     nothing: Arrays = {"exact_order": np.empty(0), "exact_amplitude": np.empty(0)}
     if lies_on == "whirl":

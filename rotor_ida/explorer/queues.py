@@ -1,4 +1,4 @@
-"""The processes that compute, and what waits for them: of each page the newest question."""
+"""Queues of questions for the worker processes: only the newest question of each page waits."""
 
 from __future__ import annotations
 
@@ -15,25 +15,24 @@ from rotor_ida.explorer.messages import FILES, Answer, Measurement, Question, pa
 from rotor_ida.explorer.workers import FIRST_MACHINE, FIRST_ROTOR, LENGTH, SHOWN_BY, Order, example
 
 Deliver = Callable[[bytes], None]
-# Whose question it is: a page, and the panels of one of its rotors.
+# Origin of a question: a page, and the panels of one of its rotors.
 Place = tuple[int, str, int]
 
-# Told in place of a number where a process does not get ready.
+# Reported instead of a number if a process does not start.
 NEVER = -1
-# A process that does not give an answer up is ended after so many seconds.
+# Seconds after which a process that does not cancel an answer is ended.
 DEAF = 5.0
-# One that has ended by itself is started anew after so many seconds.
+# Seconds after which a process that ended unexpectedly is restarted.
 AGAIN = 0.5
-# Bytes of an answer that are read at a time.
+# Bytes of an answer read at a time.
 AT_A_TIME = 2**20
-# Of each queue what it answers, its pause, its patience, and its rest, in seconds, and how much it
-# gives way to other processes.
+# For each queue: its questions, pause, patience and rest in seconds, and niceness.
 PLANS: tuple[tuple[tuple[str, ...], float, float, float, int], ...] = (
     (("motion", "run_up", "lines"), 0.0, 0.25, 0.0, 0),
     (("responses", Measurement.about, *FILES), 0.0, 0.25, 0.15, 0),
     (("starts",), 0.08, 0.0, 0.0, 10),
 )
-DIED = "The process that computes this has ended by itself; it is started anew."
+DIED = "The process that computes this ended unexpectedly; it is being restarted."
 
 
 class Queues:
@@ -42,8 +41,8 @@ class Queues:
     Parameters
     ----------
     progress : callable
-        Called with the number of steps of getting ready that are done, and that of all; with
-        `NEVER` twice when a process cannot get ready.
+        Called with the number of completed start-up steps and their total; with `NEVER` twice if
+        a process cannot start.
     """
 
     def __init__(self, progress: Callable[[int, int], None]) -> None:
@@ -65,12 +64,12 @@ class Queues:
         await asyncio.gather(*self._running, return_exceptions=True)
 
     def ask(self, page: int, question: Question | Measurement, deliver: Deliver) -> None:
-        """Put a question to the queue that answers it."""
+        """Add a question to the queue that answers it."""
         queue = next(queue for queue in self._queues if question.about in queue.abouts)
         queue.ask(page, question, deliver)
 
     def forget(self, page: int) -> None:
-        """Give up all that a page has asked."""
+        """Cancel all questions of a page."""
         for queue in self._queues:
             queue.forget(page)
 
@@ -85,7 +84,7 @@ class Queues:
 
 @dataclass(slots=True, eq=False)
 class _Pending:
-    """A question, whose it is, and since when; once it is taken up, the number of its answer."""
+    """A question with its origin and time; once begun, the number of its answer."""
 
     place: Place
     question: Question | Measurement
@@ -93,31 +92,31 @@ class _Pending:
     since: float
     number: int | None = None
     begun: float = 0.0
-    shown: bool = False  # whether a part of its answer is there
+    shown: bool = False  # whether a part of its answer has been sent
 
 
 class Queue:
-    """One process, and what waits for it.
+    """One process, and the questions that wait for it.
 
-    Of several answers that are begun it computes one part each in turn; those of two rotors side
-    by side so become finer together.
+    Answers in progress get one part each in turn, so that two rotors side by side become finer
+    together.
 
     Parameters
     ----------
     abouts : tuple of str
-        The questions that it answers.
+        Kinds of question that it answers.
     pause : float
-        A question is taken up when no newer one has come from its place for so long [s].
+        Time without a newer question from the same origin before a question is begun [s].
     patience : float
-        An answer is given up for a newer question only when a part of it is there, or when it was
-        begun so long ago [s]; so a slider that moves on and on still shows something.
+        An answer is cancelled for a newer question only after one part, or this long after its
+        start [s]; so a slider in motion still shows results.
     rest : float
-        So long after it was begun an answer goes on behind its first part [s]: while a slider
-        moves there is better to do.
+        Delay from the start of an answer to the parts after the first [s]: while a slider moves,
+        newer questions matter more.
     niceness : int
-        How much the process gives way to others, as `os.nice` takes it.
+        Niceness of the process, as for `os.nice`.
     report : callable
-        Called with the steps of getting ready that are done, and their number.
+        Called with the number of completed start-up steps and their total.
     """
 
     def __init__(
@@ -144,7 +143,7 @@ class Queue:
         self._worker: _Worker | None = None
 
     def ask(self, page: int, question: Question | Measurement, deliver: Deliver) -> None:
-        """Put a question, in place of an older one from the same place."""
+        """Add a question, in place of an older one from the same origin."""
         loop = asyncio.get_running_loop()
         place = (page, question.about, question.side)
         older, begun = self._waiting.get(place), self._begun.get(place)
@@ -156,14 +155,14 @@ class Queue:
             loop.call_at(begun.begun + self.patience, self._give_up, begun)
 
     def forget(self, page: int) -> None:
-        """Give up all that a page has asked."""
+        """Cancel all questions of a page."""
         for place in [place for place in self._waiting if place[0] == page]:
             del self._waiting[place]
         for pending in [pending for place, pending in self._begun.items() if place[0] == page]:
             self._give_up(pending)
 
     async def run(self) -> None:
-        """Keep a process, and give it one order after another."""
+        """Keep a process running, and send it one order after another."""
         while True:
             with suppress(EOFError, OSError):
                 await self._work()
@@ -184,7 +183,7 @@ class Queue:
             await worker.end()
 
     async def _make_ready(self, worker: _Worker) -> None:
-        """Have the process answer once, so that it has imported what it needs."""
+        """Have the process answer once, so that its imports are done."""
         for about in set(self.abouts).intersection(SHOWN_BY):
             for beyond in ({}, FIRST_MACHINE):
                 number = next(self._numbers)
@@ -207,7 +206,7 @@ class Queue:
                 part = await worker.follow((pending.number, "next"))
             self._at = None
             if self._begun.get(pending.place) is not pending:
-                continue  # it was given up
+                continue  # it was cancelled
             if not part:
                 del self._begun[pending.place]
                 continue
@@ -217,7 +216,7 @@ class Queue:
                 self._give_up(pending)
 
     async def _next(self, worker: _Worker) -> _Pending:
-        """Wait for something to do: begin what waits, or go on in turn with what is begun."""
+        """Wait for work: begin a waiting question, or continue an answer in turn."""
         while True:
             self._changed.clear()
             if worker.has_ended:
@@ -235,7 +234,7 @@ class Queue:
                 if due:
                     del self._waiting[pending.place]
                 self._begun.pop(pending.place, None)
-                self._begun[pending.place] = pending  # it is the last in turn now
+                self._begun[pending.place] = pending  # it is now the last in turn
                 return pending
             times = [*open_.values(), *(pending.since + self.pause for pending in free)]
             with suppress(TimeoutError):
@@ -243,11 +242,11 @@ class Queue:
                 await asyncio.wait_for(self._changed.wait(), wait)
 
     def _give_up(self, pending: _Pending) -> None:
-        """Give an answer up, if it is not there yet."""
+        """Cancel an answer that is not complete."""
         if self._begun.get(pending.place) is not pending:
             return
         if pending.question.about in FILES:
-            pending.deliver = _nowhere  # drawing is not broken off: it reads modules as it goes
+            pending.deliver = _nowhere  # drawing is not interrupted: it imports modules as it goes
             return
         del self._begun[pending.place]
         self._changed.set()
@@ -260,7 +259,7 @@ class Queue:
             worker.kill()
 
     def _begin_again(self) -> None:
-        """Tell whose answer was at hand when the process ended; the others' are begun anew."""
+        """Report the loss of the current answer when the process ended; restart the others."""
         begun, self._begun = self._begun, {}
         at, self._at = self._at, None
         for place, pending in begun.items():
@@ -273,11 +272,11 @@ class Queue:
 
 
 def _nowhere(_answer: bytes) -> None:
-    """Take an answer that nobody waits for."""
+    """Read and discard an answer that nobody waits for."""
 
 
 class _Worker:
-    """A process that follows orders, and the pipes to it."""
+    """A worker process and the pipes to it."""
 
     def __init__(self, process: asyncio.subprocess.Process, at_end: Callable[[], None]) -> None:
         assert process.stdin is not None
@@ -290,7 +289,7 @@ class _Worker:
 
     @classmethod
     async def begin(cls, niceness: int, at_end: Callable[[], None]) -> _Worker:
-        """Start a process that finds the same modules, and that Ctrl-C of a terminal spares."""
+        """Start a process with the same module path, protected from Ctrl-C in the terminal."""
         lines = (
             f"import sys; sys.path[:] = {sys.path!r}; "
             f"from rotor_ida.explorer.workers import work; work({niceness})"
@@ -307,11 +306,11 @@ class _Worker:
         return self._end.done()
 
     def tell(self, order: Order) -> None:
-        """Give an order; one to a process that has ended is lost, and its answer tells of that."""
+        """Send an order; if the process has ended it is lost, which its answer reports."""
         self._orders.write(pickle.dumps(order))
 
     async def follow(self, order: Order) -> bytes:
-        """Give an order, and return the part that comes of it; none is left when it is empty."""
+        """Send an order and return the resulting part; it is empty at the end of the answer."""
         self.tell(order)
         length = int.from_bytes(await self._answers.readexactly(LENGTH), "little")
         return await self._answers.readexactly(length)
@@ -322,7 +321,7 @@ class _Worker:
             self._process.kill()
 
     async def end(self) -> None:
-        """End the process, and wait until nothing is left of it."""
+        """End the process, and wait until it is gone."""
         self.kill()
         self._orders.close()
         await self._answers.read()

@@ -1,4 +1,4 @@
-"""The response curve, what the rotor settles on, and the branch of limit cycles through that."""
+"""Response curve, settled response, and the branch of limit cycles through it."""
 
 from __future__ import annotations
 
@@ -44,24 +44,24 @@ from rotor_ida.steady.sweep import sweep
 from rotor_ida.verification.compare import compare
 
 POINTS_OF_CURVE, POINTS_OF_WHIP = 40, 60
-# A branch of limit cycles is followed over so much of the speeds that are shown, and so far.
+# Most points of a branch of limit cycles.
 MOST_POINTS_OF_BRANCH = 2000
-# What is settled on is watched for so long: whole periods, or so many revolutions.
+# Duration of the record of the settled response: whole periods, or this many revolutions.
 REVOLUTIONS, SAMPLES = 32, 64
 CROSSINGS, CROSSINGS_OF_CHAOS = 256, 4096
-# A run is not there yet where its radii are off by so much of the largest one, itself not taken
-# as less than a small part of the eccentricity.
+# A run has not settled if its radii differ by more than this fraction of the largest one, which
+# counts as at least a small part of the eccentricity.
 NEAR, SMALL = 0.05, 1e-3
-# Rotors whose branches are kept.
+# Number of rotors whose branches are cached.
 MOST_KEPT = 64
 
-# A sweep of one point has one of each.
+# A sweep of one point has one value of each.
 ONE = (*PARAMETERS, "start", "direction")
 KIND_OF = by_number(RESPONSE)
 STABILITY_OF = by_number(STABILITY)
 
 FOLD, HOPF = ("fold_omega", "fold_amplitude"), ("hopf_omega", "hopf_amplitude")
-# A curve on which there is nothing.
+# An empty curve.
 NO_WHIRLS: Arrays = {
     **dict.fromkeys(("omega", "amplitude", "phase_lag", *FOLD, *HOPF), np.empty(0)),
     **dict.fromkeys(("stability", "in_contact", "piece"), np.empty(0, np.int8)),
@@ -71,7 +71,7 @@ _branches: dict[tuple[Rotor, tuple[float, float]], list[xr.Dataset]] = {}
 
 
 def show_responses(question: Question) -> Iterator[Answer]:
-    """Yield the response curve, what is settled on, its section, and its branch."""
+    """Yield the response curve, the settled response, its section and its branch."""
     rotor = question.rotor
     curve = _curve(question)
     yield curve
@@ -93,9 +93,9 @@ def show_responses(question: Question) -> Iterator[Answer]:
 
 
 def _curve(question: Question) -> Answer:
-    """Return the whirls over the speed, with what is marked on them; or why there are none.
+    """Return the whirls over the speed with their special points, or the reason for none.
 
-    The Hopf points of rubs take longer than the curve, and come later.
+    The Hopf points of rubs take longer than the curve and follow later.
     """
     rotor = question.rotor
     facts = facts_of(question)
@@ -109,13 +109,13 @@ def _curve(question: Question) -> Answer:
 
 
 def at_rest(rotor: Rotor) -> Rotor:
-    """Return a rotor that stands for all speeds of it."""
+    """Return the rotor at speed 0, which represents all its speeds."""
     return replace(rotor, omega=0.0)
 
 
 @lru_cache(maxsize=MOST_KEPT)
 def _arrays_of_curve(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
-    """Return the response curve, with its folds and its Hopf points but those of rubs."""
+    """Return the response curve with its folds and Hopf points, except those of rubs."""
     given = of_whirls(rotor)
     curve = response_curve(**given, limits=speeds, points=POINTS_OF_CURVE)
     names = ("omega", "amplitude", "phase_lag", "stability", "in_contact", "piece")
@@ -127,21 +127,21 @@ def _arrays_of_curve(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
 
 
 def of_whirls(rotor: Rotor) -> dict[str, Any]:
-    """Return what whirls over the speed depend on; with unbalance they slip, whatever the disc."""
+    """Return the parameters that whirls over the speed depend on, without the disc radius."""
     return {
         name: value for name, value in rotor.given.items() if name not in {"omega", "disc_radius"}
     }
 
 
 def _marked(found: xr.Dataset, marks: tuple[str, str], limits: tuple[float, float]) -> Arrays:
-    """Return speed and amplitude of the points that are marked on a curve."""
+    """Return speed and amplitude of the special points of a curve."""
     omega, (low, high) = found[marks[0]].values[0, 0], limits
     are_there = np.isfinite(omega) & (low <= omega) & (omega <= high)
     return {name: found[name].values[0, 0][are_there] for name in marks}
 
 
 def _with_hopf_points(question: Question, curve: Answer) -> Answer:
-    """Return a curve of rubs again, with its Hopf points."""
+    """Return a curve of rubs with its Hopf points."""
     found = _hopf_points(at_rest(question.rotor), question.speeds)
     return replace(curve, arrays=curve.arrays | found)
 
@@ -152,7 +152,7 @@ def _hopf_points(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
 
 
 def _backward_whirls(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
-    """Return the whirls that friction keeps up, over the speed: the slipping one and dry whip."""
+    """Return the friction-driven whirls over the speed: the slipping one and dry whip."""
     birth = float(backward_whirl(rotor)["birth_omega"])
     low, high = max(birth, speeds[0]), speeds[1]
     omega = np.linspace(low, high, POINTS_OF_WHIP) if low <= high else np.empty(0)
@@ -162,7 +162,7 @@ def _backward_whirls(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
 
 
 def _seen(swept: xr.Dataset) -> dict[str, object]:
-    """Return what a sweep of one point says of it."""
+    """Return the results of a sweep of one point as facts."""
     names = ("amplitude", "phase_lag", "radius_min", "radius_max", "period", "lyapunov_exponent")
     found: dict[str, object] = {name: float(swept[name]) for name in names if name in swept}
     found["response"] = KIND_OF[int(swept["response"])]
@@ -171,7 +171,7 @@ def _seen(swept: xr.Dataset) -> dict[str, object]:
 
 
 def _exact(compared: xr.Dataset) -> dict[str, object]:
-    """Return the exact response that was settled on, beside the simulated one."""
+    """Return the exact response beside the simulated one."""
     lies_on = int(compared["lies_on"])
     found: dict[str, object] = {
         "lies_on": next(word for word, number in EXACT.items() if number == lies_on),
@@ -189,7 +189,7 @@ def _exact(compared: xr.Dataset) -> dict[str, object]:
 
 
 def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) -> Answer:
-    """Return what is settled on, and what it does to the ring, watched from its end on."""
+    """Return the settled response and its contact forces, from a run that continues its end."""
     rotor = question.rotor
     facts = {**facts_of(question), **settled}
     if settled["response"] != "failed":
@@ -212,7 +212,7 @@ def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) 
 
 
 def level_of(facts: Mapping[str, Any]) -> str:
-    """Return how bad what is settled on is: "clear", "rub", "whip", or "unknown"."""
+    """Return the severity of the settled response: "clear", "rub", "whip" or "unknown"."""
     if facts["response"] == "failed":
         return "unknown"
     if facts["response"] == "rolling":
@@ -228,12 +228,12 @@ def _whip(rotor: Rotor) -> tuple[float, float, float]:
 
 
 def _is_repeated(settled: Mapping[str, object]) -> bool:
-    """Return whether what is settled on has one course, which a run comes to."""
+    """Return whether the settled response repeats itself, so that a run can converge to it."""
     return settled["response"] not in {"failed", "quasi_periodic", "chaotic", "unresolved"}
 
 
 def _is_under_way(question: Question, settled: Mapping[str, Any]) -> bool:
-    """Return whether the run that is drawn ends with something else than what is settled on."""
+    """Return whether the drawn run ends before it reaches the settled response."""
     drawn = ending(values_of(run_of(question)), question.rotor)
     if (drawn["contact_fraction"] > 0.0) != (settled["contact_fraction"] > 0.0):
         return True
@@ -242,7 +242,7 @@ def _is_under_way(question: Question, settled: Mapping[str, Any]) -> bool:
 
 
 def _watched(rotor: Rotor, settled: dict[str, object]) -> float:
-    """Return for how long to watch: whole periods, and revolutions enough."""
+    """Return the duration of the record: whole periods, and enough revolutions."""
     length, period = REVOLUTIONS * 2.0 * math.pi / (rotor.omega or 1.0), settled["period"]
     if isinstance(period, float) and period > 0.0:
         return math.ceil(length / period) * period
@@ -250,7 +250,7 @@ def _watched(rotor: Rotor, settled: dict[str, object]) -> float:
 
 
 def _section(question: Question, settled: dict[str, object], swept: xr.Dataset) -> Answer:
-    """Return the section by revolutions of what is settled on."""
+    """Return the section of the settled response once a revolution."""
     chaotic = settled["response"] in {"quasi_periodic", "chaotic", "unresolved"}
     found = poincare_section(
         question.rotor,
@@ -281,7 +281,7 @@ def _known_branches(question: Question) -> Iterator[Answer]:
 def _branch(
     question: Question, settled: dict[str, object], compared: xr.Dataset
 ) -> Iterator[Answer]:
-    """Yield the branch of limit cycles through what is settled on, if it is not known yet."""
+    """Yield the branch of limit cycles through the settled response, if not cached."""
     known = _branches.get(_key(question), [])
     period, radius = (float(str(settled[name])) for name in ("exact_period", "exact_radius_max"))
     if any(holds_cycle(branch, question.rotor, period, radius) for branch in known):

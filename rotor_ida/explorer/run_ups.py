@@ -1,8 +1,8 @@
 """Pieces of a run-up or run-down: motion, folds on the way, order 1 and a cascade.
 
-A piece goes on from the record that ends where it begins. Of that only the end is kept, from where
-the next window of a revolution and the next spectrum begin, so that windows and spectra are those
-of the record as a whole.
+Each piece continues a record. Only the end of the record is kept, from the start of the next
+revolution window and of the next spectrum. Windows and spectra are therefore those of the
+complete record.
 """
 
 from __future__ import annotations
@@ -40,35 +40,35 @@ from rotor_ida.signals.windows import EDGE, windows_of
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.run_up import run_up
 
-# As of the run that is drawn.
+# As for the drawn run.
 RTOL = 1e-10
 METHOD: Method = "taylor"
-# So many samples a revolution, or in a time of 2 pi where that is shorter.
+# Samples per revolution, or in a time of 2 pi if that is shorter.
 SAMPLES, MOST_SAMPLES = 48, 4096
-# The whirls of a fold are counted so far, as a part of its speed, on either side of it.
+# Whirls are counted at this distance on either side of a fold, as a fraction of its speed.
 BESIDE = 1e-4
-# At a fold from which it is no further to the next whirl, as a part of the radius, nobody sees a
-# jump: such are those close to the first touch.
+# A jump to a whirl within this fraction of the radius is not visible, as at folds near the first
+# touch.
 LEAST_JUMP = 0.2
 
-# Equally spaced samples: so many in a revolution at the highest speed that is shown.
+# Equally spaced samples: number per revolution at the highest speed shown.
 PER_REVOLUTION = 32
 OVERLAP = 0.5
-# Order 1 is known where the rest of the motion is at most so many times as large.
+# Order 1 is known if the rest of the motion is at most this many times as large.
 MOST_BESIDE = 4.0
-# Lines up to so many times the highest speed.
+# Highest frequency of lines, over the highest speed.
 FURTHEST = 2.5
-# What the rotor does at the end of a piece is what it does over the last part of it.
+# The state at the end of a piece is judged over this last part of it.
 LAST = 0.75
-# Ends that are kept, and the samples of one.
+# Number of record ends kept, and samples of one.
 MOST_ENDS, MOST_SAMPLES_KEPT = 32, 2**20
 
 
 def show_run_up(question: Question) -> Iterator[Answer]:
-    """Yield the radius on one piece of a ramp, and the state from which the next one goes on.
+    """Yield the radius on one piece of a ramp, and the state from which the next one continues.
 
-    That state is turned back by the angle of the unbalance, as each piece begins with the unbalance
-    along x.
+    That state is rotated back by the angle of the unbalance, because each piece begins with the
+    unbalance along x.
     """
     rotor, to, rate = question.rotor, question.to, question.rate
     assert to is not None
@@ -113,7 +113,7 @@ def show_run_up(question: Question) -> Iterator[Answer]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Passed:
-    """What a rotor has done since its speed began to change.
+    """Summary of a run-up since the speed began to change.
 
     Parameters
     ----------
@@ -122,9 +122,9 @@ class Passed:
     touch : float
         Speed of the first contact [1]; NaN without one.
     radius, radius_speed, force, force_speed : float
-        Largest radius and contact force, and the speeds at which they were [1].
+        Largest radius and contact force, and the speeds at which they occurred [1].
     now : {"clear", "rub", "whip"}
-        What it does at the end.
+        State at the end.
     """
 
     begin: float
@@ -138,14 +138,14 @@ class Passed:
 
 
 def followed(passed: Passed, run: dict[str, npt.NDArray[Any]], rotor: Rotor) -> Passed:
-    """Return what has been done with one more piece."""
+    """Return the summary with one more piece."""
     speed, radius = run["speed"], np.hypot(run["x"], run["y"])
     normal = power_in_contact(run, rotor).normal_force
     found: dict[str, Any] = {"end": float(speed[-1]), "now": _now(run, radius, rotor)}
     widest = int(radius.argmax())
     if radius[widest] > passed.radius:
         found |= {"radius": float(radius[widest]), "radius_speed": float(speed[widest])}
-    # between two samples a short contact has its force at its peak
+    # a short contact between two samples has its largest force at its peak
     times = np.concatenate([run["t"], run["peak_time"]])
     forces = np.concatenate([normal, run["peak_force"]])
     hardest = int(forces.argmax())
@@ -160,7 +160,7 @@ def followed(passed: Passed, run: dict[str, npt.NDArray[Any]], rotor: Rotor) -> 
 
 
 def _now(run: dict[str, npt.NDArray[Any]], radius: Values, rotor: Rotor) -> str:
-    """Return what the rotor does over the last part of a piece."""
+    """Return the state of the rotor over the last part of a piece."""
     late = run["t"] >= LAST * run["t"][-1]
     backward = np.mean((run["x"] * run["vy"] - run["y"] * run["vx"])[late]) < 0.0
     if backward and "mode" in run and np.any(run["mode"][late] == MODE["rolling"]):
@@ -172,9 +172,9 @@ def _now(run: dict[str, npt.NDArray[Any]], radius: Values, rotor: Rotor) -> str:
 
 @lru_cache(maxsize=MOST_KEPT)
 def _folds_of(rotor: Rotor) -> tuple[dict[str, float], ...]:
-    """Return where a whirl ends on the way up (1) or down (-1): speed, radius, and what is left.
+    """Return the folds at which a whirl ends, up (1) or down (-1): speed, radius and next radius.
 
-    That is, of the whirls that are left there, the one with the nearest radius.
+    The next radius is that of the nearest remaining whirl.
     """
     if rotor.load > 0.0:
         return ()
@@ -203,7 +203,7 @@ def _folds_of(rotor: Rotor) -> tuple[dict[str, float], ...]:
 
 
 def _whirls_at(rotor: Rotor, omega: float) -> tuple[int, list[float]]:
-    """Return how many whirls there are at a speed, and the radii of those that are not unstable."""
+    """Return the number of whirls at a speed, and the radii of those that are not unstable."""
     found = synchronous_response(omega=omega, **of_whirls(rotor))
     radii, stability = found["amplitude"].values.ravel(), found["stability"].values.ravel()
     held = np.isfinite(radii) & (stability != STABILITY["unstable"])
@@ -212,7 +212,7 @@ def _whirls_at(rotor: Rotor, omega: float) -> tuple[int, list[float]]:
 
 @dataclass(frozen=True, slots=True)
 class Tail:
-    """The end of a record, from which the next piece goes on.
+    """The end of a record, which the next piece continues.
 
     Parameters
     ----------
@@ -225,11 +225,11 @@ class Tail:
     time, angle, speed : float
         Time and angle since the beginning of the record, and the speed, at its end.
     first, due : int
-        Number of the first sample that is kept, and of the one at which the next spectrum begins.
+        Index of the first sample kept, and of the first one of the next spectrum.
     begin : float
         Angle at which the next window of a revolution begins.
     passed : Passed
-        What the rotor has done since the record began.
+        Summary since the record began.
     angles, z : ndarray
         Samples: angles since the beginning, displacements on fixed axes.
     """
@@ -248,7 +248,7 @@ class Tail:
     z: npt.NDArray[np.complex128]
 
     def times_until(self, duration: float) -> Values:
-        """Return the times of the samples that a piece of some duration adds, in its own time."""
+        """Return the times of the samples that a piece adds, from the beginning of the piece."""
         first = self.first + self.z.size
         end = math.floor((self.time + duration) / self.step)
         times = np.arange(first, end + 1) * self.step - self.time
@@ -259,7 +259,7 @@ _ends: OrderedDict[tuple[Rotor, State], Tail] = OrderedDict()
 
 
 def tail_of(question: Question) -> Tail:
-    """Return the record that ends where a piece begins, or a new one."""
+    """Return the record that ends at the beginning of a piece, or a new one."""
     rotor, rate = question.rotor, question.rate
     assert rate is not None
     found = _ends.get((at_rest(rotor), question.start))
@@ -280,25 +280,25 @@ def tail_of(question: Question) -> Tail:
 def tracked(
     tail: Tail, duration: float, speed: float, turned: float, angles: Values, z: npt.ArrayLike
 ) -> tuple[Tail, Arrays]:
-    """Return a record with a piece added, and what comes to be known of it.
+    """Return a record with a piece added, and the new results.
 
     Parameters
     ----------
     tail : Tail
         The record so far.
     duration, speed, turned : float
-        How long the piece is, the speed at its end, and the angle through which it turns.
+        Duration of the piece, the speed at its end, and its angle of rotation.
     angles, z : ndarray
-        Angles and displacements at the samples, as the piece has them.
+        Angles and displacements at the samples of the piece.
 
     Returns
     -------
     tail : Tail
         The record.
     arrays : dict
-        ``order_speed``, ``order_amplitude`` and ``order_lag`` of each revolution that is whole now;
-        of each spectrum its ``cascade_speed`` and, one after the other, its ``cascade_amplitude``
-        at each ``cascade_frequency``.
+        ``order_speed``, ``order_amplitude`` and ``order_lag`` of each newly complete revolution;
+        for each spectrum ``cascade_speed`` and, concatenated, ``cascade_amplitude`` at each
+        ``cascade_frequency``.
     """
     longer = replace(
         tail,
@@ -316,7 +316,7 @@ def tracked(
 
 
 def keep_tail(question: Question, end: State, tail: Tail) -> None:
-    """Keep a record for the piece that goes on from the state at its end."""
+    """Keep a record for the piece that continues from the state at its end."""
     if tail.z.size > MOST_SAMPLES_KEPT:
         return
     _ends[at_rest(question.rotor), end] = tail
@@ -325,14 +325,14 @@ def keep_tail(question: Question, end: State, tail: Tail) -> None:
 
 
 def _orders(tail: Tail) -> tuple[Tail, Arrays]:
-    """Return order 1 in each revolution that is whole, as `orders` has it."""
+    """Return order 1 in each complete revolution, as `orders` does."""
     first = _first_of(tail)
     last = tail.angles[-1] if tail.angles.size else 0.0
     count = math.floor((last - tail.begin) / math.tau + EDGE)
     if count < 1:
         names = ("order_speed", "order_amplitude", "order_lag")
         return tail, dict.fromkeys(names, np.empty(0))
-    # with the sample behind the last window, which tells where that ends
+    # with the sample after the last window, which marks its end
     end = int(np.searchsorted(tail.angles, tail.begin + (count - EDGE) * math.tau)) + 1
     z, angles = tail.z[first:end], tail.angles[first:end]
     times = np.asarray((tail.first + first + np.arange(z.size)) * tail.step, dtype=np.float64)
@@ -340,7 +340,7 @@ def _orders(tail: Tail) -> tuple[Tail, Arrays]:
     windows = windows_of(record, 1, begin=tail.begin)
     found = fit(record, windows, np.ones(1))
     ahead = found.amplitudes[:, 0]
-    # a revolution of much larger other motion, as in dry whip, has no order 1: the line breaks
+    # a revolution with much larger other motion, as in dry whip, has no order 1: the line breaks
     ahead = np.where(found.residual > MOST_BESIDE * np.abs(ahead), np.nan, ahead)
     return replace(tail, begin=tail.begin + math.tau * windows.times.size), {
         "order_speed": windows.speeds,
@@ -350,12 +350,12 @@ def _orders(tail: Tail) -> tuple[Tail, Arrays]:
 
 
 def _first_of(tail: Tail) -> int:
-    """Return which of the samples is the first of the next window."""
+    """Return the index of the first sample of the next window."""
     return int(np.searchsorted(tail.angles, tail.begin - EDGE * math.tau))
 
 
 def _cascade(tail: Tail) -> tuple[Tail, Arrays]:
-    """Return the spectra that are whole, as `spectrogram` has them."""
+    """Return the complete spectra, as `spectrogram` does."""
     late = slice(tail.due - tail.first, None)
     z, angles = tail.z[late], tail.angles[late]
     if z.size < tail.segment:

@@ -1,8 +1,8 @@
-"""The server of the page: only this machine, only the page that knows its key, only small messages.
+"""Server of the page: only for this machine, for a page with the key, and for small messages.
 
-What is refused, and why: a host that is not this machine's own name (a foreign page may let its
-name lead here), an origin that is not the page's own (a foreign page may ask on its own), a page
-without the key of this start, and whatever is larger or more than a page would send.
+It refuses a host name other than this machine's (a foreign page may point its name here), an origin
+other than the page's (a foreign page may send requests), a page without the key of this start, and
+messages larger or more frequent than a page sends.
 """
 
 from __future__ import annotations
@@ -46,24 +46,24 @@ from rotor_ida.explorer.queues import Deliver, Queues
 from rotor_ida.model.data_sheet import implausible
 
 HOSTS = ("127.0.0.1", "localhost", "[::1]")
-# A page speaks this, and what follows the dot is its key.
+# WebSocket protocol of a page; the text after the dot is its key.
 PROTOCOL = "rotor-ida"
 MOST_PAGES = 16
-# Bytes of a message; larger ones are not even read.
+# Largest message in bytes; larger ones are not read.
 LARGEST_MESSAGE = 65_536
 MOST_FRAGMENTS = 1024
-# Bytes of answers that wait for a page to read them.
+# Bytes of answers waiting to be read by a page.
 MOST_UNREAD = 2**25
 # Connections that have not shown the key, and how long each may take, in seconds.
 MOST_VISITS = 64
 LONGEST_VISIT = 20.0
-# Connections accepted at a time, few, so that each is read before newer ones make it go; and those
-# that may wait to be accepted.
+# Connections accepted at a time, few, so that each is read before newer ones displace it; and the
+# number that may wait.
 MOST_AT_ONCE = MOST_VISITS // 4
 MOST_WAITING = 1024
-# Bytes that are kept of a request that has not come whole.
+# Bytes kept of an incomplete request.
 LARGEST_HEADERS = 65_536
-# Seconds that a page has to end when it is sent away.
+# Seconds for a page to close when it is dismissed.
 GRACE = 1.0
 HEADERS = {
     "Content-Security-Policy": (
@@ -76,12 +76,12 @@ HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-# Codes with which a page is sent away; the page says what they mean.
+# Close codes; the page explains them.
 TOO_MANY_PAGES, TOO_SLOW = 4429, 4408
 
 
 def application(queues: Queues, key: str) -> ASGIApp:
-    """Return the page and its answers, for those who know the key."""
+    """Return the application that serves the page, and answers to those with the key."""
     contents, numbers, pages = page_files(), count(1), set[int]()
 
     async def page(request: Request) -> Response:
@@ -95,7 +95,7 @@ def application(queues: Queues, key: str) -> ASGIApp:
         offered = f"{PROTOCOL}.{key}"
         words = [word.encode("utf-8", "replace") for word in socket.scope["subprotocols"]]
         if not any(secrets.compare_digest(word, offered.encode()) for word in words):
-            await socket.close()  # refused before it is opened
+            await socket.close()  # refused before the connection is opened
             return
         number = next(numbers)
         with suppress(WebSocketDisconnect):
@@ -117,7 +117,7 @@ def application(queues: Queues, key: str) -> ASGIApp:
 
 
 async def _converse(socket: WebSocket, queues: Queues, page: int) -> None:
-    """Take the questions of a page, and send it what comes of them, until it goes away."""
+    """Accept the questions of a page and send the answers, until it disconnects."""
     unread, held = asyncio.Queue[bytes](), 0
 
     def deliver(answer: bytes) -> None:
@@ -156,10 +156,10 @@ async def _converse(socket: WebSocket, queues: Queues, page: int) -> None:
 
 
 class Inbox:
-    """What a page sends: questions, and a measured file in pieces behind the question about it.
+    """Input from a page: questions, and a measured file in pieces after its question.
 
-    The file is kept in a folder of its own until it is analysed, the page sends another one or
-    goes away.
+    The file is kept in a temporary folder until it is analysed, the page sends another one or
+    disconnects.
     """
 
     def __init__(
@@ -172,7 +172,7 @@ class Inbox:
         self._left = 0
 
     def take(self, text: str, piece: bytes | None) -> None:
-        """Take a message: a text, or a piece of a file that is coming."""
+        """Accept a message: a text, or a piece of a file in transfer."""
         if piece is not None and self._coming is not None:
             self._add(piece)
             return
@@ -190,7 +190,7 @@ class Inbox:
         self._add(b"")
 
     def _add(self, piece: bytes) -> None:
-        """Add a piece to the file; when it is whole, have it analysed."""
+        """Add a piece to the file; analyse it when it is complete."""
         coming = self._coming
         assert coming is not None
         assert coming.path is not None
@@ -210,7 +210,7 @@ class Inbox:
         self._deliver(answer)
 
     def close(self) -> None:
-        """Remove what is kept."""
+        """Remove the stored file."""
         self._coming = None
         if self._folder is not None:
             self._folder.cleanup()
@@ -218,7 +218,7 @@ class Inbox:
 
 
 def _machine_of(sheet: DataSheet) -> Answer:
-    """Return the machine of a data sheet and what is unlikely about it, or why there is none."""
+    """Return the machine of a data sheet with its warnings, or the error."""
     try:
         machine = sheet.machine()
     except InputError as error:
@@ -230,7 +230,7 @@ def _machine_of(sheet: DataSheet) -> Answer:
 
 
 def _only_from_here(app: ASGIApp) -> ASGIApp:
-    """Refuse what was asked of another host, or by a page of another origin."""
+    """Refuse requests to another host, or from a page of another origin."""
 
     async def guarded(scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in {"http", "websocket"}:
@@ -275,13 +275,13 @@ def is_own(hosts: list[str], origins: list[str], *, needs_origin: bool) -> bool:
 
 
 class _Config(uvicorn.Config):
-    """What the server takes in, and for how long."""
+    """Limits on connections and their duration."""
 
     longest_visit = LONGEST_VISIT
 
 
 class _Visit(H11Protocol):
-    """A connection that fetches files: there are few of them, for a short time."""
+    """A connection that fetches files; their number and duration are limited."""
 
     config: _Config
 
@@ -289,7 +289,7 @@ class _Visit(H11Protocol):
         super().connection_made(transport)
         self.since = self.loop.time()
         self._end = self.loop.call_later(self.config.longest_visit, transport.abort)
-        # The oldest make room, whatever they have asked or read: none keeps a newcomer out.
+        # The oldest are closed to make room, whatever they have asked or read.
         visits = [
             each for each in self.connections
             if isinstance(each, _Visit) or (isinstance(each, _Talk) and not each.is_open())
@@ -300,11 +300,11 @@ class _Visit(H11Protocol):
     def data_received(self, data: bytes) -> None:
         try:
             super().data_received(data)
-        except h11.LocalProtocolError:  # what follows a request is no other one
+        except h11.LocalProtocolError:  # data after a request is not another request
             self.transport.abort()
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
-        # The page has no cookies: these are other programs', of any size and in any letters.
+        # The page sets no cookies: these belong to other programs, with any size and encoding.
         self.headers = [(name, value) for name, value in self.headers if name != b"cookie"]
         if not all(value.isascii() for _, value in self.headers):
             self.send_400_response("no page sends such headers")
@@ -318,7 +318,7 @@ class _Visit(H11Protocol):
 
 
 class _Talk(WebSocketsSansIOProtocol):
-    """A connection over which a page asks; it ends even if the page reads nothing any more."""
+    """A connection for questions; it ends even if the page stops reading."""
 
     config: _Config
     _fragments = 0
@@ -367,22 +367,22 @@ class _Talk(WebSocketsSansIOProtocol):
 
 
 class Server(uvicorn.Server):
-    """A server whose owner decides about signals."""
+    """A server that leaves signal handling to its owner."""
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Begin to serve; more may wait than are accepted at a time."""
+        """Start serving; more connections may wait than are accepted at a time."""
         await super().startup(sockets)
         for each in sockets or []:
             each.listen(MOST_WAITING)
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
-        """Leave them alone."""
+        """Leave signal handlers unchanged."""
         yield
 
 
 def server_of(app: ASGIApp, longest_visit: float = LONGEST_VISIT) -> Server:
-    """Return a server with limits on what it takes in, and how long a visit may last [s]."""
+    """Return a server with limits on its input and on the duration of a visit [s]."""
     config = _Config(
         app, http=_Visit, ws=_Talk, lifespan="off", log_config=None, log_level="critical",
         access_log=False, server_header=False, date_header=False, ws_max_size=LARGEST_MESSAGE,

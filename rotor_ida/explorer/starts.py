@@ -1,4 +1,4 @@
-"""The basin over a plane of starts: a first look, then all decided, coarse and fine."""
+"""Basins of attraction on a plane of starts: a quick preview, then coarse and fine results."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from rotor_ida.explorer.motion import facts_of
 from rotor_ida.parallel import interruptible
 from rotor_ida.schema import RESPONSE, by_number
 
-# Starts along each side of the plane: those of the first look, which decides only what whirls hold
-# after so short a time; of a coarse picture with the larger error of a step; and of the last one.
+# Starts along each side of the plane: of the preview, which only decides starts that reach a whirl
+# within a short time; of a coarse picture with a larger step error; and of the final one.
 FIRST, COARSE, FINE = 32, 48, 144
 LOOKED = 150.0
 RTOL = 1e-6
@@ -25,11 +25,11 @@ RADII = ("amplitude", "radius_min", "radius_max")
 
 
 def show_starts(question: Question) -> Iterator[Answer]:
-    """Yield the basin over starts in x and y that have the velocity of the start."""
+    """Yield the basins over starts in x and y with the velocity of the start."""
     rotor = question.rotor
     check_rotor(rotor)
     pictures = ((COARSE, RTOL), (FINE, None))
-    if rotor.friction > 0.0:  # there the first look tells nothing, and starts take far longer
+    if rotor.friction > 0.0:  # the preview decides nothing there, and starts take far longer
         pictures = ((COARSE // 2, RTOL), (COARSE, None))
     else:
         yield _first_look(question)
@@ -44,7 +44,7 @@ def show_starts(question: Question) -> Iterator[Answer]:
 
 
 def _first_look(question: Question) -> Answer:
-    """Return what whirls hold soon; all other starts are not decided yet."""
+    """Return the starts that reach a whirl soon; the others stay undecided."""
     axis = _middles(question.reach, FIRST)
     states = np.empty((4, FIRST, FIRST))
     states[0], states[1] = axis[:, None], axis
@@ -63,7 +63,7 @@ def _picture(
     question: Question, labels: npt.NDArray[np.integer], attractors: list[dict[str, object]],
     *, finest: bool,
 ) -> Answer:  # fmt: skip
-    """Return the labels of the starts by (x, y), and what they mean; negative is undecided."""
+    """Return the labels of the starts by (x, y), and their meanings; negative is undecided."""
     for number, each in enumerate(attractors):
         each["fraction"] = float((labels == number).mean())
     facts: dict[str, object] = {

@@ -1,4 +1,4 @@
-"""Plain words for what a run does and what it settles on."""
+"""Sentences that describe a run and its settled response."""
 
 from __future__ import annotations
 
@@ -9,38 +9,37 @@ from typing import Any
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.units import SPEED_UNITS
 
-# How a kind of response is told, and what it means on the machine.
+# Words for each kind of response, with its meaning on a machine.
 KINDS = {
     "contact_free": "a contact-free whirl: it stays inside the clearance",
     "synchronous": "a synchronous whirl in contact: it turns with the unbalance at constant radius",
     "bouncing": "a bouncing limit cycle (intermittent rub): it enters and leaves contact often",
     "full_contact": "a limit cycle in full contact (full annular rub): its radius pulsates",
     "rolling": "dry whip: it rolls backwards on the stator",
-    "touching": "a contact-free whirl, through ever slighter touches",
-    "quasi_periodic": "a torus: it never repeats itself, and neighbouring motions stay together",
-    "chaotic": "chaos: it never repeats itself, and neighbouring motions part",
-    "unresolved": "no known kind of motion within the longest time that is simulated",
+    "touching": "a contact-free whirl, through ever lighter contacts",
+    "quasi_periodic": "a torus: it never repeats itself, but neighbouring motions stay together",
+    "chaotic": "chaos: it never repeats itself, and neighbouring motions diverge",
+    "unresolved": "no known kind of motion within the longest simulated time",
 }
 NO_CURVE = "Under a static load there is no synchronous whirl, so no exact curve."
 HELD = "the contact-free whirl, which is the only one with a shaft: it stays inside the clearance"
-# A rotor at rest is at the centre, when it is so much closer to it than the mass centre is to the
-# centre of the disc.
+# A rotor at rest counts as centred if its distance is below this fraction of the eccentricity.
 CENTRE = 1e-6
-# What a disc that does not turn does where another rolls.
+# Words for rolling of a disc that does not rotate.
 STILL = "does not slide"
-# A radius that varies by no more than this part of it belongs to a whirl.
+# A radius that varies by at most this fraction belongs to a whirl.
 STEADY = 1e-6
-# An indentation above this part of the disc's radius is beyond what a contact law can mean.
+# The contact law is not valid for an indentation above this fraction of the disc's radius.
 DEEPEST = 0.1
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 
 def words_of_run(machine: Rotor | DimensionalRotor, facts: Mapping[str, float]) -> list[str]:
-    """Return what a run does over its last half, in sentences."""
+    """Describe the last half of a run, in sentences."""
     if not facts["contacts_in_all"]:
         return ["It never touches the stator."]
     if facts["contact_fraction"] == 0.0:
-        return ["It has touched the stator, and no longer does."]
+        return ["It has touched the stator, but no longer does."]
     peak = _force(machine, facts["largest_force"])
     damped = [*_damped(machine, facts), *_rubbing(machine, facts)]
     if facts["contact_fraction"] >= 1.0:
@@ -55,7 +54,7 @@ def words_of_run(machine: Rotor | DimensionalRotor, facts: Mapping[str, float]) 
 
 
 def verdict_of(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> str:
-    """Return in one sentence whether what a rotor settles on rubs, and how hard.
+    """Return in one sentence whether the settled response rubs, and at which force.
 
     Examples
     --------
@@ -79,7 +78,7 @@ def verdict_of(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> s
 
 
 def words_of_run_up(machine: Rotor | DimensionalRotor, passed: Mapping[str, Any]) -> str:
-    """Return in one sentence what a rotor has done since its speed began to change.
+    """Describe a run-up so far in one sentence.
 
     Parameters
     ----------
@@ -111,7 +110,7 @@ def words_of_run_up(machine: Rotor | DimensionalRotor, passed: Mapping[str, Any]
 
 
 def _gap(machine: Rotor | DimensionalRotor, radius: float) -> str:
-    """Return a radius inside the clearance and what that leaves of it."""
+    """Return a radius inside the clearance and the gap, in words."""
     clearance = (machine if isinstance(machine, Rotor) else machine.rotor()).delta0
     gap = _length(machine, max(clearance - radius, 0.0))
     return f"radius {_length(machine, radius)}, gap {gap} left of the clearance " + _length(
@@ -120,7 +119,7 @@ def _gap(machine: Rotor | DimensionalRotor, radius: float) -> str:
 
 
 def _too_deep(machine: Rotor | DimensionalRotor, radius: float) -> str:
-    """Return that an indentation is larger than a contact law can mean, where it is."""
+    """Return a warning if the indentation is too large for the contact law."""
     rotor = machine if isinstance(machine, Rotor) else machine.rotor()
     depth = radius - rotor.delta0
     if rotor.disc_radius is None or depth <= DEEPEST * rotor.disc_radius:
@@ -132,7 +131,7 @@ def _too_deep(machine: Rotor | DimensionalRotor, radius: float) -> str:
 
 
 def words_of_response(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
-    """Return what a rotor settles on, in sentences.
+    """Describe the settled response, in sentences.
 
     Examples
     --------
@@ -169,7 +168,7 @@ def words_of_response(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any
 def words_of_transient(
     machine: Rotor | DimensionalRotor, omega: float, drawn: float, settled: float
 ) -> str:
-    """Return that a run ends before the rotor has settled.
+    """Return a sentence that a run ends before the rotor has settled.
 
     Parameters
     ----------
@@ -178,7 +177,7 @@ def words_of_transient(
     omega : float
         Its speed [1].
     drawn, settled : float
-        When the run that is drawn ends, and when the rotor was found to have settled [1].
+        Times at which the drawn run ends, and at which the rotor has settled [1].
 
     Examples
     --------
@@ -200,16 +199,16 @@ def words_of_transient(
 def words_of_whip(
     machine: Rotor | DimensionalRotor, saddle: float, whip: float, birth: float
 ) -> str:
-    """Return whether friction alone, without the unbalance, could keep up dry whip.
+    """Return in words whether friction alone, without unbalance, can sustain dry whip.
 
     Parameters
     ----------
     machine : Rotor or DimensionalRotor
         The rotor.
     saddle, whip : float
-        Radii of the slipping backward whirl and of dry whip [1]; NaN where there is none.
+        Radii of the slipping backward whirl and of dry whip [1]; NaN if there is none.
     birth : float
-        Speed at which both are born [1]; NaN where friction is too weak at any speed.
+        Speed from which both exist [1]; NaN if friction is too weak at any speed.
 
     Examples
     --------
@@ -234,7 +233,7 @@ def words_of_whip(
 
 
 def _at_rest(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
-    """Return where a rotor without spin comes to rest."""
+    """Return the place of rest of a rotor without spin, in words."""
     if facts["response"] == "synchronous":
         return ["It comes to rest on the stator.", _radii(machine, facts), _contact(machine, facts)]
     if facts["radius_max"] < CENTRE:
@@ -243,9 +242,9 @@ def _at_rest(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> lis
 
 
 def _damped(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
-    """Return what contact damping does, where there is any and it does something.
+    """Return the energy lost to contact damping, in words, if any.
 
-    That is told of a contact, or where none ends of a revolution, if the radius varies.
+    The loss is per contact or, if no contact ends, per revolution, if the radius varies.
     """
     loss = facts.get("loss_per_contact", math.nan)
     if math.isnan(loss):
@@ -253,12 +252,12 @@ def _damped(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list
         if math.isnan(each) or facts["contact_fraction"] < 1.0 or _is_steady(facts):
             return []
         return [f"The contact loses {_energy(machine, each)} a revolution."]
-    loose = ", and lets go before the rotor has left the stator" if facts["releases"] else ""
+    loose = ", and releases the rotor before it has left the stator" if facts["releases"] else ""
     return [f"A contact loses {_energy(machine, loss)} in the mean{loose}."]
 
 
 def _rubbing(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
-    """Return how much of the time in contact the disc slips and rolls, and what heat that makes."""
+    """Return the fractions of contact time with slip and rolling, and the friction heat."""
     if "rolling_fraction" not in facts:
         return []
     turns = machine.omega if isinstance(machine, Rotor) else machine.speed
@@ -283,7 +282,7 @@ def _rubbing(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> lis
 
 
 def _is_steady(facts: Mapping[str, Any]) -> bool:
-    """Return whether the radius stays the same."""
+    """Return whether the radius is constant."""
     return bool(facts["radius_max"] - facts["radius_min"] <= STEADY * facts["radius_max"])
 
 
@@ -345,7 +344,7 @@ def _rate(machine: Rotor | DimensionalRotor, value: float) -> str:
 
 
 def _in_units(machine: Rotor | DimensionalRotor, value: float, scale: str, unit: str) -> str:
-    """Return a number as it is, or of a machine with its unit."""
+    """Return a number, with its unit for a machine."""
     if isinstance(machine, Rotor):
         return _short(value)
     in_si = value * float(getattr(machine, scale))
@@ -354,5 +353,5 @@ def _in_units(machine: Rotor | DimensionalRotor, value: float, scale: str, unit:
 
 
 def _short(value: float) -> str:
-    """Return a number with four digits, without a power of ten where it is short anyway."""
+    """Return a number with four digits, without a power of ten if it is short."""
     return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"

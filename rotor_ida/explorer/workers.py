@@ -1,7 +1,7 @@
-"""A process that answers questions, part by part, and gives an answer up when it is told to.
+"""Worker process that answers questions part by part and can cancel an answer.
 
-It reads its orders in a thread of its own, so that it hears of an answer that is given up while it
-computes. The part at hand is then broken off as by Ctrl-C, which stops everything in this package.
+It reads orders in a separate thread, so that it notices a cancelled answer while it computes. It
+then interrupts the current part as Ctrl-C does, which stops everything in this package.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from typing import BinaryIO, Literal, cast
 from rotor_ida.errors import RotorError
 from rotor_ida.explorer.messages import Answer, Measurement, Question, packed, read_question
 
-# What to do about the answer of a number: begin it with its first part, or go on, or give it up.
+# Orders about a numbered answer: compute its first part, continue, or cancel it.
 Order = tuple[int, Question | Measurement | Literal["next", "drop"]]
 
-# The rotor that a process is asked about before a page is let in.
+# Rotor of the warm-up question, before a page may connect.
 FIRST_ROTOR = (2.0, 0.07, 2.0)
-# The same with what a machine has beside, which is computed by a library of its own.
+# Further parameters of a machine, for which a separate library computes.
 FIRST_MACHINE = {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
-# Module and function that answer what is asked about; all else are files.
+# Module and function that answer each kind of question; all others are files.
 SHOWN_BY = {
     "motion": ("motion", "show_motion"),
     "run_up": ("run_ups", "show_run_up"),
@@ -37,22 +37,22 @@ SHOWN_BY = {
     "responses": ("responses", "show_responses"),
     "starts": ("starts", "show_starts"),
 }
-# Seconds after which a part is broken off again.
+# Seconds after which a part is interrupted again.
 SOON = 0.01
-# Bytes that tell the length of an answer, little-endian.
+# Bytes of the length of an answer, little-endian.
 LENGTH = 4
 
 
 def work(niceness: int) -> None:
     """Follow the orders on standard input; to each but `drop` write one packed answer.
 
-    It is empty when there are no more parts. The process gives way to others as `os.nice` has it,
+    The answer is empty when there are no more parts. The process has the given niceness (`os.nice`)
     and ends with its standard input.
     """
     if hasattr(os, "nice"):
         os.nice(niceness)
     answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # whatever else is printed is an aside
+    os.dup2(2, 1)  # everything else that is printed goes elsewhere
     desk = Desk()
     signal.signal(signal.SIGINT, desk.break_off)
     signal.signal(signal.SIGALRM, desk.break_off)
@@ -65,16 +65,16 @@ def work(niceness: int) -> None:
 
 
 class Desk:
-    """The answers that are begun, and the one whose next part is at hand."""
+    """The answers in progress, and the one being computed."""
 
     def __init__(self) -> None:
         self._due: SimpleQueue[int] = SimpleQueue()
         self._begun: dict[int, Iterator[bytes]] = {}
         self._number = 0
-        self._at: int | None = None  # the number of the part that may be broken off
+        self._at: int | None = None  # the number of the part that may be interrupted
 
     def take(self, order: Order) -> None:
-        """Take an order; another thread computes."""
+        """Accept an order; another thread computes."""
         number, what = order
         if what == "drop":
             if self._begun.pop(number, None) is not None:
@@ -85,7 +85,7 @@ class Desk:
         self._due.put(number)
 
     def next_part(self) -> bytes:
-        """Wait for an order, and return the next part of the answer; nothing when it is whole."""
+        """Wait for an order, and return the next part of the answer; nothing at its end."""
         number = self._number = self._due.get()
         part = b""
         try:
@@ -101,13 +101,13 @@ class Desk:
         return part
 
     def break_off(self, _signal: int, _frame: FrameType | None) -> None:
-        """Break off the part at hand if its answer is given up."""
+        """Interrupt the current part if its answer is cancelled."""
         if self._at is not None and self._at not in self._begun:
             self._at = None
             raise KeyboardInterrupt
 
     def break_off_again(self, lost: sys.UnraisableHookArgs) -> None:
-        """Break the part off a little later where nobody could, as when an object is deleted."""
+        """Interrupt again later if the first interrupt was lost, as when an object is deleted."""
         if lost.exc_type is KeyboardInterrupt:
             self._at = self._number
             signal.setitimer(signal.ITIMER_REAL, SOON)
@@ -116,7 +116,7 @@ class Desk:
 
 
 def _listen(desk: Desk, orders: BinaryIO) -> None:
-    """Take orders until nobody is there to give them."""
+    """Accept orders until standard input ends."""
     with suppress(EOFError, OSError, pickle.UnpicklingError):
         while True:
             desk.take(pickle.load(orders))
@@ -124,16 +124,16 @@ def _listen(desk: Desk, orders: BinaryIO) -> None:
 
 
 def _parts(question: Question | Measurement) -> Iterator[bytes]:
-    """Yield the parts of an answer; the last may be why there are no more."""
+    """Yield the parts of an answer; the last may be an error."""
     try:
         for answer in _show(question):
             yield packed(answer, question.ticket)
-    except Exception as error:  # the process lives on, whatever it is
+    except Exception as error:  # the process survives any error
         yield packed(Answer("trouble", {"message": _why(error)}), question.ticket)
 
 
 def _why(error: Exception) -> str:
-    """Return in one line why an answer is not there."""
+    """Return the reason for a missing answer in one line."""
     if isinstance(error, MemoryError):
         return "not enough memory"
     said = " ".join(str(error).split())

@@ -1,1 +1,1 @@
-"""The paper: its formulas as printed, its errata, its figures made again."""
+"""The paper: its formulas as printed, its errata, and its figures reproduced."""

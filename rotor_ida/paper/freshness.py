@@ -1,4 +1,4 @@
-"""Whether the results of a scenario are those that its script would give now."""
+"""Check whether the results of a scenario are up to date."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from rotor_ida.results.provenance import KINDS_OF_SOURCE
 
 RECORD = "digest.json"
-# What decides the numbers and the pictures beside this package's own sources.
+# Packages that affect numbers and pictures, besides the sources of this one.
 _PARTS = (
     "rotor-ida",
     "scikit-sundae",
@@ -24,19 +24,19 @@ _PARTS = (
 
 
 def origin_of(script: Path, options: Sequence[str]) -> str:
-    """Return a digest of all that the results of a script depend on.
+    """Return a digest of everything that the results of a script depend on.
 
     Parameters
     ----------
     script : Path
         The script.
     options : sequence of str
-        Those of its options that change what it computes.
+        Options that change the results.
 
     Returns
     -------
     str
-        SHA-256 of the script, of the sources and versions of what computes, and of the options.
+        SHA-256 of the script, the sources and versions of the packages, and the options.
     """
     digest = hashlib.sha256()
     package = Path(__file__).parents[1]
@@ -50,25 +50,25 @@ def origin_of(script: Path, options: Sequence[str]) -> str:
 
 
 def is_fresh(folder: Path, origin: str) -> bool:
-    """Return whether a folder holds the whole results of this origin, all as they were left."""
+    """Return whether a folder contains the complete, unmodified results of this origin."""
     record = _read(folder)
     return record is not None and record[0] == origin and record[1] == _files(folder)
 
 
 def is_ours(folder: Path) -> bool:
-    """Return whether a folder holds only what was recorded, as it was left, or was being made."""
+    """Return whether a folder contains only recorded, unmodified files, or incomplete results."""
     record = _read(folder)
     return record is not None and (record[1] is None or record[1] == _files(folder))
 
 
 def begin(folder: Path) -> None:
-    """Note that the results in a folder are being made; what breaks off there can be redone."""
+    """Mark the results in a folder as incomplete, so that an interrupted run can be repeated."""
     folder.mkdir(parents=True, exist_ok=True)
     _write(folder, "", None)
 
 
 def record(folder: Path, origin: str) -> None:
-    """Note what a folder holds and where that came from; no origin if it is not whole."""
+    """Record the files of a folder and their origin; no origin if they are incomplete."""
     _write(folder, origin, _files(folder))
 
 

@@ -1,4 +1,4 @@
-"""A page that shows all figures in a folder of results: what each shows, and where it is from."""
+"""Gallery page of all figures in a folder of results, with captions and sources."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ TEMPLATE = "gallery.html.jinja"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
-    """One figure of a scenario, in words.
+    """Texts of one figure of a scenario.
 
     Parameters
     ----------
@@ -31,13 +31,13 @@ class Entry:
     archives : tuple of str
         The archives that it was drawn from.
     shows : str
-        What it shows, in a sentence.
+        Caption, in a sentence.
     paper : str
-        What the paper says; empty where it says nothing.
+        Statement of the paper; empty if it makes none.
     found : str
-        What is found here.
+        Result found here.
     verdict : str
-        In a few words, what becomes of what the paper says; empty where it says nothing.
+        Verdict on the statement of the paper, in a few words; empty if it makes none.
     """
 
     figure: str
@@ -49,14 +49,14 @@ class Entry:
 
 
 def add_entry(folder: Path, entry: Entry) -> None:
-    """Put an entry into the record of a scenario's folder, in place of the one of its figure."""
+    """Write an entry to the record of a scenario's folder, replacing that of its figure."""
     others = [each for each in read_entries(folder) if each.figure != entry.figure]
     text = json.dumps([asdict(each) for each in [*others, entry]], indent=1, ensure_ascii=False)
     (folder / RECORD).write_text(text + "\n", encoding="utf-8")
 
 
 def read_entries(folder: Path) -> list[Entry]:
-    """Return the record of a scenario's folder; empty where there is none.
+    """Return the record of a scenario's folder; empty if there is none.
 
     Raises
     ------
@@ -83,7 +83,7 @@ def write_gallery(root: Path, scripts: Mapping[str, Path], *, failed: Iterable[s
     scripts : mapping of str to Path
         The scenario scripts by name, in the order wanted.
     failed : iterable of str
-        Names of those that failed in this run: the page says so.
+        Names of those that failed in this run, which the page reports.
 
     Returns
     -------
@@ -92,8 +92,8 @@ def write_gallery(root: Path, scripts: Mapping[str, Path], *, failed: Iterable[s
 
     Notes
     -----
-    Plain HTML without scripts and with nothing from elsewhere; figures, archives and scripts
-    are linked relative to the page, so that the folder can be moved.
+    The page is plain HTML without scripts or external content. Figures, archives and scripts are
+    linked relative to the page, so the folder can be moved.
     """
     down = set(failed)
     scenarios = [
@@ -146,7 +146,7 @@ class _Scenario:
 
 
 def _figures(folder: Path) -> list[_Figure]:
-    """Return the figures in the folder of a scenario, those without words last."""
+    """Return the figures in the folder of a scenario, those without texts last."""
     entries = read_entries(folder)
     told = {entry.figure for entry in entries}
     archives = tuple(path.name for path in sorted(folder.glob("*.nc")))
@@ -170,7 +170,7 @@ def _figures(folder: Path) -> list[_Figure]:
 
 
 def caption_of(name: str, figure: str) -> str:
-    """Return what a figure is called: by its number in the paper, or by its scenario.
+    """Return the caption of a figure, from its number in the paper or its scenario.
 
     Examples
     --------
@@ -195,7 +195,7 @@ def caption_of(name: str, figure: str) -> str:
 
 
 def _size(picture: Path) -> tuple[int, int] | None:
-    """Return width and height of a PNG, so that the page keeps its place free."""
+    """Return width and height of a PNG, so that the page reserves its space."""
     with picture.open("rb") as file:
         head = file.read(24)
     if len(head) < 24:

@@ -1,6 +1,6 @@
-"""The paper's formulas as printed, where they are wrong: to be shown beside the right ones.
+"""The paper's formulas as printed, where they are wrong, for comparison with the correct ones.
 
-Nothing else in this package computes with them. Each says where it is wrong and what is right. All
+Nothing else in this package uses them. Each docstring states the error and the correction. All
 raise `rotor_ida.InputError` for numbers that are not finite, are negative, or are zero where the
 docstring says "above zero".
 """
@@ -39,7 +39,7 @@ def reference_frequency(machine: DimensionalRotor) -> float:
 
     Notes
     -----
-    Wrong: a Hertz stiffness over a mass is no frequency squared. Right is
+    Wrong: a Hertz stiffness over a mass is not a squared frequency. Correct:
     ``omega_0**2 = k sqrt(D)/m``, `DimensionalRotor.reference_frequency`.
 
     References
@@ -69,11 +69,11 @@ def hamiltonian(states: npt.ArrayLike, delta0: float) -> Values:
     Returns
     -------
     ndarray, shape (...)
-        What is printed [1].
+        Printed value [1].
 
     Notes
     -----
-    Wrong: it is not conserved. Right is ``|z'|**2/2`` in the first term,
+    Wrong: it is not conserved. Correct: ``|z'|**2/2`` in the first term,
     `rotor_ida.model.equations.energy`.
 
     References
@@ -104,8 +104,8 @@ def natural_frequency(amplitude: float) -> float:
 
     Notes
     -----
-    Right for a whirl on a circle without clearance. For motion on a line, which is what Fig. 5
-    shows, it is wrong: `rotor_ida.closed_forms.planar_period`.
+    Correct for a whirl on a circle without clearance. For motion on a line, which Fig. 5 shows, it
+    is wrong: `rotor_ida.closed_forms.planar_period`.
 
     References
     ----------
@@ -134,7 +134,7 @@ def period(amplitude: float) -> float:
 
     Notes
     -----
-    Right for a whirl on a circle without clearance; on a line it is 4.746 % too short. It falls
+    Correct for a whirl on a circle without clearance; on a line it is 4.746 % too short. It falls
     with the amplitude, though section 3.2 says that it grows.
 
     References
@@ -164,8 +164,8 @@ def amplitudes_18(*, omega: float, zeta: float) -> Values:
 
     Notes
     -----
-    Wrong: the force ``z |z|**1.5`` has a factor ``|z|`` too much. Right is ``z |z|**0.5``, which
-    eqs (14) and (21)-(23) have; `rotor_ida.synchronous_response` gives its three whirls.
+    Wrong: the force ``z |z|**1.5`` has an extra factor ``|z|``. Correct: ``z |z|**0.5``, as in
+    eqs (14) and (21)-(23); `rotor_ida.synchronous_response` gives its three whirls.
 
     References
     ----------
@@ -238,11 +238,11 @@ def phase_23(amplitude: float, *, omega: float, zeta: float) -> float:
     Returns
     -------
     float
-        What is printed [rad].
+        Printed value [rad].
 
     Notes
     -----
-    Wrong above resonance: the one-argument arctangent loses the quadrant. Right is
+    Wrong above resonance: the one-argument arctangent loses the quadrant. Correct:
     ``atan2(2 zeta omega, A**0.5 - omega**2)``, between 0 and pi.
 
     References
@@ -273,13 +273,13 @@ def transfer_21(amplitude: float, *, omega: float, zeta: float) -> complex:
     Returns
     -------
     complex
-        H [1]. Its modulus is beta of eq. (22); on a whirl that is A again, so that (22) does not
-        give the amplitude but is an equation for it.
+        H [1]. Its modulus is beta of eq. (22). On a whirl that equals A, so (22) does not give the
+        amplitude but is an equation for it.
 
     Notes
     -----
     Wrong: it is printed as ``beta exp(i theta)``, whose argument is minus the phase lag theta of
-    eq. (19). Right is ``beta exp(-i theta)``.
+    eq. (19). Correct: ``beta exp(-i theta)``.
 
     References
     ----------
@@ -309,12 +309,12 @@ def phase_31(amplitude: float, *, omega: float, zeta: float, delta0: float) -> f
     Returns
     -------
     float
-        Phase in (0, pi) [rad]: the quadrant, which eq. (31) loses too, is put right here, so
-        that the factor alone is seen.
+        Phase in (0, pi) [rad]. The quadrant, which eq. (31) also loses, is corrected here, so that
+        only the wrong factor remains.
 
     Notes
     -----
-    Wrong: right is ``f(A)/A``, as eq. (30) has it.
+    Wrong. Correct: ``f(A)/A``, as in eq. (30).
 
     References
     ----------
@@ -352,15 +352,15 @@ def general_solution(
     omega, zeta : float
         Spin speed, above zero, and damping ratio [1].
     amplitude : float
-        Amplitude A, above zero, of the whirl that the last term is to be [1]; the equation printed
-        for it is implicit and has up to three solutions.
+        Amplitude A, above zero, of the whirl in the last term [1]; the printed equation for it is
+        implicit and has up to three solutions.
     mended : bool
-        Whether to mend the signs: phase ``omega t - theta`` for ``omega t + theta``, and theta
+        Whether to correct the signs: phase ``omega t - theta`` for ``omega t + theta``, and theta
         in its quadrant.
     rates : {"28", "24", "stiffness"}
         Which lambda: below eq. (28), ``-zeta +- sqrt(zeta**2 - 1)``; below eq. (24),
         ``+-omega_0``, which is +-1 here; or ``-zeta +- sqrt(zeta**2 - A**0.5)``, which at least
-        belongs to a linear equation that the last term solves too.
+        belong to a linear equation that the last term solves too.
 
     Returns
     -------
@@ -370,13 +370,13 @@ def general_solution(
     Raises
     ------
     InputError
-        If an argument cannot be used, or the two lambdas are one.
+        If an argument cannot be used, or the two lambdas are equal.
 
     Notes
     -----
-    Wrong in kind: the equation is nonlinear, and solutions do not add up. None of the three
-    lambdas makes it one; epsilon in the phase is undefined and taken as 1. There is no general
-    solution in closed form; `rotor_ida.simulate` integrates instead.
+    Wrong in principle: the equation is nonlinear, so solutions do not superpose. None of the three
+    lambdas makes it a solution. Epsilon in the phase is undefined and taken as 1. There is no
+    general solution in closed form; `rotor_ida.simulate` integrates instead.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Run the scenarios: one script for each figure of the paper and each study of ours."""
+"""Run the scenarios: one script for each figure of the paper and each further study."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from rotor_ida.results.files import check_path
 
 # One scenario draws while the other computes.
 AT_ONCE = 2
-# How the names of the scenarios begin that compute what the paper has; the others are studies.
+# Prefixes of the scenarios that reproduce the paper; the others are studies.
 OF_PAPER = ("fig", "dimensional_example", "general_solution")
-# Relative durations of those that take longest. They begin first, so that none of them is left
-# alone at the end; any other counts as 1.
+# Relative durations of the longest scenarios, which start first so that none runs alone at the
+# end; any other counts as 1.
 DURATIONS = {
     "fig07_basins": 10.0,
     "fig10_11_amplitude": 8.0,
@@ -38,7 +38,7 @@ DURATIONS = {
 
 
 def is_of_paper(name: str) -> bool:
-    """Return whether a scenario computes what the paper has, rather than a study of ours."""
+    """Return whether a scenario reproduces the paper, rather than a further study."""
     return name.startswith(OF_PAPER)
 
 
@@ -68,41 +68,40 @@ def reproduce(
     workers: int | None = None,
     force: bool = False,
 ) -> int:
-    """Run the scenarios, each into a folder of its own name, and make a page of their figures.
+    """Run the scenarios, each into a folder of its name, and write a page of their figures.
 
     Parameters
     ----------
     folder : path-like
-        Where the scenarios' folders and ``index.html`` go; made if it is not there.
+        Folder for the scenarios' folders and ``index.html``; created if missing.
     quick : bool
-        Whether coarse versions will do.
+        Whether to compute coarse versions.
     studies : bool
-        Whether to run the studies too, not the paper's figures alone.
+        Whether to run the studies too, not only the paper's figures.
     only : sequence of str, optional
-        Names of the scenarios to run, or how they begin, such as ``fig06``, be they of the paper
-        or studies.
+        Names or prefixes of the scenarios or studies to run, such as ``fig06``.
     workers : int, optional
-        Number of processes of each; by default one for each core.
+        Number of processes of each; default: one per core.
     force : bool
-        Whether to run what is up to date too, and to replace results that no run of this
-        function left there.
+        Whether to rerun results that are up to date, and to replace results that this function
+        did not write.
 
     Returns
     -------
     int
-        Exit status: 0 if all are done, 1 if one failed; the others are done even then.
+        Exit status: 0 if all succeeded, 1 if one failed; the others run even then.
 
     Raises
     ------
     InputError
-        If a name is unknown, the folder cannot be one, or results of another origin are there and
-        `force` is false; then nothing was run.
+        If a name is unknown, the folder cannot be used, or it contains results of another origin
+        and `force` is false; then nothing is run.
 
     Notes
     -----
-    Each script runs in a process of its own: one that crashes takes no other with it, and its
-    sweeps can start processes as when it is run by hand. What is up to date is left alone: a
-    digest beside the results says from which script, sources, versions and options they came.
+    Each script runs in a separate process: a crash does not affect the others, and its sweeps can
+    start processes. Results that are up to date are not recomputed: a digest beside them identifies
+    script, sources, versions and options.
     """
     scripts = scenario_scripts()
     chosen = _chosen(scripts, only, studies=studies)
@@ -145,7 +144,7 @@ def reproduce(
 
 
 def _root(folder: str | os.PathLike[str]) -> Path:
-    """Return the folder for results, be it there or not, where it can be written to."""
+    """Return the folder for results, existing or not; refuse one that is not writable."""
     root = check_path("out", folder, kind="folder")
     nearest = next(path for path in (root, *root.absolute().parents) if os.path.lexists(path))
     if not nearest.is_dir():
@@ -156,7 +155,7 @@ def _root(folder: str | os.PathLike[str]) -> Path:
 
 
 def _time_left(due: Sequence[str], left: Sequence[str], began: float) -> str:
-    """Return how long the scenarios that are left will take; nothing after the last."""
+    """Return the remaining time in words; empty after the last scenario."""
     if not left:
         return ""
     whole, rest = (sum(DURATIONS.get(name, 1.0) for name in names) for names in (due, left))
@@ -165,7 +164,7 @@ def _time_left(due: Sequence[str], left: Sequence[str], began: float) -> str:
 
 
 def _report(ended: Ended, count: str, left: str) -> None:
-    """Print what a script printed, how it ended, and how long the others will take."""
+    """Print the output and the end of a script, and the remaining time."""
     print(ended.printed, end="", flush=True)
     took = f"{ended.seconds:.0f} s"
     if ended.status:
@@ -195,7 +194,7 @@ def _chosen(
 
 
 def _names(word: str, name: str) -> bool:
-    """Return whether a word means a scenario: its name, how it begins, or one of its figures.
+    """Return whether a word matches a scenario: its name, a prefix, or one of its figures.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Scripts run side by side, each in a process of its own that begins with the imports done."""
+"""Run scripts in parallel, each in a separate process with the imports done."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from pathlib import Path
 
 from rotor_ida.paper import freshness
 
-# What scripts import takes longer than many of them compute: a server does it once, and each
-# script begins in a copy of that.
+# Imports take longer than many scripts compute: a server imports once, and each script starts in
+# a copy of it.
 IMPORTED = (
     "mpl_toolkits.mplot3d",
     "rotor_ida.steady.bifurcation_diagram",
@@ -35,7 +35,7 @@ IMPORTED = (
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """How a script ended: its exit status, what it printed if put aside, and the time [s]."""
+    """End of a script: its exit status, captured output, and the time [s]."""
 
     name: str
     status: int
@@ -54,7 +54,7 @@ class _Running:
 def run_scripts(
     scripts: Mapping[str, Path], options: Sequence[str], *, root: Path, at_once: int
 ) -> Generator[Ended, None, None]:
-    """Run scripts, some at a time, and yield how each ended.
+    """Run scripts, some at a time, and yield the end of each.
 
     Parameters
     ----------
@@ -63,9 +63,9 @@ def run_scripts(
     options : sequence of str
         Their command line.
     root : Path
-        Where each has a folder of its name, which is noted as being made.
+        Folder that contains one for each script, which is marked as incomplete.
     at_once : int
-        How many to run at a time; if several, what they print is put aside.
+        How many to run at a time; if several, their output is captured.
 
     Yields
     ------
@@ -74,8 +74,8 @@ def run_scripts(
 
     Notes
     -----
-    A script that crashes takes no other with it. When the caller stops asking, or the user
-    interrupts, those that still run are ended.
+    A crash of one script does not affect the others. If the caller stops iterating, or the user
+    interrupts, running scripts are ended.
     """
     context = _context()
     waiting = iter(scripts.items())
@@ -106,7 +106,7 @@ def run_scripts(
 
 
 def _context() -> ForkServerContext | SpawnContext:
-    """Return how processes are started: from a server that has imported, where there can be one."""
+    """Return the start method of processes: from a server with the imports done, if possible."""
     if "forkserver" not in get_all_start_methods():
         return get_context("spawn")
     context = get_context("forkserver")
@@ -115,7 +115,7 @@ def _context() -> ForkServerContext | SpawnContext:
 
 
 def _run(script: Path, options: Sequence[str], place: Path, printed: Path | None) -> None:
-    """Run a script as by hand from a place, in this process."""
+    """Run a script from a folder, as by hand, in this process."""
     os.chdir(place)
     if printed is not None:
         with printed.open("wb") as file:

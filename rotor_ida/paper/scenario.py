@@ -1,4 +1,4 @@
-"""What the scripts in `scenarios/` share: their options, their folder, their progress bar."""
+"""Common parts of the scripts in `scenarios/`: options, folder, progress bar."""
 
 from __future__ import annotations
 
@@ -26,29 +26,29 @@ __all__ = ["Settings", "check_folder", "progress_bar", "run_script", "scientific
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 Quick = Annotated[
-    bool, Parameter(help="A coarse version, in seconds.", negative=(), show_default=False)
+    bool, Parameter(help="Compute a coarse version, in seconds.", negative=(), show_default=False)
 ]
 Out = Annotated[Path, Parameter(help="Write into a folder of the script's name in this one.")]
-Workers = Annotated[int | None, Parameter(help="Number of processes; by default one a core.")]
+Workers = Annotated[int | None, Parameter(help="Number of processes; default: one per core.")]
 Force = Annotated[
-    bool, Parameter(help="Replace results that are there.", negative=(), show_default=False)
+    bool, Parameter(help="Replace existing results.", negative=(), show_default=False)
 ]
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What a scenario script was asked for.
+    """Settings of a scenario run.
 
     Parameters
     ----------
     folder : Path
-        Where to write; it exists.
+        Existing output folder.
     quick : bool
-        Whether a coarse version will do.
+        Whether to compute a coarse version.
     workers : int
         Number of processes.
     force : bool
-        Whether files that are there may be replaced.
+        Whether existing files may be replaced.
     """
 
     folder: Path
@@ -71,9 +71,9 @@ class Settings:
         paper: str = "",
         verdict: str = "",
     ) -> None:
-        """Write a figure as PNG and SVG, and what the gallery is to say of it.
+        """Write a figure as PNG and SVG, with its text in the gallery.
 
-        File names, of `archives` too, are without the ending; for the words see `gallery.Entry`.
+        File names, also those of `archives`, have no ending; for the texts see `gallery.Entry`.
         """
         save_figure(figure, self.folder / name, overwrite=self.force)
         files = tuple(f"{archive}.nc" for archive in archives)
@@ -84,18 +84,18 @@ class Settings:
 
 
 def check_folder(folder: Path, *, force: bool) -> None:
-    """Refuse a folder that holds something already, unless `force` is true.
+    """Refuse a folder that is not empty, unless `force` is true.
 
     Raises
     ------
     InputError
-        If it holds something, or is no folder.
+        If it is not empty, or not a folder.
     """
     if folder.exists() and not folder.is_dir():
         raise InputError(f"the output must be a folder, got the file {shown(folder)}")
     if folder.is_dir() and any(folder.iterdir()) and not force:
         raise InputError(
-            f"{shown(folder)} holds results already: choose another folder, or replace them with "
+            f"{shown(folder)} contains results already: choose another folder, or replace it with "
             "--force"
         )
 
@@ -112,13 +112,13 @@ def run_script(
     Parameters
     ----------
     scenario : callable
-        What computes and writes.
+        Function that computes and writes.
     description : str
-        What it shows, for ``--help``.
+        Description for ``--help``.
     script : str
         File of the script; its name is that of the folder that it writes.
     arguments : sequence of str, optional
-        By default those of the command line.
+        Arguments; default: those of the command line.
 
     Returns
     -------
@@ -156,7 +156,7 @@ def run_script(
 
 
 def scientific(number: float) -> str:
-    """Return a number as a digit and a power of ten, as it is written by hand.
+    """Return a number as a digit and a power of ten, typeset.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""How a rub ends: whether a simulated rotor is left in dry whip, for the scenarios about it."""
+"""Classify the end of a simulated rub, in dry whip or not, for the scenarios."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ import xarray as xr
 
 from rotor_ida.schema import MODE, OF_FRICTION_EVENT_KIND
 
-# What is left at the end of a run. Whip is the last three: by turns the unbalance lets the disc
-# slip again, or it is too strong for the disc to roll at all, and the slip changes its sense.
+# States at the end of a run. The last three are whip: pure rolling, rolling and slip by turns
+# because of the unbalance, or slip that reverses because the unbalance is too strong to roll.
 ENDS = {"no_whip": 0, "slipping": 1, "reversing": 2, "rolling_by_turns": 3, "rolling": 4}
 FIRST_OF_WHIP = ENDS["reversing"]
 
 
 def end_of(run: xr.Dataset, late: float = 2.0 / 3.0) -> int:
-    """Return how a run with friction ends, a number of `ENDS`, told by its part after `late`.
+    """Return the end of a run with friction, a number of `ENDS`, from its part after `late`.
 
-    In whip the rotor whirls backwards, in contact for good, and the disc stops sliding on the ring.
-    One that whirls so but still slides forwards at the end is ``slipping``.
+    In whip the rotor whirls backwards in lasting contact, and the disc stops sliding on the stator.
+    A backward whirl that still slides forwards at the end is ``slipping``.
     """
     begin = late * float(run.t.values[-1])
     shown = run.isel(t=run.t.values >= begin)

@@ -1,9 +1,9 @@
-"""Pictures of datasets, in one style that survives the photocopier and colour blindness.
+"""Plots of datasets, in one style that stays legible in grey and with colour blindness.
 
-The functions here see labelled datasets only, so that an archive can be drawn where no solver is
-installed. They return what they drew on and show nothing by themselves. All raise
-`rotor_ida.InputError` for what they cannot draw: a Dataset that lacks a variable, one with several
-values of a parameter that the picture has one of, axes of another kind or in other units.
+The functions read labelled datasets only, so an archive can be plotted without a solver. They
+return the axes or figure and show nothing. All raise `rotor_ida.InputError` for data that they
+cannot draw: a Dataset that lacks a variable or has several values of a parameter that must have
+one, axes of another kind, or other units.
 """
 
 from rotor_ida.plot.appearance import mixed_panels, panels, shared_legend, style

@@ -1,4 +1,4 @@
-"""How the pictures look: one style, colours and lines that stay apart, panels and legends."""
+"""Appearance of the plots: style, distinguishable colours and lines, panels and legends."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ DASHES = (0, (4, 2))
 # Where a legend under the axes begins, clear of ticks and label [point].
 BELOW = 36.0
 SHADE = "#ffe3c4"
-# Colour and dashes, so that the curves stay apart without colour too.
+# Colour and dashes, so that the curves are distinguishable without colour too.
 LOOKS: tuple[tuple[str, object], ...] = (
     (INK, "-"),
     (BLUE, (0, (6, 1.8))),
@@ -40,7 +40,7 @@ LOOKS: tuple[tuple[str, object], ...] = (
     (PURPLE, (0, (6, 1.6, 1.2, 1.6))),
     (RED, (0, (3, 1.2))),
 )
-# What is told by colour alone has one family of colours for each kind of response.
+# What differs by colour alone has one family of colours for each kind of response.
 KIND_SHADES = {
     "synchronous": (BLUE, "#c6dcf5", "#12427a", "#7a6fd0"),
     "contact_free": ("#92dadd", "#4f9b9f", "#d5f2f3", "#1f6f73"),
@@ -53,7 +53,7 @@ KIND_SHADES = {
     "unresolved": (GREY, "#717581", "#c9d1d0", "#5a5f5e"),
 }
 
-# Legends list what they hold in this order, whatever was drawn first.
+# Legends use this order, whatever was drawn first.
 _ORDER = (
     STABLE := "stable whirl",
     UNSTABLE := "unstable whirl",
@@ -74,7 +74,7 @@ _ORDER = (
     FOLD_OF_CYCLES := "fold of cycles",
     DOUBLING := "period doubling",
     GRAZE := "graze",
-    SLIDING := "slip comes to 0",
+    SLIDING := "slip falls to 0",
 )
 
 _SETTINGS: Any = {
@@ -105,7 +105,7 @@ _SETTINGS: Any = {
     # journals refuse the default, type 3
     "pdf.fonttype": 42,
 }
-# Whether pyplot knows new figures; a thread of the explorer or a worker answers for itself.
+# Whether pyplot registers new figures; set for each thread or worker.
 _KNOWN_TO_PYPLOT: ContextVar[bool] = ContextVar("known_to_pyplot", default=True)
 
 
@@ -127,9 +127,9 @@ def style() -> Iterator[None]:
 
 @contextmanager
 def without_pyplot() -> Iterator[None]:
-    """Make figures that pyplot does not know while the context lasts.
+    """Make figures without registering them in pyplot while the context lasts.
 
-    Whoever writes figures to files draws within it: no display is needed, and none stays open.
+    Code that writes figures to files draws within it: it needs no display and leaves none open.
     """
     token = _KNOWN_TO_PYPLOT.set(False)
     try:
@@ -141,7 +141,7 @@ def without_pyplot() -> Iterator[None]:
 def new_figure(
     width: float, height: float, *, layout: LayoutEngine | Literal["constrained"] = "constrained"
 ) -> Figure:
-    """Return an empty figure, which ``plt.show`` and ``plt.savefig`` know, of a size [inch]."""
+    """Return an empty figure of a size [inch], registered in pyplot."""
     if not _KNOWN_TO_PYPLOT.get():
         return Figure(figsize=(width, height), layout=layout)
     from matplotlib import pyplot  # noqa: PLC0415 - chooses a backend, which is for who draws
@@ -189,7 +189,7 @@ def panels(
 def mixed_panels(
     rows: int, columns: int, *, width: float = 7.2, height: float = 5.6, solid: Sequence[int] = ()
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure with lettered panels, each with axes of its own.
+    """Return a figure with lettered panels, each with separate axes.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def mixed_panels(
     number = check_count("rows", rows) * check_count("columns", columns)
     for place in solid:
         if not 0 <= place < number:
-            raise InputError(f"solid must hold numbers of panels below {number}, got {place!r}")
+            raise InputError(f"solid must contain numbers of panels below {number}, got {place!r}")
     with style():
         figure = new_figure(width, height)
         kinds = ["3d" if place in solid else None for place in range(number)]
@@ -244,9 +244,9 @@ def shared_legend(
     figure : Figure
         The figure.
     axes : sequence of Axes
-        Its panels; their own legends are taken away.
+        Its panels; their separate legends are removed.
     columns : int
-        Number of columns of the legend; fewer where the figure is too narrow for them.
+        Number of columns of the legend; fewer if the figure is too narrow.
     outer : bool
         Whether to label the axes of the outer panels only.
 
@@ -269,7 +269,7 @@ def shared_legend(
 
 
 def _fitting_legend(figure: Figure, axes: Sequence[Axes], columns: int) -> Legend:
-    """Return a legend under the panels with as many columns as the figure is wide enough for."""
+    """Return a legend under the panels with as many columns as fit."""
     for number in range(columns, 0, -1):
         legend = figure.legend(
             *_entries(axes), loc="outside lower center", ncols=number, handlelength=2.4
@@ -281,12 +281,12 @@ def _fitting_legend(figure: Figure, axes: Sequence[Axes], columns: int) -> Legen
 
 
 def own_legend(ax: Axes) -> Legend:
-    """Give `ax` a legend without duplicates, in place of the one that it has."""
+    """Replace the legend of `ax` by one without duplicates."""
     return ax.legend(*_entries([ax]), handlelength=2.4)
 
 
 def legend_below(ax: Axes, *, columns: int = 3, handles: Sequence[Artist] | None = None) -> Legend:
-    """Give `ax` a legend under it and its label, where it hides nothing."""
+    """Give `ax` a legend below its label, where it hides nothing."""
     shown, labels = _entries([ax])
     if handles is not None:
         shown, labels = list(handles), [str(handle.get_label()) for handle in handles]
@@ -323,11 +323,11 @@ def solid_drawing(ax: Axes | None) -> Iterator[Any]:
 
 
 def finish_solid(ax: Any, *, zoom: float = 0.95) -> None:
-    """Give three-dimensional axes small labels, white walls and as much room as there is."""
+    """Give three-dimensional axes small labels, white walls and all available room."""
     ax.tick_params(labelsize=7.5, pad=-2.5)
     for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
         axis.pane.set_facecolor("white")
-        # the walls may reach beyond the square that the axes are given
+        # the walls may extend past the square of the axes
         axis.pane.set_clip_on(False)
         axis.gridlines.set_clip_on(False)
     ax.set_box_aspect(None, zoom=zoom)
@@ -340,7 +340,7 @@ def circle(radius: float) -> tuple[Values, Values]:
 
 
 def draw_ring(ax: Axes, clearance: float) -> None:
-    """Draw the ring of the clearance, where there is one."""
+    """Draw the clearance circle, unless the clearance is 0."""
     if clearance > 0.0:
         ax.plot(*circle(clearance), color=INK, lw=0.9, ls=DASHES, label="clearance", zorder=2.6)
 
@@ -355,18 +355,18 @@ def draw_marks(
 
 
 def say_in_middle(ax: Axes, words: str) -> None:
-    """Say in the middle of the axes why they are empty."""
+    """Write in the middle of empty axes why they are empty."""
     ax.text(0.5, 0.5, words, transform=ax.transAxes, ha="center", va="center")
 
 
 def raise_limit(ax: Axes, highest: float) -> None:
-    """Let a vertical axis begin at 0 and reach this high; panels may share it with taller ones."""
+    """Start a vertical axis at 0 and extend it to a height, never lowering a shared one."""
     before = 0.0 if ax.get_autoscaley_on() else ax.get_ylim()[1]
     ax.set_ylim(0.0, max(before, 1.06 * highest))
 
 
 def look(number: int) -> tuple[str, object]:
-    """Return colour and line of the curve with this number; they come round again after five."""
+    """Return colour and line style of the curve with this number; they repeat after five."""
     return LOOKS[number % len(LOOKS)]
 
 
@@ -380,6 +380,6 @@ def _entries(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:
 
 
 def _place(label: str) -> int:
-    """Return the place of a label in a legend; what follows a colon does not count."""
+    """Return the position of a label in a legend, from its text before a colon."""
     word = label.partition(":")[0]
     return _ORDER.index(word) if word in _ORDER else len(_ORDER)

@@ -1,4 +1,4 @@
-"""Basins: a plane of starts, one colour for each attractor, and fractions over a parameter."""
+"""Plots of basins of attraction on a plane of starts, and of basin fractions."""
 
 from __future__ import annotations
 
@@ -30,21 +30,21 @@ FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
 CONSTANT_RADIUS = 1e-3
 MOST_IN_A_COLUMN = 6
 ROUNDING = 1e-9
-SHARE = "share of starts"
+SHARE = "fraction of starts"
 
 
 def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Draw which start ends on which attractor.
+    """Draw basins of attraction.
 
-    The legend names the attractors that starts end on, by kind, with their amplitude, or the range
-    of the radius where that is not constant.
+    The legend names the attractors that starts end on: the kind, with the amplitude or the range of
+    the radius.
 
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.basin` returned.
+        Result of `rotor_ida.basin`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Raises
     ------
@@ -89,15 +89,15 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 
 def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Draw the fractions of starts by kind of response over the speed, one upon the other.
+    """Draw the fractions of starts by kind of response over the speed, stacked.
 
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.basin_fractions` returned, joined along ``omega``, for one ``zeta`` and one
+        Result of `rotor_ida.basin_fractions`, joined along ``omega``, for one ``zeta`` and one
         ``delta0``.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -105,7 +105,7 @@ def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     ...     {"response_fraction": (("omega", "response"), [[1.0, 0.0], [0.25, 0.75]])},
     ...     {"omega": [1.0, 2.0], "response": [2, 3], "zeta": 0.07, "delta0": 0.5})
     >>> plot_basin_fractions(found).get_ylabel()
-    'share of starts'
+    'fraction of starts'
     """
     check_dataset("dataset", dataset, ("omega", "zeta", "delta0", "response", "response_fraction"))
     table = dataset["response_fraction"].transpose("omega", "response")
@@ -130,9 +130,9 @@ def plot_attractor_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axe
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.basin_fractions` returned.
+        Result of `rotor_ida.basin_fractions`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -166,22 +166,22 @@ def plot_attractor_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axe
 
 
 def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Draw the fractions of starts by attractor over a parameter, one upon the other.
+    """Draw the fractions of starts by attractor over a parameter, stacked.
 
-    Attractors of one kind of response have shades of one colour; each keeps its own throughout. The
-    legend names the kinds.
+    Attractors of one kind of response have shades of one colour; each attractor keeps its
+    shade. The legend names the kinds.
 
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.continue_attractors` returned, over one parameter.
+        Result of `rotor_ida.continue_attractors`, over one parameter.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Raises
     ------
     InputError
-        If the dataset is no such result, or over more or less than one parameter.
+        If the dataset is no such result, or not over exactly one parameter.
 
     Examples
     --------
@@ -190,7 +190,7 @@ def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     >>> found = continue_attractors(omega=np.linspace(1.6, 1.8, 3), zeta=0.07, delta0=0.0,
     ...                             x=(-15, 15), y=(-15, 15), starts=50)
     >>> plot_attractors(found).get_ylabel()
-    'share of starts'
+    'fraction of starts'
     """
     dataset = check_dataset("dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind"))
     varying, line = _varying_part(dataset, 1, "one parameter to be drawn")
@@ -218,23 +218,23 @@ def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 
 def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str = "kind") -> Axes:
-    r"""Draw over two parameters the likeliest response, or how hard it presses or how firm it is.
+    r"""Draw the most frequent response over two parameters, or its force or robustness.
 
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.continue_attractors` returned, over two parameters.
+        Result of `rotor_ida.continue_attractors`, over two parameters.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
     by : {"kind", "force", "shock"}
-        What is coloured: the kind of response that most starts end on, with a legend; or, of the
-        attractor that most of them end on, with a colour bar, the largest contact force, or the
-        smallest change of velocity that throws the rotor to another one.
+        Coloured quantity: the most frequent kind of response, with a legend; or a property of its
+        most frequent attractor, with a colour bar: the largest contact force, or the smallest
+        change of velocity that moves the rotor to another attractor.
 
     Raises
     ------
     InputError
-        If the dataset is no such result, or over other than two parameters.
+        If the dataset is no such result, or not over exactly two parameters.
 
     Examples
     --------
@@ -249,7 +249,7 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
     )
     check_choice("by", by, ("kind", "force", "shock"))
     if by == "shock" and "velocity_shock" not in dataset:
-        raise InputError("dataset must have been made with shocks to be mapped by them")
+        raise InputError("dataset must have been computed with shocks to be mapped by them")
     check_dimensionless("dataset", dataset)
     varying, plane = _varying_part(dataset, 2, "two parameters to be mapped")
     right, upwards = varying
@@ -269,7 +269,7 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
 
 
 def _draw_shares(ax: Axes, places: Values, shares: Iterable[tuple[Values, str, str]]) -> Values:
-    """Draw shares of starts one upon the other, in their colours; return where they end."""
+    """Draw stacked fractions of starts; return their upper edges."""
     base = np.zeros(places.size)
     for share, colour, words in shares:
         if share.any():
@@ -283,7 +283,7 @@ def _draw_shares(ax: Axes, places: Values, shares: Iterable[tuple[Values, str, s
 
 
 def _varying_part(dataset: xr.Dataset, number: int, what: str) -> tuple[list[str], xr.Dataset]:
-    """Return the parameters that vary, and a dataset over these, the last of them first."""
+    """Return the varying parameters, and a dataset over these in reverse order."""
     names = parameters_in(dataset)
     varying = [name for name in names if dataset[name].size > 1]
     if len(varying) != number:
@@ -299,7 +299,7 @@ def _title_of_part(part: xr.Dataset, varying: Sequence[str]) -> str:
 
 
 def _colour_by_kind(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset) -> None:
-    """Colour a plane by the kind of response that most starts end on."""
+    """Colour a plane by the most frequent kind of response."""
     flags = flags_of(plane["kind"])
     shares = [
         plane["fraction"].where(plane["kind"] == flags[kind], 0.0).sum("attractor").values
@@ -317,13 +317,13 @@ def _colour_by_kind(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset) 
 
 
 def _colour_by_number(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset, by: str) -> None:
-    """Colour a plane by the force or the smallest shock of the likeliest attractor."""
+    """Colour a plane by the force or the smallest shock of the most frequent attractor."""
     likeliest = plane.isel(attractor=plane["fraction"].fillna(-1.0).argmax("attractor"))
     if by == "force":
         values, label = _largest_force(likeliest), "largest contact force"
     else:
         values = likeliest["velocity_shock"].min("target").values
-        label = "smallest change of velocity that ends it"
+        label = "smallest change of velocity that leaves it"
     known = np.isfinite(values)
     if not known.all():
         ax.set_facecolor(NOTHING_ELSE)
@@ -345,16 +345,16 @@ def _largest_force(attractors: xr.Dataset) -> Values:
 
 
 def _directions(label: xr.DataArray) -> tuple[str, str]:
-    """Return what is drawn to the right and what upwards."""
+    """Return the horizontal and the vertical coordinate."""
     if label.ndim != 2 or min(label.shape) < 2:
         sizes = dict(label.sizes)
-        raise InputError(f"dataset must hold at least 2 x 2 starts to be drawn, got {sizes}")
+        raise InputError(f"dataset must contain at least 2 x 2 starts to be drawn, got {sizes}")
     horizontal, vertical = (name for name in COMPONENTS if name in label.dims)
     return horizontal, vertical
 
 
 def _title(dataset: xr.Dataset) -> str:
-    """Return the parameters, and what the starts have besides their place in the plane."""
+    """Return the parameters, and the fixed start coordinates, as a title."""
     words = [title_of("dataset", dataset)]
     for name in COMPONENTS:
         if name in dataset.coords and dataset[name].ndim == 0 and float(dataset[name]) != 0.0:
@@ -371,7 +371,7 @@ def _shades(kinds: xr.DataArray) -> list[str]:
 
 
 def _handles(dataset: xr.Dataset, colours: list[str]) -> list[Patch]:
-    """Return a patch for each attractor that a start ends on, then for what is not known."""
+    """Return a patch for each attractor that a start ends on, then for unknown ends."""
     shift = -FATE["not_computed"]
     handles = [
         Patch(facecolor=colours[number + shift], label=_name(dataset.isel(attractor=number)))
@@ -387,10 +387,10 @@ def _handles(dataset: xr.Dataset, colours: list[str]) -> list[Patch]:
 
 
 def _name(attractor: xr.Dataset) -> str:
-    """Return the kind of an attractor and its amplitude, or the radii between which it swings."""
+    """Return the kind of an attractor with its amplitude or range of the radius."""
     (word,) = words_of(attractor["kind"])
     kind = KIND_WORDS[word]
-    if word == "touching":  # what it tends to is told by its kind
+    if word == "touching":  # its kind implies its limit
         return kind
     unit = unit_of(attractor["amplitude"])
     low, high = float(attractor["radius_min"]), float(attractor["radius_max"])

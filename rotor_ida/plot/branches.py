@@ -49,7 +49,7 @@ from rotor_ida.schema import words_of
 SPECIALS = ("special_kind", "special_value", "special_point")
 BRANCH = (*PARAMETERS, "radius_min", "radius_max", "stability", "response", *SPECIALS,
           "special_radius_min", "special_radius_max")  # fmt: skip
-# How far a band covers what is under it, and how its edges are drawn, by its stability.
+# Opacity of a band and style of its edges, by stability.
 COVER = {"stable": 0.28, "unstable": 0.09}
 EDGES = {"stable": (STABLE_CYCLE, "-", 1.1), "unstable": (UNSTABLE_CYCLE, (0, (3.2, 1.8)), 0.9)}
 BANDS = {
@@ -60,7 +60,7 @@ BANDS = {
 
 
 class _Mark(NamedTuple):
-    """How one kind of special point is drawn."""
+    """Style of one kind of special point."""
 
     words: str
     marker: str
@@ -77,7 +77,7 @@ MARKS = {
     "sliding": _Mark(SLIDING, "1", 5.4, BROWN),
     "hopf": _Mark(HOPF, "o", 4.2, "white"),
 }
-# Bifurcation curves: one look for each kind, as long as they are of one rotor.
+# Bifurcation curves: one style for each kind, if they are of one rotor.
 CURVES = {
     "fold": (FOLD_OF_CYCLES, "-"),
     "period_doubling": (DOUBLING, (0, (6, 1.8))),
@@ -90,17 +90,16 @@ def plot_branch(branch: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw a branch of limit cycles: the range of the radius over the continued parameter.
 
     The edges of the band are the smallest and the largest radius of the cycles, solid where these
-    are stable, dashed where not; its colour tells bouncing from full contact. Folds, period
-    doublings, torus points and grazes are marked on the upper edge. Several branches, and what
-    `plot_amplitude` has drawn before, can be on the same axes, which then keep their labels and
-    title.
+    are stable, dashed where not; its colour distinguishes bouncing from full
+    contact. Folds, period doublings, torus points and grazes are marked on the upper edge. Several
+    branches can share axes, also with `plot_amplitude`; the axes then keep their labels and title.
 
     Parameters
     ----------
     branch : Dataset
-        What `rotor_ida.continue_cycle` returned.
+        Result of `rotor_ida.continue_cycle`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -141,18 +140,18 @@ def plot_curves(
     Parameters
     ----------
     curves : Dataset or sequence of Dataset
-        What `rotor_ida.bifurcation_curve` returned, all over the same two parameters.
+        Result of `rotor_ida.bifurcation_curve`, all over the same two parameters.
     fold_points : Dataset, optional
-        What `rotor_ida.folds` returned for many clearances and one ``zeta``: the folds of the
+        Result of `rotor_ida.folds` for many clearances and one ``zeta``: the folds of the
         synchronous whirl, beside curves over ``omega`` and ``delta0``.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Raises
     ------
     InputError
-        If there is no curve, or one is over other parameters, or has another ``zeta`` than the
-        folds of the whirl.
+        If there is no curve, if the curves have different parameters, or if their ``zeta`` differs
+        from that of the folds of the whirl.
 
     Examples
     --------
@@ -166,7 +165,7 @@ def plot_curves(
     """
     datasets = [curves] if isinstance(curves, xr.Dataset) else list(curves)
     if not datasets:
-        raise InputError("curves must hold at least one bifurcation curve, got none")
+        raise InputError("curves must contain at least one bifurcation curve, got none")
     across, up = _plane_of(datasets)
     others = [name for name in ALL_PARAMETERS if name not in {across, up}]
     values = [
@@ -262,7 +261,7 @@ def _draw_specials(
 def _check_folds(
     fold_points: object, names: set[str], values: Sequence[Mapping[str, float]]
 ) -> None:
-    """Refuse folds of the whirl that do not belong beside curves over these parameters."""
+    """Refuse folds of the whirl that do not match curves over these parameters."""
     if not names <= set(PARAMETERS) or any(len(each) > 1 for each in values):
         raise InputError("fold_points must be left out beside curves of a machine, got some")
     folds = check_dataset("fold_points", fold_points, ("zeta", "delta0", "fold_omega"))
@@ -279,7 +278,7 @@ def _check_folds(
 
 
 def _draw_folds_of_whirl(ax: Axes, fold_points: xr.Dataset, across: str) -> None:
-    """Draw the folds of the synchronous whirl in points, since they come and go."""
+    """Draw the folds of the synchronous whirl as points: not all exist at each clearance."""
     places = xr.broadcast(fold_points["fold_omega"], fold_points["delta0"])
     omega, delta0 = (place.values.ravel() for place in places)
     x, y = (omega, delta0) if across == "omega" else (delta0, omega)
@@ -288,7 +287,7 @@ def _draw_folds_of_whirl(ax: Axes, fold_points: xr.Dataset, across: str) -> None
 
 
 def _colour_of(ax: Axes, words: str) -> str:
-    """Return the colour of what has this name on the axes, or one that nothing there has."""
+    """Return the colour of this label on the axes, or an unused one."""
     drawn = {str(line.get_label()): str(line.get_color()) for line in ax.lines}
     if words in drawn:
         return drawn[words]

@@ -1,4 +1,4 @@
-"""What formulas give: force and potential, free vibration, claimed solutions of the motion."""
+"""Plots of closed forms: force and potential, free vibration, claimed solutions."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
     Parameters
     ----------
     field : Dataset
-        What `rotor_ida.closed_forms.restoring_field` returned, for one ``delta0``.
+        Result of `rotor_ida.closed_forms.restoring_field`, for one ``delta0``.
     name : {"restoring_x", "restoring_y", "potential"}
-        What to draw.
+        Quantity to draw.
     ax : Axes, optional
-        Three-dimensional axes to draw on and return; by default those of a new figure.
+        Three-dimensional axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
         label_axis(solid.yaxis, "y_alone", field["y"])
         hold_units(solid.zaxis, field[name])
         solid.xaxis.labelpad = solid.yaxis.labelpad = -6
-        # from where the surface is seen to rise
+        # view in which the surface rises
         solid.view_init(elev=26, azim=-148 if name == "restoring_x" else -58)
         finish_solid(solid)
         solid.set_title(f"{label_of(name, field[name])},  {title}", y=0.98)
@@ -78,13 +78,13 @@ def plot_cuts(field: xr.Dataset, name: str, *, at: Sequence[float], ax: Axes | N
     Parameters
     ----------
     field : Dataset
-        What `rotor_ida.closed_forms.restoring_field` returned, for one ``delta0``.
+        Result of `rotor_ida.closed_forms.restoring_field`, for one ``delta0``.
     name : {"restoring_x", "restoring_y", "potential"}
-        What to draw.
+        Quantity to draw.
     at : sequence of float
-        The values of y, or the nearest that there are, in the units of the field.
+        Values of y in the units of the field; the nearest ones are drawn.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -123,13 +123,13 @@ def plot_periods(
     Parameters
     ----------
     exact : Dataset
-        What `rotor_ida.closed_forms.free_periods` returned, for one ``delta0``.
+        Result of `rotor_ida.closed_forms.free_periods`, for one ``delta0``.
     simulated : Dataset, optional
-        Simulated periods in the same variables, at amplitudes of their own.
+        Simulated periods in the same variables, at any amplitudes.
     over : {"period", "natural"}
         Whether the horizontal axis is the period or the natural frequency ``2 pi/T``.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -177,7 +177,7 @@ def plot_portrait(runs: xr.Dataset, *, along: str = "x", ax: Axes | None = None)
     along : {"x", "y"}
         Which axis.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -214,7 +214,7 @@ def plot_portrait(runs: xr.Dataset, *, along: str = "x", ax: Axes | None = None)
 
 
 def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    """Draw x over time, simulated and as each solution has it.
+    """Draw x over time, simulated and from each solution.
 
     Parameters
     ----------
@@ -222,7 +222,7 @@ def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ``x`` and ``y`` on ``t``, and ``solution_x`` and ``solution_y`` on ``solution`` and
         ``t``; the coordinate ``solution`` names them.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -250,14 +250,14 @@ def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_deviation(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    """Draw how far each solution is from the simulated motion over time.
+    """Draw the distance of each solution from the simulated motion over time.
 
     Parameters
     ----------
     compared : Dataset
         As for `plot_solutions`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------

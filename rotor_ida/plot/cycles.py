@@ -40,7 +40,7 @@ from rotor_ida.signals.path import Path
 CYCLE = (*PARAMETERS, "t", "x", "y", "period", "response")
 MULTIPLIERS = (*PARAMETERS, "period", "multiplier_real", "multiplier_imag")
 LINES = ("omega", "period", "frequency", "whirl_amplitude", "line_kind")
-# Lines of a spectrum are shown down to this part of the strongest.
+# Lines of a spectrum are shown down to this fraction of the strongest.
 FLOOR = 1e-5
 # How the kinds of lines are drawn.
 LINE_LOOKS = {
@@ -57,7 +57,7 @@ def cycle_figure(cycle: xr.Dataset) -> Figure:
     Parameters
     ----------
     cycle : Dataset
-        What `rotor_ida.limit_cycle` returned.
+        Result of `rotor_ida.limit_cycle`.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def cycle_figure(cycle: xr.Dataset) -> Figure:
     Raises
     ------
     InputError
-        If there is no limit cycle in it.
+        If it contains no limit cycle.
 
     Examples
     --------
@@ -90,21 +90,21 @@ def cycle_figure(cycle: xr.Dataset) -> Figure:
 
 
 def plot_cycle(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    r"""Draw one period of a limit cycle on axes that turn with the unbalance, with the ring.
+    r"""Draw one period of a limit cycle on axes that rotate with the unbalance, with the stator.
 
-    An arrow shows which way it is passed.
+    An arrow shows the direction of motion.
 
     Parameters
     ----------
     cycle : Dataset
-        What `rotor_ida.limit_cycle` returned.
+        Result of `rotor_ida.limit_cycle`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Raises
     ------
     InputError
-        If there is no limit cycle in it.
+        If it contains no limit cycle.
 
     Examples
     --------
@@ -140,20 +140,20 @@ def plot_multipliers(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
     A shift along the cycle has the multiplier 1, with the partner ``q = exp(-2 zeta T)``. The other
     two have the product q: a pair on the dashed circle of radius ``sqrt(q)``, or real numbers. With
-    contact damping or friction there is only the 1 of a shift. Under a load there is none, and
-    without these two pairs of product q.
+    contact damping or friction, only the 1 of a shift is known. Under a load none is known;
+    without contact damping and friction there are then two pairs of product q.
 
     Parameters
     ----------
     cycle : Dataset
-        What `rotor_ida.limit_cycle` returned.
+        Result of `rotor_ida.limit_cycle`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Raises
     ------
     InputError
-        If there is no limit cycle in it.
+        If it contains no limit cycle.
 
     Examples
     --------
@@ -203,14 +203,14 @@ def plot_lines(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     cycle : Dataset
-        What `rotor_ida.limit_cycle` returned.
+        Result of `rotor_ida.limit_cycle`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Raises
     ------
     InputError
-        If there is no limit cycle in it.
+        If it contains no limit cycle.
 
     Examples
     --------
@@ -231,7 +231,7 @@ def plot_lines(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ax.set_xlabel(LABELS["frequency_over_omega"])
         label_axis(ax.yaxis, "whirl_amplitude", cycle["whirl_amplitude"])
         for kind, (words, colour, marker) in LINE_LOOKS.items():
-            here = shown & (kinds == flags.get(kind))  # older archives know fewer
+            here = shown & (kinds == flags.get(kind))  # older archives have fewer
             if here.any():
                 ax.vlines(ratio[here], 0.3 * FLOOR * highest, height[here], color=colour, lw=0.9)
                 draw_marks(ax, ratio[here], height[here], marker, colour, size=3.4, label=words)
@@ -241,7 +241,7 @@ def plot_lines(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 
 class _Known(NamedTuple):
-    """The multipliers that are known before, in words, and the words for the others."""
+    """The multipliers known in advance, in words, and the words for the others."""
 
     values: list[float]
     words: str
@@ -249,15 +249,15 @@ class _Known(NamedTuple):
 
 
 def _checked_cycle(cycle: object, needed: Sequence[str]) -> xr.Dataset:
-    """Return a dataset if it holds a limit cycle."""
+    """Return a dataset if it contains a limit cycle."""
     checked = check_dataset("cycle", cycle, needed)
     if math.isnan(one_value("cycle", checked, "period")):
-        raise InputError("cycle must hold a limit cycle, got a result without one")
+        raise InputError("cycle must contain a limit cycle, got a result without one")
     return checked
 
 
 def _path_of(cycle: xr.Dataset, ring: float) -> tuple[Path, npt.NDArray[np.intp]]:
-    """Return one period as a path, with its points on the ring, and the numbers of these."""
+    """Return one period as a path with its stator crossings, and their indices."""
     time, x, y = (cycle[name].values for name in ("t", "x", "y"))
     gap = np.hypot(x, y) - ring
     before = (
@@ -269,7 +269,7 @@ def _path_of(cycle: xr.Dataset, ring: float) -> tuple[Path, npt.NDArray[np.intp]
         np.insert(column, after, column[before] + part * (column[after] - column[before]))
         for column in (time, x, y)
     )
-    # a stretch that begins on the ring goes where it comes to
+    # a segment that begins on the stator belongs to the side that it enters
     inside = np.insert(gap >= 0.0, after, gap[after] >= 0.0)
     crossings = after + np.arange(after.size)
     return Path(times, across, up, inside), crossings
@@ -288,7 +288,7 @@ def _draw_arrow(ax: Axes, path: Path) -> None:
 def _parted(
     multipliers: ComplexValues, known: Sequence[float]
 ) -> tuple[ComplexValues, ComplexValues]:
-    """Return the two multipliers that tell the stability, and those of a shift along the cycle."""
+    """Return the two multipliers that decide stability, and those of a shift along the cycle."""
     rest = list(multipliers)
     along = [rest.pop(int(np.argmin(np.abs(np.array(rest) - value)))) for value in known]
     return np.array(rest), np.array(along)

@@ -1,4 +1,4 @@
-"""What a picture asks of its datasets: variables, one value of a parameter, the same units."""
+"""Check the datasets of a plot: variables, single parameter values, equal units."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ from rotor_ida.schema import QUANTITIES
 
 
 def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Dataset:
-    """Return `dataset`, in units that suit, if it is one and has the variables that are needed."""
+    """Return `dataset` in suitable units; refuse one that lacks a needed variable."""
     if not isinstance(dataset, xr.Dataset):
         raise InputError(f"{name} must be a Dataset, got {type(dataset).__name__}")
     missing = [variable for variable in needed if variable not in dataset.variables]
     if missing:
-        raise InputError(f"{name} must hold {', '.join(needed)}; it lacks {', '.join(missing)}")
+        raise InputError(f"{name} must contain {', '.join(needed)}; it lacks {', '.join(missing)}")
     return in_suitable_units(dataset)
 
 
 def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
-    """Return the one value of a parameter that a picture can show."""
+    """Return the single value of a parameter; refuse several."""
     values = np.atleast_1d(dataset[parameter].values)
     if values.size != 1:
         raise InputError(
-            f"{name} must hold one {parameter}, got {values.size}: choose with "
+            f"{name} must contain one {parameter}, got {values.size}: choose with "
             f".sel({parameter}=...)"
         )
     return float(values[0])
 
 
 def parameters_in(dataset: xr.Dataset) -> list[str]:
-    """Return the parameters of the rotor that a dataset has."""
+    """Return the rotor parameters of a dataset."""
     return [name for name in ALL_PARAMETERS if name in dataset.variables]
 
 
@@ -58,14 +58,14 @@ def clearance_of(dataset: xr.Dataset, name: str = "run") -> float:
 
 
 def units_in(variable: xr.DataArray | xr.Variable) -> str:
-    """Return the units of a variable as its attributes have them; 1 where they have none."""
+    """Return the units attribute of a variable; 1 if it has none."""
     return str(variable.attrs.get("units", "1"))
 
 
 def hold_units(axis: Axis, variable: xr.DataArray) -> None:
-    """Refuse a variable in other units than those in which the axis shows values already.
+    """Refuse a variable whose units differ from those already on the axis.
 
-    Axes that share an axis share its units.
+    Shared axes share their units.
     """
     here, there = units_in(variable), axis.units
     if there is not None and here != there:
@@ -75,7 +75,7 @@ def hold_units(axis: Axis, variable: xr.DataArray) -> None:
         )
     reached = [(ax, ax.dataLim.frozen()) for ax in axis.axes.figure.axes]
     axis.set_units(here)
-    # at new units matplotlib looks at lines anew, and forgets how far bars and areas reach
+    # when units change, matplotlib rescans lines but forgets the extent of bars and areas
     for ax, limits in reached:
         ax.dataLim.set(limits)
 
@@ -83,13 +83,13 @@ def hold_units(axis: Axis, variable: xr.DataArray) -> None:
 def fixed_parameters(
     name: str, dataset: xr.Dataset, of_all: Sequence[str] = ("zeta", "delta0")
 ) -> dict[str, float]:
-    """Return the parameters but the one on the axis, of which there is one value each."""
+    """Return the parameters that are not on the axis; each has one value."""
     names = (*of_all, *(each for each in OPTIONAL if each in dataset.variables))
     return {each: one_value(name, dataset, each) for each in names}
 
 
 def check_same_parameters(name: str, here: Mapping[str, float], there: Mapping[str, float]) -> None:
-    """Refuse other parameters than those of the exact curve."""
+    """Refuse parameters that differ from those of the exact curve."""
     papers = {**FRICTIONLESS, "friction": 0.0}
     of_this, of_exact = {**papers, **here}, {**papers, **there}
     for parameter, value in of_exact.items():
@@ -102,7 +102,7 @@ def check_same_parameters(name: str, here: Mapping[str, float], there: Mapping[s
 
 
 def check_same_units(name: str, dataset: xr.Dataset, shown: xr.Dataset) -> None:
-    """Refuse two datasets for one picture whose units or scales differ."""
+    """Refuse two datasets for one plot if their units or scales differ."""
     here, there = _measures(dataset), _measures(shown)
     for kind in there:
         if here.get(kind, there[kind]) != there[kind]:
@@ -113,7 +113,7 @@ def check_same_units(name: str, dataset: xr.Dataset, shown: xr.Dataset) -> None:
 
 
 def _measures(dataset: xr.Dataset) -> dict[str, str]:
-    """Return scale and units of each kind of quantity that a dataset holds."""
+    """Return scale and units of each kind of quantity in a dataset."""
     kinds = {
         QUANTITIES[str(name)].scale: units_in(variable)
         for name, variable in dataset.variables.items()

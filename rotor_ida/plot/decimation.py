@@ -1,4 +1,4 @@
-"""Fewer points for the same ink: what a picture cannot show is left out, and nothing else."""
+"""Reduce points without changing the picture."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from rotor_ida.arrays import Values
 # A figure across a page has about 1400 dots at 200 to the inch.
 COLUMNS = 2000
 CELLS = 3000
-# Up to so many points are drawn as they are.
+# Up to this many points are drawn unchanged.
 FEW = 20_000
-# A path of more points than that, thinned, is drawn as the dots that it passes through: about as
-# many as a small figure has, as fewer in print would leave some out.
+# A thinned path of more points than this is drawn as the dots that it passes through: about as
+# many as a small figure has, since fewer would lose some in print.
 MANY, DOTS, AT_ONCE = 60_000, 600, 2_000_000
 
 
 def kept_in_columns(times: Values, values: Values, columns: int = COLUMNS) -> npt.NDArray[np.intp]:
-    """Return which samples draw the same line as all of them.
+    """Return the samples that draw the same line as all of them.
 
     Parameters
     ----------
@@ -70,16 +70,16 @@ def thinned(x: Values, y: Values, cells: int = CELLS) -> tuple[Values, Values]:
     Parameters
     ----------
     x, y : ndarray, shape (n,)
-        Points of the path; NaN parts it.
+        Points of the path; NaN breaks it.
     cells : int
         Cells of the grid across the path, smaller than the dots of a figure.
 
     Returns
     -------
     x, y : ndarray
-        Points out of the path, NaN where steps are left out. A point stays if it enters a cell, so
-        that no excursion wider than one is lost; a step from one cell to another that was taken
-        before is left out, as it would be drawn over itself.
+        Points of the path, NaN where steps are left out. A point that enters a cell stays, so no
+        excursion wider than a cell is lost. A repeated step between two cells is left out, because
+        it would be drawn over itself.
 
     Examples
     --------
@@ -115,12 +115,12 @@ def thinned(x: Values, y: Values, cells: int = CELLS) -> tuple[Values, Values]:
 
 
 def inked(x: Values, y: Values, low: tuple[float, float], width: float) -> npt.NDArray[np.bool_]:
-    """Return which dots of a square a path passes through, rows upwards.
+    """Return the dots of a square that a path passes through, rows upwards.
 
     Parameters
     ----------
     x, y : ndarray, shape (n,)
-        Points of the path; NaN parts it.
+        Points of the path; NaN breaks it.
     low : tuple of float
         Corner of the square.
     width : float
@@ -155,7 +155,7 @@ def inked(x: Values, y: Values, low: tuple[float, float], width: float) -> npt.N
 def draw_path(
     ax: Axes, x: Values, y: Values, *, colour: str, width: float, words: str, level: float = 2.0
 ) -> None:
-    """Draw a path as a line, or if it has very many points as the dots that it passes through."""
+    """Draw a path as a line, or as dots if it has very many points."""
     x, y = thinned(x, y)
     if x.size <= MANY:
         ax.plot(x, y, color=colour, lw=width, label=words, zorder=level)
@@ -172,6 +172,6 @@ def draw_path(
 
 
 def highest_in_bins(values: Values, bins: npt.NDArray[np.intp], axis: int) -> Values:
-    """Return the largest of the values in each bin; bins are numbers that never fall."""
+    """Return the largest value in each bin; bin numbers must not decrease."""
     starts = np.flatnonzero(np.diff(bins, prepend=-1))
     return np.asarray(np.maximum.reduceat(values, starts, axis=axis), dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Motion in the long run: Poincaré sections, Lyapunov exponents, bifurcation diagrams."""
+"""Plots of Poincaré sections, Lyapunov exponents and bifurcation diagrams."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ from rotor_ida.plot.responses import plot_amplitude
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of
 
-# How the points of a section are drawn.
+# Styles of the points of a section.
 LEAST_SPAN = 0.2
 FEW = 20
 WORDS = {
@@ -56,9 +56,9 @@ WORDS = {
     "exit": "at each exit",
     "peak": "at each largest radius",
 }
-# How the exponents are told apart.
+# Styles of the exponents.
 LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
-# What a bifurcation diagram is made of.
+# Parts of a bifurcation diagram.
 FREE = "extremum, contact-free or unresolved"
 FREE_KINDS = ("contact_free", "touching", "unresolved")
 EXTREMA = {
@@ -76,11 +76,11 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     section : Dataset
-        What `rotor_ida.poincare_section` returned. Entries and exits, which all lie on the
-        ring, are drawn as radial velocity over the angle from the unbalance, other sections as
-        displacements, with the ring.
+        Result of `rotor_ida.poincare_section`. Entries and exits all lie on the
+        stator and are drawn as radial velocity over the angle from the unbalance. Other sections
+        are drawn as displacements, with the stator.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -119,16 +119,16 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    r"""Draw the mean rates of stretching over the time of the mean, with the exponents.
+    r"""Draw the convergence of the Lyapunov exponents over the averaging time.
 
-    The legend has each exponent with the standard error of its last digits in brackets.
+    The legend shows each exponent with the standard error of its last digits in brackets.
 
     Parameters
     ----------
     found : Dataset
-        What `rotor_ida.lyapunov_exponent` returned.
+        Result of `rotor_ida.lyapunov_exponent`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -153,7 +153,7 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ax.set_xlim(0.0, float(found["t"].values[-1]))
         low, high = float(found["lyapunov_exponent"].min()), float(found["lyapunov_exponent"].max())
         room = max(high - low, abs(high), abs(low)) or 1.0
-        # the first, still unsettled means may lie outside
+        # the first means have not converged and may lie outside
         ax.set_ylim(low - 0.3 * room, high + 0.9 * room)
         ax.legend(
             ncols=2, loc="upper center", fontsize=8.0, handlelength=2.0, columnspacing=1.0,
@@ -169,21 +169,21 @@ def plot_extrema(
     fold_points: xr.Dataset | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw the extrema of the radius over the speed, or over what else varies.
+    """Draw the extrema of the radius over the varying parameter.
 
     Parameters
     ----------
     found : Dataset
-        What `rotor_ida.bifurcation_diagram` returned, in which one parameter varies. It may hold
+        Result of `rotor_ida.bifurcation_diagram`, in which one parameter varies. It may contain
         several ``delta0`` beside `exact`.
     exact : Dataset, optional
-        What `rotor_ida.closed_forms.response_curve` returned, for the same parameters and one
-        ``delta0``: drawn under the extrema over the speed, and only those of this clearance are
-        shown.
+        Result of `rotor_ida.closed_forms.response_curve`, for the same parameters and one
+        ``delta0``. It is drawn under the extrema over the speed, which are shown for this
+        clearance only.
     fold_points : Dataset, optional
-        What `rotor_ida.folds` returned for the same parameters.
+        Result of `rotor_ida.folds` for the same parameters.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -219,7 +219,7 @@ def plot_extrema(
 
 
 class _Extrema(NamedTuple):
-    """The extrema of a diagram, one after the other: how many are shown, and each kind of them."""
+    """The extrema of a diagram as flat arrays: how many are shown, and each kind."""
 
     across: Values
     radius: Values
@@ -228,7 +228,7 @@ class _Extrema(NamedTuple):
 
 
 def _extrema_of(found: xr.Dataset, over: str, delta0: float | None) -> _Extrema:
-    """Return the extrema over a parameter; of one clearance, or of all."""
+    """Return the extrema over a parameter, for one clearance or all."""
     counts = found["extremum_count"]
     places = xr.broadcast(found[over], found["delta0"], found["response"], counts)
     across, clearance, response = (
@@ -238,7 +238,7 @@ def _extrema_of(found: xr.Dataset, over: str, delta0: float | None) -> _Extrema:
     if over == "omega" and "extremum_speed" in found.variables:
         across = found["extremum_speed"].values
     here = np.full(clearance.shape, True) if delta0 is None else clearance == delta0
-    # of an unresolved motion it is not known whether the extrema remain
+    # the extrema of an unresolved motion may not last
     free = _is_of(response, found["response"], FREE_KINDS)
     of_kind = {
         kind: here & _is_of(found["extremum_kind"].values, found["extremum_kind"], (kind,))
@@ -255,13 +255,13 @@ def _extrema_of(found: xr.Dataset, over: str, delta0: float | None) -> _Extrema:
 def _is_of(
     numbers: Values, variable: xr.DataArray, kinds: tuple[str, ...]
 ) -> npt.NDArray[np.bool_]:
-    """Return which numbers of a flag variable are of some kinds."""
+    """Return a mask of the flags that are of some kinds."""
     flags = flags_of(variable)
     return np.isin(numbers, [flags[kind] for kind in kinds if kind in flags])
 
 
 def _varied(found: xr.Dataset, exact: xr.Dataset | None) -> tuple[str, dict[str, float]]:
-    """Return which parameter varies in a diagram, and the values of the others."""
+    """Return the varying parameter of a diagram, and the values of the others."""
     names = parameters_in(found)
     if exact is None:
         varied = [name for name in names if found[name].size > 1]
@@ -274,12 +274,12 @@ def _varied(found: xr.Dataset, exact: xr.Dataset | None) -> tuple[str, dict[str,
     check_same_parameters("found", others, fixed_parameters("exact", exact, ("zeta",)))
     delta0 = one_value("exact", exact, "delta0")
     if delta0 not in found["delta0"].values:
-        raise InputError(f"found must hold the delta0 of exact, {delta0!r}, it does not")
+        raise InputError(f"found must contain the delta0 of exact, {delta0!r}, it does not")
     return "omega", others | {"delta0": delta0}
 
 
 def _together(angle: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Return angles cut open at their widest gap, so that no cluster is torn apart at pi."""
+    """Return angles cut at their widest gap, so that no cluster is split at pi."""
     order = np.sort(angle)
     gaps = np.diff(order)
     if not gaps.size or gaps.max() <= 2.0 * math.pi + order[0] - order[-1]:
@@ -290,12 +290,12 @@ def _together(angle: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 
 
 def _distinct(z: npt.NDArray[np.complex128]) -> int:
-    """Return the number of points that can be told apart."""
+    """Return the number of distinguishable points."""
     return int(np.unique(np.round(z / (np.abs(z).max(initial=0.0) or 1.0), 3)).size)
 
 
 def _counted(z: npt.NDArray[np.complex128]) -> str:
-    """Return how many crossings fall on few points, where they do."""
+    """Return the count of crossings and of distinct points, if these are few."""
     distinct = _distinct(z)
     if not 0 < distinct <= FEW or z.size <= 2 * distinct:
         return ""
@@ -303,13 +303,13 @@ def _counted(z: npt.NDArray[np.complex128]) -> str:
 
 
 def _mark_size(z: npt.NDArray[np.complex128]) -> float:
-    """Return a size of the marks by the number of points that can be told apart."""
+    """Return the marker size for a number of distinguishable points."""
     distinct = _distinct(z)
     return 4.5 if distinct <= FEW else 3.0 if distinct <= 200 else 1.6
 
 
 def _leave_room(ax: Axes, across: float, up: float) -> None:
-    """Widen limits that would blow rounding up, of values of these orders, to the whole panel."""
+    """Widen limits that would magnify rounding errors to the whole panel."""
     for low, high, widen, order in (
         (*ax.get_xlim(), ax.set_xlim, across),
         (*ax.get_ylim(), ax.set_ylim, up),

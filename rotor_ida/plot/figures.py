@@ -1,4 +1,4 @@
-"""The figure that suits each kind of dataset, of sweeps and whirls with the exact curve behind."""
+"""Choose the figure for each kind of dataset; sweeps and whirls include the exact curve."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from rotor_ida.plot.labels import label_parameter
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.results.si_units import in_units_of
 
-# Up to so many speeds of a table of whirls are marked.
+# Largest number of speeds of a table of whirls that are marked.
 FEW_SPEEDS = 30
-# At so many clearances the folds of the whirl are shown beside those of cycles.
+# Number of clearances at which folds of the whirl are shown beside those of cycles.
 CLEARANCES = 41
-# Folds and Hopf points are shown over these speeds, or up to a margin beyond the last of them.
+# Folds and Hopf points are shown over these speeds, or to a margin past the last of them.
 MARKED, USUAL, MARGIN = ("fold_omega", "hopf_omega"), (0.05, 3.0), 1.2
-# A panel that is a figure alone is so wide and high [inch].
+# Width and height of a single panel [inch].
 ALONE = (5.6, 4.2)
 
 
 def figure_of(dataset: xr.Dataset) -> Figure:
-    """Return the figure of a dataset; of a sweep with the exact curve behind it."""
+    """Return the figure of a dataset; for a sweep with the exact curve."""
     kind = kind_of(dataset)
     drawn = KINDS[kind].drawn
     if not drawn:
@@ -46,7 +46,7 @@ def figure_of(dataset: xr.Dataset) -> Figure:
 
 
 def figure_of_whirls(dataset: xr.Dataset) -> Figure:
-    """Return the figure of exact curves, with what a dataset has on them; a panel for each."""
+    """Return the figure of exact curves with the points of a dataset; a panel for each."""
     parts = [part for _, part in rotors_in(dataset, but=("omega",))]
     columns = math.ceil(math.sqrt(check_panels(len(parts))))
     rows = math.ceil(len(parts) / columns)
@@ -78,7 +78,7 @@ def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
     given = {name: part[name].item() for name in ALL_PARAMETERS[1:] if name in part.variables}
     if given.pop("load", 0.0) > 0.0:
         return None, None, None
-    given.pop("disc_radius", None)  # of these whirls it moves none
+    given.pop("disc_radius", None)  # it moves none of these whirls
     curve = response_curve(**given, limits=_limits_of(part))
     has_hopf_points = given.get("friction") or given.get("contact_damping")
     exact = [curve, folds(**given), hopf_points(**given) if has_hopf_points else None]
@@ -86,7 +86,7 @@ def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
 
 
 def figure_of_atlas(dataset: xr.Dataset) -> Figure:
-    """Return the figure of an atlas: shares over one parameter, or a map over two."""
+    """Return the figure of an atlas: fractions over one parameter, or a map over two."""
     line = sum(dataset[name].size > 1 for name in parameters_in(dataset)) == 1
     return _with_legend(plot.plot_attractors if line else plot.plot_attractor_map, dataset)
 
@@ -135,7 +135,7 @@ def _whirls_beside(curve: xr.Dataset) -> xr.Dataset | None:
 
 
 def _limits_of(part: xr.Dataset) -> tuple[float, float]:
-    """Return the range of speeds to draw: a wider one round one or two, or round what is marked."""
+    """Return the range of speeds to draw, widened round one or two speeds or marked points."""
     if "omega" not in part.variables:
         marks = np.concatenate([part[name].values.ravel() for name in MARKED if name in part])
         return USUAL[0], max(USUAL[1], MARGIN * float(np.nan_to_num(marks).max(initial=0.0)))

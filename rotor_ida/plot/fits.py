@@ -1,4 +1,4 @@
-"""What was measured over what was fitted, and what is left."""
+"""Plots of a fit: measured over fitted signals, and residuals."""
 
 from __future__ import annotations
 
@@ -24,36 +24,36 @@ NEEDED = (
     *("fitted_forward_whirl_amplitude", "fitted_forward_phase_lag", "forward_amplitude_error"),
     *("record", "speed", "t"),
 )
-# A residual beyond so many standard errors is rare.
+# A residual above this many standard errors is rare.
 RARE = 2.0
-# A phase is shown where the amplitude is so many times its error.
+# A phase is shown if the amplitude exceeds this many times its error.
 CLEAR = 3.0
 # More windows than these are drawn with small marks.
 MANY = 300
-# What is measured is drawn as points with their errors.
+# Measured values are points with error bars.
 MEASURED: Any = {"fmt": ".", "ms": 3.5, "lw": 0.0, "elinewidth": 0.8, "color": INK}
 
 
 def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
-    r"""Return a figure of a fit: measured over fitted amplitude and phase, and what is left.
+    r"""Return a figure of a fit: measured over fitted amplitude and phase, and residuals.
 
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.fit` returned.
+        Result of `rotor_ida.fit`.
     order : float
         Multiple of the speed that is shown, one of those that were compared [1].
 
     Returns
     -------
     Figure
-        Amplitude, phase lag and residuals of forward whirl over the speed, or over the time where
-        that is one; a fourth panel with the contact times, where these were compared.
+        Amplitude, phase lag and residuals of forward whirl over the speed, or over time if the
+        speed is constant; a fourth panel shows contact times, if these were compared.
 
     Raises
     ------
     InputError
-        If the dataset is none of a fit, or does not hold the order.
+        If the dataset is not a fit, or does not contain the order.
 
     Examples
     --------
@@ -92,9 +92,9 @@ def plot_fit(
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.fit` returned.
+        Result of `rotor_ida.fit`.
     axes : list of two Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
     order : float
         Multiple of the speed that is shown [1].
 
@@ -126,14 +126,14 @@ def plot_fit(
 
 
 def plot_fit_residuals(dataset: xr.Dataset, ax: Axes | None = None, *, order: float = 1.0) -> Axes:
-    """Draw by how many standard errors measured and fitted order differ, in both components.
+    """Draw the residuals of an order over their standard errors, in both components.
 
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.fit` returned.
+        Result of `rotor_ida.fit`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
     order : float
         Multiple of the speed that is shown [1].
     """
@@ -157,11 +157,11 @@ def plot_fit_residuals(dataset: xr.Dataset, ax: Axes | None = None, *, order: fl
 
 
 def _order_of(dataset: xr.Dataset, order: float) -> tuple[xr.Dataset, Units, xr.DataArray]:
-    """Return one order of a fit, the units, and what it is drawn over, with its label."""
+    """Return one order of a fit, the units, and the horizontal quantity with its label."""
     compared = dataset["order"].values
     if order not in compared:
         allowed = ", ".join(f"{each:g}" for each in compared)
-        raise InputError(f"order must be one of those that were compared, {allowed}, got {order!r}")
+        raise InputError(f"order must be one of those compared, {allowed}, got {order!r}")
     one = dataset.sel(order=order)
     units = units_of(one, "forward_whirl_amplitude", "speed")
     if is_one_speed(one["speed"].values):
@@ -191,7 +191,7 @@ def _draw_amplitude(ax: Axes, places: Values, one: xr.Dataset) -> None:
 
 
 def _draw_phase(ax: Axes, places: Values, one: xr.Dataset) -> None:
-    """Draw measured over fitted phase lag of one record, where it is clear."""
+    """Draw measured over fitted phase lag of one record, where it is significant."""
     lag = np.unwrap(one["fitted_forward_phase_lag"].values)
     lag = lag - 2.0 * math.pi * round(float(np.median(lag)) / (2.0 * math.pi) - 0.25)
     apart = one["forward_phase_lag"].values - lag
@@ -203,7 +203,7 @@ def _draw_phase(ax: Axes, places: Values, one: xr.Dataset) -> None:
 
 
 def _plot_touches(dataset: xr.Dataset, ax: Axes) -> None:
-    """Draw by how much computed contact times differ from measured ones."""
+    """Draw the differences of computed and measured contact times."""
     times = dataset["measured_time"]
     apart = dataset["fitted_time"].values - times.values
     compared, error = dataset["compared"].values, float(dataset["time_error"])

@@ -27,14 +27,14 @@ PEAK = "peak of a contact"
 def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw the contact force over time, with the peak of each contact.
 
-    With friction that is the normal force, and beside it the force along the ring.
+    With friction, draw the normal force and the force along the stator.
 
     Parameters
     ----------
     forces : Dataset
-        What `rotor_ida.contact_forces` returned.
+        Result of `rotor_ida.contact_forces`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ax.plot(time, normal, color=BLUE, lw=0.9, label="normal force" if rubs else "force")
         if rubs:
             along = forces["tangential_force"].values
-            ax.plot(time, along, color=ORANGE, lw=0.9, label="force along the ring")
+            ax.plot(time, along, color=ORANGE, lw=0.9, label="force along the stator")
             lowest = min(lowest, 1.1 * float(along.min(initial=0.0)))
         peaks = peaks_on(forces, time, normal)
         draw_marks(ax, *peaks, "o", RED, size=2.8, face="white", edge=0.8, label=PEAK)
@@ -65,14 +65,14 @@ def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    """Draw which share of the contacts stays below each peak force.
+    """Draw the cumulative distribution of peak contact forces.
 
     Parameters
     ----------
     forces : Dataset
-        What `rotor_ida.contact_forces` returned.
+        Result of `rotor_ida.contact_forces`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -99,7 +99,7 @@ def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 
 def shade_contacts(ax: Axes, run: xr.Dataset) -> None:
-    """Shade the contacts of a run, as far as it shows them; those that no dot parts as one."""
+    """Shade the contacts of a run; merge those closer than a dot."""
     if not {"entry_time", "exit_time"} <= set(run.variables):
         return
     first, last = (float(each) for each in run["t"].values[[0, -1]])
@@ -119,7 +119,7 @@ def shade_contacts(ax: Axes, run: xr.Dataset) -> None:
 def peaks_of(dataset: xr.Dataset) -> tuple[Values, Values]:
     """Return times and forces of the peaks of contacts.
 
-    Where a run begins or ends inside a contact, the largest force there is no peak.
+    The largest force is not a peak if a run begins or ends inside that contact.
     """
     times, first, last = dataset["peak_time"].values, *dataset["t"].values[[0, -1]]
     inside = (times > first) & (times < last)
@@ -127,9 +127,9 @@ def peaks_of(dataset: xr.Dataset) -> tuple[Values, Values]:
 
 
 def peaks_on(dataset: xr.Dataset, time: Values, force: Values) -> tuple[Values, Values]:
-    """Return times and forces of the peaks of contacts, as they lie on the force over time.
+    """Return times and forces of contact peaks, on the curve of the force over time.
 
-    With contact damping the force is largest before the indentation, whose time is told.
+    With contact damping the force peaks before the indentation, whose time is stored.
     """
     times, peaks = peaks_of(dataset)
     if "contact_damping" not in dataset.variables:

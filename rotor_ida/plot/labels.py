@@ -1,7 +1,7 @@
-"""What quantities, kinds of response and units are called in pictures, and their titles.
+"""Labels of quantities, kinds of response and units in plots, and titles.
 
-A figure shows the units that its dataset carries (`rotor_ida.dimensional` chooses them); metres and
-such without a prefix are shown with one.
+A figure shows the units of its dataset (`rotor_ida.dimensional` chooses them); metres and other
+units without a prefix get one.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rotor_ida.results.si_units import in_rpm, machine_of, scale_of, si_of
 from rotor_ida.units import SPEED_UNITS
 
 SEPARATOR = ",  "
-# With more parameters a title has two lines.
+# With more parameters than this a title has two lines.
 MOST_IN_A_LINE = 5
 
 # Words and symbol of each quantity, and its symbol where it has a unit, as in eqs (1)-(9), if that
@@ -60,7 +60,7 @@ _QUANTITIES: dict[str, tuple[str, ...]] = {
     "force": ("contact force", "$f$", "$F$"),
     "contact_force": ("contact force", "$f$", "$F$"),
     "peak_force": ("peak force", "$f$", "$F$"),
-    "peak_fraction": ("share of contacts up to this force", ""),
+    "peak_fraction": ("fraction of contacts up to this force", ""),
     "normal_force": ("normal force", "$N$"),
     "slip_speed": ("slip speed", "$v_s$", "$V_s$"),
     "running_exponent": ("Lyapunov exponent", r"$\lambda$"),
@@ -135,7 +135,7 @@ def with_error(value: float, error: float) -> str:
 
 
 def unit_of(variable: xr.DataArray | xr.Variable) -> str:
-    """Return the unit of a variable as a reader writes it; nothing for numbers and angles.
+    """Return the unit of a variable in common notation; empty for numbers and angles.
 
     Examples
     --------
@@ -165,15 +165,15 @@ def label_of(name: str, variable: xr.DataArray, *, words: str | None = None) -> 
 
 
 def label_axis(axis: Axis, name: str, variable: xr.DataArray, *, words: str | None = None) -> None:
-    """Label an axis with a variable and its unit, and hold the axis to that unit."""
+    """Label an axis with a variable and its unit, and fix the axis to that unit."""
     hold_units(axis, variable)
     axis.set_label_text(label_of(name, variable, words=words))
 
 
 def label_parameter(axis: Axis, name: str, dataset: xr.Dataset) -> None:
-    """Label an axis of a parameter; the spin speeds of a result in SI units are shown in rpm.
+    """Label an axis of a parameter; spin speeds of a result in SI units are shown in rpm.
 
-    What is drawn stays dimensionless.
+    The plotted data stay dimensionless.
     """
     if name != "omega" or "rate_scale" not in dataset.attrs:
         axis.set_label_text(LABELS[name])
@@ -185,7 +185,7 @@ def label_parameter(axis: Axis, name: str, dataset: xr.Dataset) -> None:
 
 
 class _ScaledLocator(MaxNLocator):
-    """Places ticks at round numbers of a multiple of what is drawn."""
+    """Places ticks at round numbers of a multiple of the plotted data."""
 
     def __init__(self, factor: float) -> None:
         super().__init__(nbins="auto", steps=[1, 2, 2.5, 5, 10])
@@ -197,9 +197,9 @@ class _ScaledLocator(MaxNLocator):
 
 
 def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMETERS) -> str:
-    """Return the parameters of a dataset, which holds one value of each, as a title.
+    """Return the parameters of a dataset, with one value of each, as a title.
 
-    It has two lines where one is too long.
+    It has two lines if one is too long.
     """
     # what varies along a branch is on its axis
     optional = [each for each in OPTIONAL if each in dataset.variables and not dataset[each].ndim]

@@ -1,4 +1,4 @@
-"""Response curves over spin speed or clearance, and what simulated rotors do beside them."""
+"""Response curves over spin speed or clearance, with simulated responses."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ LINES = {
 CURVE = ("omega", "zeta", "delta0", "amplitude", "phase_lag", "stability", "in_contact", "piece")
 NO_CURVE = "no exact curve"
 SIMULATED = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
-# What is drawn beside a curve, and the variables that it needs.
+# Results drawn beside a curve, and the variables that they need.
 BESIDE = {
     "whirls": (*PARAMETERS, "amplitude", "phase_lag"),
     "simulated": (*PARAMETERS, *SIMULATED),
@@ -116,28 +116,28 @@ def plot_amplitude(
     Parameters
     ----------
     exact : Dataset or None
-        What `rotor_ida.closed_forms.response_curve` returned, for one ``zeta``, one ``delta0``
-        and one of each other parameter. None, for `simulated` alone, where no curve is known:
-        under a load.
+        Result of `rotor_ida.closed_forms.response_curve`, for one ``zeta``, one ``delta0``
+        and one of each other parameter. None for `simulated` alone, where no curve exists: under
+        a load.
     whirls : Dataset, optional
-        What `rotor_ida.synchronous_response` returned, for the same parameters: the whirls at
+        Result of `rotor_ida.synchronous_response`, for the same parameters: the whirls at
         its speeds are marked.
     simulated : Dataset, optional
-        What `rotor_ida.sweep` returned, for the same parameters. Responses that are synchronous,
-        contact-free or touching are marks at their amplitude, by direction of the sweep; all
-        others are bars over the range of the distance from the bearing axis.
+        Result of `rotor_ida.sweep`, for the same parameters. Synchronous, contact-free and
+        touching responses are marks at their amplitude, by direction of the sweep. All others
+        are bars over the range of the distance from the bearing axis.
     fold_points : Dataset, optional
-        What `rotor_ida.folds` returned, for the same parameters: the folds are marked.
+        Result of `rotor_ida.folds`, for the same parameters: the folds are marked.
     hopf_points : Dataset, optional
-        What `rotor_ida.hopf_points` returned, for the same parameters: they are marked.
+        Result of `rotor_ida.hopf_points`, for the same parameters: they are marked.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Raises
     ------
     InputError
-        If a dataset is of another kind, holds several dampings, clearances or other parameters,
-        or other ones than `exact`; if there is nothing to draw.
+        If a dataset is of another kind, has several values of a parameter, or values other than
+        `exact`; if there is nothing to draw.
 
     Examples
     --------
@@ -168,8 +168,8 @@ def plot_phase(
     Parameters
     ----------
     exact, whirls, simulated, fold_points, ax
-        As for `plot_amplitude`. Of a simulated response that is neither synchronous nor
-        contact-free the phase of the part at the spin speed is marked.
+        As for `plot_amplitude`. For a simulated response that is neither synchronous nor
+        contact-free, the mark is the phase of the component at the spin speed.
 
     Examples
     --------
@@ -185,18 +185,18 @@ def plot_phase(
 def plot_over_clearance(
     exact: xr.Dataset, *, simulated: xr.Dataset | None = None, ax: Axes | None = None
 ) -> Axes:
-    r"""Draw the whirls at one speed over the clearance, and what a simulated rotor does there.
+    r"""Draw the whirls at one speed over the clearance, with simulated responses.
 
     Parameters
     ----------
     exact : Dataset
-        What `rotor_ida.closed_forms.clearance_curve` returned, for one ``omega`` and one
+        Result of `rotor_ida.closed_forms.clearance_curve`, for one ``omega`` and one
         ``zeta``.
     simulated : Dataset, optional
-        What `rotor_ida.sweep` returned at the same speed and damping. Responses on a whirl are
+        Result of `rotor_ida.sweep` at the same speed and damping. Responses on a whirl are
         marks, all others bars over the range of the distance from the bearing axis.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -230,7 +230,7 @@ def _plot_over_speed(
     beside: Mapping[str, xr.Dataset | None],
     ax: Axes | None,
 ) -> Axes:
-    """Draw amplitude or phase of a curve over the speed, and what is given beside it."""
+    """Draw amplitude or phase of a curve over the speed, with the other results."""
     given = {
         name: check_dataset(name, dataset, BESIDE[name])
         for name, dataset in beside.items()
@@ -271,7 +271,7 @@ def _plot_over_speed(
 
 
 def _without_curve(parameters: Mapping[str, float]) -> str:
-    """Return the title of a panel that says why it shows no curve."""
+    """Return the title of a panel without a curve, with the reason."""
     last = {name: value for name, value in parameters.items() if name == "load"}
     before = {name: value for name, value in parameters.items() if name != "load"}
     reason = f"{parameter_text(last)}: {NO_CURVE} under a load" if last else NO_CURVE
@@ -281,7 +281,7 @@ def _without_curve(parameters: Mapping[str, float]) -> str:
 def _draw_points(
     ax: Axes, quantity: str, given: Mapping[str, xr.Dataset], shown: xr.Dataset, zeta: float
 ) -> None:
-    """Mark the whirls at given speeds, and folds and Hopf points where there are any."""
+    """Mark the whirls at given speeds, folds and Hopf points, if any."""
     if "whirls" in given:
         whirls = given["whirls"]
         across, up = xr.broadcast(whirls["omega"], whirls[quantity])

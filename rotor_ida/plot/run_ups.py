@@ -1,4 +1,4 @@
-"""Many run-ups: the largest force met on the way, and how they end, over the rate."""
+"""Plots of many run-ups: largest force and outcome over the rate."""
 
 from __future__ import annotations
 
@@ -43,19 +43,19 @@ NEEDED = (
     *(f"{word}_fraction" for word in ENDS_IN_WORDS),
 )
 FORCE = "largest normal force"
-# More rates have only so many of their numbers written under the bars.
+# If there are more rates, only this many are labelled under the bars.
 MOST_TICKS = 7
-# Fewer bars are no broader.
+# Fewer bars are not wider.
 FEWEST_BARS = 3
 
 
 def run_ups_figure(dataset: xr.Dataset) -> Figure:
-    """Draw run-ups: the largest forces over the rate, and how they end, a panel for each rotor.
+    """Draw run-ups: the largest forces over the rate, and outcomes in a panel for each rotor.
 
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.run_ups` returned.
+        Result of `rotor_ida.run_ups`.
 
     Examples
     --------
@@ -63,7 +63,7 @@ def run_ups_figure(dataset: xr.Dataset) -> Figure:
     >>> found = run_ups(omega=0.3, to=1.6, rate=[0.01, 0.3], zeta=0.1, delta0=[1.0, 2.0],
     ...                 shaft_stiffness=1.0)
     >>> [ax.get_ylabel() for ax in run_ups_figure(found).axes]
-    ['largest normal force', 'share of run-ups', 'share of run-ups']
+    ['largest normal force', 'fraction of run-ups', 'fraction of run-ups']
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
     rotors = list(rotors_in(dataset))
@@ -83,16 +83,16 @@ def run_ups_figure(dataset: xr.Dataset) -> Figure:
 
 
 def plot_largest_force(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Draw the largest normal force met on the way over the rate, a curve for each rotor.
+    """Draw the largest normal force of run-ups over the rate, a curve for each rotor.
 
-    The curve is the largest over phases and starts, the bars reach down to the least.
+    The curve is the largest over phases and starts; bars reach down to the smallest.
 
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.run_ups` returned.
+        Result of `rotor_ida.run_ups`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -128,14 +128,14 @@ def plot_largest_force(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
 
 
 def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
-    """Draw which part of the run-ups of one rotor ends how, one upon the other, for each rate.
+    """Draw the fractions of outcomes of one rotor's run-ups, stacked, for each rate.
 
     Parameters
     ----------
     dataset : Dataset
-        What `rotor_ida.run_ups` returned, for one value of each parameter.
+        Result of `rotor_ida.run_ups`, for one value of each parameter.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -165,14 +165,14 @@ def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         ax.set_ylim(0.0, 1.0)
         ax.grid(visible=False)
         ax.set_xlabel(LABELS["rate"] + _unit_of_rate(dataset))
-        ax.set_ylabel("share of run-ups")
+        ax.set_ylabel("fraction of run-ups")
         if alone:
             legend_below(ax)
     return ax
 
 
 def _rates_of(dataset: xr.Dataset) -> Values:
-    """Return the rates of run-ups, of a machine in rpm/s."""
+    """Return the rates of run-ups, in rpm/s for a machine."""
     rates = np.asarray(dataset["rate"].values)
     if "rate_scale" not in dataset.attrs:
         return rates

@@ -1,4 +1,4 @@
-"""One run: its motion between the outputs, its orbit and its events."""
+"""Plots of one run: its motion over time, its orbit and its events."""
 
 from __future__ import annotations
 
@@ -51,9 +51,9 @@ NEEDED = (*PARAMETERS, "t", "x", "y", "vx", "vy", "starts_in_contact", "event_ti
 WITH_PEAKS = (*NEEDED, "peak_time", "peak_force")
 HISTORIES = ("x", "y", "radius")
 # Above these numbers of events their marks get smaller, and then are left out: they would hide
-# the motion, and the colours of contact and flight say the same.
+# the motion, and the colours of contact and flight show the same.
 FEW_EVENTS, MANY_EVENTS = 40, 120
-# An orbit of more points is drawn without what cannot be seen.
+# An orbit of more points is thinned.
 DENSE = 200_000
 # Events: the mark of each, its colour, and whether it is filled.
 MARKS = {
@@ -65,15 +65,15 @@ MARKS = {
     "press": ("s", INK, True),
     "release": ("s", INK, False),
 }
-# With friction a motion has a colour, a line and a width for each way in which it goes on. What
-# is loose in the ring slips too, though nothing presses it on.
+# With friction each kind of motion has a colour, a line and a width. Flight counts as slip, at no
+# normal force.
 WAYS: tuple[tuple[tuple[str, ...], str, str, object, float], ...] = (
     (("flight",), "flight", BLUE, "-", 1.0),
     (("slipping_forward", "loose"), "slips forwards", RED, "-", 1.2),
     (("slipping_backward",), "slips backwards", PURPLE, (0, (1.2, 0.7)), 1.7),
     (("rolling",), "rolls", DARK_BROWN, "-", 3.0),
 )
-# Where it rolls the line has sleepers, so that it is told from the others without colour too.
+# Rolling has cross ticks, so that it differs from the others without colour too.
 SLEEPERS = {"dash_offset": 0.0, "dash_list": [2.0, 2.5]}
 
 
@@ -83,15 +83,15 @@ def plot_run(run: xr.Dataset) -> Figure:
     Parameters
     ----------
     run : Dataset
-        What `rotor_ida.simulate` returned.
+        Result of `rotor_ida.simulate`.
 
     Returns
     -------
     Figure
         The figure. Its axes are x, y, radius and peak force over time, and the orbit. Contact
-        is shaded; events are marked while they are few enough to tell apart. With friction there
-        is the slip speed too, the force is the normal one over time, and orbit and radius have
-        the colours of slip, forwards and backwards, and of rolling.
+        is shaded, and events are marked unless they are too many. With friction the figure adds
+        the slip speed, shows the normal force over time, and colours orbit and radius by forward
+        slip, backward slip and rolling.
 
     Examples
     --------
@@ -132,15 +132,15 @@ def plot_run(run: xr.Dataset) -> Figure:
 
 
 def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    r"""Draw the orbit as seen on axes that turn with the unbalance, with the ring.
+    r"""Draw the orbit on axes that rotate with the unbalance, with the stator.
 
-    A synchronous whirl is a point there; what is left moving is what the response curve of one
-    harmonic cannot show.
+    A synchronous whirl is a point there. Any remaining motion is what a one-harmonic response curve
+    cannot show.
 
     Parameters
     ----------
     run, ax
-        As for `plot_orbit`; what `rotor_ida.rotating` returned will do too.
+        As for `plot_orbit`; a result of `rotor_ida.rotating` also works.
 
     Examples
     --------
@@ -169,16 +169,16 @@ def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_history(run: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axes:
-    """Draw a displacement or the radius over time, contact and flight in their colours.
+    """Draw a displacement or the radius over time, with contact and flight in colour.
 
     Parameters
     ----------
     run : Dataset
-        What `rotor_ida.simulate` returned.
+        Result of `rotor_ida.simulate`.
     name : {"x", "y", "radius"}
-        What to draw.
+        Quantity to draw.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -199,14 +199,14 @@ def plot_history(run: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_drawn_out(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    """Draw the orbit over time in three dimensions, contact and flight in their colours.
+    """Draw the orbit over time in three dimensions, with contact and flight in colour.
 
     Parameters
     ----------
     run : Dataset
-        What `rotor_ida.simulate` returned.
+        Result of `rotor_ida.simulate`.
     ax : Axes, optional
-        Three-dimensional axes to draw on and return; by default those of a new figure.
+        Three-dimensional axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -234,12 +234,12 @@ def plot_machine(run: xr.Dataset) -> Figure:
     Parameters
     ----------
     run : Dataset
-        What `rotor_ida.dimensional` made of a run.
+        Result of `rotor_ida.dimensional` for a run.
 
     Returns
     -------
     Figure
-        The figure: the orbit, the radius over time with the ring, and the contact force with
+        The figure: the orbit, the radius over time with the stator, and the contact force with
         the peak of each contact.
 
     Examples
@@ -284,7 +284,7 @@ def plot_machine(run: xr.Dataset) -> Figure:
 
 
 def draw_orbit(ax: Axes, run: xr.Dataset, path: Path) -> None:
-    """Draw the orbit of a run along a path, with the ring, the events and the start."""
+    """Draw the orbit of a run along a path, with the stator, the events and the start."""
     draw_ring(ax, clearance_of(run))
     draw_motion(ax, path, path.x, path.y, width=_line_width(run), heavier=1.2)
     _mark_events(ax, run, run["event_x"].values, run["event_y"].values)
@@ -294,9 +294,9 @@ def draw_orbit(ax: Axes, run: xr.Dataset, path: Path) -> None:
 
 
 def draw_motion(ax: Any, path: Path, *columns: Values, width: float, heavier: float = 1.0) -> None:
-    """Draw flight and contact in their colours, contact this much heavier.
+    """Draw flight and contact in colour, contact wider by a factor.
 
-    With friction slip in either sense and rolling have looks of their own.
+    With friction, forward slip, backward slip and rolling have separate styles.
     """
     if path.mode is not None:
         _draw_ways(ax, path, path.mode, columns, width)
@@ -344,7 +344,7 @@ def _draw_histories(history: Sequence[Axes], run: xr.Dataset, path: Path) -> Non
 
 
 def _draw_radius(ax: Axes, path: Path, clearance: float, width: float) -> None:
-    """Draw the radius over time, with friction in the colours of the motion, and the ring."""
+    """Draw the radius over time, with friction in the colours of the motion, and the stator."""
     if path.mode is None:
         ax.plot(path.time, path.radius, color=INK, lw=width)
     else:
@@ -354,7 +354,7 @@ def _draw_radius(ax: Axes, path: Path, clearance: float, width: float) -> None:
 
 
 def _mark_events(ax: Axes, run: xr.Dataset, across: Values, up: Values) -> None:
-    """Mark events at their places, while they are few enough to tell apart."""
+    """Mark events on the orbit, unless they are too many."""
     kinds, flags = run["event_kind"].values, flags_of(run["event_kind"])
     if kinds.size > MANY_EVENTS:
         return
@@ -368,7 +368,7 @@ def _mark_events(ax: Axes, run: xr.Dataset, across: Values, up: Values) -> None:
 
 
 def _row_label(name: str, variable: xr.DataArray) -> str:
-    """Return the label of a low panel: with a unit, name and symbol do not fit both."""
+    """Return the label of a low panel, where name, symbol and unit do not all fit."""
     label = label_of(name, variable)
     return label.partition(" ")[2] if unit_of(variable) else label
 

@@ -1,4 +1,4 @@
-"""Figures written whole or not at all, the same to the byte whenever they are drawn again."""
+"""Write figures atomically and reproducibly, byte for byte."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.plot.appearance import style
 from rotor_ida.results.files import already_there, check_path, check_target, written_whole
 
-# What would change from day to day or from version to version is left out.
+# Metadata that depend on the date or the version are left out.
 _METADATA: dict[str, dict[str, None]] = {
     "png": {"Software": None},
     "svg": {"Date": None, "Creator": None},
@@ -47,11 +47,11 @@ def save_figure(
     figure : Figure
         The figure.
     stem : path-like
-        Where to write, without an ending such as ``.png``. The folder must exist.
+        Path without an ending such as ``.png``. The folder must exist.
     overwrite : bool
-        Whether files that are there may be replaced.
+        Whether existing files may be replaced.
     formats : {"png", "svg", "pdf"} or sequence of these
-        What to write; by default a PNG and an SVG.
+        Formats to write; default: PNG and SVG.
 
     Returns
     -------
@@ -61,10 +61,10 @@ def save_figure(
     Raises
     ------
     InputError
-        If the folder does not exist or cannot be written to, a file is there and `overwrite` is
+        If the folder does not exist or cannot be written to, a file exists and `overwrite` is
         false, or a format is none of these.
     ArchiveError
-        If the system does not let the files be written: a full disk, for example.
+        If the system refuses to write the files, for example on a full disk.
 
     Examples
     --------
@@ -104,7 +104,7 @@ def _listed(formats: str | Sequence[str]) -> Sequence[str]:
 
 @contextmanager
 def _settled_layout(figure: Figure) -> Iterator[None]:
-    """Lay the figure out and hold that, so that no file depends on what was drawn before it."""
+    """Fix the layout, so that no file depends on what was drawn before."""
     engine = figure.get_layout_engine()
     if engine is not None:
         for _ in range(2):
@@ -118,9 +118,9 @@ def _settled_layout(figure: Figure) -> Iterator[None]:
 
 
 def _round_positions(figure: Figure) -> None:
-    """Take off the last digits of where the axes stand.
+    """Round the positions of the axes.
 
-    They change each time that the layout is solved, and a clip's name in an SVG is a hash of all
+    Their last digits change each time the layout is solved, and clip names in an SVG are hashes
     of them.
     """
     for ax in figure.axes:

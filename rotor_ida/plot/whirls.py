@@ -1,4 +1,4 @@
-"""Whirls known exactly: jumps of the response curve, backbone and cusp, and backward whirls."""
+"""Plots of exact whirls: jumps of the response curve, backbone and cusp, backward whirls."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import words_of
 
 BACKWARD = (*PARAMETERS, "amplitude", "whirl_speed", "kind", "stability", "birth_omega")
-# Backward whirls: colour, line, words, and an arrow on each circle, at an angle of its own [rad].
+# Backward whirls: colour, line, words, and an arrow on each circle, at a separate angle [rad].
 LOOKS = {
     "slipping": (GREY, DASHES, "slipping whirl", 0.8),
     "rolling": (DARK_BROWN, "-", "dry whip", 0.5),
@@ -50,12 +50,12 @@ LOOKS = {
 
 
 def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
-    """Draw an arrow from each fold to the whirl that is left there.
+    """Draw an arrow from each fold to the whirl that the rotor jumps to.
 
     Parameters
     ----------
     jumps : Dataset
-        What `rotor_ida.closed_forms.jumps` returned, for one ``zeta`` and one ``delta0``.
+        Result of `rotor_ida.closed_forms.jumps`, for one ``zeta`` and one ``delta0``.
     ax : Axes
         Where the amplitude is drawn over the speed, in the same units.
 
@@ -94,9 +94,9 @@ def plot_backbone(curve: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     curve : Dataset
-        What `rotor_ida.closed_forms.free_periods` returned, for one ``delta0``.
+        Result of `rotor_ida.closed_forms.free_periods`, for one ``delta0``.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -126,11 +126,11 @@ def plot_by_damping(exact: xr.Dataset, quantity: str, *, ax: Axes | None = None)
     Parameters
     ----------
     exact : Dataset
-        What `rotor_ida.closed_forms.response_curve` returned, for one ``delta0``.
+        Result of `rotor_ida.closed_forms.response_curve`, for one ``delta0``.
     quantity : {"amplitude", "phase_lag"}
         What to draw.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -165,11 +165,11 @@ def plot_cusp(
     Parameters
     ----------
     limit : Dataset
-        What `rotor_ida.closed_forms.cusp` returned for many clearances.
+        Result of `rotor_ida.closed_forms.cusp` for many clearances.
     highest : Dataset, optional
-        What it returned without a clearance: the cusp of largest damping is marked.
+        Its result without a clearance: the cusp of largest damping, which is marked.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -205,14 +205,14 @@ def plot_by_clearance(
     Parameters
     ----------
     table : Dataset
-        The quantities on ``delta0``. One that has a further dimension, as the speeds of the
-        folds have, is drawn in points, since its values come and go.
+        The quantities on ``delta0``. One with a further dimension, such as the speeds of
+        the folds, is drawn as points, since not all exist at each clearance.
     names : mapping of str to str
-        What each quantity is called in the legend.
+        Label of each quantity in the legend.
     label : str
-        What the vertical axis is called; the unit of the first quantity is added.
+        Label of the vertical axis; the unit of the first quantity is added.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -241,14 +241,14 @@ def plot_by_clearance(
 
 
 def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    """Draw the backward whirls that friction keeps up without unbalance, with the ring.
+    """Draw the backward whirls that friction drives without unbalance, with the stator.
 
     Parameters
     ----------
     whirls : Dataset
-        What `rotor_ida.backward_whirl` returned.
+        Result of `rotor_ida.backward_whirl`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -290,7 +290,7 @@ def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 
 def _draw_backward_arrow(ax: Axes, radius: float, angle: float, colour: str) -> None:
-    """Show that a circle is passed clockwise."""
+    """Draw an arrow that shows clockwise motion."""
     tip, tail = (
         (radius * math.cos(each), radius * math.sin(each)) for each in (angle, angle + 0.02)
     )
@@ -299,7 +299,7 @@ def _draw_backward_arrow(ax: Axes, radius: float, angle: float, colour: str) -> 
 
 
 def _why_there_is_none(whirls: xr.Dataset) -> str:
-    """Return why there is no backward whirl."""
+    """Return the reason why no backward whirl exists."""
     birth = float(whirls["birth_omega"])
     if math.isnan(birth):
         return "no dry whip at any speed"

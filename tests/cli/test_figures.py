@@ -102,11 +102,11 @@ def test_fractions_have_a_figure_over_the_speed_or_of_one_rotor():
     rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
     found = basin_fractions(rotor, x=(-15, 15), y=(-15, 15), starts=20)
     (ax,) = figure_of(found).axes
-    assert ax.get_xlabel() == "share of starts"
+    assert ax.get_xlabel() == "fraction of starts"
     other = found.assign_coords(omega=1.9)
     both = xr.concat([found[["response_fraction"]], other[["response_fraction"]]], dim="omega")
     (ax,) = figure_of(both).axes
-    assert ax.get_ylabel() == "share of starts"
+    assert ax.get_ylabel() == "fraction of starts"
 
 
 def test_backward_whirls_are_described_and_drawn():

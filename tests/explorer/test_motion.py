@@ -173,7 +173,7 @@ def test_the_loss_per_contact_is_the_mean_of_those_that_end_in_the_last_half():
     releases = run["event_time"].values[run["event_kind"].values == DAMPED_EVENT_KIND["release"]]
     assert told["releases"] == (releases >= half).sum() > 0
     assert "A contact loses" in message.facts["words"][-1]
-    assert "lets go before" in message.facts["words"][-1]
+    assert "releases the rotor before" in message.facts["words"][-1]
 
 
 @pytest.mark.parametrize("name", ["dry whip", "slip in both senses", "a machine that rubs"])

@@ -32,7 +32,7 @@ DAMPED = {"loss_per_contact": 0.25, "releases": 0.0}
         ({"contacts_per_revolution": 1.0}, "half: 1 contact a revolution, in contact 25 %"),
         ({}, "0.4 contacts a revolution, in contact 25 % of the time, peak force 0.5."),
         ({"contacts_in_all": 0.0}, "It never touches the stator."),
-        ({"contact_fraction": 0.0}, "It has touched the stator, and no longer does."),
+        ({"contact_fraction": 0.0}, "It has touched the stator, but no longer does."),
         ({"contact_fraction": 1.0}, "always in contact, with a force of up to 0.5."),
         ({"contacts_per_revolution": float("nan")}, "half: in contact 25 % of the time"),
     ],
@@ -103,7 +103,7 @@ def test_what_contact_damping_takes_is_told_in_units_of_energy():
     assert loss == "A contact loses 0.25 in the mean."
     _, loss = words_of_run(machine, RUN | DAMPED | {"releases": 3.0})
     assert loss == (
-        "A contact loses 250 nJ in the mean, and lets go before the rotor has left the stator."
+        "A contact loses 250 nJ in the mean, and releases the rotor before it has left the stator."
     )
     touched = words_of_response(PLAIN, CYCLE | {"contacts_per_revolution": 1.0})[-1]
     assert touched.startswith("It touches the stator once a revolution")

@@ -144,7 +144,7 @@ def test_results_that_were_edited_are_not_replaced_unasked(light, tmp_path):
     out = tmp_path / "results"
     reproduce(out, only=["c_works"], workers=1)
     (out / "c_works" / "notes.txt").write_text("mine")
-    with pytest.raises(InputError, match="c_works' holds results already"):
+    with pytest.raises(InputError, match="c_works' contains results already"):
         reproduce(out, only=["c_works"], workers=1)
 
 
@@ -159,7 +159,7 @@ def test_results_that_are_there_are_not_touched(scripts, tmp_path):
     kept = tmp_path / "results" / "c_works" / "found.nc"
     kept.parent.mkdir(parents=True)
     kept.write_text("mine")
-    with pytest.raises(InputError, match="c_works' holds results already"):
+    with pytest.raises(InputError, match="c_works' contains results already"):
         reproduce(tmp_path / "results", studies=True, workers=1)
     assert kept.read_text() == "mine"
     assert not (tmp_path / "results" / "a_works").exists()

@@ -156,7 +156,7 @@ def test_a_line_is_no_map_and_a_map_no_line(grid):
         plot_attractor_map(grid.isel(delta0=[1]))
     with pytest.raises(InputError, match="by must be one of 'kind', 'force', 'shock', got 'col"):
         plot_attractor_map(grid, by="colour")
-    with pytest.raises(InputError, match="must have been made with shocks to be mapped by them"):
+    with pytest.raises(InputError, match="must have been computed with shocks to be mapped by"):
         plot_attractor_map(grid, by="shock")
 
 
@@ -202,7 +202,7 @@ def test_fractions_of_one_rotor_are_bars_with_their_errors(fractions):
         place for place, name in enumerate(names) if name.startswith("rolling (dry whip)")
     )
     assert ax.patches[rolling].get_facecolor() == to_rgba(KIND_SHADES["rolling"][0])
-    assert ax.get_xlabel() == "share of starts"
+    assert ax.get_xlabel() == "fraction of starts"
     assert r"$\mu = 0.2$" in ax.get_title()
 
 

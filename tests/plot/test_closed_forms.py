@@ -47,11 +47,11 @@ def test_sections_are_those_of_the_field(field):
 def test_other_fields_are_refused(field):
     with pytest.raises(InputError, match="ax must be three-dimensional"):
         plot_surface(field.sel(delta0=0.0), "restoring_x", ax=Figure().subplots())
-    with pytest.raises(InputError, match="field must hold one delta0, got 2"):
+    with pytest.raises(InputError, match="field must contain one delta0, got 2"):
         plot_surface(field, "restoring_x")
     with pytest.raises(InputError, match="it lacks force"):
         plot_cuts(field, "force", at=[0.0])
-    with pytest.raises(InputError, match="solid must hold numbers of panels below 2, got 2"):
+    with pytest.raises(InputError, match="solid must contain numbers of panels below 2, got 2"):
         mixed_panels(1, 2, solid=[2])
 
 
@@ -95,7 +95,7 @@ def test_portrait_says_the_period_of_each_orbit(portraits):
 
 
 def test_other_free_motions_are_refused(periods, portraits):
-    with pytest.raises(InputError, match="exact must hold"):
+    with pytest.raises(InputError, match="exact must contain"):
         plot_periods(portraits)
     with pytest.raises(InputError, match="it lacks x, vx, period"):
         plot_portrait(periods)

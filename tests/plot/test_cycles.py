@@ -258,13 +258,13 @@ def test_cusps_are_marked(curve):
 def test_what_cannot_be_drawn_is_refused(cycle, branch, curve):
     none = cycle.assign(period=cycle.period * math.nan)
     for draw in (plot_cycle, plot_multipliers, plot_lines, cycle_figure):
-        with pytest.raises(InputError, match="cycle must hold a limit cycle"):
+        with pytest.raises(InputError, match="cycle must contain a limit cycle"):
             draw(none)
     with pytest.raises(InputError, match="branch must name what was varied in its attribute"):
         plot_branch(branch.drop_attrs(deep=False))
     with pytest.raises(InputError, match="it lacks"):
         plot_branch(cycle)
-    with pytest.raises(InputError, match="curves must hold at least one"):
+    with pytest.raises(InputError, match="curves must contain at least one"):
         plot_curves([])
     with pytest.raises(InputError, match="it lacks special_second_value"):
         plot_curves(branch)

@@ -73,9 +73,9 @@ def test_extrema_lie_over_the_exact_curve_of_their_clearance():
     heights = np.concatenate([line.get_ydata() for line in ax.lines if line.get_rasterized()])
     shown = found.extremum_radius.values[int(found.extremum_count[0, 0, 0, 0]) :]
     assert set(heights) <= set(shown)
-    with pytest.raises(InputError, match="found must hold the delta0 of exact"):
+    with pytest.raises(InputError, match="found must contain the delta0 of exact"):
         plot_extrema(found.sel(delta0=[0.5]), exact=exact)
-    with pytest.raises(InputError, match="found must hold one delta0, got 2"):
+    with pytest.raises(InputError, match="found must contain one delta0, got 2"):
         plot_extrema(found)
 
 
@@ -90,7 +90,7 @@ def test_extrema_are_drawn_over_whatever_varies():
         assert set(across) == {0.1, 0.3}
     both = {**machine, "delta0": [0.5, 1.0], "load": [0.1, 0.3]}
     found = bifurcation_diagram(**both, method="taylor")
-    with pytest.raises(InputError, match="found must hold one delta0, got 2"):
+    with pytest.raises(InputError, match="found must contain one delta0, got 2"):
         plot_extrema(found)
 
 

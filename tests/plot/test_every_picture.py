@@ -93,5 +93,5 @@ def test_panels_are_lettered_and_solid_ones_are_where_they_are_wanted():
     figure, axes = mixed_panels(1, 2, solid=[0])
     assert [ax.name for ax in axes] == ["3d", "rectilinear"]
     assert [ax.get_title(loc="left") for ax in figure.axes] == ["a", "b"]
-    with pytest.raises(InputError, match="solid must hold numbers of panels below 2, got 2"):
+    with pytest.raises(InputError, match="solid must contain numbers of panels below 2, got 2"):
         mixed_panels(1, 2, solid=[2])

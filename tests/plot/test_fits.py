@@ -85,7 +85,7 @@ def test_the_title_has_units_and_powers_of_a_thousand():
 
 
 def test_an_order_that_was_not_compared_is_refused(found):
-    with pytest.raises(InputError, match=r"order must be one of those that were compared, 1, 2,"):
+    with pytest.raises(InputError, match=r"order must be one of those compared, 1, 2,"):
         plot_fit(found, order=3.0)
 
 

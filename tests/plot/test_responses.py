@@ -136,7 +136,7 @@ def test_panels_share_the_tallest_range_and_one_legend(exact):
 
 def test_several_clearances_are_refused():
     several = response_curve(zeta=0.07, delta0=[0.0, 1.0], limits=(0.05, 3.0))
-    with pytest.raises(InputError, match=r"exact must hold one delta0, got 2.*\.sel\(delta0"):
+    with pytest.raises(InputError, match=r"exact must contain one delta0, got 2.*\.sel\(delta0"):
         plot_amplitude(several)
     assert plot_amplitude(several.sel(delta0=1.0)).lines
 
@@ -163,7 +163,7 @@ def test_other_parameters_than_those_of_the_curve_are_refused(exact, simulated, 
 
 @pytest.mark.parametrize("plot", [plot_amplitude, plot_phase])
 def test_another_dataset_beside_the_curve_is_refused(plot, exact, fold_points):
-    with pytest.raises(InputError, match="simulated must hold"):
+    with pytest.raises(InputError, match="simulated must contain"):
         plot(exact, simulated=fold_points)
 
 
@@ -218,10 +218,10 @@ def test_bars_that_reach_beyond_the_whirls_are_in_view(simulated):
 
 
 def test_over_clearance_one_speed_is_drawn(whirls_over_clearance):
-    with pytest.raises(InputError, match="exact must hold one omega, got"):
+    with pytest.raises(InputError, match="exact must contain one omega, got"):
         plot_over_clearance(response_curve(zeta=0.07, delta0=0.5, limits=(0.05, 3.0)))
     several = clearance_curve(omega=[1.2, 1.3], zeta=0.07, limits=(0.0, 1.0))
-    with pytest.raises(InputError, match="exact must hold one omega, got 2"):
+    with pytest.raises(InputError, match="exact must contain one omega, got 2"):
         plot_over_clearance(several)
 
 

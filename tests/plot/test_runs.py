@@ -112,7 +112,7 @@ def test_marks_that_would_hide_the_motion_are_left_out(run):
 
 def test_other_things_are_refused(run, exact):
     for plot in (plot_run, plot_orbit, plot_drawn_out):
-        with pytest.raises(InputError, match=r"run must hold .* it lacks t, x, y"):
+        with pytest.raises(InputError, match=r"run must contain .* it lacks t, x, y"):
             plot(exact)
     with pytest.raises(InputError, match="name must be one of 'x', 'y', 'radius'"):
         plot_history(run, "z")

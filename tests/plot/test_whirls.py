@@ -50,11 +50,11 @@ def test_cusp_is_drawn_over_the_clearance_and_its_top_marked():
 
 def test_other_datasets_are_refused():
     limit = cusp(delta0=[0.0, 1.0])
-    with pytest.raises(InputError, match="jumps must hold"):
+    with pytest.raises(InputError, match="jumps must contain"):
         plot_jumps(limit, ax=plot_cusp(limit))
-    with pytest.raises(InputError, match="curve must hold one delta0, got 2"):
+    with pytest.raises(InputError, match="curve must contain one delta0, got 2"):
         plot_backbone(free_periods(amplitude=[4.0], delta0=[0.0, 1.0]))
-    with pytest.raises(InputError, match="table must hold"):
+    with pytest.raises(InputError, match="table must contain"):
         plot_by_clearance(limit, {"peak": "peak"}, label="")
 
 

@@ -165,7 +165,7 @@ def test_forces_of_friction_are_drawn_apart():
     motion = MOTIONS["dry whip"]
     rotor, start, duration = motion.rotor, motion.start, motion.duration
     ax = plot_forces(contact_forces(simulate(rotor, start=start, duration=duration)))
-    assert [line.get_label() for line in ax.lines][:2] == ["normal force", "force along the ring"]
+    assert [line.get_label() for line in ax.lines][:2] == ["normal force", "force along the stator"]
     assert ax.get_ylim()[0] < 0.0  # it begins a little too fast, and slides backwards
 
 

@@ -1,1 +1,1 @@
-"""The commands; each answers with a report."""
+"""The commands; each returns a report."""

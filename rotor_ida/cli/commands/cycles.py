@@ -20,14 +20,14 @@ from rotor_ida.model.rotor import Rotor
 if TYPE_CHECKING:
     import xarray as xr
 
-# What `--from` can read a cycle from.
+# Kinds of archive for `--from`.
 SOURCES = ("cycle", "branch", "curve")
 
 
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
 class Origin(options.RotorOptions):
-    """Where a branch or a curve begins: at a start of a rotor, or at a cycle in an archive."""
+    """The start of a branch or a curve: an initial state, or a cycle in an archive."""
 
     start: options.StartOrNone = None
     period: options.Period = None
@@ -37,7 +37,7 @@ class Origin(options.RotorOptions):
 
     @property
     def units_unknown(self) -> bool:
-        """Whether an archive tells the units."""
+        """Whether the units come from an archive."""
         return self.from_ is not None
 
     def check(self) -> None:
@@ -57,9 +57,9 @@ class Origin(options.RotorOptions):
             raise InputError("a rotor must be given, or a file with --from")
 
     def guess(self, *, curve_kind: str | None = None) -> tuple[Rotor, State | xr.Dataset, Units]:
-        """Return rotor and start of what is to be followed, and the units of the command.
+        """Return rotor and start of the continuation, and the units of the command.
 
-        A point of a bifurcation curve of `curve_kind` is a start of just that bifurcation.
+        A point of a bifurcation curve of `curve_kind` starts exactly that bifurcation.
         """
         if self.from_ is not None:
             dataset, units = plain(read(self.from_))
@@ -176,7 +176,7 @@ def bifurcation_curve(
 
 
 def _closed(rotor: Rotor, start: State, period: float) -> xr.Dataset:
-    """Return the cycle near a guess; that there is none is a mistake in the guess."""
+    """Return the cycle near a guess; if there is none, the guess is an input error."""
     try:
         return rotor_ida.limit_cycle(rotor, start=start, period=period)
     except SimulationError as error:
@@ -225,7 +225,7 @@ def _at(dataset: xr.Dataset, kind: str, point: int | None, special: int | None) 
 def _of_curve(at: xr.Dataset, prefix: str, curve_kind: str | None) -> xr.Dataset:
     """Return a point of a bifurcation curve as a point of a branch over its first parameter.
 
-    It is a special point of that branch where just that bifurcation is to be followed.
+    It is a special point of that branch if exactly that bifurcation is to be continued.
     """
     import xarray as xr  # noqa: PLC0415 - heavy, and not for --help
 

@@ -20,7 +20,7 @@ PACKAGES = (
     *("rotor-ida", "scikit-sundae", "numpy", "scipy"),
     *("xarray", "netCDF4", "matplotlib", "distributed"),
 )
-# Released at rest at this distance from the axis, outside a ring of this clearance.
+# Distance from the axis at release, and the clearance, which is smaller.
 RELEASE, CLEARANCE = 2.0, 0.5
 LARGEST_ERROR = 1e-8
 
@@ -87,7 +87,7 @@ def _versions() -> dict[str, object]:
 
 
 def _core() -> tuple[dict[str, object], Check]:
-    """Return what the core says of itself, and whether it can be used."""
+    """Return the properties of the core, and whether it can be used."""
     from rotor_ida.core.library import build_info  # noqa: PLC0415 - what is broken is said
 
     core: dict[str, object] = {}
@@ -103,9 +103,9 @@ def _core() -> tuple[dict[str, object], Check]:
 def _check_backend(backend: Backend) -> list[Check]:
     """Compare a free vibration across the clearance with its exact event times.
 
-    Released at rest at A, the rotor leaves the ring after a quarter of the planar period of
-    amplitude ``A - delta0`` without clearance, and crosses ``2 delta0`` at constant speed. A
-    backend that cannot be had here is absent, with the reason; the others do its work. Taylor
+    Released at rest at A, the rotor leaves the stator after a quarter of the planar period of
+    amplitude ``A - delta0`` without clearance, and crosses ``2 delta0`` at constant speed. An
+    unavailable backend is listed as absent, with the reason; the others replace it. Taylor
     series need no solver.
     """
     free = f"{backend}: free vibration"
@@ -161,6 +161,6 @@ def _archive() -> str:
 def _attempt(name: str, attempt: Callable[[], str]) -> Check:
     try:
         result, seen = "ok", attempt()
-    except Exception as error:  # whatever is broken here is the answer
+    except Exception as error:  # any error here is the result
         result, seen = "failed", " ".join(f"{type(error).__name__}: {error}".split())
     return {"check": name, "result": result, "seen": seen}

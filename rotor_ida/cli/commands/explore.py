@@ -1,4 +1,4 @@
-"""The command explore: a page in the browser that answers while its sliders move."""
+"""The command explore: an interactive page in the browser."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rotor_ida.explorer.messages import MOST_REVOLUTIONS, largest_speed
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import check_can_be_followed
 
-# What serves the page, and the package itself does not need.
+# Packages that serve the page, not required otherwise.
 NEEDED = ("starlette", "uvicorn", "websockets")
 FIRST = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REVOLUTIONS = 60
@@ -75,7 +75,7 @@ def explore(
 def _beginning(
     rotor: options.RotorOptions, start: State | None, file: Path | None
 ) -> tuple[Rotor | DimensionalRotor, State, int]:
-    """Return the machine, the start and the revolutions that are shown first."""
+    """Return the initial machine, start and number of revolutions."""
     given = rotor.machine is not None or bool(rotor.given)
     if file is None:
         chosen = rotor.chosen() if given else FIRST
@@ -101,7 +101,7 @@ def _beginning(
 def _state(
     machine: Rotor | DimensionalRotor, start: State, revolutions: int
 ) -> Mapping[str, object]:
-    """Return the state of the page as its address has it."""
+    """Return the state of the page, as in its address."""
     from_start = dict(zip(COMPONENTS, start, strict=True))
     shown = {} if isinstance(machine, Rotor) else {"fastest": largest_speed(machine)}
     return {**machine.given, **from_start, "revolutions": revolutions, **shown}

@@ -43,7 +43,7 @@ def fit(
             --unknown eccentricity unbalance_angle
     """
     output.check()
-    given = rotor.given  # the speed is measured, and not looked at
+    given = rotor.given  # the speed is measured; this one is not used
     known = {
         speed: options.ANY_SPEED
         for speed, other in (("omega", "zeta"), ("speed", "mass"))

@@ -23,7 +23,7 @@ ENDING = ".toml"
 
 
 def _word(_name: str, words: list[str]) -> str:
-    """Return a word as it is: a data sheet is read in one place, with its units."""
+    """Return a word unchanged: the data sheet is parsed elsewhere, with its units."""
     return words[0]
 
 
@@ -33,7 +33,7 @@ def _quantity(text: str, metavar: str) -> Any:
     ]
 
 
-# What each option of a data sheet says, with an example of its value.
+# Help of each option of a data sheet, with an example value.
 SHEET = {
     "mass": ("Mass of the disc.", "12kg"),
     "shaft_stiffness": ("Shaft stiffness at the disc.", "4e6N/m"),
@@ -68,7 +68,7 @@ class SheetOptions:
     """The entries of a data sheet."""
 
     def given(self) -> dict[str, str]:
-        """Return what is given."""
+        """Return the given entries."""
         return {name: getattr(self, name) for name in SHEET if getattr(self, name) is not None}
 
 
@@ -118,7 +118,7 @@ def _checked(out: Path, force: bool) -> Path:
 
 
 def _facts(machine: DimensionalRotor) -> dict[str, float]:
-    """Return what an engineer knows a machine by, and its dimensionless numbers."""
+    """Return the engineering data of a machine, and its dimensionless numbers."""
     rpm, rotor = SPEED_UNITS["rpm"], machine.rotor()
     grade = machine.eccentricity * machine.speed / MILLIMETRE
     told = {
@@ -142,6 +142,6 @@ def _rounded(value: float) -> float:
 
 
 def _resonance(machine: DimensionalRotor) -> float:
-    """Return the amplitude of the whirl at the critical speed, were there no ring [um]."""
+    """Return the amplitude of the whirl at the critical speed, were there no stator [um]."""
     ratio = machine.damping_ratio
     return machine.eccentricity * 1e6 / (2.0 * ratio) if ratio > 0.0 else math.nan

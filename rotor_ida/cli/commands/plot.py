@@ -1,4 +1,4 @@
-"""The command plot: the plots practitioners read, of archives and of measured files."""
+"""The command plot: practitioners' plots of archives and measured files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Attributes of measured signals that tell how the file was understood.
+# Attributes of measured signals that describe how the file was read.
 OF_FILE = ("columns", "notes")
 FUNCTIONS = {
     "bode": "plot_bode",
@@ -96,7 +96,7 @@ def plot(
 
 
 def _suiting(dataset: xr.Dataset) -> Figure:
-    """Return the figure that suits a kind of dataset."""
+    """Return the default figure of a kind of dataset."""
     from rotor_ida.plot.figures import figure_of  # noqa: PLC0415 - only who draws needs it
 
     return figure_of(dataset)
@@ -133,7 +133,7 @@ def _written(
     as_json: bool,
     force: bool,
 ) -> Report:
-    """Return the report on a figure, which is written."""
+    """Write a figure and return the report."""
     from rotor_ida.results.kinds import kind_of  # noqa: PLC0415
 
     written, trouble = [], ""
@@ -155,7 +155,7 @@ def _written(
 
 
 def _check_options(kind: options.KindOfPlot, chosen: Iterable[str]) -> None:
-    """Raise `InputError` for an option that a kind of plot does not have."""
+    """Raise `InputError` for an option that does not apply to a kind of plot."""
     from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
 
     known = inspect.signature(getattr(plots, FUNCTIONS[kind])).parameters

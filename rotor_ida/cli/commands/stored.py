@@ -17,7 +17,7 @@ from rotor_ida.cli.report import FIRST_ROWS, Report, pairs
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS
 
-# A time left beyond this many seconds says no more than this one.
+# A longer remaining time [s] is shown as this one.
 LONGEST_LEFT = 1e12
 
 
@@ -146,7 +146,7 @@ def resume(
 
 
 def _panels(folder: Path) -> int:
-    """Return how many panels the figure of a study has; refuse a study that has none."""
+    """Return the number of panels of the figure of a study; refuse a study without figure."""
     from rotor_ida.results.studies import design_of  # noqa: PLC0415 - heavy, and not for --help
 
     design = design_of(folder)

@@ -1,4 +1,4 @@
-"""The page itself: markup, style, scripts, and uPlot, which has a licence of its own beside it."""
+"""Files of the page: markup, style, scripts, and uPlot with its separate licence."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ TYPES = {
 }
 
 
-# What the form for a data sheet shows in its fields, in the order of the fields.
+# Placeholders of the data-sheet form, in the order of its fields.
 EXAMPLE = {
     "mass": "12 kg", "shaft_stiffness": "4 MN/m, 5500 rpm", "damping": "416 N s/m, 3 %",
     "clearance": "150 um", "eccentricity": "16.7 um, 200 g mm, G6.3", "balance_speed": "3600 rpm",
@@ -36,12 +36,12 @@ EXAMPLE = {
     "disc_radius": "60 mm", "load": "weight",
 }  # fmt: skip
 
-# Where the page has what the package states once for both.
+# Place in the page for the tables shared with the package.
 TABLES = '<script type="application/json" id="tables">{}</script>'
 
 
 def page_files() -> dict[str, bytes]:
-    """Return the files of the page, by the path under which it asks for them.
+    """Return the files of the page by their request paths.
 
     Examples
     --------
@@ -61,7 +61,7 @@ def page_files() -> dict[str, bytes]:
 
 
 def _tables() -> str:
-    """Return as JSON what the page needs to know and the package states: see ``tables.js``."""
+    """Return the shared tables of the package as JSON: see ``tables.js``."""
     parameters = {
         each.name: {
             "words": each.label if each.name in PARAMETERS else each.name.replace("_", " "),

@@ -1,18 +1,18 @@
-// Questions to the program and its answers; or, in a page that was exported, answers kept in it.
+// Questions to the program and its answers; in an exported page, the recorded answers.
 
 const KINDS = { f8: Float64Array, f4: Float32Array, i1: Int8Array };
 const PROTOCOL = "rotor-ida";
-// Milliseconds after which a newer question is sent although an older one is not answered.
+// Milliseconds after which a newer question is sent while an older one is unanswered.
 const PATIENCE = 150;
-// Bytes of a file that are sent at a time, and that may wait to go.
+// Bytes of a file sent at a time, and allowed to wait.
 const PIECE = 2 ** 16, MOST_UNSENT = 2 ** 20;
 const REASONS = {
   4429: "Too many pages are open: close another one, and reload this one.",
-  4408: "This page was too slow to read its answers; it begins anew.",
+  4408: "This page was too slow to read its answers; it starts again.",
 };
-const GONE = "No answer. Is rotor-ida explore still running? If it was started anew, open the address that it printed.";
+const GONE = "No answer. Is rotor-ida explore still running? If it was restarted, open the address that it printed.";
 
-/** Take apart an answer: 4 bytes with the length of the header, the header as JSON, the arrays. */
+/** Unpack an answer: 4 bytes with the length of the header, the header as JSON, the arrays. */
 export function unpack(buffer) {
   const length = new DataView(buffer).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
@@ -23,7 +23,7 @@ export function unpack(buffer) {
   return { ...header, arrays };
 }
 
-/** The program itself, over a websocket. The newest question waits while an older one is out. */
+/** The program, over a websocket. The newest question waits while an older one is pending. */
 export class Live {
   constructor(key, { answered, opened, said }) {
     Object.assign(this, { key, answered, opened, said });
@@ -52,7 +52,7 @@ export class Live {
     this.socket = socket;
   }
 
-  /** Ask about a rotor what `abouts` says; a file is asked for alone. */
+  /** Ask the questions `abouts` about a rotor; a file is requested alone. */
   ask(question, abouts) {
     const place = question.side;
     const motion = abouts.includes("motion");
@@ -68,7 +68,7 @@ export class Live {
     for (const about of abouts) this.socket.send(JSON.stringify({ ...question, about }));
   }
 
-  /** Send a file in pieces behind the question about it, until it `isWanted` no longer. */
+  /** Send a file in pieces after its question, while `isWanted` returns true. */
   async send(question, file, isWanted) {
     const { socket } = this;
     if (socket.readyState !== WebSocket.OPEN) throw new Error("the program does not answer");

@@ -1,4 +1,4 @@
-// Sliders and number fields for the parameters that the state has.
+// Sliders and number fields for the parameters of the state.
 
 import { changeExponent, inSI, namesBeyond, roundUp, scalesBeyond, state } from "./state.js";
 import { GRAVITY, PARAMETERS, ROOM, SPEED_UNITS } from "./tables.js";
@@ -21,13 +21,13 @@ const upTo = (most, shown = () => 1) => ({
   min: 0, max: 1, step: 1 / 400,
 });
 const speedShown = () => SPEED_UNITS[state.speedIn];
-// Sliders of a machine reach to so many times the value that was given, or so many times up and down.
+// Range of the sliders of a machine, as multiples of the given value.
 const TIMES = 2, DECADE = 10;
-// What the machine was given; its sliders lie around these values.
+// Given values of the machine; its sliders are centred on these.
 let given = {};
-/** Return a slider from 0 to twice what was given; where that is 0, up to some scale of the machine. */
+/** Return a slider from 0 to twice the given value; if that is 0, up to a scale of the machine. */
 const around = (name, scale) => () => upTo(roundUp(TIMES * given[name] || scale()));
-/** Return a slider over powers of ten around what was given. */
+/** Return a slider over powers of ten around the given value. */
 const decades = (name) => () => logarithmic(1 / DECADE, DECADE, () => given[name]);
 
 /** Sliders by parameter: without dimensions, and in SI units. */
@@ -57,7 +57,7 @@ const SLIDERS = {
   },
 };
 const FOLDED = ["shaft_stiffness", "contact_damping", "load", "friction", "disc_radius"];
-/** Return a number as its field has it: short, with a power of ten where that helps. */
+/** Return a number for its field: short, with a power of ten where that helps. */
 export function written(value) {
   const size = Math.abs(value);
   return value === 0 || (size >= 1e-3 && size < 1e6) ? String(value) : value.toExponential().replace("e+", "e");
@@ -112,7 +112,7 @@ function control(key, parameter, changed, unitChanged) {
     field.value = written(typed?.value === state[key] && typed.shown === shown() ? typed.text : inSI() ? Number(value.toPrecision(4)) : value);
   };
   const place = () => {
-    // a value beyond the slider's end is what it lies around from then on
+    // a value past the slider's end becomes its new centre
     if (inSI() && !(slider.toSlider(state[key]) <= slider.max * 1.0001 && slider.toSlider(state[key]) >= slider.min - 1e-9)) given[key] = state[key];
     if (inSI()) slider = sliderOf();
     Object.assign(range, { min: slider.min, max: slider.max, step: slider.step });
@@ -131,7 +131,7 @@ function control(key, parameter, changed, unitChanged) {
     if (key === "speed") state.fastest = Math.max(state.fastest, state.speed / ROOM);
     changed(key, event);
   });
-  // from where the value is, which may lie between the steps of the slider or beyond its end
+  // from the value, which may lie between the steps of the slider or past its end
   const step = (count, event) => {
     const next = slider.toSlider(state[key]) + count * slider.step;
     state[key] = slider.fromSlider(Number(Math.max(next, slider.min).toPrecision(12)));
@@ -147,7 +147,7 @@ function control(key, parameter, changed, unitChanged) {
   return { box, show };
 }
 
-/** Return a parameter with its value and unit, as a list has it. */
+/** Return a parameter with its value and unit, for a list. */
 export function parameterShown(key, value) {
   const { name } = parameterOf(key);
   return `${name[0].toLowerCase() + name.slice(1)} ${valueShown(key, value)}`;
@@ -163,7 +163,7 @@ export function valueShown(key, value) {
 
 const unitOf = (key) => (key === "contact_stiffness" && state.contact_exponent === 1 ? "N/m" : PARAMETERS[key].unit);
 
-/** Return what is shown of a parameter; the unit of the contact stiffness depends on the contact law. */
+/** Return the displayed data of a parameter; the unit of the contact stiffness depends on the contact law. */
 function parameterOf(key) {
   const { words, symbol, meaning, si_meaning: meaningInSI } = PARAMETERS[key];
   const name = words[0].toUpperCase() + words.slice(1) + (symbol && !inSI() ? ` ${symbol}` : "");
@@ -181,7 +181,7 @@ export class Controls {
       this.show();
       unitChanged();
     };
-    // what one slider means may hang on the value of another
+    // the meaning of one slider may depend on the value of another
     this.changed = (key, event) => {
       this.show();
       changed(key, event);
@@ -200,7 +200,7 @@ export class Controls {
     this.build();
   }
 
-  /** Build the sliders of the units that the state is in, around the values that it has. */
+  /** Build the sliders in the units of the state, around its values. */
   build() {
     given = inSI() ? { ...state } : {};
     const names = Object.keys(SLIDERS[inSI() ? "si" : "none"]).filter((name) => !FOLDED.includes(name));
@@ -217,12 +217,12 @@ export class Controls {
     this.show();
   }
 
-  /** Unfold what a machine has beyond the paper's rotor where it has any of it. */
+  /** Unfold the further parameters if any is set. */
   unfold() {
     if (namesBeyond().length) this.machine.open = true;
   }
 
-  /** Show what the state is. */
+  /** Show the state. */
   show() {
     for (const radio of document.querySelectorAll('[name="exponent"]')) radio.checked = Number(radio.value) === state.contact_exponent;
     for (const each of this.controls) each.show();

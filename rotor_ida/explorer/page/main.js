@@ -1,4 +1,4 @@
-// The page: what is moved becomes a question, what is answered becomes a picture.
+// The page: changes become questions, answers become plots.
 
 import { Live, Recorded } from "./connection.js";
 import { Controls, UP_AND_DOWN, onArrows, parameterShown, written } from "./controls.js";
@@ -23,23 +23,23 @@ const FILES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xm
 const KEY = "rotor-ida-key";
 // No start lies further from the axis.
 const FURTHEST = 1e6;
-// What is moved again within so many milliseconds is one movement, which is undone at once.
+// Changes within this many milliseconds are one change, undone together.
 const ONE_MOVEMENT = 1000;
-// An arrow key moves a component of the start so far.
+// Step of an arrow key for a component of the start.
 const STEP_OF_START = 0.05;
 const recorded = $("recorded") && JSON.parse($("recorded").textContent);
 
-// What is shown: by side, the number of the newest question and what its run begins with.
+// Displayed state: by side, the number of the newest question and the start of its run.
 const sides = [];
 let number = 0;
 let starts = [[0, 0, 0, 0], [0, 0, 0, 0]];
 let running = null;
-// Parts of answers that have come since the last frame, and those of them that are not drawn.
+// Parts of answers since the last frame, and those not drawn yet.
 const seen = new Set(), dirty = new Set();
-// Parts that have something which is drawn so many milliseconds later.
+// Parts with details drawn this many milliseconds later.
 const later = new Set();
 const LATER = 100;
-// For tests and the curious: what is shown, and how long after a movement it was, in milliseconds.
+// For tests: the displayed parts, and their delay after a change in milliseconds.
 const page = (window.rotorIda = {
   shown: [{}, {}], delays: [], state, asked: 0, drawn: 0, drawnBasin: 0,
   hasAllDrawn: () => seen.size + later.size === 0,
@@ -47,7 +47,7 @@ const page = (window.rotorIda = {
 });
 const moved = new Map(); // number of the question, to when it was moved and what is not drawn yet
 
-// Moves the speed to where the response curve is dragged.
+// Sets the speed when the response curve is dragged.
 let moveTo = (speed) => {
   state[inSI() ? "speed" : "omega"] = speed;
   controls.show();
@@ -67,13 +67,13 @@ const controls = new Controls((name, event) => ask({ event, name }), () => {
 const signals = new Signals($("signal-panels"), { view: viewOfSignals, told: () => sides.map((_, place) => parametersOf(place)).join("; ") });
 const measured = (page.measured = new Measured({ send: (...given) => connection.send(...given), scales: scalesShown, changed: showMeasured, listens: !recorded }));
 let connection = null;
-// The last run-up: its tracks, also after the page has turned to something else, and of which rotors they are.
+// The last run-up: its tracks, kept after other changes, and their rotors.
 let lastTracks = [], lastRotors = "";
 const passage = (page.passage = new Passage({ begin: beginPassage, ask: askPiece, moved: showPiece, rested: restPassage, changed: showPassage }));
 
 // questions
 
-/** Ask for everything again, because something has moved. */
+/** Request everything again after a change. */
 function ask({ event, again = false } = {}) {
   if (!connection) return;
   if (!again) passage.forget();
@@ -100,7 +100,7 @@ function question(side) {
   };
 }
 
-/** Return the parameters of the rotor that is shown, as a picture of it tells them. */
+/** Return the parameters of the rotor shown, for the subtitle of a picture. */
 function parametersOf(place) {
   const { rotor, scales } = page.shown[place].motion.facts;
   const si = scales.length ? `, clearance ${withUnit(scales, "length", rotor.delta0)}, speed ${withUnit(scales, "rate", rotor.omega)}` : "";
@@ -108,7 +108,7 @@ function parametersOf(place) {
   return given.join(", ") + si;
 }
 
-/** Return where the next run of a side begins: at the start, or where the last one ended. */
+/** Return the start of the next run of a side: the initial state, or the end of the last run. */
 function startOf(side) {
   const last = page.shown[side].motion;
   return state.from === "here" && last && !released ? last.facts.end : START.map((name) => state[name]);
@@ -170,7 +170,7 @@ function answered(answer) {
   drawSoon(`${answer.side} ${answer.part}`);
 }
 
-/** Take what could not be answered: a question whole, or one of its parts. */
+/** Handle an error in a whole answer or one of its parts. */
 function refused({ part, about, side, number: asked = number, facts: { message } }) {
   if (about === "machine") sheet.fail(message);
   else if (about === "measured") measured.fail(message.replace(/\.$/, ""), asked);
@@ -189,7 +189,7 @@ function refused({ part, about, side, number: asked = number, facts: { message }
   }
 }
 
-/** Note that what was asked is not answered: what is shown belongs to older values. */
+/** Note an unanswered question: the plots show older values. */
 function lose(asked) {
   lost = asked;
   showStale();
@@ -198,7 +198,7 @@ function lose(asked) {
 let unitsChanged = false; // whether the next run is told in other units
 let lost = 0; // number of the newest question that was refused
 
-/** Grey out the panels of a rotor that is no longer the one that was asked about. */
+/** Grey out the panels of a rotor that has changed since. */
 function showStale() {
   const stale = sides.map((_, place) => passage.running || (page.shown[place].motion?.number ?? 0) < lost);
   stale.forEach((each, place) => $("sides").children[place].classList.toggle("stale", each));
@@ -209,14 +209,14 @@ function showStale() {
   if (!some) complain("");
 }
 
-/** Draw what a slider is moved for, and what is new on the plane of starts. The rest comes later. */
+/** Draw the main panels, and news on the plane of starts. The rest follows later. */
 function draw(parts) {
   const has = (place, ...names) => names.some((name) => parts.includes(`${place} ${name}`));
   sides.forEach((side, place) => {
     if (has(place, "motion")) side.drawMotion();
     if (has(place, "basin")) side.drawStarts(starts[place], reach(place));
   });
-  // a curve and the run on it come one after the other, and are drawn together
+  // a curve and its run arrive one after the other, and are drawn together
   const places = sides.map((_, place) => place);
   if (places.some((place) => has(place, "motion", "curve", "branch")) && places.every(isWhole)) response.show();
 }
@@ -227,7 +227,7 @@ function isWhole(place) {
   return motion?.number === curve?.number;
 }
 
-/** Draw what may come later than the hand moves; it would keep both cores from what may not. */
+/** Draw the panels that may lag behind the slider, to keep both cores free for the others. */
 function drawRest() {
   const has = (place, ...names) => names.some((name) => later.has(`${place} ${name}`));
   sides.forEach((side, place) => {
@@ -242,7 +242,7 @@ function drawRest() {
   later.clear();
 }
 
-/** Draw a part that has come: at once if it is the first since the last frame, else with the next. */
+/** Draw a new part: at once if it is the first since the last frame, else with the next. */
 function drawSoon(part) {
   if (seen.size) dirty.add(part);
   else {
@@ -270,7 +270,7 @@ function afterPaint(then) {
   channel.port2.postMessage(null);
 }
 
-/** Note how long after its cause a run and its curve were on the screen. */
+/** Record the delay until a run and its curve are on the screen. */
 function measure(parts) {
   const now = performance.now();
   page.drawn = page.shown[0].motion?.number ?? 0;
@@ -289,7 +289,7 @@ function measure(parts) {
 
 // panels of signals
 
-/** Ask for the lines of the runs that are drawn, where they are wanted and not there yet. */
+/** Request the lines of the drawn runs, if needed and missing. */
 function askLines() {
   if (!signals.wantsLines || recorded || passage.running) return;
   sides.forEach((_, side) => {
@@ -302,7 +302,7 @@ function askLines() {
 }
 const linesAsked = [0, 0];
 
-/** Return what the panels of signals show: of each rotor its last run-up, exact curve and lines. */
+/** Return the data of the signal panels: last run-up, exact curve and lines of each rotor. */
 function viewOfSignals() {
   const rotors = sides.map((_, side) => {
     const { motion, lines, settled } = page.shown[side];
@@ -319,13 +319,13 @@ function viewOfSignals() {
   return { rotors, scales, speed, measured: measured.source(scales, speed) };
 }
 
-/** Return what a 1 without dimensions is of the machine that is shown, if it is one. */
+/** Return the scales of the machine shown, if it is one. */
 function scalesShown() {
   const scales = page.shown[0].motion?.facts.scales;
   return scales?.length ? scales : null;
 }
 
-/** Draw a measurement that has come or gone; where no panel is chosen yet, choose those that suit. */
+/** Draw or remove a measurement; choose suitable panels if none is chosen. */
 function showMeasured(isThere) {
   if (isThere && !state.panels) {
     state.panels = measured.found.order ? "bode,full" : "full";
@@ -341,13 +341,13 @@ function showSignals() {
   }
   signals.show();
   const other = state.panels && lastTracks.some(({ order }) => order.speed.length) && lastRotors !== rotorsOf();
-  $("of-run-up").textContent = other ? `The last run-up was one of another rotor: ${lastRotors}.` : "";
+  $("of-run-up").textContent = other ? `The last run-up was of another rotor: ${lastRotors}.` : "";
 }
 
-/** Return what tells the rotors apart, whatever their speed. */
+/** Return a key of the rotors, apart from their speed. */
 const rotorsOf = () => sides.map((_, place) => (page.shown[place].motion ? parametersOf(place).replace(/(, )?(ω = [^,]*|speed .*)(, )?/g, "") : "")).join("; ");
 
-/** Show the panels that the state names. */
+/** Show the panels named in the state. */
 function chooseSignals() {
   for (const box of document.querySelectorAll('[name="signals"]')) box.checked = state.panels.split(",").includes(box.value);
   signals.choose(recorded ? [] : state.panels.split(",").filter(Boolean));
@@ -372,18 +372,18 @@ function showWords() {
     parts.push(["h2", sides.length > 1 ? clearance : "What it does", ""]);
     const fresh = settled && settled.number === motion.number;
     if (fresh) settled.facts.words.forEach((text, line) => parts.push(["p", text, line ? "" : "lead"]));
-    else if (unsettled?.number === motion.number) parts.push(["p", `What it settles on is not known: ${unsettled.message.replace(/\.$/, "")}.`, ""]);
+    else if (unsettled?.number === motion.number) parts.push(["p", `The settled response is not known: ${unsettled.message.replace(/\.$/, "")}.`, ""]);
     else if (rotor.zeta === 0) parts.push(["p", "Without damping nothing settles.", "lead"]);
-    else parts.push(["p", "Following it until it settles …", "waiting"]);
+    else parts.push(["p", "Simulating until it settles …", "waiting"]);
     if (note?.number === motion.number) parts.push(["p", note.facts.message, ""]);
-    parts.push(["h2", "The run that is drawn", ""]);
+    parts.push(["h2", "The drawn run", ""]);
     motion.facts.words.forEach((text) => parts.push(["p", text, ""]));
     if (!recorded) parts.push(["p", `${eventsOf(motion)}${errorOf(motion)}.`, ""]);
   });
   box.replaceChildren(...parts.map(([kind, textContent, className]) => Object.assign(document.createElement(kind), { textContent, className })));
 }
 
-/** Return how many events there are. */
+/** Return the number of events in words. */
 function eventsOf(motion) {
   const kinds = motion.arrays.event_kind;
   const counted = (wanted, one, many) => {
@@ -399,19 +399,19 @@ function eventsOf(motion) {
   return text[0].toUpperCase() + text.slice(1);
 }
 
-/** Return how surely the events are timed. */
+/** Return the error of the event times in words. */
 function errorOf(motion) {
   const errors = motion.arrays.event_time_error;
   if (!errors.length) return "";
   const sure = errors.filter((each) => Number.isFinite(each));
   const time = (value, digits) => withUnit(motion.facts.scales, "time", value, digits);
-  // no clock is so good that less than a nanosecond could be checked
+  // errors below a nanosecond cannot be checked
   const least = 1e-9 / (motion.facts.scales.time ?? Infinity);
   const most = sure.length ? `, each timed to ${Math.max(...sure) < least ? "better than 1 ns" : time(Math.max(...sure), 2)}` : "";
   return sure.length < errors.length ? `${most}; from t = ${time(motion.facts.horizon, 4)} on the start no longer determines them` : most;
 }
 
-/** Say in bold whether the rotor rubs: in the run-up that is going on or was the last thing to happen, and where it is held. */
+/** Show the verdict in bold: for the current or last run-up, and for the speed held. */
 function showVerdict() {
   const lines = sides.map((_, place) => {
     const { motion, settled, unsettled } = page.shown[place];
@@ -439,7 +439,7 @@ let movedLast = -Infinity, isNew = false;
 const depth = () => history.state?.depth ?? 0;
 let newest = 0;
 
-/** Keep the state in the address; what was there before a movement can be gone back to. */
+/** Store the state in the address; the state before a change stays in the history. */
 function keepAddress() {
   const now = performance.now();
   if (now - movedLast > ONE_MOVEMENT) isNew = true;
@@ -457,7 +457,7 @@ function keepAddress() {
   }, 250);
 }
 
-/** Show the state that the address has, after the browser has gone back or forward to it. */
+/** Show the state of the address after the browser went back or forward. */
 function goBack() {
   if (!tellsOfRotor(location.hash)) return;
   if (running) run(running.direction);
@@ -478,10 +478,10 @@ function showUndo() {
   $("redo").disabled = depth() >= newest;
 }
 
-// What a text that is asked for is told to when it comes, by its kind.
+// Receiver of a requested text, by its kind.
 const copying = new Map();
 
-/** Copy a text that is here, or one that the program is asked for. */
+/** Copy a local text, or one requested from the program. */
 async function copy(name, text) {
   try {
     await navigator.clipboard.write([new ClipboardItem({ "text/plain": text })]);
@@ -539,16 +539,16 @@ function stepSpeed() {
 
 // a passage at a rate
 
-/** Return where a passage begins: where the runs that are drawn end; nothing while they are not there. */
+/** Return the start of a run-up: the end of the drawn runs; nothing while these are missing. */
 function beginPassage() {
   if (!sides.every((_, side) => page.shown[side].motion?.number === number)) {
-    $("passed").textContent = "The run-up starts from the end of the run that is drawn, which is still being computed.";
+    $("passed").textContent = "The run-up starts from the end of the drawn run, which is still being computed.";
     return null;
   }
   return { ...waysFrom(speedOf()), starts: sides.map((_, side) => page.shown[side].motion.facts.end) };
 }
 
-/** Return a speed with the limits of a passage from there: the largest speed of the machine, or the end of the picture. */
+/** Return a speed with the limits of a run-up from it: the largest speed, or the range shown. */
 function waysFrom(speed) {
   const [low, range] = speedsShown();
   const fastest = inSI() ? state.fastest / referenceFrequency() : range;
@@ -560,14 +560,14 @@ function runUpFromStandstill() {
   passage.pressFrom({ ...waysFrom(0), starts: sides.map(() => [0, 0, 0, 0]) }, ramp());
 }
 
-/** Ask for a piece of the run-up of one rotor. */
+/** Request a piece of the run-up of one rotor. */
 function askPiece({ number: piece, side, start, speed, to, rate }) {
   const here = { [inSI() ? "speed" : "omega"]: inSI() ? speed * referenceFrequency() : speed };
   const asked = { ...question(side), number: piece, machine: { ...machine(side), ...here }, start, revolutions: 1, to, rate };
   connection.ask(asked, ["run_up"]);
 }
 
-/** Show how far a passage has come. */
+/** Show the progress of a run-up. */
 function showPiece(speed) {
   state[inSI() ? "speed" : "omega"] = Number((inSI() ? speed * referenceFrequency() : speed).toPrecision(12));
   controls.show();
@@ -577,7 +577,7 @@ function showPiece(speed) {
   showPassed();
 }
 
-/** Hold the speed that a passage has come to, and show what the rotor does there from then on. */
+/** Hold the current speed of a run-up, and show the response there. */
 function restPassage() {
   passage.tracks.forEach(({ start }, side) => (starts[side] = start));
   ask({ again: true });
@@ -595,7 +595,7 @@ function showPassage() {
   showStale();
 }
 
-/** Say what has come of a passage. */
+/** Describe the result of a run-up. */
 function showPassed() {
   const scales = page.shown[0].motion?.facts.scales;
   const rate = (value) => withUnit(scales, "rate", value);
@@ -610,7 +610,7 @@ function showPassed() {
   showVerdict();
 }
 
-/** Show how the speed is run up and stepped, in the units of the page. */
+/** Show rate and step of the speed in the units of the page. */
 function showRamp() {
   const { unit, factor, step } = rampShown();
   $("ramp-name").textContent = unit ? `${unit}/s` : "rate";
@@ -623,7 +623,7 @@ function showRamp() {
   $("step").value = Number((state.step * step).toPrecision(3));
 }
 
-/** Return what a dimensionless rate and a step of the speed are in the units of the page. */
+/** Return a dimensionless rate and a step of the speed in the units of the page. */
 function rampShown() {
   if (!inSI()) return { unit: "", factor: 1, step: 1 };
   const shown = SPEED_UNITS[state.speedIn];
@@ -635,7 +635,7 @@ function rampShown() {
 
 const sheet = new DataSheetForm({ ask: (quantities) => connection.ask({ number, quantities }, ["machine"]), given: () => (inSI() ? machine(0) : {}) });
 
-/** Show the machine that the program has made of a data sheet. */
+/** Show the machine that the program computed from a data sheet. */
 function takeMachine({ machine: given, fastest, notes }) {
   setMachine(given, fastest);
   sheet.close();
@@ -663,7 +663,7 @@ function showStart() {
 
 const writtenStart = (name) => written(Number((starts[0][START.indexOf(name)] * startShown(name).factor).toPrecision(4)));
 
-/** Return what a dimensionless 1 of a component of the start is as its field shows it, and the unit. */
+/** Return the scale of a component of the start in its field, and the unit. */
 function startShown(name) {
   if (!inSI()) return { factor: 1, unit: "" };
   const velocity = name.startsWith("v");
@@ -859,7 +859,7 @@ function begin() {
   }
 }
 
-/** Show the state everywhere it can be changed. */
+/** Show the state in all controls. */
 function showState() {
   choose("from", state.from);
   for (const radio of document.querySelectorAll('input[name="units"]')) radio.checked = (radio.value === "si") === inSI();
@@ -873,7 +873,7 @@ function showState() {
   chooseSignals();
 }
 
-/** Say how the connection is; without one, nothing is answered any more. */
+/** Show the state of the connection. */
 function said(text) {
   say(text);
   if (text) {
@@ -883,7 +883,7 @@ function said(text) {
   if (text && number) lose(number + 1);
 }
 
-/** Offer the speeds and the courses that are recorded, and show the one that was asked for. */
+/** Offer the recorded speeds and courses, and show the requested one. */
 function beginRecorded() {
   const { speeds, speed, courses, fastest } = recorded;
   Object.assign(recorded, { course: "start", place: nearest(speeds, speed) });
@@ -893,7 +893,7 @@ function beginRecorded() {
   const names = { start: "each speed from the start", up: "running up", down: "running down" };
   const choice = Object.assign(document.createElement("div"), { className: "choice" });
   choice.setAttribute("role", "radiogroup");
-  choice.setAttribute("aria-label", "How the speeds were gone through");
+  choice.setAttribute("aria-label", "Order of the speeds");
   for (const course of Object.keys(courses)) {
     const label = document.createElement("label");
     const radio = Object.assign(document.createElement("input"), { type: "radio", name: "course", value: course, checked: course === "start" });
@@ -933,7 +933,7 @@ function beginRecorded() {
 
 const nearest = (values, value) => values.reduce((best, each, place) => (Math.abs(each - value) < Math.abs(values[best] - value) ? place : best), 0);
 
-/** Return the key of the program's start: this tab's, or the one that another tab of it had. */
+/** Return the key of the program: from this tab, or from another one. */
 function keyKept() {
   const key = sessionStorage.getItem(KEY) ?? localStorage.getItem(KEY) ?? "";
   localStorage.setItem(KEY, key);

@@ -5,14 +5,14 @@ import { NOTHING, hasPanel, rowsOf } from "./signals.js";
 import { LARGEST_FILE } from "./tables.js";
 import { told, withUnit } from "./units.js";
 
-// How probes usually stand in a table: along x and y, told as displacements.
+// Default probes: along x and y, with readings as displacements.
 const PROBES = { angles: [0, 90], gains: [1, 1] };
-// Metres in a unit of length; a reading in volts needs to be told its own.
+// Metres in a unit of length; a reading in volts needs a scale.
 const METRES = { m: 1, mm: 1e-3, um: 1e-6, nm: 1e-9, in: 0.0254, mil: 2.54e-5 };
 const SHOWN = { um: "µm" };
 // Micrometres a volt, of a probe with the usual 200 mV a mil.
 const VOLT = 127;
-// The fields of the probes, as they stand one after the other.
+// The fields of the probes, in order.
 const FIELDS = { angles: ["measured-angle-x", "measured-angle-y"], gains: ["measured-gain-x", "measured-gain-y"] };
 // What may give the rotation of the shaft, and the fields of columns and of units by what they are of.
 const TURNS = ["keyphasor", "angle", "speed"];
@@ -21,7 +21,7 @@ const $ = (id) => document.getElementById(id);
 
 export class Measured {
   /**
-   * `send` gives a file to the program, `changed` is told that there is something else to show, `scales` returns those
+   * `send` gives a file to the program, `changed` is called when the display must change, `scales` returns those
    * of the machine, if it is one; `listens` to files that are dropped.
    */
   constructor({ send, changed, scales, listens }) {
@@ -153,7 +153,7 @@ export class Measured {
     this.changed(Boolean(this.found));
   }
 
-  /** Ask for what is needed to hold the file against the page, and tell what it is. */
+  /** Request the data needed to compare the file with the page, and describe it. */
   refresh() {
     if (!this.found) return;
     const { name, samples, time, length, by, order, notes } = this.found;
@@ -165,9 +165,9 @@ export class Measured {
     $("measured-period").closest("label").hidden = isMachine || $("measured-time").value === "1";
     const { scales } = this;
     const speeds = order?.speed.length ? `, ${this.#speeds(scales())}` : "";
-    const asked = isMachine ? "say how many µm a volt is" : "say how much a 1 of the page is, or choose SI units for the page";
+    const asked = isMachine ? "enter the µm per volt" : "enter the scale of the page, or choose SI units for it";
     const isOpen = this.#units(scales()) ? "" : ` To draw it, ${asked}.`;
-    const guessed = [time === "1" && isMachine ? "times are taken to be in s" : "", length === "1" && isMachine ? "lengths in the unit chosen below" : ""].filter(Boolean).join(" and ");
+    const guessed = [time === "1" && isMachine ? "times are assumed to be in s" : "", length === "1" && isMachine ? "lengths in the unit chosen below" : ""].filter(Boolean).join(" and ");
     this.#say(`${name}: ${samples.toLocaleString("en")} samples${by ? `, turned by ${by}` : ""}${speeds}${guessed ? `; ${guessed}` : ""}. It stays on the machine of the program.${isOpen}${notes.map((each) => ` Note: ${each}.`).join("")}`);
   }
 
@@ -227,7 +227,7 @@ export class Measured {
   }
 }
 
-/** Return how the probes stand, as the form has it. */
+/** Return the angles of the probes from the form. */
 const probesShown = () => Object.fromEntries(Object.entries(FIELDS).map(([name, ids]) => [name, ids.map((id) => $(id).valueAsNumber)]));
 
 /** Return the columns and units that the form has, by signal; those that are not chosen are left out. */

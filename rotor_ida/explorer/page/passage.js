@@ -1,20 +1,20 @@
-// A run-up or run-down at a rate: pieces of a ramp, each begun where the last one ended.
+// A run-up or run-down at a rate: pieces of a ramp, each continuing the last one.
 
 import { rowsOf } from "./signals.js";
 
 const TURN = 2 * Math.PI;
-// A piece takes about so many milliseconds to answer, and has no more turns than are sampled well.
+// Milliseconds to answer a piece, and its most revolutions for good sampling.
 const WANTED = 60, MOST_TURNS = 200;
-// Of all speeds that are shown: the speed is shown to change by no more than this in a piece, and in a second.
+// Largest change of the speed in a piece and in a second, as fractions of the range shown.
 const LARGEST_STEP = 1 / 320, FASTEST_SHOWN = 0.1;
-// Radii are drawn as the least and the largest on so much of them.
+// Speed step over which the smallest and the largest radius are drawn.
 const WIDTH = 1 / 2000, MOST_POINTS = 12_000;
-// Revolutions that are kept, and how far the speeds of two spectra must be apart.
+// Revolutions kept, and the least difference of speed between two spectra.
 const MOST_REVOLUTIONS = 400_000, CLOSEST_ROWS = 1 / 400;
 // Decimals of a speed, at most.
 const FINEST = 14;
 
-/** What one rotor has gone through: its radius over the speed, and where it has jumped. */
+/** The track of one rotor: its radius over the speed, and its jumps. */
 class Track {
   constructor(start, range) {
     Object.assign(this, { start, range, words: "", now: "clear", omega: [], low: [], high: [], jumps: [], falling: [], folds: [], scales: {} });
@@ -24,7 +24,7 @@ class Track {
     this.sum = this.angle = 0;
   }
 
-  /** The way has changed: a new line, and no fold that it has passed. */
+  /** The direction has changed: start a new line without passed folds. */
   turnBack() {
     this.falling = [];
     this.turn = [];
@@ -48,7 +48,7 @@ class Track {
     this.#follow(arrays);
   }
 
-  /** Add what probes would show. */
+  /** Add the signals of probes. */
   #follow(arrays) {
     const { order_speed: speeds, order_amplitude: amplitudes, order_lag: lags } = arrays;
     const { speed, amplitude, lag } = this.order;
@@ -77,7 +77,7 @@ class Track {
     if (this.omega.length > MOST_POINTS) for (const name of ["omega", "low", "high"]) this[name].shift();
   }
 
-  /** Hold the mean radius over a revolution against the folds that are passed. */
+  /** Compare the mean radius over a revolution with the folds passed. */
   #watch(angle, omega, radius, way) {
     this.turn.push([angle, omega, radius]);
     this.sum += radius;
@@ -90,7 +90,7 @@ class Track {
     const [mean, here] = [this.sum / this.turn.length, this.turn[this.turn.length >> 1][1]];
     const isLeft = (fold) => Math.abs(mean - fold.other) < Math.abs(mean - fold.radius);
     const passes = (fold) => way * (this.before - fold.omega) < 0 && way * (here - fold.omega) >= 0;
-    // what is not on the whirl that ends at a fold does not jump there
+    // a motion off the whirl that ends at a fold does not jump there
     this.falling.push(...this.folds.filter((fold) => passes(fold) && !isLeft(fold)));
     this.before = here;
     this.falling = this.falling.filter((fold) => {
@@ -110,12 +110,12 @@ class Track {
   }
 }
 
-/** The passage of all rotors that are shown; it asks for its pieces, and tells what happens. */
+/** The run-up of all rotors shown; it requests its pieces and reports events. */
 export class Passage {
   /**
    * `begin` returns speed, limits, the range of speeds that is shown and starts, or nothing while they are not known; `ask` asks for a
-   * piece of one rotor; `moved` is told that the speed has moved, `rested` that the passage has come
-   * to rest, and `changed` that it has begun, has stopped or is forgotten.
+   * piece of one rotor; `moved` is called when the speed has changed, `rested` when the run-up has come
+   * to rest, and `changed` when it has begun, has stopped or is discarded.
    */
   constructor({ begin, ask, moved, rested, changed }) {
     Object.assign(this, { begin, ask, moved, rested, changed, way: 0, number: 0, begun: false, tracks: [], waiting: new Set() });
@@ -125,7 +125,7 @@ export class Passage {
     return this.way !== 0;
   }
 
-  /** Begin or go on up (1) or down (-1); stop if it goes this way already. */
+  /** Begin or continue up (1) or down (-1); stop if it already moves this way. */
   press(way, rate) {
     if (!this.begun && !this.#begin(this.begin())) return;
     this.setRate(rate);
@@ -135,14 +135,14 @@ export class Passage {
     this.changed();
   }
 
-  /** Begin at other speeds and states than those of the runs that are drawn. */
+  /** Begin at speeds and states other than those of the drawn runs. */
   pressFrom(beginning, rate) {
     this.forget();
     this.#begin(beginning);
     this.press(1, rate);
   }
 
-  /** Change how fast the speed changes, from the next piece on. */
+  /** Change the rate, from the next piece on. */
   setRate(rate) {
     if (rate !== this.rate) this.step = 0;
     this.rate = rate;
@@ -196,7 +196,7 @@ export class Passage {
     }
   }
 
-  /** Come to rest: behind the piece that is being computed, if one is. */
+  /** Come to rest after the piece being computed, if any. */
   #rest() {
     clearTimeout(this.timer);
     this.timer = 0;
@@ -213,7 +213,7 @@ export class Passage {
     this.changed();
   }
 
-  /** Forget it: the rotor or its start is another. */
+  /** Discard it: the rotor or its start has changed. */
   forget() {
     if (!this.begun) return;
     clearTimeout(this.timer);

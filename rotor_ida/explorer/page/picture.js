@@ -1,4 +1,4 @@
-// A panel as a file: its plots drawn anew, in pixels or as lines, or their numbers as a table.
+// Save a panel: its plots redrawn as PNG or SVG, or its numbers as a table.
 
 import { Pen, colour } from "./plot.js";
 
@@ -11,7 +11,7 @@ const FINE = 3;
 export function pngOf(panel) {
   const { width, height } = sizeOf(panel);
   const canvas = Object.assign(document.createElement("canvas"), { width: FINE * width, height: FINE * height });
-  // what a pen draws counts pixels of the picture, all else those of the page
+  // a pen uses pixels of the picture, everything else those of the page
   paint(panel, canvas.getContext("2d"), FINE);
   return new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
 }
@@ -71,7 +71,7 @@ function paint(panel, ctx, pixel) {
 
 const ICON = 26, GAP = 14, LETTER = 6.2;
 
-/** Return where the items of a key stand, in rows; letters are taken to be of one width. */
+/** Return the positions of the items of a key, in rows; letters are assumed to have one width. */
 function placed(key, width) {
   let [left, row] = [0, 0];
   const items = key.map(({ words, icon }) => {
@@ -84,7 +84,7 @@ function placed(key, width) {
   return { items, rows: items.length ? row + 1 : 0 };
 }
 
-/** Draw what stands beside a word of a key, as the page has styled it. */
+/** Draw the symbol beside a word of a key, in the style of the page. */
 function paintIcon(ctx, icon, left, middle, pixel) {
   if (!icon) return;
   const style = getComputedStyle(icon);
@@ -135,7 +135,7 @@ function paintIcon(ctx, icon, left, middle, pixel) {
   ctx.stroke();
 }
 
-/** Takes down what is drawn on it as on a canvas, as the elements of an SVG. */
+/** Records drawing commands of a canvas as elements of an SVG. */
 class Lines {
   constructor() {
     this.elements = [];
@@ -230,7 +230,7 @@ class Lines {
     this.#add(`<image x="${short(x)}" y="${short(y)}" width="${short(width)}" height="${short(height)}" preserveAspectRatio="none" style="image-rendering:pixelated" href="${canvas.toDataURL()}"/>`);
   }
 
-  /** Return the whole as a file. */
+  /** Return the picture as a file. */
   document(width, height) {
     const head = `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">`;
     return `${head}\n<defs>${this.clips.join("")}</defs>\n${this.elements.join("\n")}\n</svg>\n`;
@@ -242,7 +242,7 @@ class Lines {
 
   #add(element) {
     const moved = this.moved ? ` transform="${this.moved}"` : "";
-    // the clip is that of the place before the element is moved, so both stand on a group
+    // the clip applies before the element is moved, so both are set on a group
     this.elements.push(moved || this.clipped ? `<g${moved}><g${this.clipped}>${element}</g></g>` : element);
   }
 }

@@ -1,11 +1,11 @@
-// uPlot, dressed for this page: axes in the colours of the theme, and room to draw on.
+// uPlot adapted to this page: axes in the colours of the theme, and a drawing layer.
 
 import uPlot from "./uplot/uPlot.esm.js";
 import { told } from "./units.js";
 
 const probe = document.createElement("span");
 
-/** Return a colour of the style sheet, as it is in the theme of the moment. */
+/** Return a colour of the style sheet in the current theme. */
 export function colour(name) {
   if (!colours.has(name)) {
     if (!probe.isConnected) document.documentElement.append(probe);
@@ -32,22 +32,22 @@ function axis(label, extra) {
   };
 }
 
-// Pixels of a digit in that font, and of what stands beside the ticks of an upright axis.
+// Pixels of a digit in that font, and of the space beside the ticks of a vertical axis.
 const DIGIT = 7, BESIDE = 14;
 const longest = (words) => (words ?? []).reduce((most, each) => Math.max(most, each?.length ?? 0), 0);
-/** Return how wide the ticks of an upright axis are. */
+/** Return the width of the ticks of a vertical axis. */
 const roomFor = (_plot, words) => Math.max(42, BESIDE + DIGIT * longest(words));
-/** Return how far the last tick of a flat axis may reach beyond its end. */
+/** Return the largest overhang of the last tick of a horizontal axis. */
 const roomBeside = ({ axes }) => Math.max(8, 2 + 0.5 * DIGIT * longest(axes[0]?._values));
 
-// Pixels of a movement that is a click, and not the side of a box.
+// Largest movement in pixels that counts as a click, not a box.
 const CLICK = 6;
-// Pixels from the pointer within which something is read.
+// Reading distance from the pointer in pixels.
 const NEAR = 12;
 
 /** One plot. `draw` gets the canvas and the functions from values to its pixels. */
 export class Plot {
-  /** Build it; `reading` is told values and a distance, and returns what lies there and its place. */
+  /** Build it; `reading` takes values and a distance, and returns the item there and its place. */
   constructor(element, { x, y, equal = false, draw, series = [{}], below, log = false, reading, steps }) {
     Object.assign(this, { element, equal, log, drawn: { draw, below }, reading, linked: [] });
     this.range = { x: [0, 1], y: [log ? 0.1 : 0, 1] };
@@ -84,7 +84,7 @@ export class Plot {
     return { width: Math.max(this.element.clientWidth, 80), height: Math.max(this.element.clientHeight, 80) };
   }
 
-  /** Return the ranges, one of them widened where both must have one scale. */
+  /** Return the ranges, one widened if both must have the same scale. */
   #widened() {
     const { x, y } = this.zoomed ?? this.range;
     if (!this.equal || !this.plot?.bbox?.width) return { x, y };
@@ -157,7 +157,7 @@ export class Plot {
 
   // reading and zooming
 
-  /** Tell what lies under the pointer. */
+  /** Show the item under the pointer. */
   #read() {
     if (!this.told) return;
     const { left, top } = this.plot.cursor;
@@ -208,7 +208,7 @@ export class Plot {
     this.zoomTo(null);
   }
 
-  /** Return the ranges that are shown. */
+  /** Return the ranges shown. */
   get shown() {
     return this.#widened();
   }
@@ -249,7 +249,7 @@ export class Plot {
     return [within(event.clientX - left, width), within(event.clientY - top, height)];
   }
 
-  /** Return the sides of the box; one that is flat reaches over the whole plot. */
+  /** Return the sides of the box; a flat one spans the plot. */
   #sides() {
     const { from, to } = this.box;
     const { clientWidth, clientHeight } = this.plot.over;
@@ -279,7 +279,7 @@ export class Plot {
     if (this.zoomed.x[1] - this.zoomed.x[0] >= x[1] - x[0]) this.reset();
   }
 
-  /** Draw the plot anew on another canvas, so many pixels for one of the page; `text` writes on it. */
+  /** Redraw the plot on another canvas, scaled by pixels per page pixel; `text` writes on it. */
   paint(ctx, pixel, text) {
     const { plot } = this;
     const size = pixel / devicePixelRatio;
@@ -319,7 +319,7 @@ export class Plot {
     ctx.restore();
   }
 
-  /** Say in words what is drawn. */
+  /** Describe the plot in words. */
   say(text) {
     this.element.setAttribute("aria-label", text);
   }
@@ -394,7 +394,7 @@ export class Pen {
     this.#stroke(stroke, width, dash, alpha);
   }
 
-  /** Words beside a place, so many pixels to the right and below. */
+  /** Words beside a place, offset in pixels to the right and below. */
   text(words, x, y, { fill, align = "left", right = 0, below = 0, size = 11 }) {
     const { ctx, pixel } = this;
     Object.assign(ctx, { font: `${size * pixel}px system-ui, sans-serif`, fillStyle: fill, textAlign: align, textBaseline: "middle" });
@@ -431,7 +431,7 @@ export class Pen {
     if (stroke) this.#stroke(stroke, width, dash, alpha);
   }
 
-  /** A mark of so many pixels: a disc, or of another shape. */
+  /** A mark of a size in pixels: a disc, or another shape. */
   mark(x, y, size, { shape = "disc", fill, stroke, width = 1.5, alpha = 1 }) {
     const { ctx, pixel } = this;
     const [left, top, half] = [this.x(x), this.y(y), 0.5 * size * pixel];
@@ -501,7 +501,7 @@ export class Pen {
     this.ctx.fillRect(this.x(from), this.box.top, this.x(to) - this.x(from), this.box.height);
   }
 
-  /** What takes long to draw and seldom changes: drawn anew for another key, else as it was. */
+  /** A slow drawing that seldom changes: redrawn only for another key. */
   kept(owner, key, draw) {
     if (!this.ctx.canvas) {
       draw(this); // a drawing that is taken down has no pixels to keep

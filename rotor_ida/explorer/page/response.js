@@ -1,23 +1,23 @@
-// The response curve: exact whirls with their folds and Hopf points, branches of limit cycles, and where the rotors are.
+// The response curve: exact whirls with their folds and Hopf points, branches of limit cycles, and the rotors.
 
 import { Plot, colour } from "./plot.js";
 import { roundUp, speedsShown } from "./state.js";
 import { SPECIAL, STABILITY, wordsOf } from "./tables.js";
 import { labelled, shownIn } from "./units.js";
 
-// Dashes tell what colours tell: lines and gaps in pixels.
+// Dashes repeat the meaning of colours: lines and gaps in pixels.
 const UNSTABLE_DASH = [5, 4], FREE_DASH = [12, 3, 2, 3];
 const LONGEST_TRAIL = 600;
 const STABLE = STABILITY.stable, UNSTABLE = STABILITY.unstable;
 const { fold: FOLD, period_doubling: DOUBLING, torus: TORUS, sliding: SLIDING, hopf: HOPF } = SPECIAL;
-const SPECIAL_WORDS = { [FOLD]: "fold of limit cycles", [DOUBLING]: "period doubling", [TORUS]: "torus point", [SLIDING]: "slip comes to 0", [HOPF]: "Hopf point" };
+const SPECIAL_WORDS = { [FOLD]: "fold of limit cycles", [DOUBLING]: "period doubling", [TORUS]: "torus point", [SLIDING]: "slip falls to 0", [HOPF]: "Hopf point" };
 const SHAPES = { [FOLD]: "diamond", [DOUBLING]: "square", [TORUS]: "disc", [SLIDING]: "cross", [HOPF]: "disc" };
-// Whirls that friction keeps up: the name, the radii and the stability of each.
+// Friction-driven whirls: the name, the radii and the stability of each.
 const WHIRLS = [["slipping backward whirl", "saddle_radius", "unstable"], ["dry whip without unbalance", "whip_radius", "stable"]];
 const WHIP_ROOM = 1.5;
 
 export class Response {
-  /** Build the panel; `moved` is told the speed to which it is dragged, as the page has it. */
+  /** Build the panel; `moved` receives the speed to which it is dragged, in units of the page. */
   constructor(element, moved) {
     this.sides = [{ branches: [], trail: [] }, { branches: [], trail: [] }];
     this.two = false;
@@ -25,7 +25,7 @@ export class Response {
     this.plot.onDrag((x) => moved(x, speedsShown()[0] * (this.speed?.factor ?? 1)));
   }
 
-  /** Return the numbers of the panel: curves, folds, branches, and where the rotors have been. */
+  /** Return the numbers of the panel: curves, folds, branches, and tracks of the rotors. */
   table() {
     const [speed, largest] = this.plot.plot.axes.map(({ label }) => label);
     const smallest = largest.replace("radius", "smallest radius");
@@ -73,7 +73,7 @@ export class Response {
     }
   }
 
-  /** Show what each side does while the speed changes, and how far it has come. */
+  /** Show the motion of each side while the speed changes, and its progress. */
   pass(tracks, omega) {
     this.sides.forEach((side, number) => {
       side.passage = tracks[number];
@@ -83,7 +83,7 @@ export class Response {
     });
   }
 
-  /** Forget what a side has gone through. */
+  /** Discard the track of a side. */
   forgetTrail() {
     for (const side of this.sides) side.trail = [];
   }
@@ -131,7 +131,7 @@ export class Response {
       parts.push(["line-key cycle", "limit cycle, largest radius"], ["line-key cycle thin", "smallest"]);
       parts.push(["mark diamond open cycle", "its fold"], ["mark square cycle", "period doubling"]);
       if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(TORUS)))) parts.push(["mark open cycle", "torus point"]);
-      if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(SLIDING)))) parts.push(["mark cross cycle", "slip comes to 0"]);
+      if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(SLIDING)))) parts.push(["mark cross cycle", "slip falls to 0"]);
     }
     parts.push(["line-key dashed ring", "clearance"]);
     if (shown.some(({ passage }) => passage)) parts.push(["line-key passage", "while the speed changes"]);
@@ -163,14 +163,14 @@ export class Response {
     shown.forEach((side, number) => this.#drawPlace(pen, side, number ? colour("second") : colour("accent"), number ? "square" : "disc"));
   }
 
-  /** Return what the picture of the curves depends on. */
+  /** Return a key for the picture of the curves. */
   #keyOfCurves(shown, pen) {
     const { width, height } = pen.box;
     const curves = shown.map(({ key, branches, curve }) => [key, branches.length, curve?.arrays.omega[0], curve?.arrays.omega.length, curve?.arrays.hopf_omega.length]);
     return JSON.stringify([curves, width, height, this.plot.shown, this.length, this.speed, colour("ink")]);
   }
 
-  /** Return what lies near a place: a fold, a period doubling, the rotor, or a curve at this speed. */
+  /** Return the item near a place: a fold, a period doubling, the rotor, or a curve at this speed. */
   #reading(x, _y, distance, near) {
     if (!this.length) return null;
     const points = [], lines = [];
@@ -226,7 +226,7 @@ export class Response {
     });
   }
 
-  /** Draw the radius while the speed changes, and where it has come half way of a jump. */
+  /** Draw the radius while the speed changes, and the midpoints of jumps. */
   #drawPassage(pen, { omega, low, high, jumps }, ink) {
     const xs = omega.map((each) => each * this.speed.factor);
     const [lows, highs] = [low, high].map((radii) => radii.map((each) => each * this.length.factor));
@@ -261,7 +261,7 @@ export class Response {
   }
 }
 
-/** Draw a line through all synchronous whirls: dashed where they are unstable, in a colour of its own out of contact. */
+/** Draw a line through all synchronous whirls: dashed where they are unstable, in a separate colour out of contact. */
 export function drawWhirls(pen, xs, ys, { omega, stability, piece, in_contact: contact }, ink) {
   const broken = (i) => i > 0 && piece[i] !== piece[i - 1];
   for (const [from, to] of runsOf(omega.length, (i) => `${piece[i]} ${stability[i] === UNSTABLE} ${contact[i]}`)) {
@@ -288,7 +288,7 @@ function readCurve(arrays, speed, of, points, lines) {
   }
 }
 
-/** Add what the radius was while the speed passed a speed. */
+/** Add the radius at a speed during the run-up. */
 function readPassage({ omega, low, high }, speed, of, lines) {
   for (let i = 1; i < omega.length; i++) {
     addCrossing(lines, `while the speed changes, largest${of}`, speed, omega, high, i);
@@ -317,7 +317,7 @@ function addCrossing(lines, name, speed, xs, ys, i) {
   if (part >= 0 && part <= 1) lines.push([name, speed, ys[i - 1] + part * (ys[i] - ys[i - 1])]);
 }
 
-/** Return the stretches over which `key` of the place stays the same. */
+/** Return the intervals over which `key` of the index is constant. */
 function runsOf(count, key) {
   const runs = [];
   for (let from = 0; from < count; ) {

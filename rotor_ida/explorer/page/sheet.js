@@ -1,4 +1,4 @@
-// The form for a data sheet: words with units, which the program makes a machine of.
+// The form for a data sheet: values with units, which the program converts to a machine.
 
 import { valueShown } from "./controls.js";
 import { PARAMETERS, SHEET } from "./tables.js";
@@ -10,7 +10,7 @@ const inWords = (name) => {
 };
 
 export class DataSheetForm {
-  /** `ask` is told the quantities that were typed; `given` returns the machine that is shown, if there is one. */
+  /** `ask` receives the typed quantities; `given` returns the machine shown, if any. */
   constructor({ ask, given }) {
     this.given = given;
     this.rows = SHEET.map(({ names, example }) => this.#row(names, example));
@@ -23,7 +23,7 @@ export class DataSheetForm {
     });
   }
 
-  /** A quantity: the ways to give it, and a field for words with a unit. */
+  /** A quantity: the ways to give it, and a field for a value with a unit. */
   #row(names, example) {
     const box = Object.assign(document.createElement("div"), { className: "control" });
     const way = Object.assign(document.createElement("select"), { disabled: names.length === 1 });
@@ -40,7 +40,7 @@ export class DataSheetForm {
     return { box, way, field };
   }
 
-  /** Open the form with what is known of the machine that is shown. */
+  /** Open the form with the data of the machine shown. */
   open() {
     const given = this.given();
     for (const { way, field } of this.rows) {

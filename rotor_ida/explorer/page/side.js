@@ -13,12 +13,12 @@ const KINDS = {
   full_contact: "full contact", rolling: "rolling", touching: "touching", quasi_periodic: "quasi-periodic",
   chaotic: "chaotic", undecided: "not decided",
 };
-// Of the motion before so many revolutions are drawn faintly.
+// Number of earlier revolutions drawn faintly.
 const EARLIER = 24;
 const FLIGHT = [4, 3], BACKWARDS = [2, 1.5], SLEEPERS = [3, 4];
-// The picture of a basin has at least so many pixels along a side, so that it can be hatched.
+// Least number of pixels along a side of a basin picture, for hatching.
 const PICTURE = 432;
-// Which pixels of a region are darker, so that it is told by more than its colour; others are plain.
+// Hatching of regions, so that they differ by more than colour; others are plain.
 const TILE = 18;
 const tile = (isDark) => Uint8Array.from({ length: TILE * TILE }, (_, i) => isDark(i % TILE, Math.floor(i / TILE)));
 const HATCHED = {
@@ -36,15 +36,15 @@ const SHAPES = {
   [EVENTS.entry]: "disc", [EVENTS.exit]: "disc", [EVENTS.press]: "square", [EVENTS.release]: "square",
   [EVENTS.roll]: "up", [EVENTS.slip]: "down", [EVENTS.reverse]: "cross",
 };
-// Ways of moving with friction; a loose contact slips, though nothing holds it.
+// Kinds of motion with friction; a contact without force counts as slip.
 const { flight: FLIES, slipping_forward: SLIPS, slipping_backward: SLIPS_BACK, rolling: ROLLS, loose: LOOSE } = MODES;
 const BANDS = { [SLIPS]: ["contact", 0.09], [LOOSE]: ["contact", 0.09], [SLIPS_BACK]: ["backwards", 0.16], [ROLLS]: ["rolling", 0.24] };
 const DARKER = 0.78;
-// Revolutions a second, when the motion is played.
+// Revolutions per second of the animation.
 const PLAYED = 1;
 
 export class Side {
-  /** Build the panels in `element`; `moved` is told where a drag on the plane puts the start. */
+  /** Build the panels in `element`; `moved` receives the start dragged on the plane. */
   constructor(element, number, { moved, asked, told }) {
     element.append(document.getElementById("side").content.cloneNode(true));
     Object.assign(this, { element, number, moved, asked, motion: null, settled: null, basin: null, sectionOf: null });
@@ -130,7 +130,7 @@ export class Side {
     requestAnimationFrame(step);
   }
 
-  // what has come
+  // answers received
 
   take(answer) {
     if (answer.part === "motion") this.motion = answer;
@@ -139,13 +139,13 @@ export class Side {
     else if (answer.part === "basin") this.#takeBasin(answer);
   }
 
-  /** Forget what belongs to a rotor that is no longer shown. */
+  /** Discard the data of a rotor no longer shown. */
   forget() {
     this.basin = this.sectionOf = this.settled = null;
     this.reason = "";
   }
 
-  /** Say why there is no basin. */
+  /** Show the reason why there is no basin. */
   noBasin(message) {
     this.reason = message;
     this.#keyOfBasin();
@@ -157,7 +157,7 @@ export class Side {
     this.colours = attractors.map(({ kind }) => shade(colour(kind) || colour("undecided"), (kinds[kind] = (kinds[kind] ?? -1) + 1)));
     const palette = this.colours.map(channels);
     const none = channels(colour("undecided"));
-    // the first pictures come while a slider may still move, and are plain
+    // the first pictures arrive while a slider may still move, and are plain
     const hatches = attractors.map(({ kind }) => (finest && HATCHED[kind]) || PLAIN);
     const each = finest ? Math.ceil(PICTURE / count) : 1;
     const size = count * each;
@@ -213,7 +213,7 @@ export class Side {
     this.turning.show({ ...this.plane, labels: [labelled("along the unbalance", unit), labelled("across it", unit)] });
   }
 
-  /** Draw what may come a moment later. */
+  /** Draw the panels that may lag. */
   drawRest() {
     if (!this.length) return;
     this.#drawTurning();
@@ -264,7 +264,7 @@ export class Side {
     }
   }
 
-  /** Shade how a contact goes on between its events; shorter than a sample it is not seen. */
+  /** Shade the phases of contact between events; those shorter than a sample are invisible. */
   #shadeModes(pen) {
     const { event_time: times, t, mode } = this.motion.arrays;
     const { factor } = this.timeUnit;
@@ -439,7 +439,7 @@ export class Side {
     return Object.fromEntries([time, "what", radius, force].map((name, i) => [name, rows.map((row) => row[i])]));
   }
 
-  /** Return each start of the plane and what becomes of it, or without a basin the start alone. */
+  /** Return each start of the plane and its end, or without a basin the start alone. */
   #tableOfStarts() {
     const { factor } = this.#scale("length", this.reach);
     const [x, y] = [0, 1].map((axis) => this.starts.plot.axes[axis].label);
@@ -453,7 +453,7 @@ export class Side {
     };
   }
 
-  // what is told of the place under the pointer
+  // description of the place under the pointer
 
   #readStart(x, y) {
     if (!this.basin) return null;
@@ -592,7 +592,7 @@ export class Side {
 
 const withoutUnit = (label) => label.replace(/ \[.*\]$/, "");
 
-/** Draw an orbit in the colours of flight, of slip in either sense, and of rolling. */
+/** Draw an orbit in the colours of flight, forward and backward slip, and rolling. */
 function drawModes(pen, xs, ys, modes, stretch) {
   const draw = (wanted, look) => {
     // a step that begins or ends in another mode is drawn in both, the later one above
@@ -611,7 +611,7 @@ const markOf = (kind) => ({
   ...(SHAPES[kind] === "cross" ? { stroke: colour("ink"), width: 1.5 } : kind > 0 ? { fill: colour("ink"), stroke: colour("card"), width: 0.8 } : { fill: colour("card"), stroke: colour("ink"), width: 1.2 }),
 });
 
-/** Return a part of some values, times a factor; a view where the factor is 1. */
+/** Return a part of an array times a factor; a view if the factor is 1. */
 function scaled(values, factor, from = 0, to = values.length) {
   const part = values.subarray(from, to);
   return factor === 1 ? part : part.map((each) => each * factor);
@@ -635,7 +635,7 @@ function channels(text) {
 const known = new Map();
 const brush = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
 
-/** Return a colour as four bytes of a picture, at a part of its lightness. */
+/** Return a colour as four bytes of a picture, at a fraction of its lightness. */
 const packed = ([red, green, blue], light) =>
   ((255 << 24) | (Math.round(blue * light) << 16) | (Math.round(green * light) << 8) | Math.round(red * light)) >>> 0;
 

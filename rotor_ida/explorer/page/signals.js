@@ -289,7 +289,7 @@ class Full extends Panel {
     this.floor = 10 ** (ceiling - DECADES);
     this.plot.show({ x: [-ORDERS, ORDERS], y: [this.floor, 10 ** ceiling], labels: ["frequency / speed", labelled("amplitude", view.length.unit)] });
     const parts = this.keyOfSources(view);
-    if (this.drawn.some(({ exact }) => exact)) parts.push(["mark diamond open cycle", "what it settles on"]);
+    if (this.drawn.some(({ exact }) => exact)) parts.push(["mark diamond open cycle", "settled response"]);
     for (const { source: { name, lines } } of this.drawn) if (lines.told) parts.push(["", this.drawn.length > 1 ? `${name}: ${lines.told}` : lines.told]);
     this.key(parts);
     const now = this.drawn.map(({ source, xs, ys }) => `${source.name}: 1X ${told(heightAt(xs, ys, 1))}, −1X ${told(heightAt(xs, ys, -1))}`).join("; ");
@@ -298,7 +298,7 @@ class Full extends Panel {
 
   #points() {
     return (this.drawn ?? []).flatMap(({ source, xs, ys, exact }) => [
-      ...(exact ? [{ name: `what it settles on, ${source.name}`, xs: exact.over, ys: exact.amplitude }] : []), { name: source.name, xs, ys, peaks: true },
+      ...(exact ? [{ name: `settled response, ${source.name}`, xs: exact.over, ys: exact.amplitude }] : []), { name: source.name, xs, ys, peaks: true },
     ]);
   }
 
@@ -325,7 +325,7 @@ class Full extends Panel {
     const columns = { what: [], [x]: [], [y]: [] };
     for (const { source, xs, ys, exact } of this.drawn) {
       xs.forEach((each, i) => addRow(columns, [source.name, each, ys[i]]));
-      exact?.over.forEach((each, i) => addRow(columns, [`what it settles on, ${source.name}`, each, exact.amplitude[i]]));
+      exact?.over.forEach((each, i) => addRow(columns, [`settled response, ${source.name}`, each, exact.amplitude[i]]));
     }
     return columns;
   }
@@ -600,7 +600,7 @@ export class Signals {
     }
     const shown = {
       sources, fastest, top, length: shownIn(scales, "length", top), speed: shownIn(scales, "rate", 1),
-      missing: sources.some(({ order }) => order.speed.length) ? [] : [["", "Run the speed up or down to see what the rotor does."]],
+      missing: sources.some(({ order }) => order.speed.length) ? [] : [["", "Run the speed up or down to see the response."]],
     };
     for (const panel of this.panels.values()) panel.show(shown);
   }

@@ -1,15 +1,15 @@
-// What the page shows, as its address has it after the #.
+// State of the page, stored in its address after the #.
 
 import { DIMENSIONLESS, LEAST_SPEED, MACHINE, OPTIONAL, ROOM, START } from "./tables.js";
 
-// What a machine has beside the paper's rotor; the radius of the disc matters with friction alone.
+// Parameters that the paper's rotor lacks; the disc radius matters only with friction.
 const { disc_radius: _, ...BEYOND } = OPTIONAL;
-// Friction needs the radius of the disc: so many eccentricities until another is chosen.
+// Default disc radius with friction, in eccentricities.
 const DISC_RADIUS = 10;
 // Panels of signals that may be chosen.
 export const SIGNALS = ["bode", "polar", "full", "cascade"];
 const WORDS = { from: ["start", "here"], theme: ["", "light", "dark"], speedIn: ["rad/s", "rpm", "Hz"] };
-// Where the run beside it begins, where that is somewhere else.
+// Start of the second run, if it differs.
 export const SECOND_START = START.map((name) => `${name}2`);
 const NUMBERS = [...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...Object.keys(BEYOND), "disc_radius", ...START, "revolutions", "second", "step", "rate", "ramp", "fastest", "seconds"];
 
@@ -21,21 +21,21 @@ const DEFAULTS = {
   revolutions: 60, from: "start", step: 0.01, rate: 10, ramp: 0.002, theme: "", speedIn: "rpm", panels: "",
   fastest: null, seconds: null, // of a machine: the speed to which it is run up [rad/s], from standstill in so long [s]
 };
-// A machine is run up in so many seconds until something else is said.
+// Default run-up time of a machine in seconds.
 const SECONDS = 20;
-// Speeds that are shown of a rotor without dimensions, and the largest that is answered.
+// Range of speeds of a dimensionless rotor, and the largest allowed one.
 const SPEEDS = [0.05, 4], FASTEST = 1e6;
 export const state = { ...DEFAULTS, disc_radius: DISC_RADIUS };
 
 /** Whether the rotor is given as a machine in SI units. */
 export const inSI = () => state.mass !== undefined;
 
-/** Return the names of what the machine has beyond the paper's rotor; of the disc's radius where it matters. */
+/** Return the names of the further parameters; the disc radius only with friction. */
 export const namesBeyond = () => [...Object.keys(BEYOND).filter((name) => state[name] !== BEYOND[name]), ...(state.friction ? ["disc_radius"] : [])];
 
 const usualRadius = () => DISC_RADIUS * (inSI() ? state.eccentricity : 1);
 
-/** Take over what an address says; return the key in it, if any. What it does not say is default. */
+/** Read the state from an address; return its key, if any. Missing entries get defaults. */
 export function readAddress(hash) {
   const given = new URLSearchParams(hash.replace(/^#/, ""));
   const names = MACHINE.every((name) => given.has(name)) ? MACHINE : DIMENSIONLESS;
@@ -57,10 +57,10 @@ export function readAddress(hash) {
   return given.get("key");
 }
 
-/** Whether an address says anything of a rotor. */
+/** Whether an address contains a rotor. */
 export const tellsOfRotor = (hash) => /[#&](omega|mass)=/.test(hash);
 
-/** Return what an address says of the state, and of the states with which the runs begin. */
+/** Return the address entries for the state and for the starts of the runs. */
 export function address([first, second]) {
   const told = new URLSearchParams();
   for (const name of [...(inSI() ? MACHINE : DIMENSIONLESS), ...namesBeyond()]) told.set(name, state[name]);
@@ -79,7 +79,7 @@ export function address([first, second]) {
   return `#${told}`;
 }
 
-/** Return the machine of one side, as a question has it. */
+/** Return the machine of one side, for a question. */
 export function machine(side) {
   const names = [...(inSI() ? MACHINE : DIMENSIONLESS), ...namesBeyond()];
   const given = Object.fromEntries(names.map((name) => [name, state[name]]));
@@ -87,7 +87,7 @@ export function machine(side) {
   return given;
 }
 
-/** Return a round number just above another, so that an axis does not tremble. */
+/** Return a round number just above another, so that an axis stays still. */
 export function roundUp(value) {
   if (!(value > 0)) return 1;
   const ten = 10 ** Math.floor(Math.log10(value));
@@ -97,10 +97,10 @@ export function roundUp(value) {
 /** Return the reference frequency in rad/s, the rate of a dimensionless 1. */
 export const referenceFrequency = () => Math.sqrt((state.contact_stiffness * slopeScale()) / state.mass);
 
-/** Return what the contact stiffness is multiplied by to be that of a spring, in N/m. */
+/** Return the factor from the contact stiffness to that of a spring, in N/m. */
 const slopeScale = () => (state.contact_exponent > 1 ? Math.sqrt(state.eccentricity) : 1);
 
-/** Return what a dimensionless 1 of the parameters beyond the paper's rotor is in SI units. */
+/** Return a dimensionless 1 of the further parameters in SI units. */
 export function scalesBeyond() {
   const rate = referenceFrequency();
   const stiffness = state.mass * rate ** 2;
@@ -110,14 +110,14 @@ export function scalesBeyond() {
   };
 }
 
-/** Change the contact law; the force at an indentation of one eccentricity, and all scales, stay. */
+/** Change the contact law; keep all scales and the force at an indentation of one eccentricity. */
 export function changeExponent(exponent) {
   const before = inSI() ? slopeScale() : 1;
   state.contact_exponent = exponent;
   if (inSI()) state.contact_stiffness = Number(((state.contact_stiffness * before) / slopeScale()).toPrecision(12));
 }
 
-/** Describe the same rotor as a machine in SI units, of a size of its own if it had none. */
+/** Convert the rotor to a machine in SI units, of a default size if it had none. */
 export function toSI() {
   const { omega, zeta, delta0, second } = state;
   Object.assign(state, { mass: 4, contact_stiffness: state.contact_exponent > 1 ? 1e9 : 1e6, eccentricity: 1e-6 });
@@ -132,7 +132,7 @@ export function toSI() {
   for (const name of DIMENSIONLESS) delete state[name];
 }
 
-/** Describe the machine without dimensions. */
+/** Convert the machine to dimensionless parameters. */
 export function toDimensionless() {
   const rate = referenceFrequency();
   for (const [name, scale] of Object.entries(scalesBeyond())) state[name] /= scale;
@@ -144,7 +144,7 @@ export function toDimensionless() {
   for (const name of MACHINE) delete state[name];
 }
 
-/** Complete what a machine is run up to, and in what time. */
+/** Fill in the largest speed and the run-up time of a machine. */
 function suitMachine() {
   const rate = referenceFrequency();
   state.fastest ??= Math.max(state.speed, (SPEEDS[1] / ROOM) * rate);
@@ -160,7 +160,7 @@ export function setMachine(given, fastest) {
   state.disc_radius ??= usualRadius();
 }
 
-/** Return the speed of what is shown, without dimensions. */
+/** Return the dimensionless speed shown. */
 export const speedOf = () => (inSI() ? state.speed / referenceFrequency() : state.omega);
 
 /** Return the speeds over which to show the response: those of the machine, or the usual ones, and the rotor's own. */
@@ -174,5 +174,5 @@ export function speedsShown() {
   return [low, omega > SPEEDS[1] ? Math.min(roundUp(1.05 * omega), FASTEST) : SPEEDS[1]];
 }
 
-/** Return how fast the speed changes, without dimensions. */
+/** Return the dimensionless rate of change of the speed. */
 export const ramp = () => (inSI() ? state.fastest / state.seconds / referenceFrequency() ** 2 : state.ramp);

@@ -1,23 +1,23 @@
-// What the package states once for itself and for the page, which has it in its markup.
+// Tables shared by the package and the page, stored in its markup.
 
 export const {
   /** Bytes of a file that can be read. */
   largest_file: LARGEST_FILE,
   /** Of each parameter, by its name: words, symbol, meaning without dimensions and in SI units, and its SI unit. */
   parameters: PARAMETERS,
-  /** Speeds of a machine are shown up to so many times its largest one, its curve from this part of that on. */
+  /** Range of speeds of a machine, as multiples of its largest one. */
   room: ROOM,
   least_speed: LEAST_SPEED,
   /** Quantities of a data sheet: the names of the ways to give each, and an example. */
   sheet: SHEET,
-  /** How many of a unit of speed are one radian a second. */
+  /** Number of units of speed in one radian per second. */
   speed_units: SPEED_UNITS,
   /** Acceleration of gravity [m/s²]. */
   gravity: GRAVITY,
-  /** Names of what the paper's rotor has, without dimensions and in SI units. */
+  /** Names of the paper's parameters, dimensionless and in SI units. */
   dimensionless: DIMENSIONLESS,
   machine: MACHINE,
-  /** What a machine has beside either, and the value of each without which it is the paper's rotor. */
+  /** Further parameters, with their values in the paper. */
   optional: OPTIONAL,
   /** Names of the components of a state. */
   components: START,

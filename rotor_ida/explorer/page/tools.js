@@ -1,8 +1,8 @@
-// The buttons in the head of a panel: a part of its plots, or all again; its picture and its numbers.
+// Buttons in the head of a panel: zoom and reset; save the picture and the numbers.
 
 import { csvOf, pngOf, svgOf } from "./picture.js";
 
-/** Give a file to the one who looks at the page. */
+/** Offer a file for download. */
 export function keep(blob, name) {
   const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name });
   link.click();
@@ -12,7 +12,7 @@ export function keep(blob, name) {
 /**
  * Put the buttons into the head of a panel.
  *
- * `told` says under the title of a picture what is shown, `table` returns the columns of the numbers.
+ * `told` returns the subtitle of a picture, `table` returns the columns of the numbers.
  */
 export function addTools(panel, plots, { name, told, table }) {
   const head = Object.assign(document.createElement("div"), { className: "head" });
@@ -23,7 +23,7 @@ export function addTools(panel, plots, { name, told, table }) {
   head.append(title, tools);
 }
 
-/** A button that lets the next drag choose a part; where a part is shown, one that shows all again. */
+/** A button that lets the next drag choose a part, and one that resets the view. */
 function zoomButton(plots, title) {
   const button = Object.assign(document.createElement("button"), { type: "button", textContent: "Zoom" });
   button.title = "Then drag a box. By mouse also: Ctrl and drag, or Ctrl and wheel";
@@ -75,7 +75,7 @@ function saveMenu(panel, plots, title, { name, told, table }) {
   return menu;
 }
 
-/** Return the words of a panel's key, each with the element that stands before it. */
+/** Return the words of a panel's key, each with the element before it. */
 function keyOf(panel) {
   const spans = [...panel.querySelectorAll(".key span:not([hidden])")];
   if (spans.length) return spans.map((span) => ({ words: span.textContent.trim(), icon: span.querySelector("i") }));

@@ -1,4 +1,4 @@
-// Numbers as they are shown: without dimensions, or in SI units with a prefix that suits.
+// Displayed numbers: dimensionless, or in SI units with a suitable prefix.
 
 import { state } from "./state.js";
 import { SPEED_UNITS } from "./tables.js";
@@ -6,7 +6,7 @@ import { SPEED_UNITS } from "./tables.js";
 const UNITS = { length: "m", time: "s", force: "N", velocity: "m/s", energy: "J" };
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
 
-/** Return the factor and the unit in which to show numbers of a kind, of which `top` is large. */
+/** Return the factor and the unit for numbers of a kind up to about `top`. */
 export function shownIn(scales, kind, top) {
   const scale = scales?.[kind];
   if (!scale) return { factor: 1, unit: "" };
@@ -15,7 +15,7 @@ export function shownIn(scales, kind, top) {
   return { factor: scale / size, unit: prefix + UNITS[kind] };
 }
 
-/** Return the size and the letter of the prefix with which a number is short; none for 0. */
+/** Return the size and the letter of the prefix that keeps a number short; none for 0. */
 const prefixFor = (large) => (large ? (PREFIXES.find(([least]) => large >= least * 0.9999) ?? PREFIXES.at(-1)) : [1, ""]);
 
 /** Return the factor and the unit, with a prefix, in which to show a quantity of about some size. */
@@ -25,10 +25,10 @@ export function prefixed(unit, size) {
   return { factor: 1 / parts, unit: prefix + unit };
 }
 
-/** Return a name with its unit, as an axis has it. */
+/** Return a name with its unit, for an axis. */
 export const labelled = (name, unit) => (unit ? `${name} [${unit}]` : name);
 
-/** Return a number with about so many digits, as a person would write it. */
+/** Return a number with about this many digits, in common notation. */
 export function told(value, digits = 4) {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
   if (value === 0) return "0";
@@ -36,7 +36,7 @@ export function told(value, digits = 4) {
   return size >= 1e6 || size < 1e-4 ? value.toExponential(digits - 1) : String(Number(value.toPrecision(digits)));
 }
 
-/** Return a dimensionless value of a kind with its unit, as a sentence has it. */
+/** Return a dimensionless value of a kind with its unit, for a sentence. */
 export function withUnit(scales, kind, value, digits = 4) {
   const { factor, unit } = shownIn(scales, kind, value);
   return `${told(value * factor, digits)}${unit && ` ${unit}`}`;

@@ -1,4 +1,4 @@
-"""Errors of the paper, with the numbers that show them: the source of ``docs/errata.md``.
+"""Errors of the paper with evidence in numbers: the source of ``docs/errata.md``.
 
 ``python -m rotor_ida.paper.errata FILE`` writes the page.
 """

@@ -1,4 +1,4 @@
-"""Write the page of errata into the file that is named."""
+"""Write the page of errata to a file."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The numbers of the errata, each computed where the paper's words or formula can be put to it."""
+"""Numbers of the errata, computed for each statement or formula of the paper."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ MACHINE = DimensionalRotor(
 
 
 def dissipation() -> Numbers:
-    """Eq. (3): energy lost over what viscous damping takes."""
+    """Eq. (3): energy lost over that of viscous damping."""
     rotor = Rotor(omega=0.0, zeta=DAMPING, delta0=0.0)
     run = simulate(rotor, start=(2.0, 0.0, 0.0, 0.5), duration=20.0, samples=20001)
     states = _states(run)
@@ -53,7 +53,7 @@ def dissipation() -> Numbers:
 
 
 def scaling() -> Numbers:
-    """Eq. (9): how far scaled runs are from the dimensional equation, as a part of its reach."""
+    """Eq. (9): relative error of scaled runs against the dimensional equation."""
     apart = deviations(check_scaling(MACHINE, duration=20.0))
     return {"right": apart[RIGHT], "printed": apart[PRINTED]}
 
@@ -74,7 +74,7 @@ def curvature() -> Numbers:
 
 
 def conserved() -> Numbers:
-    """Eq. (13): how the right and the printed sum vary along a free orbit."""
+    """Eq. (13): variation of the correct and the printed sum along a free orbit."""
     rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.5)
     run = simulate(rotor, start=(2.0, 0.0, 0.3, 0.25), duration=40.0, samples=801)
     states = _states(run)
@@ -92,13 +92,13 @@ def periods() -> Numbers:
 
 
 def portraits() -> Numbers:
-    """Fig. 5: how much longer the planar period is, and how far a start with speed comes."""
+    """Fig. 5: excess of the planar period, and amplitude from a start with speed."""
     longer = 100.0 * (planar_period(1.0) / circular_period(1.0) - 1.0)
     return {"longer": longer, "reached": amplitude_from_speed(8.0)}
 
 
 def single_response() -> Numbers:
-    """Eq. (18): the one amplitude as printed, the three right ones."""
+    """Eq. (18): the single printed amplitude and the three correct ones."""
     (printed,) = amplitudes_18(omega=SPEED, zeta=DAMPING)
     small, middle, large = _whirls()["amplitude"].values.ravel()
     return {"printed": printed, "small": small, "middle": middle, "large": large}
@@ -120,7 +120,7 @@ def phases() -> Numbers:
 
 
 def transient() -> Numbers:
-    """Eqs (24)-(28): the error from (10, 0, 0, 0) at t = 5, as printed and with mended signs."""
+    """Eqs (24)-(28): the error from (10, 0, 0, 0) at t = 5, as printed and with corrected signs."""
     start = (10.0, 0.0, 0.0, 0.0)
     rotor = Rotor(omega=SPEED, zeta=DAMPING, delta0=0.0)
     run = simulate(rotor, start=start, duration=5.0, samples=501)
@@ -158,7 +158,7 @@ def unstable() -> Numbers:
 
 
 def captions() -> Numbers:
-    """Figs 8 and 9: amplitudes that the two starts come to."""
+    """Figs 8 and 9: amplitudes reached from the two starts."""
     return {"rest": _reached(0.0, 0.0), "ten": _reached(10.0, 0.0)}
 
 
@@ -177,7 +177,7 @@ def basin_cuts() -> Numbers:
 
 
 def cusps() -> Numbers:
-    """Fig. 6: the damping above which no jump is left, without clearance and at any."""
+    """Fig. 6: damping above which no jump exists, without clearance and at any clearance."""
     anywhere = cusp()
     return {
         "without": cusp(delta0=0.0)["cusp_zeta"].item(),
@@ -195,7 +195,7 @@ def clearance() -> Numbers:
 
 
 def agreement() -> Numbers:
-    """Fig. 11: what a rotor does from rest where delta0 = 2."""
+    """Fig. 11: response from rest at delta0 = 2."""
     found = sweep(omega=[0.75, 1.0, 1.25, 1.5, 2.0], zeta=DAMPING, delta0=2.0).squeeze()
     exact = synchronous_response(omega=found["omega"].values, zeta=DAMPING, delta0=2.0)
     branch = (exact["in_contact"] == 1).any("branch").squeeze()

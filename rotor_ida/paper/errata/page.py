@@ -1,4 +1,4 @@
-"""The page of errata: each error, its correction, and the numbers that show it."""
+"""The page of errata: each error, its correction, and the evidence in numbers."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Row:
     place: str
     printed: str
     right: str
-    # how it shows, with the places of the numbers in braces
+    # evidence, with placeholders for numbers in braces
     shows: str
     numbers: Callable[[], dict[str, float]]
 
@@ -161,7 +161,7 @@ def errata_page() -> str:
 
     Notes
     -----
-    It takes some seconds: part of the numbers come from simulations.
+    It takes some seconds, because some numbers come from simulations.
     """
     return _HEAD + "".join(_line(row) for row in ROWS)
 

@@ -1,4 +1,4 @@
-"""Eq. (9): which reference frequency turns the dimensional equation into the dimensionless one."""
+"""Eq. (9): check of the reference frequency that makes the equation dimensionless."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _POINTS = 401
 
 
 def check_scaling(machine: DimensionalRotor, *, duration: float) -> xr.Dataset:
-    """Hold eq. (7), integrated in SI units by SciPy, against scaled dimensionless runs.
+    """Compare eq. (7), integrated in SI units by SciPy, with scaled dimensionless runs.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def check_scaling(machine: DimensionalRotor, *, duration: float) -> xr.Dataset:
     Raises
     ------
     InputError
-        If `duration` is not a positive finite number, or the machine has more than the paper's.
+        If `duration` is not a positive finite number, or the machine is not of the paper's kind.
     SimulationError
         If SciPy gave up.
 
@@ -89,12 +89,12 @@ def check_scaling(machine: DimensionalRotor, *, duration: float) -> xr.Dataset:
 
 
 def deviations(checked: xr.Dataset) -> dict[str, float]:
-    """Return how far each scaled run is from eq. (7), as a part of the largest displacement.
+    """Return the error of each scaled run against eq. (7), over the largest displacement.
 
     Parameters
     ----------
     checked : Dataset
-        What `check_scaling` returned.
+        Result of `check_scaling`.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def _metres(long_name: str) -> dict[str, str]:
 
 
 def _dimensional_orbit(machine: DimensionalRotor, times: Values) -> Values:
-    """Return X and Y of eq. (7), shape (2, n), by SciPy, which knows nothing of scales."""
+    """Return X and Y of eq. (7), shape (2, n), by SciPy, independent of any scaling."""
     m, k, n = machine.mass, machine.contact_stiffness, machine.damping
     D, d, W = machine.eccentricity, machine.clearance, machine.speed
 

@@ -1,4 +1,4 @@
-"""The plots practitioners read, of simulated and measured signals alike.
+"""Practitioners' plots of simulated and measured signals.
 
 Each function takes signals of `rotor_ida.signals_of` or `rotor_ida.read_signals`, a run or run-up,
 or what `rotor_ida.orders`, `rotor_ida.full_spectrum`, `rotor_ida.spectrogram` or

@@ -1,4 +1,4 @@
-"""Exact results beneath a picture of signals: curves, whirls, special points, lines of cycles."""
+"""Exact results beneath a plot of signals: curves, whirls, special points, lines of cycles."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from rotor_ida.schema import flags_of, words_of
 
 Beneath = xr.Dataset | Sequence[xr.Dataset]
 T = TypeVar("T")
-# What can lie beneath a picture, and the variables that tell it; the first that fits is it.
+# Results that can lie beneath a plot, and the variables that identify them; the first match counts.
 KINDS = {
     "curve": CURVE,
     "folds": ("fold_omega", "fold_amplitude"),
@@ -34,7 +34,7 @@ KINDS = {
     "motion": ("t", "x", "y"),
 }
 CYCLE = "exact cycle"
-# Of the strongest: lines of a cycle that are weaker are left out.
+# Lines of a cycle weaker than this fraction of the strongest are left out.
 WEAKEST = 1e-4
 BACKWARD = {"slipping": ("exact slipping whirl", GREY), "rolling": ("exact dry whip", DARK_BROWN)}
 # Words and marks of special points.
@@ -50,25 +50,25 @@ def made_beneath(
     *,
     of_any_speed: Collection[str] = tuple(KINDS),
 ) -> list[T]:
-    """Return what is made of exact results in the units of a picture; refuse other ones.
+    """Convert exact results to the units of a plot; refuse other kinds.
 
     Parameters
     ----------
     beneath : Dataset or sequence of Dataset
         The exact results.
     shown : Dataset
-        What is shown above them.
+        Signals shown above them.
     units : Units
         The units of the picture.
     makers : mapping of str to callable
-        What makes something of each kind of result.
+        Converter for each kind of result.
     allowed : str
         The kinds in words, for the message.
     of_any_speed : collection of str
-        Kinds that may be of another speed than what is shown.
+        Kinds that may have another speed than the signals.
     """
     made: list[T] = []
-    # curves first: other points ask them for lags
+    # curves first: other points take their lags from them
     for dataset in sorted(list_of(beneath), key=lambda each: _kind_of(each) != "curve"):
         kind = _kind_of(dataset)
         if kind not in makers:
@@ -95,7 +95,7 @@ def list_of(beneath: Beneath) -> list[xr.Dataset]:
 
 
 def _check_parameters(exact: xr.Dataset, shown: xr.Dataset, skipped: Sequence[str]) -> None:
-    """Refuse exact results of another rotor than that of the signals, where both tell."""
+    """Refuse exact results of another rotor than the signals, if both contain parameters."""
     for name in parameters_in(exact):
         if name in shown.variables and name not in skipped:
             here, there = np.atleast_1d(exact[name].values), float(shown[name])
@@ -117,9 +117,9 @@ class Response:
     speeds, amplitudes, lags : ndarray
         Points beside: whirls at given speeds, folds, Hopf points. Lags [degree] may be NaN.
     marker, words : str
-        What the points look like, and are called.
+        Style and name of the points.
     filled : ndarray of bool
-        Which of them are filled: the stable ones.
+        Which points are filled (stable).
     """
 
     curve: xr.Dataset | None
@@ -160,7 +160,7 @@ class Response:
 
 
 def responses_of(beneath: Beneath, shown: xr.Dataset, units: Units) -> list[Response]:
-    """Return what can lie under an order over the speed; refuse what cannot."""
+    """Return exact results for an order over the speed; refuse other kinds."""
     curves: list[xr.Dataset] = []
 
     def curve(dataset: xr.Dataset, scales: Scales) -> list[Response]:
@@ -194,11 +194,11 @@ def _special(
     name: str, dataset: xr.Dataset, scales: Scales, units: Units, curves: Sequence[xr.Dataset],
     shown: xr.Dataset,
 ) -> Response:  # fmt: skip
-    """Return folds or Hopf points, with the lags that a curve has there."""
+    """Return folds or Hopf points, with lags from a curve."""
     words, marker = SPECIAL[name]
     speeds = units.speeds(dataset[f"{name}_omega"].values.ravel() * scales.omega).values
     amplitudes = dataset[f"{name}_amplitude"].values.ravel() * scales.length
-    if "speed" in shown.variables:  # what lies beyond the picture is not in its legend either
+    if "speed" in shown.variables:  # points outside the plot are not in its legend either
         drawn = units.speeds(shown["speed"].values).values
         within = (speeds >= 0.98 * drawn.min()) & (speeds <= 1.02 * drawn.max())
         speeds, amplitudes = speeds[within], amplitudes[within]
@@ -207,7 +207,7 @@ def _special(
 
 
 def _lag_on(curves: Sequence[xr.Dataset], speed: float, amplitude: float) -> float:
-    """Return the lag of the point of the curves next to one of them; NaN where none is near."""
+    """Return the lag of the nearest point on the curves; NaN if none is near."""
     best, lag = 0.02, math.nan
     for curve in curves:
         across, up = curve["omega"].values.ravel(), curve["amplitude"].values.ravel()
@@ -221,7 +221,7 @@ def _lag_on(curves: Sequence[xr.Dataset], speed: float, amplitude: float) -> flo
 def _flat_whirls(
     whirls: xr.Dataset,
 ) -> tuple[Values, Values, Values, npt.NDArray[np.bool_]]:
-    """Return speeds, amplitudes and lags of whirls one after the other, and which are stable."""
+    """Return speeds, amplitudes, lags and stability of whirls as flat arrays."""
     names = ("omega", "amplitude", "phase_lag", "stability")
     omega, amplitude, lag, stability = (
         each.values.ravel() for each in xr.broadcast(*(whirls[name] for name in names))
@@ -238,7 +238,7 @@ def _whirls(whirls: xr.Dataset, scales: Scales, units: Units) -> Response:
 
 
 def _cycle(cycle: xr.Dataset, scales: Scales, units: Units) -> Response:
-    """Return the part of a limit cycle at the spin speed, with its lag: its mean as it turns."""
+    """Return amplitude and lag of a limit cycle at the spin speed: its mean on rotating axes."""
     spin = cycle["line_kind"].values == flags_of(cycle["line_kind"])["spin"]
     amplitude = np.atleast_1d(cycle["whirl_amplitude"].values[spin]) * scales.length
     speeds = units.speeds(np.full(amplitude.size, float(cycle["omega"])) * scales.omega).values
@@ -248,7 +248,7 @@ def _cycle(cycle: xr.Dataset, scales: Scales, units: Units) -> Response:
 
 
 def _near(lags: Any, around: float) -> Any:
-    """Return lags in degrees, all moved by the whole turns that bring them nearest to others."""
+    """Return lags in degrees, shifted by whole turns to lie nearest to others."""
     middle = float(np.nanmedian(lags)) if np.isfinite(lags).any() else around
     return lags + 360.0 * round((around - middle) / 360.0)
 
@@ -261,16 +261,16 @@ class Line(NamedTuple):
     words: str
     colour: str
     marker: str
-    # at which speed it is; NaN where it is told by none
+    # speed at which it occurs; NaN if it belongs to none
     speed: float
 
 
 def lines_of(
     beneath: Beneath, shown: xr.Dataset, units: Units, *, over_speed: bool = False
 ) -> list[Line]:
-    """Return the exact lines of cycles and whirls; refuse what has none.
+    """Return the exact lines of cycles and whirls; refuse results without lines.
 
-    In a picture over the speed also folds and Hopf points, on the line of order 1.
+    In a plot over the speed, also return folds and Hopf points, on the line of order 1.
     """
 
     def special(name: str, dataset: xr.Dataset, scales: Scales) -> list[Line]:
@@ -300,7 +300,7 @@ def _lines_of_cycle(cycle: xr.Dataset, scales: Scales, units: Units) -> list[Lin
 
 
 def _special_lines(name: str, dataset: xr.Dataset, scales: Scales, units: Units) -> list[Line]:
-    """Return folds, or Hopf points with the two lines that a cycle has beside 1X as it is born."""
+    """Return folds, or Hopf points with the two lines beside 1X of the cycle born there."""
     words, marker = SPECIAL[name]
     lines = []
     for place, omega in np.ndenumerate(dataset[f"{name}_omega"].values):

@@ -1,4 +1,4 @@
-"""Spectra of one segment after the other, over the speed or time: cascades and spectrograms."""
+"""Spectra of successive segments over speed or time: cascades and spectrograms."""
 
 from __future__ import annotations
 
@@ -34,21 +34,21 @@ ORDERS = (-1.0, 0.5, 1.0, 2.0)
 ROWS, DOTS_UP, DOTS_ACROSS = 60, 500, 900
 # Points of one line of a cascade.
 POINTS = 1000
-# Height of the tallest line of a cascade, of the range of its speeds.
+# Height of the tallest line of a cascade, as a fraction of the range of speeds.
 TALLEST = 0.25
 COLOURS = "YlGnBu"
 FLOOR = 1e-3
-# Segments of which a picture is made overlap by this part.
+# Overlap of segments.
 OVERLAP = 0.75
 
 
 class Segments(NamedTuple):
-    """Spectra of segments within the frequencies that are shown, and what lies beneath."""
+    """Spectra of segments within the frequencies shown, with exact results."""
 
     dataset: xr.Dataset
     units: Units
     exact: list[Line]
-    # frequencies, what is upwards, and its name
+    # frequencies, the vertical quantity and its name
     across: xr.DataArray
     up: xr.DataArray
     name: str
@@ -74,29 +74,29 @@ def plot_cascade(
     frequencies: Mapping[str, float] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    r"""Draw full spectra one behind the other over the speed: a waterfall, with lines of orders.
+    r"""Draw full spectra over the speed as a waterfall, with lines of orders.
 
     Parameters
     ----------
     signals : Dataset
-        Signals, a run or run-up, or what `rotor_ida.spectrogram` made of one.
+        Signals, a run or run-up, or the result of `rotor_ida.spectrogram`.
     over : {"speed", "t"}, optional
-        What the spectra are ordered by; by default the speed if it changes and never turns back.
+        Vertical quantity; default: the speed if it changes and never reverses.
     orders : array_like
         Multiples of the speed along which a line is drawn, negative for backward whirl [1].
     span : float
         Largest frequency shown, over the largest speed [1].
     rows : int
-        Number of spectra. Where there are more segments, each shows the largest of its segments
-        at every frequency.
+        Number of spectra. If there are more segments, each spectrum is the maximum over several
+        segments.
     segment : int, optional
-        Samples in a segment, as of `rotor_ida.spectrogram`, where that is still to be computed. By
-        default so many that the speed changes in a segment by as much as a line is wide; at one
-        speed an eighth of the record.
+        Samples in a segment, as in `rotor_ida.spectrogram`, if that is still to be computed.
+        Default: the speed changes within a segment by the width of a line; at constant speed an
+        eighth of the record.
     beneath, frequencies
-        As of `plot_full_spectrum`; what is told for one speed is marked there.
+        As in `plot_full_spectrum`; a result at one speed is marked at that speed.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -114,7 +114,7 @@ def plot_cascade(
     highest = float(heights.max(initial=0.0)) or 1.0
     scale = TALLEST * extent / highest
     with drawing(ax, width=6.0, height=5.6) as ax:
-        # the farthest first, so that each hides what is behind it, down to the edge of the picture
+        # the farthest first, so that each hides those behind it, down to the edge of the plot
         lines = [
             np.column_stack([frequency, place + scale * height])
             for place, height in zip(places[::-1], heights[::-1], strict=True)
@@ -149,18 +149,18 @@ def plot_spectrogram(
     Parameters
     ----------
     signals, over, orders, span, segment, beneath, frequencies
-        As of `plot_cascade`.
+        As in `plot_cascade`.
     floor : float
-        Least amplitude that has a colour of its own, over the largest [1].
+        Smallest amplitude of the colour scale, over the largest [1].
     colour_bar : bool
-        Whether the colours are explained by a bar.
+        Whether to draw a colour bar.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Notes
     -----
-    The colours darken with the logarithm of the amplitude, also in grey. Where there are more
-    segments or frequencies than dots, a dot has the largest of its amplitudes.
+    The colours darken with the logarithm of the amplitude, also in grey. If there are more
+    segments or frequencies than dots, each dot shows the largest of its amplitudes.
 
     Examples
     --------
@@ -193,7 +193,7 @@ def plot_spectrogram(
 def _segments(
     signals: xr.Dataset, over: str | None, span: float, segment: int | None, beneath: Beneath
 ) -> Segments:
-    """Return the spectra of segments, computed if they are not yet."""
+    """Return the spectra of segments, computed if necessary."""
     given = check_dataset("signals", signals, ())
     spectra = given
     if not {"whirl_amplitude", "window", "frequency"} <= set(given.variables):
@@ -212,7 +212,7 @@ def _one_speed(spectra: xr.Dataset) -> bool:
 
 
 def _upwards(spectra: xr.Dataset, over: str | None) -> str:
-    """Return the name of what is upwards: the speed if it changes and never turns back."""
+    """Return the name of the vertical quantity: the speed if it changes and never reverses."""
     if over is None:
         known = "speed" in spectra.variables and not _one_speed(spectra)
         steps = np.diff(spectra["speed"].values) if known else np.zeros(1)
@@ -235,7 +235,7 @@ def _limit_of(spectra: xr.Dataset, units: Units, across: Values, span: float) ->
 
 
 def _in_rows(up: Values, heights: Values, rows: int) -> tuple[Values, Values]:
-    """Return places that rise, and for each the largest amplitudes of what is nearest to it."""
+    """Return rising positions, and for each the largest amplitudes of the nearest segments."""
     order = np.argsort(up, kind="stable")
     up, heights = up[order], heights[order]
     low, high = float(up[0]), float(up[-1])
@@ -248,7 +248,7 @@ def _in_rows(up: Values, heights: Values, rows: int) -> tuple[Values, Values]:
 
 
 def _in_columns(frequency: Values, heights: Values, columns: int) -> tuple[Values, Values]:
-    """Return frequencies, and the largest amplitudes of what is nearest to each."""
+    """Return frequencies, and for each the largest amplitude of the nearest ones."""
     if frequency.size <= columns:
         return frequency, heights
     bins = np.arange(frequency.size) * columns // frequency.size
@@ -258,7 +258,7 @@ def _in_columns(frequency: Values, heights: Values, columns: int) -> tuple[Value
 
 
 def _edges(middles: Values) -> Values:
-    """Return the edges between places, and one beyond each end."""
+    """Return the edges between positions, and one past each end."""
     if middles.size == 1:
         return np.array([middles[0] - 0.5, middles[0] + 0.5])
     between = 0.5 * (middles[1:] + middles[:-1])
@@ -298,9 +298,9 @@ def _draw_orders(ax: Axes, segments: Segments, orders: Sequence[float]) -> None:
 
 
 def _mark_lines(ax: Axes, segments: Segments) -> None:
-    """Mark the frequencies of exact lines where the speed is theirs.
+    """Mark the frequencies of exact lines at their speeds.
 
-    Over the time that is all the way up, unless the speed changes.
+    Over time the marks span the full height, unless the speed changes.
     """
     spectra, up = segments.dataset, segments.up.values
     everywhere = segments.name == "t" and _one_speed(spectra)
@@ -320,7 +320,7 @@ def _mark_lines(ax: Axes, segments: Segments) -> None:
 
 
 def _crossed(speeds: Values, wanted: float, up: Values, name: str) -> Values:
-    """Return what is upwards wherever the speed is one that is wanted."""
+    """Return the vertical positions at which the speed has a given value."""
     if name == "speed":
         within = speeds.min() * (1.0 - STEADY) <= wanted <= speeds.max() * (1.0 + STEADY)
         return np.array([wanted] if within else [])
@@ -332,7 +332,7 @@ def _crossed(speeds: Values, wanted: float, up: Values, name: str) -> Values:
 
 
 def _draw_scale(ax: Axes, units: Units, highest: float, scale: float) -> None:
-    """Draw a bar beside the spectra that tells how high a round amplitude is."""
+    """Draw a scale bar of a round amplitude beside the spectra."""
     power = 10.0 ** math.floor(math.log10(highest))
     size = next(each * power for each in (5.0, 2.0, 1.0) if each * power <= highest)
     unit = f" {unit_of(units.lengths(size))}".rstrip()

@@ -21,18 +21,18 @@ from rotor_ida.signals.record import Record, record_of
 
 Indices = npt.NDArray[np.intp]
 
-# Speeds by which a run is told to be one at a constant speed.
+# Variables that identify a run at constant speed.
 FEW_SPEEDS = 200
-# A cycle that is periodic at rest axes closes after some periods; others are shown for that many.
+# A cycle that is periodic on fixed axes closes within this many periods; others are drawn so long.
 MOST_PERIODS, CLOSED = 40, 1e-6
-# A cycle is brought in step with a trace by the best of so many shifts, and of as many beside that.
+# The best of this many shifts aligns a cycle with a trace, refined by as many shifts beside it.
 SHIFTS = 400
-# Samples of the end of a trace by which that is done.
+# Samples at the end of a trace used for that.
 SAMPLES = 400
 
 
 class Orbit(NamedTuple):
-    """An exact orbit in the plane, its words and how it is drawn."""
+    """An exact orbit in the plane, its label and style."""
 
     x: Values
     y: Values
@@ -42,7 +42,7 @@ class Orbit(NamedTuple):
 
 
 class Centre(NamedTuple):
-    """An exact mean position, its words and its mark."""
+    """An exact mean position, its label and marker."""
 
     place: complex
     words: str
@@ -50,7 +50,7 @@ class Centre(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """Exact motion over time: times and displacements in the units of a trace, and its words."""
+    """Exact motion over time: times and displacements in the units of a trace, and its label."""
 
     times: Values
     z: ComplexValues
@@ -74,7 +74,7 @@ def orbits_of(beneath: Beneath, given: xr.Dataset, units: Units) -> list[Orbit]:
 
 
 def _is_of_one_speed(given: xr.Dataset) -> bool:
-    """Return whether the speed of a run or of signals stays the same, or is not known."""
+    """Return whether the speed of a run or of signals is constant or unknown."""
     record = record_of(given)
     if record.angles is None:
         return True
@@ -83,7 +83,7 @@ def _is_of_one_speed(given: xr.Dataset) -> bool:
 
 
 def _orbit_of_cycle(cycle: xr.Dataset, scales: Scales) -> list[Orbit]:
-    """Return a limit cycle on axes at rest, until it closes or has filled its ring."""
+    """Return a limit cycle on fixed axes, until it closes or fills its annulus."""
     omega, times = _speed_of(cycle), cycle["t"].values
     once = _rotating(cycle) * np.exp(1j * omega * times) * scales.length
     turns = omega * float(times[-1]) / (2.0 * math.pi) * np.arange(1, MOST_PERIODS + 1)
@@ -103,7 +103,7 @@ def _backward_orbits(whirls: xr.Dataset, scales: Scales) -> list[Orbit]:
 
 
 def _at_speed_of(given: xr.Dataset, whirls: xr.Dataset) -> xr.Dataset:
-    """Return the whirls at the speed of the run, if that is known."""
+    """Return the whirls at the speed of the run, if known."""
     if whirls.sizes.get("omega", 0) > 1 and "omega" in given.variables and not given["omega"].ndim:
         return whirls.sel(omega=float(given["omega"]))
     return whirls
@@ -146,9 +146,9 @@ def centres_of(beneath: Beneath, means: xr.Dataset, units: Units) -> list[Centre
 
 
 def _mean_of(cycle: xr.Dataset) -> complex:
-    """Return where a limit cycle is in the mean, at axes at rest: at its static line, or nowhere.
+    """Return the mean of a limit cycle on fixed axes: its static line, if it has one.
 
-    Under a load, which alone makes that line, a cycle begins where the unbalance points along x.
+    Only a load makes that line; the cycle then begins where the unbalance points along x.
     """
     if flags_of(cycle["line_kind"])["static"] not in cycle["line_kind"].values:
         return 0j
@@ -157,7 +157,7 @@ def _mean_of(cycle: xr.Dataset) -> complex:
 
 
 def _speed_of(cycle: xr.Dataset) -> float:
-    """Return the spin speed of a limit cycle over the unit of its times."""
+    """Return the spin speed of a limit cycle in its unit of time."""
     return float(cycle["omega"]) / scale_of(cycle, "time")
 
 
@@ -183,10 +183,10 @@ def _trace_of_motion(motion: xr.Dataset, scales: Scales) -> list[Trace]:
 
 
 def _trace_of_cycle(cycle: xr.Dataset, record: Record, scales: Scales) -> Trace:
-    """Return a cycle shifted along time to where the end of a record lies on it.
+    """Return a cycle shifted in time to match the end of a record.
 
-    On the turning axes it may be shifted by any time; under a load by whole revolutions alone, as
-    it begins where the unbalance points along x.
+    On rotating axes any shift is allowed. Under a load only whole revolutions are, because the
+    cycle begins where the unbalance points along x.
     """
     omega, times, turned = _speed_of(cycle), cycle["t"].values, _rotating(cycle)
     period = float(times[-1])
@@ -214,14 +214,14 @@ def _trace_of_cycle(cycle: xr.Dataset, record: Record, scales: Scales) -> Trace:
 
 
 def _end_of(record: Record, duration: float) -> Indices:
-    """Return samples of the last part of a record, of some duration."""
+    """Return samples from the end of a record, of some duration."""
     last = record.times.size - 1
     first = int(np.searchsorted(record.times, record.times[-1] - duration))
     return np.unique(np.linspace(first, last, SAMPLES).astype(np.intp))
 
 
 def _nearest_whirl(whirls: xr.Dataset, given: xr.Dataset, scales: Scales) -> list[Trace]:
-    """Return the whirl, of those at one speed, that the end of a record is nearest to."""
+    """Return the whirl nearest to the end of a record, of those at one speed."""
     record = record_of(given)
     angles = record.known_angles()
     amplitude, lag, touches = (

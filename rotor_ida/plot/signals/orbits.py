@@ -1,4 +1,4 @@
-"""The motion itself: orbits with the pulses of the keyphasor, the centre line, traces over time."""
+"""Plots of motion: orbits with keyphasor pulses, the centre line, traces over time."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ from rotor_ida.signals.path import path_of
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.sampling import check_run_sampling
 
-# The orbit is left blank for this part of a revolution before each pulse.
+# The orbit is blank for this fraction of a revolution before each pulse.
 BLANK = 0.03
 # More pulses have smaller dots.
 FEW_PULSES, MANY_PULSES = 40, 400
-# An exact orbit of more points fills its ring, and is a thin line.
+# An exact orbit of more points fills its annulus, and is a thin line.
 MANY_POINTS = 20_000
 TRACES = {"x": (BLUE, "$x$"), "y": (ORANGE, "$y$"), "radius": (INK, "radius")}
 
@@ -55,31 +55,31 @@ def plot_orbit(
     beneath: Beneath = (),
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw the orbit in the plane, with the ring of the clearance and dots of the keyphasor.
+    """Draw the orbit in the plane, with the clearance circle and keyphasor dots.
 
     Parameters
     ----------
     run : Dataset
         What `rotor_ida.simulate` or `rotor_ida.run_up` returned, or signals.
     keyphasor : bool, optional
-        Whether each pulse of the keyphasor is a dot, and the orbit blank just before it, so that
-        blank and dot tell the way round. By default of signals whose angle is known, and not of
-        runs, whose contacts and events are drawn. A pulse of a run is where the unbalance points
-        along x.
+        Whether to draw a dot at each keyphasor pulse and leave the orbit blank just before it; the
+        order of blank and dot shows the direction of motion. Default: true for signals whose
+        angle is known, false for runs, whose contacts and events are drawn. The pulse of a run
+        is where the unbalance points along x.
     clearance : float, optional
-        Clearance of signals that do not tell it, in their unit.
+        Clearance in the unit of the signals, if they do not contain it.
     beneath : Dataset or sequence of Dataset
         Exact orbits under this one: of `rotor_ida.synchronous_response`, `rotor_ida.limit_cycle`
-        and `rotor_ida.backward_whirl`. Of whirls at several speeds those at that of the run. Under
-        a run-up they may be of any speed, such as its last.
+        and `rotor_ida.backward_whirl`. Whirls at several speeds are reduced to the speed of the
+        run. Under a run-up they may be at any speed, such as the last.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Notes
     -----
-    An orbit of more than 20000 samples passes through the same cells of a grid finer than the dots
-    of a figure, each step drawn once. If more than 60000 are left even so, every dot that the
-    orbit passes through is inked: an excursion of one sample stays in the picture.
+    An orbit of more than 20000 samples is thinned on a grid finer than the dots of a figure, each
+    step drawn once. If more than 60000 samples remain, every dot on the orbit is drawn: even
+    an excursion of one sample stays visible.
 
     Examples
     --------
@@ -132,16 +132,16 @@ def plot_centre_line(
     Parameters
     ----------
     signals : Dataset
-        Signals, a run or run-up, or what `rotor_ida.centre_line` made of one.
+        Signals, a run or run-up, or the result of `rotor_ida.centre_line`.
     clearance : float, optional
-        Clearance of signals that do not tell it, in their unit.
+        Clearance in the unit of the signals, if they do not contain it.
     revolutions : int
-        As of `rotor_ida.centre_line`, where that is still to be computed.
+        As in `rotor_ida.centre_line`, if that is still to be computed.
     beneath : Dataset or sequence of Dataset
-        Exact places under the line: of `rotor_ida.closed_forms.rest`, the mean of a
+        Exact positions under the line: `rotor_ida.closed_forms.rest`, the mean of a
         `rotor_ida.limit_cycle`, and the centre of `rotor_ida.synchronous_response`.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -189,23 +189,23 @@ def plot_trace(
     Parameters
     ----------
     signals : Dataset
-        Signals, or a run or run-up: the contacts of these are known.
+        Signals, or a run or run-up, which includes contacts.
     names : tuple of {"x", "y", "radius"}
-        What is drawn.
+        Quantities to draw.
     clearance : float, optional
-        Clearance of signals that do not tell it, in their unit.
+        Clearance in the unit of the signals, if they do not contain it.
     beneath : Dataset or sequence of Dataset
-        Exact motion under the trace: of `rotor_ida.limit_cycle`, shifted along time to where the
-        end of the trace lies on it, of `rotor_ida.synchronous_response` the whirl nearest to that
-        end, or any other motion ``x y`` on ``t``, such as a flight.
+        Exact motion under the trace: a `rotor_ida.limit_cycle`, shifted in time to match the end of
+        the trace, the whirl of `rotor_ida.synchronous_response` nearest to that end, or any other
+        motion ``x y`` on ``t``, such as a flight.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Notes
     -----
-    Of more than 20000 samples the first, last, smallest and largest in each column of dots are
-    drawn, which gives the same picture: no spike is lost. Contacts closer to each other than a
-    dot are shaded as one.
+    If there are more than 20000 samples, the first, last, smallest and largest in each column of
+    dots are drawn. The picture is the same, and no spike is lost. Contacts closer than a dot are
+    shaded as one.
 
     Examples
     --------
@@ -246,7 +246,7 @@ def plot_trace(
 
 
 def _component(name: str, z: npt.NDArray[np.complex128]) -> Values:
-    """Return what is drawn of complex displacements by its name."""
+    """Return a quantity of complex displacements by its name."""
     return {"x": z.real, "y": z.imag, "radius": np.abs(z)}[name]
 
 
@@ -270,7 +270,7 @@ def _draw_orbit(ax: Axes, record: Record, *, marked: bool) -> None:
 
 
 def _blank(record: Record) -> npt.NDArray[np.bool_]:
-    """Return at which samples the orbit is blank: just before a pulse."""
+    """Return a mask of the samples just before a pulse, where the orbit is blank."""
     turns = record.known_angles() / (2.0 * math.pi)
     return np.asarray((turns % 1.0) > 1.0 - BLANK, dtype=bool)
 
@@ -285,7 +285,7 @@ def _draw_pulses(ax: Axes, record: Record, times: Values, x: Values, y: Values) 
 
 
 def _within(run: xr.Dataset) -> xr.Dataset:
-    """Return a part of a run with the events of that part alone."""
+    """Return a part of a run with its events only."""
     if not {"event_time", "event_kind", "starts_in_contact"} <= set(run.variables):
         return run
     events, (first, last) = run["event_time"].values, run["t"].values[[0, -1]]

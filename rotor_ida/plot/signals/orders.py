@@ -33,15 +33,15 @@ from rotor_ida.signals.orders import orders as tracked
 from rotor_ida.signals.record import integrated, record_of
 
 SENSES = ("forward", "backward")
-# From one window to the next a vector jumps by more than that part of the largest amplitude, and
-# so many times the median of the steps round it.
+# A jump between windows exceeds this fraction of the largest amplitude, and this multiple of the
+# median step around it.
 JUMP, UNUSUAL, NEIGHBOURS = 0.1, 5.0, 33
-# A curve has so many windows at least, unless they are of the longest; and their revolutions.
+# Fewest windows of a curve, unless they have the longest length, and their revolutions.
 WINDOWS, LONGEST = 250, 8
 
 
 class OneOrder(NamedTuple):
-    """One order of a whirl over the windows, its words, and what is known of it exactly."""
+    """One order of a whirl over the windows, its label, and exact results for it."""
 
     title: str
     units: Units
@@ -65,31 +65,31 @@ def plot_bode(
     Parameters
     ----------
     signals : Dataset
-        Signals, a run or run-up, or what `rotor_ida.orders` made of one. Signals of more than 500
-        revolutions are tracked in windows of up to 8, as many as leave 250 windows.
+        Signals, a run or run-up, or the result of `rotor_ida.orders`. Signals of more than 500
+        revolutions are tracked in windows of up to 8 revolutions that leave at least 250 windows.
     order : float
         Multiple of the speed [1].
     sense : {"forward", "backward"}
-        Which whirl is shown.
+        Direction of the whirl shown.
     beneath : Dataset or sequence of Dataset
-        Exact results that lie under the order 1 forward: of
+        Exact results under the order 1 forward: of
         `rotor_ida.closed_forms.response_curve`, `rotor_ida.synchronous_response`,
-        `rotor_ida.folds`, `rotor_ida.hopf_points` and `rotor_ida.limit_cycle`, as they are or in
-        the units of `rotor_ida.dimensional`. Dimensionless ones are given the units of the
-        signals where these tell the scales of the machine.
+        `rotor_ida.folds`, `rotor_ida.hopf_points` and `rotor_ida.limit_cycle`, dimensionless
+        or converted by `rotor_ida.dimensional`. Dimensionless ones get the units of the signals
+        if these contain the scales of the machine.
     axes : sequence of two Axes, optional
         Where to draw amplitude and phase; by default the axes of a new figure.
 
     Returns
     -------
     list of Axes
-        Those of the amplitude and of the phase.
+        Axes of amplitude and phase.
 
     Notes
     -----
-    The phase is a lag: of the whirl behind the mark of the shaft, which for a run is the unbalance;
-    0 below and 180° above a resonance. Where the whirl jumps the line is broken, and a window that
-    spans a jump is left out.
+    The phase is the lag of the whirl behind the mark on the shaft; for a run that is the unbalance.
+    It is 0 below and 180° above a resonance. The line breaks at a jump of the whirl, and a window
+    that spans a jump is left out.
 
     Examples
     --------
@@ -138,19 +138,19 @@ def plot_polar(
     beneath: Beneath = (),
     ax: Axes | None = None,
 ) -> Axes:
-    r"""Draw amplitude and phase of one order as a vector, with marks of the speed along its way.
+    r"""Draw amplitude and phase of one order as a vector, with marks of the speed.
 
     Parameters
     ----------
     signals, order, sense, beneath
-        As of `plot_bode`.
+        As in `plot_bode`.
     ax : Axes, optional
-        Polar axes to draw on and return; by default those of a new figure.
+        Polar axes to draw on and return; default: those of a new figure.
 
     Notes
     -----
-    The lag grows clockwise from the x axis, against the rotation, which is counterclockwise: the
-    vector points where the high spot is as the mark of the shaft passes the x axis.
+    The lag grows clockwise from the x axis, against the counterclockwise rotation. The vector
+    points to the high spot when the mark on the shaft passes the x axis.
 
     Examples
     --------
@@ -198,15 +198,15 @@ def plot_orders(
     Parameters
     ----------
     signals : Dataset
-        As of `plot_bode`.
+        As in `plot_bode`.
     orders : array_like, shape (k,)
-        Multiples of the speed [1]; of what `rotor_ida.orders` returned all are shown.
+        Multiples of the speed [1]; for a result of `rotor_ida.orders` all are shown.
     logarithmic : bool
-        Whether the amplitudes are on a logarithmic scale.
+        Whether the amplitude scale is logarithmic.
     beneath
-        As of `plot_bode`: under the order 1 forward.
+        As in `plot_bode`: under the order 1 forward.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -247,9 +247,9 @@ def plot_orders(
 
 
 def tracks_of(signals: xr.Dataset, orders: npt.ArrayLike) -> xr.Dataset:
-    """Return orders, tracked if they are not yet.
+    """Return orders, tracked if necessary.
 
-    Of a long record in windows of several revolutions: what is no whole order leaves less in them.
+    A long record uses windows of several revolutions, which suppress other frequencies better.
     """
     given = check_dataset("signals", signals, ())
     if "forward_whirl_amplitude" in given.variables:
@@ -262,7 +262,7 @@ def tracks_of(signals: xr.Dataset, orders: npt.ArrayLike) -> xr.Dataset:
 
 
 def order_words(order: float) -> str:
-    """Return the name of an order, as it is said.
+    """Return the usual name of an order.
 
     Examples
     --------
@@ -276,9 +276,9 @@ def order_words(order: float) -> str:
 
 
 def unwound(lag: Values, amplitude: Values) -> tuple[Values, npt.NDArray[np.bool_]]:
-    """Return lags in degrees about their mean, and before which of them a line is broken.
+    """Return lags in degrees about their mean, and the points before which a line breaks.
 
-    The mean, in which amplitudes weigh, lies from 0 to 360; the lags within 180 of it.
+    The mean, weighted by amplitude, lies from 0 to 360, and the lags within 180 of it.
     """
     mean = math.degrees(np.angle((amplitude * np.exp(1j * lag)).sum())) % 360.0
     angles = mean + (np.degrees(lag) - mean + 180.0) % 360.0 - 180.0
@@ -286,9 +286,9 @@ def unwound(lag: Values, amplitude: Values) -> tuple[Values, npt.NDArray[np.bool
 
 
 def jumps_of(amplitude: Values, lag: Values) -> npt.NDArray[np.bool_]:
-    """Return before which windows the whirl, as a vector, jumps.
+    """Return the windows before which the whirl vector jumps.
 
-    A window that spans a jump lies between two: it is a mean of two motions, and neither.
+    A window that spans a jump lies between two jumps: it averages two motions.
 
     Examples
     --------
@@ -307,14 +307,14 @@ def jumps_of(amplitude: Values, lag: Values) -> npt.NDArray[np.bool_]:
 
 
 def _one_order(signals: xr.Dataset, order: float, sense: str, beneath: Beneath) -> OneOrder:
-    """Return one order of signals; under the order 1 forward, and no other, exact results."""
+    """Return one order of signals, with exact results for the order 1 forward only."""
     check_choice("sense", sense, SENSES)
     tracks = tracks_of(signals, [order])
     units = units_of(tracks, "forward_whirl_amplitude", "speed")
     wanted, tracked_orders = check_positive("order", order), tracks["order"].values
     place = int(np.abs(tracked_orders - wanted).argmin())
     if abs(tracked_orders[place] - wanted) > 1e-9 * wanted:
-        raise InputError(f"signals must hold the order {wanted:g}, got {tracked_orders.tolist()}")
+        raise InputError(f"signals must have the order {wanted:g}, got {tracked_orders.tolist()}")
     exact = responses_of(beneath, tracks, units)
     if exact and (order, sense) != (1.0, "forward"):
         raise InputError(f"beneath goes under the order 1 forward, got {order:g} {sense}")
@@ -337,9 +337,9 @@ def _words(order: float, sense: str) -> str:
 def _broken(
     across: Values, up: Values, breaks: npt.NDArray[np.bool_], part: slice
 ) -> tuple[Values, Values]:
-    """Return a part of a line with gaps where it is broken.
+    """Return a part of a line with gaps at its breaks.
 
-    A point between two gaps, which no line shows, is left out, lest the axis make room for it.
+    A point between two gaps is left out: no line shows it, but it would widen the axis.
     """
     at = np.flatnonzero(breaks[part])
     at = at[at > 0]
@@ -351,14 +351,14 @@ def _broken(
 
 
 def _speed_limits(ax: Axes, speeds: Values) -> None:
-    """Show the speeds that there are, and some beside one speed."""
+    """Set the range of speeds, widened if there is only one speed."""
     low, high = float(speeds.min()), float(speeds.max())
     room = 0.05 * high if is_one_speed(speeds) else 0.02 * (high - low)
     ax.set_xlim(max(0.0, low - room), high + room)
 
 
 def _highest(ax: Axes) -> float:
-    """Return the largest value that lies within the speeds shown; 1 where there is none."""
+    """Return the largest value within the speeds shown; 1 if there is none."""
     low, high = ax.get_xlim()
     heights = [0.0]
     for line in ax.get_lines():
@@ -396,7 +396,7 @@ def _polar_axes(ax: Axes | None) -> Any:
 
 
 def _words_of_polar(units: Units, amplitude: Values) -> str:
-    """Return what the circles, the angle and the dots of a polar plot are."""
+    """Return the legend text of circles, angle and dots of a polar plot."""
     radius = label_of("whirl_amplitude", units.lengths(amplitude))
     unit = "[rpm]" if units.rate is not None else r"$\omega$"
     return f"{radius}; lag clockwise, against the rotation; dots: speed {unit}"

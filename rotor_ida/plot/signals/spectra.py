@@ -1,4 +1,4 @@
-"""Full spectra of a record: forward and backward lines over the frequency."""
+"""Full spectra of a record: forward and backward lines over frequency."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ from rotor_ida.plot.signals.units import Units, units_of
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.signals.spectra import full_spectrum
 
-# Below this part of the largest the side lobes of the flat-top window lie.
+# The side lobes of the flat-top window lie below this fraction of the largest.
 FLOOR = 3e-5
-# A line at the edge of a picture is in it, whatever rounding did.
+# Includes a line at the edge of a plot despite rounding.
 SLACK = 1e-9
-# How further frequencies are told apart.
+# Styles of further frequencies.
 DASHES_OF_FREQUENCIES = ((0, (7, 1.6, 1.2, 1.6)), (0, (3, 1.2)), (0, (1, 1)))
 
 
@@ -50,11 +50,11 @@ def plot_spectrum(lines: xr.Dataset, *, span: float = 4.0, ax: Axes | None = Non
     Parameters
     ----------
     lines : Dataset
-        What `rotor_ida.spectrum` returned.
+        Result of `rotor_ida.spectrum`.
     span : float
-        Largest frequency shown, over the spin speed; over one if the rotor does not turn [1].
+        Largest frequency shown, over the spin speed, or over 1 at speed 0 [1].
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -101,20 +101,20 @@ def plot_full_spectrum(
     Parameters
     ----------
     signals : Dataset
-        Signals, a run, or what `rotor_ida.full_spectrum` made of one.
+        Signals, a run, or the result of `rotor_ida.full_spectrum`.
     span : float
-        Largest frequency shown, over the speed if there is one, over half of the sampling rate
-        otherwise [1].
+        Largest frequency shown, over the speed if known, otherwise over half the sampling
+        rate [1].
     segment : int, optional
-        As of `rotor_ida.full_spectrum`, where that is still to be computed.
+        As in `rotor_ida.full_spectrum`, if that is still to be computed.
     beneath : Dataset or sequence of Dataset
         Exact results whose lines are marked: of `rotor_ida.limit_cycle`,
         `rotor_ida.backward_whirl` and `rotor_ida.synchronous_response`.
     frequencies : mapping of str to float, optional
-        Further frequencies to mark, by the words for them: natural ones, for instance. In Hz if
-        times have a unit; negative for backward whirl.
+        Further frequencies to mark, by label: natural frequencies, for instance. In Hz if times
+        have a unit; negative for backward whirl.
     ax : Axes, optional
-        Where to draw, and what is returned; by default the axes of a new figure.
+        Axes to draw on and return; default: those of a new figure.
 
     Examples
     --------
@@ -161,7 +161,7 @@ def plot_full_spectrum(
 
 
 def _limit_of(spectrum: xr.Dataset, frequency: Values, span: float) -> tuple[float, float]:
-    """Return the largest frequency shown, and that of the spin; NaN where it is not one."""
+    """Return the largest frequency shown, and the spin frequency; NaN if it varies."""
     all_of_it = float(np.abs(frequency).max())
     if "frequency_over_omega" not in spectrum.variables:
         return min(1.0, span) * all_of_it, math.nan
@@ -198,7 +198,7 @@ def name_order(ax: Axes, order: float, frequency: float, colour: str) -> None:
 
 
 def _draw_bandwidth(ax: Axes, spectrum: xr.Dataset, units: Units, limit: float) -> None:
-    """Draw a bar as wide as the band from which one line gathers noise."""
+    """Draw a bar as wide as the noise bandwidth of one line."""
     width = units.frequencies(float(spectrum["bandwidth"]))
     unit = f" {width.attrs['units']}" if units.rate is not None else ""
     left = -0.97 * limit
@@ -213,7 +213,7 @@ def lines_within(exact: Sequence[Line], limit: float) -> list[Line]:
 
 
 def mark_frequencies(ax: Axes, frequencies: Mapping[str, float] | None) -> None:
-    """Mark further frequencies by their words."""
+    """Mark further frequencies with their labels."""
     if not isinstance(frequencies, Mapping | None):
         raise InputError(
             f"frequencies must be a mapping such as {{'bending': 18.0}}, got {shown(frequencies)}"

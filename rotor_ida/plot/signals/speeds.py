@@ -16,14 +16,14 @@ from rotor_ida.plot.datasets import parameters_in
 from rotor_ida.plot.labels import in_lines, text_of
 from rotor_ida.plot.signals.units import is_one_speed
 
-# A turn of the speed is noise if it is smaller than this part of the largest, or so many times
-# what the speed wobbles by.
+# A reversal of the speed is noise if it is smaller than this fraction of the largest, or than this
+# multiple of the noise of the speed.
 WOBBLE, NOISE = 0.02, 5.0
 MOST_MARKS = 8
 
 
 class Leg(NamedTuple):
-    """A part in which the speed rises or falls: its windows, words and looks."""
+    """A part in which the speed rises or falls: its windows, words and style."""
 
     part: slice
     words: str
@@ -32,7 +32,7 @@ class Leg(NamedTuple):
 
 
 def title_of_signals(dataset: xr.Dataset, *, one_speed: bool) -> str:
-    """Return the parameters that a dataset tells, but for a speed that changes."""
+    """Return the parameters in a dataset, without a speed that changes."""
     known = {
         name: float(dataset[name])
         for name in parameters_in(dataset)
@@ -42,7 +42,7 @@ def title_of_signals(dataset: xr.Dataset, *, one_speed: bool) -> str:
 
 
 def legs_of(speeds: Values, words: str) -> list[Leg]:
-    """Return the parts in which the speed rises and falls, with their words and looks."""
+    """Return the parts in which the speed rises and falls, with their words and styles."""
     turns = _turning_points(speeds)
     if len(turns) == 2:
         return [Leg(slice(None), words, BLUE, "-")]
@@ -57,8 +57,8 @@ def legs_of(speeds: Values, words: str) -> list[Leg]:
 
 
 def _turning_points(speeds: Values) -> list[int]:
-    """Return the places of first and last speed, and of those at which it turns for good."""
-    # of a steady ramp the second differences are noise alone
+    """Return the indices of first and last speed, and of its reversals."""
+    # the second differences of a steady ramp are noise alone
     noise = float(np.median(np.abs(np.diff(speeds, 2)))) if speeds.size > 2 else 0.0
     least = max(WOBBLE * float(np.abs(speeds).max(initial=0.0)), NOISE * noise)
     turns, extreme, rising = [0], 0, 0
@@ -79,7 +79,7 @@ def mark_speeds(
     ax: Any, z: npt.NDArray[np.complex128], speeds: xr.DataArray, colour: str, *, apart: float,
     label: str = "_",
 ) -> None:  # fmt: skip
-    """Mark round speeds along the way of a vector, with their numbers where these lie apart."""
+    """Mark round speeds along a vector's path, with numbers unless these would overlap."""
     low, high = float(speeds.min()), float(speeds.max())
     if is_one_speed(speeds.values):
         return

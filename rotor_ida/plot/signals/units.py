@@ -1,4 +1,4 @@
-"""Speeds in rpm and frequencies in Hz, and exact results in the units of the signals above them."""
+"""Convert speeds to rpm, frequencies to Hz, and exact results to the units of the signals."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ RATE = re.compile(r"^([pnumkM]?)s-1$")
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """In which units a picture of signals is drawn.
+    """Units of a plot of signals.
 
     Parameters
     ----------
     length : str
         Unit of displacements, as in the dataset.
     rate : float or None
-        Radians a second that one of the dataset's rates is; None where all is dimensionless.
+        Radians per second in one unit of rate of the dataset; None if dimensionless.
     """
 
     length: str
@@ -39,11 +39,11 @@ class Units:
         return xr.DataArray(np.asarray(values), attrs={"units": self.length})
 
     def speeds(self, values: npt.ArrayLike) -> xr.DataArray:
-        """Return speeds of the dataset in rpm, or as they are where all is dimensionless."""
+        """Return speeds of the dataset in rpm, or unchanged if dimensionless."""
         return self._turns(values, 1.0 / SPEED_UNITS["rpm"], "rpm")
 
     def frequencies(self, values: npt.ArrayLike) -> xr.DataArray:
-        """Return circular frequencies of the dataset in Hz, or as they are likewise."""
+        """Return circular frequencies of the dataset in Hz, or unchanged if dimensionless."""
         return self._turns(values, 0.5 / math.pi, "Hz")
 
     def _turns(self, values: npt.ArrayLike, factor: float, unit: str) -> xr.DataArray:
@@ -54,7 +54,7 @@ class Units:
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """What makes lengths, speeds and frequencies of exact results those of the signals."""
+    """Factors from lengths, speeds and frequencies of exact results to those of the signals."""
 
     length: float
     omega: float
@@ -71,7 +71,7 @@ def units_of(dataset: xr.Dataset, length: str, rate: str | None = None) -> Units
 
 
 def radians_in(unit: str) -> float | None:
-    """Return how many radians a second a unit of a rate is; None if it is dimensionless.
+    """Return the radians per second in a unit of rate; None if it is dimensionless.
 
     Examples
     --------
@@ -83,9 +83,9 @@ def radians_in(unit: str) -> float | None:
 
 
 def scales_of(exact: xr.Dataset, shown: xr.Dataset, units: Units) -> Scales:
-    """Return what makes an exact result that of the signals shown above it.
+    """Return the factors from an exact result to the units of the signals.
 
-    A dimensionless one is given the scales of the machine that the signals are of, if these tell.
+    A dimensionless result gets the scales of the machine, if the signals contain them.
     """
     here, there = exact.attrs, shown.attrs
     in_si = units.length != "1" or units.rate is not None
@@ -119,5 +119,5 @@ def _metres(unit: str) -> float:
 
 
 def is_one_speed(speeds: Values) -> bool:
-    """Return whether speeds are the same but for noise."""
+    """Return whether speeds are equal except for noise."""
     return bool(np.ptp(speeds) <= STEADY * np.abs(speeds).max(initial=0.0))

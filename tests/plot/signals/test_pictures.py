@@ -476,7 +476,7 @@ def unknown(run):
     ("draw", "words"),
     [
         (lambda up: plot_bode(up, sense="x"), "sense must be one of"),
-        (lambda up: plot_bode(orders(up), order=2), r"signals must hold the order 2, got \[1.0\]"),
+        (lambda up: plot_bode(orders(up), order=2), r"signals must have the order 2, got \[1.0\]"),
         (lambda up: plot_bode(up, order=-1), "orders must be positive, got -1.0"),
         (lambda up: plot_bode(up, axes=[]), "axes must be two matplotlib Axes, got 0"),
         (lambda up: plot_polar(up, ax=plot_trace(up)), "ax must be polar"),
