@@ -194,7 +194,7 @@ def _in_words(
     if facts["contact_count"] and "first_roll_speed" in facts:
         rolls = facts["first_roll_speed"]
         sentences.append(
-            "The disc never rolls on the stator."
+            "No dry whip: the disc never rolls on the stator."
             if math.isnan(rolls)
             else f"The disc first rolls on the stator at {_speed(rolls, machine)}."
         )

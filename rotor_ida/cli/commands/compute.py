@@ -63,6 +63,10 @@ def run_up(
 ) -> Report:
     r"""Simulate a rotor whose speed changes: a ramp, a speed profile, or a drive torque.
 
+    A machine from standstill, as rotor-ida machine writes it:
+
+        rotor-ida run-up --machine pump.toml --to 6000rpm --in 20s
+
     From --omega up through resonance; a speed profile; and a drive of limited power:
 
         rotor-ida run-up --omega 0.2 --zeta 0.07 --delta0 0.8 \

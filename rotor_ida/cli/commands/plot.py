@@ -65,14 +65,15 @@ def plot(
 
         rotor-ida plot run_up.nc --kind cascade --figure cascade.png
 
-    Probes at 45 and 135 degrees, from a table whose columns are guessed from their names
-    (time_s, probe_A_um, Speed [rpm], ...):
+    Probes at 45 and 135 degrees, from a table whose column names are clear (time_s, ...):
 
-        rotor-ida plot probes.csv --kind orbit --figure orbit --probe-angles 45 135 --times 0.5 1
+        rotor-ida plot probes.csv --kind orbit --figure orbit \
+            --probe-angles 45 135 --times 0.5 1
 
-    From one whose columns have other names:
+    From a table with other column names:
 
-        rotor-ida plot probes.csv --kind orbit --figure named --columns x=A y=B --units x=um y=um
+        rotor-ida plot probes.csv --kind orbit --figure named \
+            --columns x=A y=B --units x=um y=um
     """
     given = {
         "order": order, "orders": orders, "sense": sense, "over": over, "span": span,
