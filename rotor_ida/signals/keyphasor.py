@@ -41,13 +41,13 @@ def angles_by_pulses(
 ) -> tuple[npt.NDArray[np.bool_], Values]:
     """Return the samples between pulses, and the angle of the rotor at each of them [rad].
 
-    A cubic spline through the pulses, which is exact while the speed changes evenly; where it would
-    turn back, as while a machine stands still, a cubic that never does (Fritsch and Carlson).
+    The angle is a cubic spline through the pulses, which is exact for a constant acceleration.
+    Where that would decrease, as when a machine stops, it is monotonic (Fritsch and Carlson).
     """
     from scipy.interpolate import CubicSpline, PchipInterpolator  # noqa: PLC0415 - slow to import
 
     check_pulses(pulses)
-    # a sample at a pulse is between pulses, whatever rounding did to its time
+    # a sample at a pulse counts as between pulses in spite of rounding
     slack = 1e-9 * float(np.diff(pulses).min())
     within = (times >= pulses[0] - slack) & (times <= pulses[-1] + slack)
     turns = np.arange(pulses.size, dtype=np.float64)
@@ -147,9 +147,9 @@ def _turns_in(
 ) -> float | None:
     """Return the revolutions between a pulse and the next, from up to three pulses on each side.
 
-    The angle is a polynomial of time through all of them, and the turns between are the unknown
-    that lets its degree be one lower. Where the machine stops between them, each side has a
-    parabola of its own. None if there are too few pulses.
+    The angle is a polynomial of time through all of them; the number of revolutions is chosen so
+    that its degree is one lower. If the machine stops in between, each side has a separate
+    parabola. None if there are too few pulses.
     """
     first, last = _trusted(pulses, counts, judged, place)
     turns = np.concatenate([[0.0], np.cumsum(counts[first:last])])

@@ -310,7 +310,7 @@ def _unit_of(name: str, columns: Mapping[str, str], table: Table, units: Mapping
         unit = unit_called("")  # the height of its pulses does not count
     allowed = (KIND[name],) if name == "speed" else (KIND[name], "any")
     if unit is None or unit.kind not in allowed:
-        place = "" if name in units else f" in the column {shown(columns[name])}; say it in units"
+        place = "" if name in units else f" in the column {shown(columns[name])}; give it in units"
         raise InputError(
             f"the unit of {name} must be one of {known_units(KIND[name])}, got "
             f"{shown(units.get(name, written))}{place}"
@@ -445,7 +445,7 @@ def _angle(column: tuple[Values, str], times: Values) -> Values:
         turn = float(np.ptp(angles))
         if unit == "1" and turn > TURN:
             raise InputError(
-                f"the unit of angle must be told in units, as it spans {turn:.6g} and falls: one "
+                f"the unit of angle must be given in units, as it spans {turn:.6g} and falls: one "
                 f"of {known_units('angle')}, got none"
             )
         angles = np.unwrap(angles)
@@ -459,7 +459,7 @@ def _integrated(column: tuple[Values, str], times: Values, time: str) -> Values:
     """Return the angle of the rotor, 0 at the first sample, by the trapezoidal rule."""
     speeds, _ = column
     if time != "s":
-        raise InputError("t must have a unit beside a speed; say it in units, got none")
+        raise InputError("t must have a unit beside a speed; give it in units, got none")
     if speeds.size != times.size:
         raise InputError(f"speed must have one number for each t, got {speeds.size}")
     if not (speeds >= 0.0).all() or not speeds.any():

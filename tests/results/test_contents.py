@@ -207,7 +207,10 @@ def test_archive_needs_no_solver() -> None:
         (xr.Dataset({"z": ("t", np.zeros(1, "M8[ns]"))}), "got datetime64"),
         (xr.Dataset({"z": ("t", np.array([b"a"]))}), "got bytes8"),
         (xr.Dataset({"z": ("t", np.array(["a", None]))}), "got objects that are not strings"),
-        (xr.Dataset({"z": ("t", ["a\0b"])}), r"'z' must not hold the character NUL, got 'a\\x00b'"),
+        (
+            xr.Dataset({"z": ("t", ["a\0b"])}),
+            r"'z' must not contain the character NUL, got 'a\\x00b'",
+        ),
         (xr.Dataset({"z": ("t", ["\ud800"])}), "'z' must be valid Unicode text"),
         (xr.Dataset({"a/b": ("t", [1.0])}), "name 'a/b' of the dataset must be a letter"),
         (xr.Dataset({3: ("t", [1.0])}), "name 3 of the dataset must be a letter"),

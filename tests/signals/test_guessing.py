@@ -194,12 +194,12 @@ ODD = {
     "no unit of the speed": (HEAD.replace("speed_rpm", "speed"), None,
         "the unit of speed must be one of rad/s, rpm, Hz, got '' in the column 'speed'"),
     "no unit of the times": (HEAD.replace("time_s", "time"), None,
-        "t must have a unit beside a speed; say it in units"),
+        "t must have a unit beside a speed; give it in units"),
     "a speed that turns back": (HEAD, np.linspace(600.0, -10.0, TIMES.size),
         "speed must be 0 or positive, not always 0, got -1.0472 rad/s at t 3.9995"),
     "no speed at all": (HEAD, np.zeros(TIMES.size), "positive, not always 0, got 0"),
     "degrees that are not said": (HEAD.replace("speed_rpm", "angle"), (3600.0 * TIMES) % 360.0,
-        "the unit of angle must be told in units, as it spans 358.2 and falls"),
+        "the unit of angle must be given in units, as it spans 358.2 and falls"),
 }  # fmt: skip
 
 

@@ -236,9 +236,9 @@ ODD = {
               "t must have no gaps, got one of 0.0015 after '0.024500000' in line 51"),
     "unknown unit": (HEAD.replace("x [um]", "x [furlong]") + BODY,
                      "the unit of x must be one of m, mm, um, nm, in, mil, V, mV, got 'furlong' in "
-                     "the column 'x'; say it in units"),
+                     "the column 'x'; give it in units"),
     "unknown unit in a line": (f"t,x,y,angle\ns,furlong,um,rad\n{BODY}",
-                               "got 'furlong' in the column 'x'; say it in units"),
+                               "got 'furlong' in the column 'x'; give it in units"),
     "two units": (HEAD.replace("x [um]", "x [mm]") + BODY,
                   "x and y must be in one unit, got mm and um"),
     "bytes": ("\0\1\2\3" * 100,

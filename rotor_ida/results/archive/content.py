@@ -37,7 +37,7 @@ NUMERIC = frozenset(
 )
 
 # Names as CF wants them. The reserved attributes are those by which netCDF and HDF5 keep house,
-# or which tell a reader to alter the data.
+# or by which a reader alters the data.
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,199}")
 _RESERVED = frozenset(
     [
@@ -217,4 +217,4 @@ def _check_text(owner: str, text: str) -> None:
     except UnicodeEncodeError:
         raise InputError(f"{owner} must be valid Unicode text, got {text!a}") from None
     if "\0" in text:
-        raise InputError(f"{owner} must not hold the character NUL, got {text!a}")
+        raise InputError(f"{owner} must not contain the character NUL, got {text!a}")
