@@ -95,8 +95,8 @@ def check_folder(folder: Path, *, force: bool) -> None:
         raise InputError(f"the output must be a folder, got the file {shown(folder)}")
     if folder.is_dir() and any(folder.iterdir()) and not force:
         raise InputError(
-            f"{shown(folder)} contains results already: choose another folder, or replace it with "
-            "--force"
+            f"{shown(folder)} contains results already: choose another folder, or replace "
+            "them with --force"
         )
 
 
