@@ -54,7 +54,7 @@ def concat(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
     >>> both.response.sizes["omega"], int(both.event_count.sum()) == both.sizes["event"]
     (3, True)
     """
-    if not isinstance(datasets, Sequence) or isinstance(datasets, str | bytes | range):
+    if not isinstance(datasets, list | tuple):
         raise InputError(f"datasets must be a list of datasets, got {shown(datasets)}")
     given = [check_instance("datasets", each, xr.Dataset) for each in datasets]
     if not given:
