@@ -118,8 +118,8 @@ def with_lost_pulses(pulses: Values) -> Values:
 def counts_between(pulses: Values) -> Counts:
     """Return the number of revolutions between each pulse and the next.
 
-    Only intervals longer than one of those round them are judged, the least striking first, and by
-    none beside it that is not judged yet; then all of them again until nothing changes.
+    Only intervals longer than a neighbour are judged, in order of rising excess and only from
+    neighbours that are judged already. This is repeated until nothing changes.
     """
     from scipy.ndimage import minimum_filter  # noqa: PLC0415 - takes long to import
 

@@ -162,7 +162,9 @@ def test_a_fit_to_an_integrated_speed_needs_the_angle_of_the_unbalance(tmp_path:
         mass=12.0, contact_stiffness=1e8, damping=400.0, eccentricity=2e-5, clearance=1.5e-4,
         speed=100.0, shaft_stiffness=4e6,
     )  # fmt: skip
-    with pytest.raises(InputError, match="unknown must have unbalance_angle where the angle is in"):
+    with pytest.raises(
+        InputError, match="unknown must include unbalance_angle when the angle is in"
+    ):
         fit(found, machine, ["eccentricity"])
     fitted = fit(found, machine, ["eccentricity", "unbalance_angle"])
     assert fitted.fitted_forward_whirl_amplitude.values == pytest.approx(30.0, rel=1e-3)
