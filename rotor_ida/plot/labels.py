@@ -22,7 +22,7 @@ from rotor_ida.units import SPEED_UNITS
 
 SEPARATOR = ",  "
 # With more parameters than this a title has two lines.
-MOST_IN_A_LINE = 5
+MOST_IN_A_LINE, MOST_CHARACTERS = 5, 64
 
 # Words and symbol of each quantity, and its symbol where it has a unit, as in eqs (1)-(9), if that
 # is another.
@@ -209,7 +209,7 @@ def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMET
     if (speeds := in_rpm(dataset["speed"])) is not None:  # omega is only the first
         del values["omega"]
         turns = (f"{each:.4g}" if each < 1e3 else f"{each:.0f}" for each in speeds[[0, -1]])
-        return in_lines(SEPARATOR.join(["{} to {} rpm".format(*turns), text_of(dataset, values)]))
+        return _wrapped(["{} to {} rpm".format(*turns), *_in_si(dataset, values)])
     last = float(dataset["speed"][-1]) / scale_of(dataset, "speed")
     text = text_of(dataset, values).replace("$,", rf" \ldots {last:.4g}$,", 1)
     return in_lines(text)
@@ -219,10 +219,26 @@ def text_of(dataset: xr.Dataset, values: Mapping[str, float]) -> str:
     """Return parameters as a title: dimensionless, or in SI units if the dataset has a machine."""
     if machine_of(dataset) is None:
         return parameter_text(values)
-    return SEPARATOR.join(_in_si(dataset, name, value) for name, value in values.items())
+    return _wrapped(_in_si(dataset, values))
 
 
-def _in_si(dataset: xr.Dataset, name: str, value: float) -> str:
+def _in_si(dataset: xr.Dataset, values: Mapping[str, float]) -> list[str]:
+    return [_one_in_si(dataset, name, value) for name, value in values.items()]
+
+
+def _wrapped(parts: Sequence[str]) -> str:
+    """Return parts of a title in lines that no figure cuts off."""
+    lines = [parts[0]]
+    for part in parts[1:]:
+        longer = f"{lines[-1]}{SEPARATOR}{part}"
+        if len(longer) <= MOST_CHARACTERS:
+            lines[-1] = longer
+        else:
+            lines.append(part)
+    return "\n".join(lines)
+
+
+def _one_in_si(dataset: xr.Dataset, name: str, value: float) -> str:
     """Return the name of a parameter of a machine with its value and unit."""
     known = si_of(dataset, name)
     if known is None:
@@ -244,7 +260,7 @@ def in_lines(text: str) -> str:
     'a,  b,  c\nd,  e,  f'
     """
     parts = text.split(SEPARATOR)
-    if len(parts) <= MOST_IN_A_LINE:
+    if len(parts) <= MOST_IN_A_LINE or "\n" in text:
         return text
     first, second = parts[: len(PARAMETERS)], parts[len(PARAMETERS) :]
     return f"{SEPARATOR.join(first)}\n{SEPARATOR.join(second)}"

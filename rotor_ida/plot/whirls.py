@@ -265,7 +265,7 @@ def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         f" {unit}" if unit else ""
         for unit in map(unit_of, (whirls["amplitude"], whirls["whirl_speed"]))
     )
-    with drawing(ax, width=4.2, height=5.0) as ax:
+    with drawing(ax, width=4.2, height=5.4) as ax:
         label_axis(ax.xaxis, "x", whirls["amplitude"])
         label_axis(ax.yaxis, "y", whirls["amplitude"])
         draw_ring(ax, clearance)

@@ -324,8 +324,7 @@ def test_a_run_up_in_si_units_is_drawn_alike_whatever_its_unit_of_speed(unit):
     plain = run_up(MACHINE.rotor(), start=(0, 0, 0, 0), samples=401, rtol=1e-6, **change)
     shown = dimensional(plain, MACHINE, units={"speed": unit})
     title = plot_run(shown).get_suptitle()
-    assert title.endswith(r"$9549 \ldots 12000$ rpm")
-    assert r"$\omega = 2 \ldots 2.513$" in title
+    assert title == "9549 to 12000 rpm,  damping $280$ N s/m,  clearance $2$ µm"
     drawn, without = path_of(shown), path_of(plain)
     assert drawn.time == pytest.approx(without.time * MACHINE.time_scale, rel=1e-12)
     assert drawn.radius == pytest.approx(without.radius * MACHINE.length_scale, rel=1e-9)

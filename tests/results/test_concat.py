@@ -67,7 +67,7 @@ def test_what_does_not_fit_together_is_refused():
     one = sweep(omega=1.0, zeta=0.07, delta0=2.0)
     with pytest.raises(InputError, match="dim must be in all datasets, got 'speed'"):
         concat([one, one], "speed")
-    with pytest.raises(InputError, match="datasets must have at least one, got none"):
+    with pytest.raises(InputError, match="datasets must contain at least one, got none"):
         concat([], "omega")
     other = sweep(omega=1.5, zeta=0.1, delta0=2.0)
     with pytest.raises(InputError, match="must have the same coordinates besides omega"):
