@@ -108,7 +108,7 @@ def run_over(what: str, settings: Settings, **given: object) -> xr.Dataset:
     """Return run-ups over the rate and a second quantity."""
     with progress_bar(f"run-ups over rate and {what}") as progress:
         return run_ups(
-            **given, method="adams", rtol=1e-8, workers=settings.workers, progress=progress
+            **given, method=METHOD, rtol=1e-8, workers=settings.workers, progress=progress
         )
 
 
