@@ -95,9 +95,10 @@ def machine(
     found = machines.of_sheet(given, None)
     from rotor_ida.results.machine_file import machine_text, save_machine  # noqa: PLC0415
 
-    facts, warnings = _facts(found), implausible(found)
+    facts, numbers, warnings = _facts(found), _numbers(found), implausible(found)
     parts: list[RenderableType] = [
         pairs("Machine", facts),
+        pairs("Dimensionless parameters", numbers),
         *(f"warning: {each}" for each in warnings),
     ]
     if out is None:
@@ -105,7 +106,7 @@ def machine(
     else:
         save_machine(found, _checked(out, force), overwrite=force)
         parts.append(f"wrote {out}")
-    record = {"machine": found.given, "facts": facts, "warnings": warnings}
+    record = {"machine": found.given, "facts": facts | numbers, "warnings": warnings}
     return Report(record=record, parts=parts, as_json=as_json)
 
 
@@ -118,23 +119,26 @@ def _checked(out: Path, force: bool) -> Path:
 
 
 def _facts(machine: DimensionalRotor) -> dict[str, float]:
-    """Return the engineering data of a machine, and its dimensionless numbers."""
-    rpm, rotor = SPEED_UNITS["rpm"], machine.rotor()
+    """Return the engineering data of a machine."""
+    rpm = SPEED_UNITS["rpm"]
     grade = machine.eccentricity * machine.speed / MILLIMETRE
     told = {
         "running speed [rpm]": machine.speed / rpm,
         "critical speed [rpm]": machine.critical_speed / rpm or math.nan,
-        "damping ratio of the critical speed": machine.damping_ratio,
+        "damping ratio at the critical speed": machine.damping_ratio,
         "eccentricity [um]": machine.eccentricity * 1e6,
         "unbalance [g mm]": machine.mass * machine.eccentricity * 1e6,
         "balance grade at the running speed [mm/s]": grade,
         "clearance [um]": machine.clearance * 1e6,
-        "clearance over eccentricity": rotor.delta0,
         "amplitude at the critical speed without contact [um]": _resonance(machine),
         "reference frequency [rad/s]": machine.reference_frequency,
     }
-    digits = {name: _rounded(value) for name, value in told.items()}
-    return digits | {name: _rounded(value) for name, value in rotor.given.items()}
+    return {name: _rounded(value) for name, value in told.items()}
+
+
+def _numbers(machine: DimensionalRotor) -> dict[str, float]:
+    """Return the dimensionless parameters of a machine."""
+    return {name: _rounded(value) for name, value in machine.rotor().given.items()}
 
 
 def _rounded(value: float) -> float:
