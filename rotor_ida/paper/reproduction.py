@@ -27,13 +27,16 @@ OF_PAPER = ("fig", "dimensional_example", "general_solution")
 # Relative durations of the longest scenarios, which start first so that none runs alone at the
 # end; any other counts as 1.
 DURATIONS = {
-    "fig07_basins": 10.0,
-    "fig10_11_amplitude": 8.0,
-    "bifurcation_diagram": 10.0,
-    "isolas": 10.0,
-    "doubling_cascade": 10.0,
-    "beyond_the_curve": 10.0,
-    "atlas": 10.0,
+    "atlas": 30.0,
+    "how_slow": 20.0,
+    "drop": 10.0,
+    "fig07_basins": 8.0,
+    "fig10_11_amplitude": 6.0,
+    "bifurcation_diagram": 5.0,
+    "beyond_the_curve": 3.0,
+    "doubling_cascade": 3.0,
+    "event_time_convergence": 3.0,
+    "isolas": 3.0,
 }
 
 
