@@ -103,7 +103,7 @@ print(f"larger than the clearance from {rubbing.min():.0f} to {rubbing.max():.0f
 # -------------------
 #
 # ``whirl_ratio`` is whirl speed over spin speed: one is a forward whirl with the unbalance, a negative value is a backward
-# whirl. During the rub it stays at one: a synchronous rub, no dry whip.
+# whirl. During the rub it stays at 1: this is a synchronous rub, not dry whip.
 
 from rotor_ida import whirl_ratio
 
