@@ -15,9 +15,9 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
 from rotor_ida.checks import check_choice
-from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import style
-from rotor_ida.results.files import already_there, check_path, check_target, written_whole
+from rotor_ida.results.files import check_path, check_target, file_to_write
 
 # Metadata that depend on the date or the version are left out.
 _METADATA: dict[str, dict[str, None]] = {
@@ -88,13 +88,8 @@ def save_figure(
     ]
     with style(), _settled_layout(figure):
         for path in paths:
-            try:
-                with written_whole(path, overwrite=overwrite) as part:
-                    _draw(figure, part)
-            except FileExistsError:
-                raise already_there("stem", path) from None
-            except OSError as error:
-                raise ArchiveError(f"cannot write {path}: {error.strerror or error}") from error
+            with file_to_write("stem", path, overwrite=overwrite) as part:
+                _draw(figure, part)
     return paths
 
 

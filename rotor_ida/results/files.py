@@ -20,7 +20,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from rotor_ida.checks import check_flag, shown
-from rotor_ida.errors import InputError
+from rotor_ida.errors import ArchiveError, InputError
 
 _UNFINISHED = "rotor_ida-part"
 _NO_LINKS_HERE = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
@@ -84,6 +84,26 @@ def check_target(
 def already_there(name: str, path: Path, permission: str = "overwrite is true") -> InputError:
     """Return the error for a file that may not be replaced."""
     return InputError(f"{name} must not exist unless {permission}, got {shown(path)}")
+
+
+@contextmanager
+def file_to_write(name: str, path: Path, *, overwrite: bool) -> Iterator[Path]:
+    """Yield as `written_whole`; raise errors of this package that name the file in one line.
+
+    Raises
+    ------
+    InputError
+        If `overwrite` is false and the file exists.
+    ArchiveError
+        If the system refuses to write it, for example on a full disk.
+    """
+    try:
+        with written_whole(path, overwrite=overwrite) as part:
+            yield part
+    except FileExistsError:
+        raise already_there(name, path) from None
+    except OSError as error:
+        raise ArchiveError(f"cannot write {path}: {error.strerror or error}") from error
 
 
 @contextmanager

@@ -32,7 +32,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import MILLIMETRE, check_keys, machine_from_data_sheet
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor
-from rotor_ida.results.files import check_path, check_target, written_whole
+from rotor_ida.results.files import check_path, check_target, file_to_write
 from rotor_ida.units import SPEED_UNITS
 
 # A machine file has some twenty lines.
@@ -125,7 +125,7 @@ def save_machine(
     """
     check_instance("machine", machine, DimensionalRotor)
     place = check_target("path", path, overwrite=overwrite)
-    with written_whole(place, overwrite=overwrite) as part:
+    with file_to_write("path", place, overwrite=overwrite) as part:
         part.write_text(machine_text(machine), encoding="utf-8")
     return place
 

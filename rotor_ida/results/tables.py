@@ -12,7 +12,7 @@ import xarray as xr
 
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.results.files import already_there, check_target, written_whole
+from rotor_ida.results.files import already_there, check_target, file_to_write
 from rotor_ida.schema import words_of
 
 # A pandas DataFrame; pandas has no annotations.
@@ -82,8 +82,8 @@ def save_tables(
     ------
     InputError
         If the path does not end in ``.csv``, or a file exists and `overwrite` is false.
-    OSError
-        If a file cannot be written.
+    ArchiveError
+        If the system refuses to write a file, for example on a full disk.
 
     Examples
     --------
@@ -102,7 +102,7 @@ def save_tables(
     ]
     for place, table in zip(paths, tables.values(), strict=True):
         check_target("path", place, overwrite=overwrite)
-        with written_whole(place, overwrite=overwrite) as part:
+        with file_to_write("path", place, overwrite=overwrite) as part:
             table.to_csv(part, index=False)
     return paths
 

@@ -240,7 +240,8 @@ def _speed_change_of(
     for pair in (("to", "rate"), ("torque", "inertia")):
         for name, other in (pair, pair[::-1]):
             if name in given and other not in given:
-                raise InputError(f"{other} must be given with {name}, got None")
+                or_time = " or ramp_time" if other == "rate" else ""
+                raise InputError(f"{other}{or_time} must be given with {name}, got None")
     if "torque" in given:
         change = _by_torque(rotor, given["torque"], given["inertia"], duration)
     elif "speeds" in given:

@@ -179,7 +179,7 @@ MISTAKES = [
     (run_up("--to 2 --in 0"), "ramp_time must be positive, got 0.0"),
     (run_up("--from 1 --to 2 --in 5"), "omega must be left out with --from, got both"),
     (run_up("--to 2 --rate 0.1 --torque 1 0"), "must change in one way, by to and rate"),
-    (run_up("--to 2"), "rate must be given with to, got None"),
+    (run_up("--to 2"), "rate or ramp_time must be given with to, got None"),
     (run_up("--torque 1 0 --inertia -2 --duration 9"), "inertia must be positive, got -2.0"),
     (run_up("--torque 1 0 --inertia 0 --duration 9"), "inertia must be positive, got 0.0"),
     (run_up("--torque 1 0 --inertia 2"), "duration must be given with torque, got None"),

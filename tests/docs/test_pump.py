@@ -6,18 +6,21 @@ import shlex
 from pathlib import Path
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 from rotor_ida import load, orders
 from rotor_ida.cli.program import main
 
-SCRIPT = Path(__file__).parents[2] / "docs" / "tutorial_scripts" / "pump.py"
+ROOT = Path(__file__).parents[2]
+SCRIPT = ROOT / "docs" / "tutorial_scripts" / "pump.py"
+README = (ROOT / "README.md").read_text("utf-8")
 
 
-def commands():
-    """Return the words of each command on the page."""
-    lines = [line.removeprefix("#").strip() for line in SCRIPT.read_text("utf-8").splitlines()]
+def commands(page):
+    """Return the words of each command on a page."""
+    lines = [line.removeprefix("#").strip() for line in page.splitlines()]
     text = re.sub(r"\\\n", " ", "\n".join(lines))
     return [shlex.split(line)[1:] for line in text.splitlines() if line.startswith("rotor-ida ")]
 
@@ -33,7 +36,7 @@ def told(tmp_path_factory):
 def test_six_commands_give_the_same_answers(told, monkeypatch, capsys):
     monkeypatch.chdir(told["folder"])
     said = []
-    for words in commands():
+    for words in commands(SCRIPT.read_text("utf-8")):
         assert main(words) == 0
         said.append(" ".join(capsys.readouterr().out.split()))
     assert len(said) == 6
@@ -58,3 +61,22 @@ def test_probes_and_run_show_the_same_whirl(told):
         for each in (of_run, of_probes)
     )
     np.testing.assert_allclose(found, expected, rtol=0.01)
+
+
+def test_the_readme_has_the_same_machine_and_its_answer(told):
+    described, run_up = commands(README)[:2]
+    assert [described, run_up] == commands(SCRIPT.read_text("utf-8"))[:2]
+    assert told["summary"](told["run"]).sentence in " ".join(README.split())
+
+
+def test_the_python_of_the_readme_prints_what_stands_beside_it(capsys, monkeypatch):
+    monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)
+    code = re.search(r"```python\n(.*?)```", README, re.DOTALL)[1]
+    stated = [text for line in code.splitlines() for text in re.findall(r"^print.*  # (.*)", line)]
+    exec(code, {})
+    plt.close("all")
+    for said, text in zip(capsys.readouterr().out.splitlines(), stated, strict=True):
+        if text.startswith("about "):
+            assert float(text.split()[1]) / 3.0 < float(said) < 3.0 * float(text.split()[1])
+        else:
+            assert said.startswith(text.removesuffix("..."))

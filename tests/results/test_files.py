@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 
 import pytest
 from filelock import FileLock
 
-from rotor_ida.errors import InputError
+from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.results import files
-from rotor_ida.results.files import check_path, check_target, written_whole
+from rotor_ida.results.files import check_path, check_target, file_to_write, written_whole
 
 
 class PathOfBytes(os.PathLike[bytes]):
@@ -136,3 +137,20 @@ def test_a_folder_that_another_writer_removes_is_made_anew(
         part.write_text("after")
     assert target.read_text() == "after"
     assert len(seen) == 2
+
+
+def test_a_disk_without_room_is_named_with_the_file_which_stays_as_it_was(tmp_path: Path) -> None:
+    target = tmp_path / "file"
+    target.write_text("before")
+
+    def write(*, overwrite: bool) -> None:
+        with file_to_write("path", target, overwrite=overwrite) as part:
+            part.write_text("half of it")
+            if overwrite:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with pytest.raises(ArchiveError, match=r"^cannot write .*file: No space left on device$"):
+        write(overwrite=True)
+    with pytest.raises(InputError, match="path must not exist unless overwrite is true"):
+        write(overwrite=False)
+    assert target.read_text() == "before"

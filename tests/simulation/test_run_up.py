@@ -411,7 +411,7 @@ MISTAKES = {
     "got to, rate, torque, inertia": RAMP | POWER,
     "the speed must change in one way, .*, got rate, torque": {"rate": 0.1, "torque": (1.0, 0.1)},
     "got to, rate, speeds": RAMP | {"speeds": [(0, 1), (1, 2)]},
-    "rate must be given with to, got None": {"to": 2.0},
+    "rate or ramp_time must be given with to, got None": {"to": 2.0},
     "to must be given with rate, got None": {"rate": 2.0},
     "inertia must be given with torque": {"torque": (1.0, 0.0), "duration": 1.0},
     "torque must be given with inertia": {"inertia": 1.0, "duration": 1.0},

@@ -112,7 +112,7 @@ def _export(
     speeds: list[float] | None, force: bool,
 ) -> int:  # fmt: skip
     from rotor_ida.explorer.files import check_speeds, record  # noqa: PLC0415
-    from rotor_ida.results.files import check_target, written_whole  # noqa: PLC0415
+    from rotor_ida.results.files import check_target, file_to_write  # noqa: PLC0415
 
     if place.suffix != PAGE:
         raise InputError(f"export must end in {PAGE}, got {shown(place)}")
@@ -120,7 +120,7 @@ def _export(
     chosen = check_speeds(machine, speeds)
     with working("recording") as told:
         page = record(machine, start=start, revolutions=revolutions, speeds=chosen, progress=told)
-    with written_whole(place, overwrite=force) as part:
+    with file_to_write("export", place, overwrite=force) as part:
         part.write_text(page, encoding="utf-8")
     _say(f"wrote {place}")
     return 0
