@@ -102,7 +102,7 @@ print(f"larger than the clearance from {rubbing.min():.0f} to {rubbing.max():.0f
 # Which way it whirls
 # -------------------
 #
-# ``whirl_ratio`` is whirl speed over spin speed: one is a forward whirl with the unbalance, a negative value is a backward
+# ``whirl_ratio`` is whirl speed over spin speed: 1 is a forward whirl at the spin speed, a negative value a backward
 # whirl. During the rub it stays at 1: this is a synchronous rub, not dry whip.
 
 from rotor_ida import whirl_ratio
@@ -130,4 +130,5 @@ figure
 #
 # - Compare with the pictures of other rubs: :doc:`/signatures`.
 # - Fit damping, clearance or stiffness to this file: :doc:`/fit`.
-# - All functions for signals: :doc:`/signals`. On the command line: ``rotor-ida plot probes.csv --kind bode``.
+# - All functions for signals: :doc:`/signals`. On the command line:
+#   ``rotor-ida plot probes.csv --kind bode --probe-angles 45 135 --units t=s x=um y=um``.
