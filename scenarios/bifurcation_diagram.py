@@ -1,7 +1,7 @@
 """Bifurcation diagram from many starts over the exact response curve.
 
 A synchronous whirl is one point on the curve. Bouncing and contact at an oscillating radius are
-ranges beside it, which a one-harmonic solution cannot show. Drawn at zeta = 0.07 for the clearances
+ranges of radii, which a one-harmonic solution cannot show. Drawn at zeta = 0.07 for the clearances
 0, 0.5, 1 and 2. The script counts the starts that end on the curve without clearance.
 
 Writes the extrema (bifurcation.nc) and the exact curves (exact.nc), and the figure as PNG and SVG.

@@ -15,7 +15,7 @@ These drops have no friction. With friction the rim, which moves at 31 m/s, driv
 backwards round the bearing. If it is driven past the slipping backward whirl, only rolling ends the
 acceleration: dry whip, at a force that no machine survives. The fraction of drops that end in whip,
 from several release points near the axis, is mapped over friction and damping for both contact
-dampings. The exact limit above which no whip exists is drawn beside it.
+dampings. The exact limit above which no whip exists is drawn too.
 
 Writes both drops in SI units (resting.nc, bouncing.nc), the map (map.nc), a drop that rests and one
 that whirls (lies.nc, whirls.nc), the fractions (whip.nc), and the figures as PNG and SVG.

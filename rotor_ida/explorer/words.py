@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.steady.run_up_summary import beyond_model
 from rotor_ida.units import SPEED_UNITS
 
 # Words for each kind of response, with its meaning on a machine.
@@ -29,8 +30,6 @@ CENTRE = 1e-6
 STILL = "does not slide"
 # A radius that varies by at most this fraction belongs to a whirl.
 STEADY = 1e-6
-# The contact law is not valid for an indentation above this fraction of the disc's radius.
-DEEPEST = 0.1
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 
@@ -120,14 +119,10 @@ def _gap(machine: Rotor | DimensionalRotor, radius: float) -> str:
 
 def _too_deep(machine: Rotor | DimensionalRotor, radius: float) -> str:
     """Return a warning if the indentation is too large for the contact law."""
+    known = machine if isinstance(machine, DimensionalRotor) else None
     rotor = machine if isinstance(machine, Rotor) else machine.rotor()
-    depth = radius - rotor.delta0
-    if rotor.disc_radius is None or depth <= DEEPEST * rotor.disc_radius:
-        return ""
-    return (
-        f" The indentation of {_length(machine, depth)} is {100 * depth / rotor.disc_radius:.3g} % "
-        f"of the disc's radius; above {100 * DEEPEST:g} % the force is not to be trusted."
-    )
+    warning = beyond_model(radius - rotor.delta0, rotor, known)
+    return f" {warning}" if warning else ""
 
 
 def words_of_response(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:

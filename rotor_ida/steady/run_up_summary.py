@@ -212,7 +212,7 @@ def _in_words(
         sentences.append(f"{held} could not be followed: {ended.message}.")
     else:
         sentences.append(f"{held} had not settled when the simulation ended.")
-    beyond = _beyond_model(-facts["smallest_gap"], rotor, machine)
+    beyond = beyond_model(-facts["smallest_gap"], rotor, machine)
     return " ".join([*sentences, beyond]).rstrip()
 
 
@@ -236,8 +236,15 @@ def _contact_in_words(
     )
 
 
-def _beyond_model(indentation: float, rotor: Rotor, machine: DimensionalRotor | None) -> str:
-    """Return a warning if the indentation is too large for the contact law."""
+def beyond_model(indentation: float, rotor: Rotor, machine: DimensionalRotor | None) -> str:
+    """Return a warning if a dimensionless indentation is too large for the contact law, else "".
+
+    Examples
+    --------
+    >>> rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, friction=0.2, disc_radius=10.0)
+    >>> beyond_model(0.9, rotor, None), beyond_model(1.1, rotor, None).partition(":")[0]
+    ('', 'Beyond the model')
+    """
     radius, bounds = rotor.disc_radius, []
     if radius is not None and indentation > SMALL_INDENTATION * radius:
         bounds.append("a tenth of the disc's radius")

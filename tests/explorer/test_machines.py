@@ -160,14 +160,17 @@ def test_the_verdict_says_whether_it_rubs(changes: dict[str, object], told: str)
     assert verdict_of(PUMP, SETTLED | changes).startswith(told)
 
 
-def test_an_indentation_beyond_a_tenth_of_the_disc_is_said_to_be_beyond_the_model():
+def test_an_indentation_beyond_the_model_is_said_to_be():
     rotor = PUMP.rotor()
     deep = SETTLED | {"response": "rolling", "contact_fraction": 1.0}
-    for part, is_told in ((0.09, False), (0.12, True)):
-        radius = rotor.delta0 + part * rotor.disc_radius
-        assert (
-            "is not to be trusted" in verdict_of(PUMP, deep | {"radius_max": radius})
-        ) == is_told
+    for indentation, bounds in (
+        (0.9 * rotor.delta0, ""),
+        (1.1 * rotor.delta0, "more than the clearance;"),
+        (0.12 * rotor.disc_radius, "more than a tenth of the disc's radius and the clearance;"),
+    ):
+        verdict = verdict_of(PUMP, deep | {"radius_max": rotor.delta0 + indentation})
+        assert ("Beyond the model" in verdict) == bool(bounds)
+        assert bounds in verdict
 
 
 def test_a_run_up_into_whip_is_summed_up_as_such():

@@ -25,7 +25,7 @@ Indices = npt.NDArray[np.intp]
 FEW_SPEEDS = 200
 # A cycle that is periodic on fixed axes closes within this many periods; others are drawn so long.
 MOST_PERIODS, CLOSED = 40, 1e-6
-# The best of this many shifts aligns a cycle with a trace, refined by as many shifts beside it.
+# The best of this many shifts aligns a cycle with a trace; as many finer shifts refine it.
 SHIFTS = 400
 # Samples at the end of a trace used for that.
 SAMPLES = 400

@@ -139,7 +139,7 @@ def _group(group: Any) -> dict[str, object]:
 
 
 def _table(path: Path, held: Mapping[str, object]) -> Table:
-    """Return vectors and matrices of numbers as columns, and single numbers beside them."""
+    """Return vectors and matrices of numbers as columns, and single numbers separately."""
     columns: dict[str, Column] = {}
     rest: list[str] = []
     scalars: dict[str, float] = {}
