@@ -477,9 +477,9 @@ class RotorOptions:
         """The given quantities."""
         return {name: getattr(self, name) for name in ONE if getattr(self, name) is not None}
 
-    def chosen(self, **known: float) -> Rotor | DimensionalRotor:
-        """Return the rotor, dimensionless or in SI units, from the given quantities."""
-        return machines.chosen(self.given | known, self.machine, OPTIONAL)
+    def chosen(self, known: Mapping[str, float] = {}) -> Rotor | DimensionalRotor:
+        """Return the rotor, dimensionless or in SI units, from the given and `known` quantities."""
+        return machines.chosen({**self.given, **known}, self.machine, OPTIONAL)
 
     def rotor_and_units(self) -> tuple[Rotor, Units]:
         """Return the dimensionless rotor, and the units of the command."""
@@ -506,12 +506,14 @@ class RotorsOptions:
         """The values of each quantity that is given."""
         return {name: getattr(self, name) for name in SEVERAL if getattr(self, name) is not None}
 
-    def given_and_units(self, **known: list[float]) -> tuple[dict[str, Any], Units]:
+    def given_and_units(
+        self, known: Mapping[str, list[float]] = {}
+    ) -> tuple[dict[str, Any], Units]:
         """Return the given parameters without dimensions, and the units of the command.
 
         One value of an optional parameter does not make an axis.
         """
-        values, units = self.values | known, Units()
+        values, units = {**self.values, **known}, Units()
         if self.machine is None:
             machines.check_complete(values, OPTIONAL)
         if self.in_si:
@@ -548,7 +550,7 @@ class WhirlsOptions(RotorsOptions):
     def without_load(self) -> tuple[dict[str, Any], Units]:
         """Return the given parameters that affect exact whirls, and their units."""
         any_speed = {} if self.has_speed else {"speed" if self.in_si else "omega": [ANY_SPEED]}
-        given, units = self.given_and_units(**any_speed)
+        given, units = self.given_and_units(any_speed)
         if any_speed:
             del given["omega"]
         if given.pop("load", 0.0) != 0.0:
@@ -639,10 +641,10 @@ class ChangeOptions:
         speed, given = "speed" if rotor.in_si else "omega", rotor.given
         if self.begin is None:
             at_rest = rotor.machine is not None and speed not in given and self.speeds is None
-            return rotor.chosen(**({speed: 0.0} if at_rest else {}))
+            return rotor.chosen({speed: 0.0} if at_rest else {})
         if speed in given:
             raise InputError(f"{speed} must be left out with --from, got both")
-        return rotor.chosen(**{speed: self.begin})
+        return rotor.chosen({speed: self.begin})
 
     def of(self, machine: Rotor | DimensionalRotor) -> dict[str, Any]:
         """Return the arguments for `run_up`, without dimensions."""

@@ -104,8 +104,8 @@ def reproduce(
     Notes
     -----
     Each script runs in a separate process: a crash does not affect the others, and its sweeps can
-    start processes. Results that are up to date are not recomputed: a digest in each folder identifies
-    script, sources, versions and options.
+    start processes. Results that are up to date are not recomputed: a digest in each folder
+    identifies script, sources, versions and options.
     """
     scripts = scenario_scripts()
     chosen = _chosen(scripts, only, studies=studies)

@@ -265,9 +265,7 @@ def test_comtrade_that_declares_more_than_it_holds_is_refused(kind: str, tmp_pat
     (tmp_path / "a.cfg").write_text("nonsense")
     assert "must be a COMTRADE record" in refused(tmp_path / "a.cfg")
     (tmp_path / "a.dat").unlink()
-    assert "must have the .dat of its COMTRADE record in the same folder" in refused(
-        tmp_path / "a.cfg"
-    )
+    assert "must have the .dat of its COMTRADE record with it" in refused(tmp_path / "a.cfg")
 
 
 def test_a_dat_of_comtrade_alone_is_read_by_its_time_stamps(tmp_path: Path) -> None:

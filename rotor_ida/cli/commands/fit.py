@@ -49,7 +49,7 @@ def fit(
         for speed, other in (("omega", "zeta"), ("speed", "mass"))
         if speed not in given and other in given
     }
-    chosen = rotor.chosen(**known)
+    chosen = rotor.chosen(known)
     signals: list[xr.Dataset] = [signals_in(each, reading, times) for each in files]
     found = rotor_ida.fit(
         signals,

@@ -157,9 +157,7 @@ def read_comtrade(path: Path) -> Table:
         return read_text(path)  # many tables have this ending
     if head is None or data is None:
         other = ".dat" if head else ".cfg"
-        raise InputError(
-            f"{shown(path)} must have the {other} of its COMTRADE record in the same folder"
-        )
+        raise InputError(f"{shown(path)} must have the {other} of its COMTRADE record with it")
     comtrade = _library("comtrade", "COMTRADE", "comtrade")
     kind = "a COMTRADE record"
     with _understood(path, kind):
