@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from rotor_ida import load, orders
+from rotor_ida import full_spectrum, load, orders
 from rotor_ida.cli.program import main
 
 ROOT = Path(__file__).parents[2]
@@ -80,3 +80,19 @@ def test_the_python_of_the_readme_prints_what_stands_beside_it(capsys, monkeypat
             assert float(text.split()[1]) / 3.0 < float(said) < 3.0 * float(text.split()[1])
         else:
             assert said.startswith(text.removesuffix("..."))
+
+
+def test_what_the_tutorial_says_of_the_rub_is_so(told):
+    run, rpm = told["run"], np.pi / 30.0
+    assert run.peak_force.units == "N"
+    assert 9.0 < float(run.peak_force.max()) / (12.0 * 9.81) < 11.0
+    rubbing = orders(run, revolutions=4).isel(order=0)
+    rubbing = rubbing.isel(window=rubbing.speed.values > 5400.0 * rpm)
+    lag = np.degrees(rubbing.forward_phase_lag.values)
+    assert 30.0 < lag.min() < lag.max() < 40.0
+    assert rubbing.forward_whirl_amplitude[-1] < rubbing.forward_whirl_amplitude[0]
+    late = run.isel(t=run.t.values > 19.0)
+    spectrum = full_spectrum(late)
+    backward = spectrum.isel(frequency=spectrum.frequency.values < 0.0)
+    strongest = float(backward.frequency[int(backward.whirl_amplitude.argmax())])
+    assert -125.0 < strongest / (2.0 * np.pi) < -112.0
