@@ -94,5 +94,5 @@ def test_what_the_tutorial_says_of_the_rub_is_so(told):
     late = run.isel(t=run.t.values > 19.0)
     spectrum = full_spectrum(late)
     backward = spectrum.isel(frequency=spectrum.frequency.values < 0.0)
-    strongest = float(backward.frequency[int(backward.whirl_amplitude.argmax())])
+    strongest = float(backward.frequency[int(backward.whirl_amplitude.values.argmax())])
     assert -125.0 < strongest / (2.0 * np.pi) < -112.0
