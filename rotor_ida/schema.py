@@ -343,7 +343,7 @@ QUANTITIES: dict[str, Quantity] = {
     "window_start": Quantity("time at which the final window begins", scale="time"),
     "window_end": Quantity("time at which the final window and the run end", scale="time"),
     "status": Quantity("whether the run was completed", flags=STATUS),
-    "message": Quantity("why the run failed", ""),
+    "message": Quantity("why the run failed or its response is unresolved", ""),
     "event_count": Quantity("number of contact events of the run"),
     # many run-ups
     "to": Quantity("spin speed at the end of the ramp over the reference frequency"),

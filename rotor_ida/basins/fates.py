@@ -45,10 +45,10 @@ from rotor_ida.steady.follow import (
     CLEAR_ERRORS,
     CLEAR_STRETCH,
     LATE,
-    LONGEST,
     PATIENCE,
     SettledResponse,
     follow_to_steady_state,
+    longest_time,
 )
 
 Numbers = npt.NDArray[np.int64]
@@ -58,8 +58,6 @@ Numbers = npt.NDArray[np.int64]
 FEW = 0.05
 # Orbits that need longer are followed side by side until this time, then one by one.
 LONGEST_TOGETHER = 4000.0
-# Near a cycle that attracts them slowly: for as long as a sweep follows a motion.
-LONGEST_BESIDE_CYCLE = 40_000.0
 
 # A limit cycle is sought where an orbit returns within this number of revolutions: one at omega 1.7
 # and delta0 2 takes 17.4.
@@ -170,7 +168,7 @@ def decide(batch: Batch) -> Batch:
         waiting = match_all(batch)
     while waiting.size and not batch.stop[0]:
         if seed(batch, waiting):
-            waiting = match(batch, waiting, LONGEST_BESIDE_CYCLE)
+            waiting = match(batch, waiting, longest_time(rotor))
         else:
             waiting = label(batch, waiting)
     if batch.stop[0]:
@@ -244,7 +242,7 @@ def match(batch: Batch, waiting: Numbers, longest: float, until: float = 0.0) ->
 
 def seed(batch: Batch, waiting: Numbers) -> bool:
     """Return whether the first orbit is near a stable limit cycle that may still trap it."""
-    in_time = batch.passed(waiting) < LONGEST_BESIDE_CYCLE
+    in_time = batch.passed(waiting) < longest_time(batch.known.rotor)
     return beside_cycle(batch, int(waiting[0])) and (batch.cycle_found or in_time)
 
 
@@ -323,7 +321,7 @@ def _doubled(cycle: Cycle, stop: Stop) -> Cycle | None:
     return None
 
 
-def fate_of(batch: Batch, number: int, longest: float = LONGEST) -> int:
+def fate_of(batch: Batch, number: int, longest: float | None = None) -> int:
     """Return the label of one orbit, followed alone to its attractor; add a new limit cycle.
 
     UNDECIDED if it reaches none within the time limit of a sweep; otherwise the time that it took
@@ -381,8 +379,9 @@ def label_lasting(batch: Batch, waiting: Numbers) -> None:
     if last.size and CHAOTIC not in batch.aperiodic:
         batch.aperiodic[CHAOTIC] = _motion_of(batch, int(last[0]))
     rest = waiting[~chaotic]
-    least = float(batch.times[rest].min(initial=LONGEST_BESIDE_CYCLE))
-    for number in batch.follow(rest, LONGEST_BESIDE_CYCLE - least).tolist():
+    longest = longest_time(batch.known.rotor)
+    least = float(batch.times[rest].min(initial=longest))
+    for number in batch.follow(rest, longest - least).tolist():
         if batch.stop[0]:
             return
         batch.labels[number] = fate_of(batch, number, longest=batch.known.first_wait)
@@ -442,5 +441,5 @@ def _motion_of(batch: Batch, number: int) -> SettledResponse:
 
 def _late(batch: Batch) -> float:
     """Return the time after which a motion that has not settled may be chaos [1]."""
-    zeta = batch.known.rotor.zeta
-    return max(LATE, PATIENCE / zeta) if zeta > 0.0 else LONGEST_BESIDE_CYCLE
+    rotor = batch.known.rotor
+    return max(LATE, PATIENCE / rotor.zeta) if rotor.zeta > 0.0 else longest_time(rotor)

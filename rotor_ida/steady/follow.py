@@ -55,8 +55,13 @@ FAILED = "failed"
 DECAY_TIMES = 24.0
 # Longest first wait, however slight the damping; later waits double.
 LONGEST_FIRST_WAIT = 2000.0
-# No window but the first begins later. By then a motion with damping 0.001 has settled.
+# No window but the first begins after this many 1/zeta. As times double, the last one begins after
+# half of it or more: exp(-zeta t) is 1e-13 by then.
+LONGEST_DECAY_TIMES = 60.0
+# This time is allowed however strong the damping is, for what settles more slowly, as near a fold;
 LONGEST = 40_000.0
+# and no more than this however slight it is: CVODE needs minutes for a motion of intermittent rub.
+LONGEST_OF_ALL = 1_000_000.0
 # Errors of single contacts add up round a cycle, and the smallest radius may be a small fraction of
 # the motion. So runs use this fraction of the given tolerances.
 TIGHTER = 0.1
@@ -114,7 +119,8 @@ class SettledResponse:
     end : tuple of float
         State at the end, on the rotating axes [1].
     message : str
-        The reason of a failure; empty if there was none.
+        The reason of a failure, or for how long an unresolved motion was followed, and what still
+        moved; else empty.
     """
 
     response: str
@@ -267,7 +273,7 @@ def follow_to_steady_state(
     start: State,
     options: Options,
     *,
-    longest: float = LONGEST,
+    longest: float | None = None,
     stop: Stop | None = None,
 ) -> SettledResponse:
     """Follow a rotor until the kind of its response is decided, or up to a time limit.
@@ -283,14 +289,14 @@ def follow_to_steady_state(
         ``(x, y, vx, vy)`` on the rotating axes, which at time 0 are the fixed ones [1].
     options : Options
         How to simulate.
-    longest : float
-        Time after which no new window begins [1].
+    longest : float, optional
+        Time after which no new window begins [1]; default: `longest_time`.
     stop : ndarray, shape (1,), optional
         Ends the run, as failed, as soon as it is not 0.
     """
     trajectory = _Trajectory(rotor, options, start, np.zeros(1, np.uint8) if stop is None else stop)
     try:
-        return _decided(trajectory, longest)
+        return _decided(trajectory, longest_time(rotor) if longest is None else longest)
     except SimulationError as error:
         return trajectory.settled(FAILED, Features(), math.nan, str(error))
 
@@ -307,7 +313,52 @@ def _decided(trajectory: _Trajectory, longest: float) -> SettledResponse:
         wait, times = trajectory.time, min(2 * times, LONGEST_WINDOW)
         never = trajectory.rotor.zeta == 0.0
         if kind != UNRESOLVED or never or trajectory.time + wait > longest:
-            return trajectory.settled(kind, features, began)
+            message = ""
+            if kind == UNRESOLVED:
+                message = _what_was_tried(window, trajectory, approach, features)
+            return trajectory.settled(kind, features, began, message)
+
+
+def _what_was_tried(
+    window: Window, trajectory: _Trajectory, approach: _Approach, features: Features
+) -> str:
+    """Return for how long an unresolved motion was followed, and what still moved at the end."""
+    rotor, time = window.rotor, trajectory.time
+    revolutions = f"{rotor.omega * time / (2.0 * math.pi):,.0f} revolutions"
+    followed = f"followed for {revolutions if rotor.omega > 0.0 else f'a time of {time:.6g}'}"
+    if rotor.zeta == 0.0:
+        return f"{followed}: without damping nothing settles"
+    return f"{followed}, {rotor.zeta * time:.3g}/zeta: {_still_moving(window, approach, features)}"
+
+
+def _still_moving(window: Window, approach: _Approach, features: Features) -> str:
+    """Return what keeps a motion with damping from being decided, in words."""
+    if math.isfinite(features.lyapunov_exponent):
+        exponent, error = features.lyapunov_exponent, features.lyapunov_error
+        return (
+            "it does not repeat itself, and its largest Lyapunov exponent is "
+            f"{exponent:.3g} +- {error:.2g}"
+        )
+    if approach.recurs:
+        return (
+            "it repeats itself, but its distance from its cycle is estimated as "
+            f"{approach.distance:.2g} of its size, where {window.steady:.2g} is allowed"
+        )
+    if touches_grow_slighter(window):
+        return "its touches grow slighter, but not yet as fading touches do"
+    if window.touches:
+        return f"it does not repeat itself, with {window.touches} entries and exits in the window"
+    if not window.ends_in_contact:
+        return "out of contact, but it may still reach the stator"
+    if window.rotor.load > 0.0 < window.rotor.omega:
+        moved, since = np.diff(window.once_a_revolution, axis=0), "from revolution to revolution"
+    else:
+        moved, since = window.positions - window.whirl, "about its mean whirl"
+    part = float(np.abs(moved).max()) / features.radius_max
+    return (
+        f"in contact, it still moves by {part:.2g} of its radius {since}, where "
+        f"{window.steady:.2g} is allowed"
+    )
 
 
 def _kind_of(window: Window, trajectory: _Trajectory, approach: _Approach) -> tuple[str, Features]:
@@ -404,16 +455,31 @@ def failed(rotor: Rotor, start: State, options: Options, reason: str) -> Settled
     return trajectory.settled(FAILED, Features(), math.nan, reason)
 
 
+def longest_time(rotor: Rotor) -> float:
+    """Return the time after which no new window begins [1]: the slower the decay, the longer."""
+    if rotor.zeta == 0.0:  # nothing settles
+        return LONGEST
+    return min(max(LONGEST, _time_to_decay(rotor, LONGEST_DECAY_TIMES)), LONGEST_OF_ALL)
+
+
+def _time_to_decay(rotor: Rotor, times: float) -> float:
+    """Return the time in which a transient falls to ``exp(-times)`` [1]; infinite if it never does.
+
+    Near a fold or a limit cycle it may take longer.
+    """
+    zeta, kappa = rotor.zeta, rotor.shaft_stiffness
+    decay = times * max(1.0 / zeta, zeta) if zeta > 0.0 else math.inf
+    if 0.0 < kappa < zeta * zeta:  # overdamped: a weak shaft returns the rotor slowly in flight
+        decay = max(decay, times * (zeta + math.sqrt(zeta * zeta - kappa)) / kappa)
+    return decay
+
+
 def durations(rotor: Rotor) -> tuple[float, float, int]:
     """Return the first wait, the length of the window and its number of samples.
 
     The window is a whole number of revolutions, and so is the wait under a load.
     """
-    zeta, kappa = rotor.zeta, rotor.shaft_stiffness
-    decay = DECAY_TIMES * max(1.0 / zeta, zeta) if zeta > 0.0 else math.inf
-    if 0.0 < kappa < zeta * zeta:  # overdamped: a weak shaft returns the rotor slowly in flight
-        decay = max(decay, DECAY_TIMES * (zeta + math.sqrt(zeta * zeta - kappa)) / kappa)
-    wait = min(decay, LONGEST_FIRST_WAIT)
+    wait = min(_time_to_decay(rotor, DECAY_TIMES), LONGEST_FIRST_WAIT)
     if rotor.omega == 0.0:
         return wait, WINDOW_TIME, int(WINDOW_TIME * SAMPLES_PER_TIME) + 1
     revolution = 2.0 * math.pi / rotor.omega

@@ -132,7 +132,7 @@ class Outcome:
     features : Features
         The features of the settled motion.
     message : str
-        The reason of a failure; empty if there was none.
+        The reason of a failure, or what an unresolved ending was tried with; else empty.
     """
 
     ending: str
@@ -257,7 +257,8 @@ def ending_at(
         ending = WHIP
     else:
         ending = UNRESOLVED if settled.response == UNRESOLVED else RUB
-    return Outcome(ending, settled.response, summary, settled.features)
+    message = settled.message if ending == UNRESOLVED else ""
+    return Outcome(ending, settled.response, summary, settled.features, message)
 
 
 def _on_rotating_axes(

@@ -211,7 +211,7 @@ def _in_words(
     elif ended.ending == FAILED:
         sentences.append(f"{held} could not be followed: {ended.message}.")
     else:
-        sentences.append(f"{held} had not settled when the simulation ended.")
+        sentences.append(f"{held} had not settled: {ended.message}.")
     beyond = beyond_model(-facts["smallest_gap"], rotor, machine)
     return " ".join([*sentences, beyond]).rstrip()
 

@@ -154,8 +154,8 @@ def sweep(
     Notes
     -----
     The motion is observed over a window: first after 24/zeta (2,000 at most), then whenever the
-    time has doubled, until its response is decided, or until 40,000. The response is, in this
-    order,
+    time has doubled, until its response is decided, or until 60/zeta (at least 40,000, at most
+    1,000,000; longer too for a weak shaft with strong damping). The response is, in this order,
 
     - ``synchronous`` or ``contact_free`` if it whirls steadily in contact, or has left the stator
       for good: both follow from one state;
@@ -170,8 +170,8 @@ def sweep(
     - ``chaotic`` if it has not settled after 3,000 and 20/zeta, and its largest Lyapunov exponent,
       over a further 20,000 or more, exceeds five of its errors. Chaos that lasts longer may still
       be a transient;
-    - ``unresolved`` if it is none of these. Without damping nothing settles, and only the first
-      window is observed.
+    - ``unresolved`` if it is none of these: then ``message`` gives for how long it was followed,
+      and what still moved. Without damping nothing settles, and only the first window is observed.
 
     A load rotates on the rotating axes. Under a load a motion is ``bouncing`` or ``full_contact``
     if its states once a revolution recur throughout such a window; ``contact_free`` around the

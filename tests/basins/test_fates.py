@@ -180,7 +180,7 @@ def test_all_that_are_left_over_are_followed(monkeypatch):
     batch = decide(batch_of(Rotor(omega=1.8034, zeta=0.07, delta0=2.0), random_states(40)))
     left = batch.labels == UNDECIDED
     assert left.sum() > 10
-    assert (batch.times[left] >= fates.LONGEST_BESIDE_CYCLE).all()
+    assert (batch.times[left] >= fates.longest_time(batch.known.rotor)).all()
 
 
 def test_the_time_of_an_orbit_followed_alone_counts():

@@ -1,6 +1,7 @@
 """Whirls, cycles and rest, of simulated motions of every rotor, with what is known of them."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from rotor_ida.closed_forms.rest import rest
 from rotor_ida.model.equations import rotated
 from rotor_ida.schema import RESPONSE, STABILITY
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady.follow import follow_to_steady_state, longest_time
 from rotor_ida.steady.periods import slowest_multiplier
 from tests.rotors import KNOCKED, WHIP
 from tests.steady.following import LOADED, REST, SHAFT, followed, of_paper
@@ -361,6 +362,69 @@ def test_without_damping_nothing_settles_and_nothing_is_followed_for_long(omega,
     free = of_paper(omega, delta0, (1.0, 0, 0, 0.3), zeta=0.0)
     assert free.response == "unresolved"
     assert free.window_end < 2100.0
+
+
+def test_light_damping_settles_on_the_exact_whirl():
+    """It takes some 30/zeta, 60,000 at the least of these, on a linear ring with a weak shaft."""
+    given = {"delta0": 1.6, "shaft_stiffness": 0.01, "contact_exponent": 1.0}
+    given |= {"omega": np.linspace(0.15, 0.3, 12), "zeta": [0.001, 0.0005]}
+    swept = sweep(**given, method="taylor").squeeze()
+    assert (swept.response == RESPONSE["synchronous"]).all()
+    assert (swept.message == "").all()
+    exact = synchronous_response(**given).amplitude.squeeze()
+    assert float(np.abs(exact - swept.amplitude).min("branch").max()) < 1e-9
+    assert 60_000.0 < float(swept.window_end.max()) < 120_000.0
+
+
+@pytest.mark.parametrize(
+    ("rotor", "expected"),
+    [
+        (Rotor(omega=1.0, zeta=0.0, delta0=1.0), 40_000.0),
+        (Rotor(omega=1.0, zeta=0.07, delta0=1.0), 40_000.0),
+        (Rotor(omega=1.0, zeta=1e-4, delta0=1.0), 600_000.0),
+        (Rotor(omega=1.0, zeta=1e-9, delta0=1.0), 1_000_000.0),
+        # a weak shaft: the slower rate is about kappa/(2 zeta)
+        (Rotor(omega=1.0, zeta=10.0, delta0=1.0, shaft_stiffness=0.02), 60.0 * 1000.0),
+    ],
+)
+def test_the_time_limit_follows_the_damping(rotor, expected):
+    assert longest_time(rotor) == pytest.approx(expected, rel=1e-3)
+
+
+UNRESOLVED = {
+    "without damping nothing settles": (
+        Rotor(omega=1.0, zeta=0.0, delta0=0.5), {}, r"followed for 3\d\d revolutions: "),
+    "at speed 0": (
+        Rotor(omega=0.0, zeta=0.01, delta0=0.2, load=1.0), {"longest": 1.0},
+        r"followed for a time of 20\d\d, 20\.\d/zeta: in contact, it still moves by \S+ of its "
+        "radius about its mean whirl, where 1e-09 is allowed"),
+    "a whirl that decays": (
+        Rotor(omega=0.2, zeta=5e-4, delta0=1.6, shaft_stiffness=0.01, contact_exponent=1.0),
+        {"longest": 10_000.0}, r"followed for \d\d\d revolutions, \S+/zeta: in contact, it still "
+        r"moves by 0\.00\d+ of its radius about its mean whirl, where 1e-09 is allowed"),
+    "under a load": (
+        Rotor(omega=2.0, zeta=5e-4, delta0=0.1, shaft_stiffness=0.01, contact_exponent=1.0,
+              load=0.5), {"longest": 10_000.0},
+        "in contact, it still moves by .* of its radius from revolution to revolution"),
+    "a cycle": (
+        Rotor(omega=2.4, zeta=0.0095, delta0=1.0, shaft_stiffness=0.25, load=0.6),
+        {"longest": 1000.0},
+        "it repeats itself, but its distance from its cycle is estimated as "),
+    "touches": (
+        Rotor(omega=2.0, zeta=5e-4, delta0=2.0), {"longest": 1000.0},
+        r"it does not repeat itself, with \d+ entries and exits in the window"),
+    "contact-free": (
+        Rotor(omega=2.0, zeta=1e-3, delta0=1e4), {"longest": 1000.0},
+        "out of contact, but it may still reach the stator"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", UNRESOLVED)
+def test_an_unresolved_motion_tells_what_was_tried(name):
+    rotor, limits, expected = UNRESOLVED[name]
+    settled = followed(rotor, (0.3, 0.0, 0.0, 0.2), **limits)
+    assert settled.response == "unresolved"
+    assert re.search(expected, settled.message), settled.message
 
 
 def test_the_longest_time_is_kept():

@@ -7,11 +7,21 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import InputError, Rotor, SimulationError, load, run_up, run_ups, save, sweep
+from rotor_ida import (
+    InputError,
+    Rotor,
+    SimulationError,
+    load,
+    run_up,
+    run_ups,
+    save,
+    summary,
+    sweep,
+)
 from rotor_ida.closed_forms import peaks
 from rotor_ida.paper.whip import is_whip
 from rotor_ida.parallel import FailedJob
-from rotor_ida.schema import ENDING, RESPONSE, flags_of
+from rotor_ida.schema import ENDING, RESPONSE, flags_of, words_of
 from rotor_ida.steady import grid, run_up_outcome
 from rotor_ida.steady.run_ups import fractions_of
 
@@ -299,6 +309,17 @@ def test_one_that_fails_is_labelled_and_stops_nothing(monkeypatch):
     assert np.isfinite(found.largest_radius.values).tolist() == [True, False, True]
     assert found.failed_count.values.tolist() == [0, 1, 1]
     assert np.isnan(found.contact_free_fraction.values).tolist() == [False, True, True]
+
+
+def test_an_unresolved_ending_tells_what_was_tried():
+    rotor = Rotor(omega=0.3, zeta=0.0, delta0=0.2, shaft_stiffness=1.0)
+    told = "revolutions: without damping nothing settles"
+    found = run_ups(**rotor.given, to=1.6, rate=0.3).squeeze()
+    assert words_of(found.ending) == ["unresolved"]
+    assert found.message.item().endswith(told)
+    assert int(found.status) == 0
+    sentence = summary(run_up(rotor, to=1.6, rate=0.3)).attrs["sentence"]
+    assert f"had not settled: {found.message.item()}." in sentence
 
 
 def test_one_that_is_lost_with_its_worker_is_labelled(monkeypatch):
