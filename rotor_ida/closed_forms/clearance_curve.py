@@ -8,12 +8,12 @@ from dataclasses import asdict, dataclass
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_count, check_positive
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.contact_laws import force
+from rotor_ida.closed_forms.contacting_whirls import root_between
 from rotor_ida.closed_forms.curve_tracing import (
     MOST_POINTS,
     Chain,
@@ -204,11 +204,11 @@ def _turns_of_hertz(R: float, bound: float) -> Values:
     def excess(w: float) -> float:
         return (R - w) * math.cbrt(w / math.hypot(1.0, w)) - bound
 
-    summit = float(brentq(lambda w: 3.0 * w**3 + 4.0 * w - R, 0.0, R, xtol=1e-300, rtol=1e-15))
+    summit = root_between(lambda w: 3.0 * w**3 + 4.0 * w - R, 0.0, R)
     if excess(summit) <= 0.0:
         return np.empty(0)
     brackets = ((0.0, summit), (summit, R))
-    return np.array([brentq(excess, *ends, xtol=1e-300, rtol=1e-15) for ends in brackets])
+    return np.array([root_between(excess, *ends) for ends in brackets])
 
 
 def _pieces(rotor: RotorColumns, limits: tuple[float, float], points: int) -> list[Piece]:

@@ -27,14 +27,17 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import brentq
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.closed_forms.double_double import DoubleDouble
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 
 Rows = npt.NDArray[np.int_]
 Evaluate = Callable[[Values, Rows], tuple[Values, Values]]
 
+# Brent's method may need three times as many as bisection: a root may be 1e-300 of its bracket.
+_MOST_STEPS_OF_BRENT = 4000
 _MOST_ITERATIONS = 300  # bisection alone needs about 60 in u, and 1100 only from subnormals
 _ENOUGH = 2.0**-52
 
@@ -309,6 +312,16 @@ def bracketed_newton(
         step_before[active] = target - point
         active = active[np.abs(target - point) > _ENOUGH * np.abs(target)]
     return root
+
+
+def root_between(function: Callable[[float], float], low: float, high: float) -> float:
+    """Return the root of a function between `low` and `high`, where it changes sign, to rounding.
+
+    It may be smaller than the bracket by many powers of ten.
+    """
+    return float(
+        brentq(function, low, high, xtol=1e-300, rtol=4.0 * ROUNDING, maxiter=_MOST_STEPS_OF_BRENT)
+    )
 
 
 def _roots_between(

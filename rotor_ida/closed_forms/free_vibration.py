@@ -12,11 +12,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from scipy.optimize import brentq
 from scipy.special import beta
 
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_points, check_real
 from rotor_ida.closed_forms.contact_laws import RestoringLaw
+from rotor_ida.closed_forms.contacting_whirls import root_between
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.schema import labelled, labelled_dataset
@@ -372,5 +372,5 @@ def _reach(speed: float, law: RestoringLaw) -> float:
 
     if left(1.0) <= 0.0:
         return clearance + highest
-    found = float(brentq(left, 0.0, 1.0, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
+    found = root_between(left, 0.0, 1.0)
     return clearance + found * highest

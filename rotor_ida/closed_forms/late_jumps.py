@@ -23,25 +23,27 @@ References
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from scipy.special import ai_zeros
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, is_scalar
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
 from rotor_ida.closed_forms.folds import folds
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
-from rotor_ida.closed_forms.stability import eigenvalues
+from rotor_ida.closed_forms.stability import eigenvalues_of
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.schema import labelled
 
 # The solution of ``x' = t + x**2`` that begins on the whirl is at infinity at this time.
 AIRY = -float(ai_zeros(1)[0][0])
+# Largest relative change of a coefficient when amplitude or speed is rounded otherwise.
+UNSURE = 0.01
 
 
 def late_jumps(
@@ -70,7 +72,9 @@ def late_jumps(
         ``fold_remainder``, the coefficients alpha, b and K of the Notes [1], and ``fold_passage``,
         the direction of speed that passes the fold (a flag: up, down, or none if no stable whirl
         leads to it). Also ``jump_omega``, the predicted speed of the jump [1], on ``rate`` too if
-        that is a sequence; NaN if it is not above zero.
+        that is a sequence; NaN if it is not above zero. Coefficients are NaN, without a direction,
+        if rounding of amplitude and speed alone changes them by over 1 %, as with damping of 1e-9.
+        Without damping they are not finite.
 
     Raises
     ------
@@ -120,7 +124,7 @@ def late_jumps(
     amplitude = found["fold_amplitude"].values[exists]
     none = (np.empty(0),) * 3, np.empty(0, np.bool_)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        terms, leads = _coefficients(amplitude, rotors) if amplitude.size else none
+        terms, leads = _resolved_coefficients(amplitude, rotors) if amplitude.size else none
     drift, curvature, _ = terms
     passage = np.where(leads, np.sign(drift * curvature), 0.0)
     names = ("fold_drift", "fold_curvature", "fold_remainder")
@@ -146,6 +150,23 @@ def late_jumps(
         source="rotor_ida closed forms: the motion along the centre manifold of each fold",
         references="R. Haberman, SIAM Journal on Applied Mathematics 37, 1979",
     )
+
+
+def _resolved_coefficients(
+    A: Values, rotors: RotorColumns
+) -> tuple[tuple[Values, Values, Values], npt.NDArray[np.bool_]]:
+    """Return what `_coefficients` does, with NaN for what doubles do not resolve."""
+    terms, leads = _coefficients(A, rotors)
+    for sign in (-1.0, 1.0):
+        faster = replace(rotors, omega=rotors.omega * (1.0 + sign * ROUNDING))
+        for each in (
+            _coefficients(A * (1.0 + sign * ROUNDING), rotors),
+            _coefficients(A, faster),
+        ):
+            for values, others in zip(terms, each[0], strict=True):
+                values[np.abs(others - values) > UNSURE * np.abs(values)] = np.nan
+    alpha, curved, _ = terms
+    return terms, leads & ~np.isnan(alpha * curved)
 
 
 def _coefficients(
@@ -178,7 +199,7 @@ def _coefficients(
     d_3 = -(2.0 * A * D_w * d_2 + (2.0 * D_A + A * D_AA) / 3.0) / P_w
     lambda_2 = (D_A * a1_A - a2 * D_A**2 / a1) / a1**2 - (0.5 * D_AA + D_w * d_2) / a1
     remainder = -(lambda_2 + alpha * d_3) / (6.0 * curved**2)
-    growth = eigenvalues(A, **asdict(rotors))
+    growth = eigenvalues_of(A, rotors)
     size = np.abs(growth)
     others = np.where(size > size.min(axis=-1, keepdims=True), growth.real, -np.inf)
     leads = (others.max(axis=-1) < 0.0) & (a1 > 0.0) & np.isfinite(alpha * curved)

@@ -9,11 +9,11 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_positive
 from rotor_ida.closed_forms.contact_laws import RestoringLaw, force
+from rotor_ida.closed_forms.contacting_whirls import root_between
 from rotor_ida.closed_forms.curve_polynomials import CurveEquations, Tip, exact_tips, flanks
 from rotor_ida.closed_forms.fold_locus import positive_roots
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, checked_rotors
@@ -274,7 +274,7 @@ def tips(zeta: float, law: RestoringLaw) -> list[Tip]:
     found = []
     for low, high in pairwise(edges):
         if (excess(low) >= 0.0) != (excess(high) >= 0.0):
-            u = float(brentq(excess, low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
+            u = root_between(excess, low, high)
             A, g, above = terms(u)
             if A > 1.0:  # at A = 1 they meet at no finite speed
                 found.append(Tip(A, math.sqrt(A * (g - least * A) / above)))

@@ -153,7 +153,12 @@ def eigenvalues(
             "friction": friction,
         }
     )
-    return _eigenvalues(_determinant(A, rotors), A, rotors)
+    return eigenvalues_of(A, rotors)
+
+
+def eigenvalues_of(amplitude: Values, rotors: RotorColumns) -> ComplexValues:
+    """Return the eigenvalues of whirls in contact, shape (..., 4)."""
+    return _eigenvalues(_determinant(amplitude, rotors), amplitude, rotors)
 
 
 def growth_rate(amplitude: Values, determinant: Values, rotors: RotorColumns) -> Values:

@@ -214,6 +214,24 @@ def test_where_there_is_no_jump_there_is_no_speed_of_it():
     assert np.isnan(fast.jump_omega.item())
 
 
+@pytest.mark.parametrize("zeta", [1e-4, 1e-6, 1e-9, 1e-12, 1e-18])
+def test_coefficients_with_slight_damping_are_right_or_none(zeta):
+    """On a linear ring the first fold has a drift of ``10.24 zeta**2`` (``4 delta0**2``).
+
+    Its indentation falls as zeta**2 too, soon below the rounding of its amplitude.
+    """
+    found = late_jumps(rate=1e-3, zeta=zeta, delta0=1.6, contact_exponent=1.0).squeeze()
+    first, last = found.isel(fold=0), found.isel(fold=-1)
+    if zeta >= 1e-6:
+        assert float(first.fold_drift) == pytest.approx(4.0 * 1.6**2 * zeta**2, rel=0.02)
+        assert (float(first.fold_passage), float(last.fold_passage)) == (-1.0, 1.0)
+    else:
+        assert np.isnan(first.fold_drift)
+        assert np.isnan(first.jump_omega)
+        assert int(first.fold_passage) == 0
+    assert float(last.fold_amplitude) > 0.39 / zeta  # above what `eigenvalues` accepts, at last
+
+
 @pytest.mark.parametrize("rate", [0.0, -1e-3, np.nan, [1e-3, 0.0], "slow"])
 def test_bad_rates_are_refused(rate):
     with pytest.raises(InputError, match="rate"):
