@@ -143,6 +143,13 @@ ShockCount = Annotated[
     int,
     _whole_number("Number of shocks of each kind to apply to each attractor.", 0, MOST_SHOCKS),
 ]
+ShocksOrNone = Annotated[
+    int | None,
+    _whole_number(
+        "Number of shocks of each kind to apply to each attractor. Default: 4096; under a load 0.",
+        0, MOST_SHOCKS,
+    ),
+]  # fmt: skip
 Seed = Annotated[int, _whole_number("Seed of the random numbers.", 0, LARGEST_SEED)]
 
 Period = Annotated[
@@ -714,7 +721,7 @@ class DrawnOptions:
     vy: Range = 0.0
     starts: StartCount = 1000
     seed: Seed = 0
-    rtol: Rtol = 1e-6
+    rtol: RtolOrNone = None
 
     def of(self, units: Units) -> dict[str, Any]:
         """Return it without dimensions."""

@@ -50,7 +50,7 @@ class Member:
     attractor: Attractor
     count: int  # number of these starts
     settling: Values  # median and 95 % of the times after which they are decided [1]; NaN if none
-    # on the rotating axes, of a limit cycle, or with friction of a motion without a period [1];
+    # on the rotating axes, of a limit cycle or of a torus, or of rolling without a period [1];
     state: Values  # else NaN
     # how far it is from being left, to the other attractors in their order; None if not requested
     resilience: Resilience | None = None
@@ -110,7 +110,7 @@ def _state_on(job: CellJob, followed: FollowedStarts, number: int, attractor: At
     own, cycle = np.flatnonzero(followed.labels == number), _cycle_of(followed, attractor)
     if cycle is not None:
         return cycle.state
-    if needs_run(job.rotor, attractor) and own.size:
+    if needs_run(attractor) and own.size:
         return settled_state(job.rotor, job.states[:, own[0]])
     return np.full(4, np.nan)
 
@@ -140,7 +140,8 @@ def _search_among(
 
 def _cycle_of(followed: FollowedStarts, attractor: Attractor) -> Cycle | None:
     """Return the limit cycle that an attractor is."""
-    return next((each for each in followed.cycles if each.period == attractor.period), None)
+    known = attractor.period, attractor.radius_max  # under a load several may have one period
+    return next((each for each in followed.cycles if (each.period, each.radius_max) == known), None)
 
 
 def _as_arrays(cell: Cell) -> Arrays:

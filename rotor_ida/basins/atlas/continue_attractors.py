@@ -60,7 +60,7 @@ def continue_attractors(
     vy: npt.ArrayLike = 0.0,
     starts: int | npt.ArrayLike = 1000,
     seed: int = 0,
-    rtol: float = RTOL,
+    rtol: float | None = None,
     shocks: int = 0,
     workers: int | None = None,
     executor: str = "auto",
@@ -94,7 +94,7 @@ def continue_attractors(
     shocks : int
         Number of shocks of velocity and of displacement tried to each attractor of each rotor, as
         for `rotor_ida.touchdown_report`; with 0 none.
-    rtol : float
+    rtol : float, optional
         Error allowed per step, relative to the size of the state and of the eccentricity [1].
     workers, executor, study, progress
         As for `rotor_ida.basin`, but rotors are counted and stored instead of batches.
@@ -154,7 +154,7 @@ def continue_attractors(
         check_rotor(rotor, "an atlas")
     check_progress(progress)
     states, drawn = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
-    tolerance = check_between("rtol", rtol, TIGHTEST, LOOSEST)
+    tolerance = RTOL if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
     place, several = choose(executor, workers, compiled=True)
     design = {

@@ -1,4 +1,4 @@
-"""Effects of friction on a rotor: on a whirl, on a limit cycle, and on motions without a period.
+"""Effects of friction on a whirl and on a limit cycle, and numbers of motions without a period.
 
 An attractor without a period is given by a state on it; its numbers come from following that state.
 """
@@ -18,6 +18,7 @@ from rotor_ida.cycles.shooting import Cycle
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.whirl import forward_and_backward, steps_of_turning, whirl_over_spin
+from rotor_ida.signals.forces import contact_forces
 from rotor_ida.simulation.contact_table import contact_summary
 from rotor_ida.simulation.orbit import ENTRY
 from rotor_ida.simulation.simulate import simulate
@@ -32,13 +33,14 @@ SAMPLES = 256
 SAMPLES_OF_CYCLE = 2048
 
 
-def needs_run(rotor: Rotor, attractor: Attractor) -> bool:
-    """Return whether the numbers of an attractor need a run: with friction and without a period.
+def needs_run(attractor: Attractor) -> bool:
+    """Return whether the numbers of an attractor need a run: if it rolls or is a torus.
 
-    Chaos is excluded, as the run may leave it.
+    That is with friction, contact damping or a load, and without a period. Chaos is excluded, as
+    the run may leave it.
     """
     lasting = attractor.kind in (response.ROLLING, response.QUASI_PERIODIC)
-    return rotor.friction > 0.0 and lasting and math.isnan(attractor.period)
+    return lasting and math.isnan(attractor.period)
 
 
 def settled_state(rotor: Rotor, start: Values) -> Values:
@@ -63,26 +65,30 @@ def numbers_of_rub(rotor: Rotor, start: Values) -> dict[str, float]:
     run = simulate(
         rotor, start=state, duration=turns * revolution, samples=samples, method="taylor"
     )
-    told = contact_summary(run)
+    told, forces = contact_summary(run), contact_forces(run)
+    normal = forces["normal_force" if rotor.friction > 0.0 else "force"]
     viscous = 2.0 * rotor.zeta * float((run["vx"] ** 2 + run["vy"] ** 2)[:-1].mean())
-    heat = float(told["total_heat"]) / turns
     numbers = {
         "largest_force": float(told["largest_force"]),
-        "mean_force": float(run["normal_force"][:-1].mean()),
+        "mean_force": float(normal[:-1].mean()),
         "contacts_per_revolution": float((run["event_kind"] == ENTRY).sum()) / turns,
         "contact_fraction": float(told["contact_fraction"]),
-        "dissipation_per_revolution": viscous * revolution + heat,
-        "heat_per_revolution": heat,
-        "slip_distance_per_revolution": float(told["total_slip_distance"]) / turns,
-        "rolling_fraction": float(told["rolling_fraction"]),
+        "dissipation_per_revolution": viscous * revolution,
     }
+    if rotor.friction > 0.0:
+        numbers |= {
+            "heat_per_revolution": float(told["total_heat"]) / turns,
+            "slip_distance_per_revolution": float(told["total_slip_distance"]) / turns,
+            "rolling_fraction": float(told["rolling_fraction"]),
+        }
+        numbers["dissipation_per_revolution"] += numbers["heat_per_revolution"]
     if rotor.contact_damping > 0.0:
         loss = float(told["total_contact_loss"]) / turns
         numbers["contact_loss_per_revolution"] = loss
         numbers["dissipation_per_revolution"] += loss
     fixed = run["x"].values + 1j * run["y"].values
     turning = fixed * np.exp(-1j * rotor.omega * run["t"].values)
-    numbers["side_line_over_spin"] = _strongest_beside_spin(turning[:-1], turns)
+    numbers["side_line_over_spin"] = _strongest_beside_spin(turning[:-1], turns, rotor.load > 0.0)
     turned = float(steps_of_turning(fixed - fixed[:-1].mean()).sum())
     forward, backward = (float(np.linalg.norm(part)) for part in forward_and_backward(fixed[:-1]))
     ratio, sense = whirl_over_spin(turned, 2.0 * math.pi * turns, forward, backward)
@@ -114,14 +120,19 @@ def numbers_of_whirl(rotor: Rotor, amplitude: float, force: float) -> dict[str, 
     }
 
 
-def _strongest_beside_spin(position: npt.NDArray[np.complex128], turns: float) -> float:
+def _strongest_beside_spin(
+    position: npt.NDArray[np.complex128], turns: float, loaded: bool
+) -> float:
     """Return the frequency, over the spin speed, of the strongest line other than 1X.
 
-    The position, complex, covers a number of revolutions on the rotating axes.
+    The position, complex, covers a number of revolutions on the rotating axes. The deflection by a
+    load, which stands still on the fixed axes, is no line.
     """
     sizes = np.abs(np.fft.fft(position))
     orders = np.fft.fftfreq(position.size, 1.0 / position.size)
     sizes[orders == 0.0] = 0.0
+    if loaded:
+        sizes[orders == -turns] = 0.0
     return 1.0 + float(orders[np.argmax(sizes)]) / turns
 
 

@@ -20,7 +20,9 @@ from rotor_ida.basins.atlas.rubbing import (
 from rotor_ida.basins.atlas.shocks import KINDS
 from rotor_ida.basins.basin import LOOSEST, TIGHTEST, box_of, check_rotor, drawn_from
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of
+from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import RTOL
+from rotor_ida.basins.known import followed_alone
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_SHOCKS,
@@ -43,6 +45,8 @@ from rotor_ida.simulation.neighbours import Shot
 from rotor_ida.simulation.options import LARGEST
 from rotor_ida.steady import response
 
+# Number of shocks of each kind, unless told otherwise.
+SHOCKS = 4096
 # Samples of one period of a limit cycle, for its mean force, its power and its whirl.
 SAMPLES = 2048
 # Numbers of an attractor that add nothing here.
@@ -67,8 +71,8 @@ def touchdown_report(
     vy: npt.ArrayLike = 0.0,
     starts: int = 1000,
     seed: int = 0,
-    rtol: float = RTOL,
-    shocks: int = 4096,
+    rtol: float | None = None,
+    shocks: int | None = None,
 ) -> xr.Dataset:
     """Compute the effects of each attractor on a machine, and its basin fraction.
 
@@ -84,11 +88,13 @@ def touchdown_report(
         Number of starts.
     seed : int
         Seed of the random numbers: the same seed gives the same starts.
-    rtol : float
-        Error allowed per step, relative to the size of the state and of the eccentricity [1].
-    shocks : int
+    rtol : float, optional
+        Error allowed per step, relative to the size of the state and of the eccentricity [1];
+        default: 1e-6, and 1e-10 under a load.
+    shocks : int, optional
         Approximate number of shocks of velocity and of displacement applied to each attractor, to
         find the smallest one that leads to each other attractor; with 0 there are no such results.
+        Default: 4096, and 0 under a load, where no more are possible.
 
     Returns
     -------
@@ -124,7 +130,8 @@ def touchdown_report(
     Raises
     ------
     InputError
-        If an argument cannot be used, the machine does not turn, or it has a load.
+        If an argument cannot be used, the machine does not turn, or shocks are to be applied under
+        a load.
 
     Notes
     -----
@@ -134,6 +141,11 @@ def touchdown_report(
 
     Starts are labelled as by `rotor_ida.basin_fractions`, with the same `rtol` for any machine.
     CVODE does not confirm attractors.
+
+    Under a load each start is followed separately, as by `rotor_ida.basin_fractions`, which takes
+    some milliseconds or more. Periods are whole revolutions. Motions that never repeat are
+    represented by one such motion, as with friction. There are no shocks and no ranges of
+    existence: on the rotating axes, which the search for shocks uses, the load rotates.
 
     A shock may occur at any phase and in any direction. CVODE has followed the smallest one found
     to its attractor, with the options in the attributes ``witness_method``, ``witness_rtol`` and so
@@ -163,15 +175,18 @@ def touchdown_report(
     True
     """
     rotor, length, velocity = _scales(machine)
-    check_rotor(rotor, "a touchdown report")
+    check_rotor(rotor, "a touchdown report", one_by_one=True)
     if rotor.omega == 0.0:
         raise InputError("speed must be above 0 for a touchdown report, got 0.0")
     count = check_count("starts", starts, maximum=MOST_STARTS)
-    chosen, tolerance = check_seed(seed), check_between("rtol", rtol, TIGHTEST, LOOSEST)
+    chosen = check_seed(seed)
+    tolerance = ALONE.rtol if followed_alone(rotor) else RTOL
+    if rtol is not None:
+        tolerance = check_between("rtol", rtol, TIGHTEST, LOOSEST)
     box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
     scaled = box / np.array([length, length, velocity, velocity])[:, None]
     check_array("x, y, vx and vy, in eccentricities,", scaled, largest=LARGEST)
-    tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
+    tried = _shocks_to_try(rotor, shocks)
     job = CellJob(rotor, drawn_from(scaled, chosen, 0, count), tolerance, tried)
     cell = interruptible(lambda stop: fill_cell(job, stop))
     how = {**how_computed(tolerance, tried, rotor), "starts": count, "seed": chosen}
@@ -206,6 +221,16 @@ def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Da
     return labelled_dataset(
         "Touchdown report", variables, coordinates, attributes, kind="touchdown"
     )
+
+
+def _shocks_to_try(rotor: Rotor, shocks: object) -> int:
+    """Return the number of shocks to try: none under a load, which rotates on the rotating axes."""
+    if shocks is None:
+        return 0 if rotor.load > 0.0 else SHOCKS
+    tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
+    if tried and rotor.load > 0.0:
+        raise InputError(f"shocks must be 0 under a load, got {tried} with load {rotor.load!r}")
+    return tried
 
 
 def _shocks(cell: Cell) -> dict[str, Column]:
@@ -253,7 +278,7 @@ def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
             force = contact_force(attractor.radius_max, rotor.delta0, exponent)
             numbers["largest_force"] = float(force)
         return numbers
-    if needs_run(rotor, attractor):
+    if needs_run(attractor):
         return numbers | numbers_of_rub(rotor, member.state)
     if attractor.period > 0.0:
         return numbers | _of_cycle(rotor, member)

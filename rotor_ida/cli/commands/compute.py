@@ -359,7 +359,7 @@ def touchdown_report(
     *,
     rotor: options.RotorOptions = options.RotorOptions(),
     drawn: options.DrawnOptions = options.DrawnOptions(),
-    shocks: options.ShockCount = 4096,
+    shocks: options.ShocksOrNone = None,
     output: Output = Output(),
 ) -> Report:
     r"""Report the loads, basin fraction and shock resistance of each attractor.
@@ -374,6 +374,11 @@ def touchdown_report(
 
         rotor-ida touchdown-report --omega 2 --zeta 0.07 --delta0 2 \
             --x=-15:15 --y=-15:15 --shocks 0 --json
+
+    Drops of a horizontal rotor, whose starts are followed one by one:
+
+        rotor-ida touchdown-report --omega 2 --zeta 0.05 --delta0 1 \
+            --shaft-stiffness 0.25 --load 0.6 --x=-1:1 --y=-1:1 --starts 50
     """
     chosen = rotor.chosen()
     output.check()
