@@ -397,6 +397,23 @@ def test_touchdown_prints_json_in_full_precision(program: Program):
     assert record["omega"] == machine.rotor().omega
 
 
+def test_a_drop_of_a_horizontal_machine_is_reported_without_shocks(program: Program):
+    drop = ("--shaft-stiffness", 2e6, "--load", 78.5, "--x=-2e-6:2e-6", "--starts", 6)
+    answer = program("touchdown", *MACHINE, *drop, "--json")
+    assert (answer.status, answer.err) == (0, "")
+    record = json.loads(answer.out)
+    machine = rotor_ida.DimensionalRotor(
+        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6,
+        speed=1000.0, shaft_stiffness=2e6, load=78.5,
+    )  # fmt: skip
+    report = rotor_ida.touchdown_report(machine, x=(-2e-6, 2e-6), starts=6)
+    assert column(record["attractors"], "mean_force") == report.mean_force.values.tolist()
+    assert record["shocks"] == 0
+    refused = program("touchdown", *MACHINE, *drop, "--shocks", 64)
+    assert refused.status == 2
+    assert "shocks must be 0 under a load, got 64" in refused.err
+
+
 @pytest.mark.parametrize("low", ["-15e-6", "-.000015", "-0.000015"])
 def test_a_range_below_zero_in_metres_needs_no_equals_sign(program: Program, low: str):
     tied = program("touchdown", *MACHINE, *NEAR, "--shocks", 0, "--json")
