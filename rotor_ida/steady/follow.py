@@ -351,10 +351,11 @@ def _still_moving(window: Window, approach: _Approach, features: Features) -> st
     if not window.ends_in_contact:
         return "out of contact, but it may still reach the stator"
     if window.rotor.load > 0.0 < window.rotor.omega:
-        moved, since = np.diff(window.once_a_revolution, axis=0), "from revolution to revolution"
+        moved = np.abs(np.diff(window.once_a_revolution, axis=0))
+        since = "from revolution to revolution"
     else:
-        moved, since = window.positions - window.whirl, "about its mean whirl"
-    part = float(np.abs(moved).max()) / features.radius_max
+        moved, since = np.abs(window.positions - window.whirl), "about its mean whirl"
+    part = float(moved.max()) / features.radius_max
     return (
         f"in contact, it still moves by {part:.2g} of its radius {since}, where "
         f"{window.steady:.2g} is allowed"
