@@ -6,6 +6,7 @@ import pytest
 
 from rotor_ida.basins import attractors, cycle_sections, fates, following, known
 from rotor_ida.basins.atlas import shocks
+from rotor_ida.steady import follow
 
 PAGE = (Path(__file__).parents[2] / "docs" / "basins.md").read_text("utf-8")
 WORDS = {2: "two", 3: "three", 5: "five", 8: "eighth", 12: "twelve", 20: "twenty"}
@@ -24,7 +25,8 @@ WORDS = {2: "two", 3: "three", 5: "five", 8: "eighth", 12: "twelve", 20: "twenty
         f"reset to it every {fates.SPAN:g} time units, at least {WORDS[fates.SPANS]} times",
         f"and at most {fates.MOST_SPANS} times",
         f"at an error of {fates.CLOSELY:g} in a step",
-        f"until {fates.LONGEST_BESIDE_CYCLE:,.0f}",
+        f"until {follow.LONGEST_DECAY_TIMES:g}/ζ (at least {follow.LONGEST:,.0f}, at most "
+        f"{follow.LONGEST_OF_ALL:,.0f})",
         f"at most {WORDS[attractors.WITNESSES]}, until one reaches the same attractor",
         f"one in {WORDS[following.ONE_START_OF]} of every {WORDS[following.ONE_BATCH_OF]} batch",
         f"one in {following.ONE_OF_ROTOR}, at most {following.MOST_OF_ROTOR}",

@@ -201,8 +201,6 @@ def test_an_atlas_is_drawn_over_the_parameters_of_machines():
 def test_a_load_is_refused():
     with pytest.raises(InputError, match=r"^load must be 0 for an atlas"):
         continue_attractors(**PLAIN, load=0.125, **BOX, starts=4)
-    with pytest.raises(InputError, match=r"^load must be 0 for a touchdown report"):
-        touchdown_report(Rotor(**PLAIN, load=0.125), **BOX, starts=4)
 
 
 def test_an_atlas_over_friction_has_the_whirl_of_the_closed_form_and_whip_once():
