@@ -13,7 +13,6 @@ from rotor_ida import (
     load,
     save,
     synchronous_response,
-    touchdown_report,
 )
 from rotor_ida.basins.atlas.cells import FORM, CellJob, fill_cell
 from rotor_ida.closed_forms.contact_free import complex_amplitude
