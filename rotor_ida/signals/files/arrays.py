@@ -14,11 +14,10 @@ import numpy as np
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.results.archive.library import LOCK, what_is_not_own
-from rotor_ida.signals.files.columns import Column, Table, check_size, one_line
+from rotor_ida.signals.files.columns import Column, Table, check_size, one_line, understood
+from rotor_ida.signals.files.matlab import DEEPEST, HEAD, arrays_of, is_hdf5
 
 MOST_COLUMNS = 1000
-# Structures within structures.
-DEEPEST = 32
 # Largest compression ratio of deflate, and numbers always allowed in a small file.
 LARGEST_COMPRESSION, SMALLEST_ALLOWANCE = 1032, 2**20
 _NO_NUMBERS = {"c": "complex numbers", "U": "text", "S": "text", "V": "a table or an object"}
@@ -26,19 +25,14 @@ _NO_NUMBERS = {"c": "complex numbers", "U": "text", "S": "text", "V": "a table o
 
 def read_matlab(path: Path) -> Table:
     """Return the columns of a MATLAB file: ``t``, ``data(:,2)``, ``rec.x``."""
-    from scipy.io import loadmat, whosmat  # noqa: PLC0415 - takes long to import
-
-    try:
-        declared = sum(math.prod(map(float, shape)) for _, shape, _ in whosmat(path))
-        check_size(path, declared, possible=_possible(path))
-        held: Mapping[str, object] = loadmat(path, struct_as_record=False)
-    except NotImplementedError:  # version 7.3, which is HDF5
-        held = _in_hdf5(path, "a MATLAB file that can be read, save it with -v7")
-    except (InputError, OSError):
-        raise
-    except Exception as error:
-        raise InputError(f"{shown(path)} must be a MATLAB file: {one_line(error)}") from error
-    return _table(path, {name: value for name, value in held.items() if name[:2] != "__"})
+    with path.open("rb") as file:
+        head = file.read(HEAD)
+    if is_hdf5(head):
+        return _table(path, _in_hdf5(path, "a MATLAB file that can be read, save it with -v7"))
+    with understood(path, "a MATLAB file"):
+        check_size(path, path.stat().st_size / 8)
+        held = arrays_of(path.read_bytes())
+    return _table(path, held)
 
 
 def read_hdf5(path: Path) -> Table:
@@ -49,16 +43,11 @@ def read_hdf5(path: Path) -> Table:
 def read_npz(path: Path) -> Table:
     """Return the columns of a file of `numpy.savez`; no code in it is run."""
     held: dict[str, object] = {}
-    try:
-        with zipfile.ZipFile(path) as archive:
-            members = [each for each in archive.infolist() if each.filename.endswith(".npy")]
-            check_size(path, sum(each.file_size for each in members) / 8, possible=_possible(path))
-            for member in members:
-                held[member.filename.removesuffix(".npy")] = _member(archive, member)
-    except (InputError, OSError):
-        raise
-    except Exception as error:
-        raise InputError(f"{shown(path)} must be an .npz file: {one_line(error)}") from error
+    with understood(path, "an .npz file"), zipfile.ZipFile(path) as archive:
+        members = [each for each in archive.infolist() if each.filename.endswith(".npy")]
+        check_size(path, sum(each.file_size for each in members) / 8, possible=_possible(path))
+        for member in members:
+            held[member.filename.removesuffix(".npy")] = _member(archive, member)
     return _table(path, held)
 
 
@@ -179,9 +168,6 @@ def _within(
     elif isinstance(value, Mapping):
         for field, held in value.items():
             yield from _within(f"{name}.{field}", held, unit, depth + 1)
-    elif hasattr(value, "_fieldnames"):
-        fields = {each: getattr(value, each) for each in value._fieldnames}
-        yield from _within(name, fields, unit, depth)
     elif isinstance(value, str):
         yield name, value
     elif not isinstance(value, np.ndarray):

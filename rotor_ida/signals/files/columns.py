@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -157,6 +159,19 @@ def check_size(path: Path, numbers: float, *, possible: float = MOST_NUMBERS) ->
             f"{shown(path)} must declare at most {most:.6g} numbers for a file of "
             f"{path.stat().st_size} bytes, got {numbers:.6g}"
         )
+
+
+@contextmanager
+def understood(path: Path, kind: str) -> Iterator[None]:
+    """Turn any exception of a reader about a damaged file into one line."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except (InputError, OSError):
+        raise
+    except Exception as error:
+        raise InputError(f"{shown(path)} must be {kind}: {one_line(error)}") from error
 
 
 def one_line(error: Exception) -> str:

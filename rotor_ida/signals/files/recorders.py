@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -16,7 +13,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.signals.files.columns import Column, Table, check_size, one_line
+from rotor_ida.signals.files.columns import Column, Table, check_size, understood
 from rotor_ida.signals.files.text import read_text, told_apart
 
 TIME_RESPONSE = 1  # of functions in UFF
@@ -37,7 +34,7 @@ def read_wav(path: Path) -> Table:
     """Return the channels of a sound file, numbered from 1, and ``t``; integers scaled to 1."""
     from scipy.io import wavfile  # noqa: PLC0415 - takes long to import
 
-    with _understood(path, "a WAV file"):
+    with understood(path, "a WAV file"):
         rate, samples = wavfile.read(path)
     table = np.asarray(samples, dtype=np.float64).reshape(len(samples), -1)
     if samples.dtype == np.uint8:
@@ -54,7 +51,7 @@ def read_uff(path: Path) -> Table:
     """Return the time responses of a universal file (58 and 58b), and their times ``t``."""
     pyuff = _library("pyuff", "UFF", "pyuff")
     tags = len(_TAG.findall(path.read_bytes()))
-    with _understood(path, "a universal file (UFF)"):
+    with understood(path, "a universal file (UFF)"):
         file = pyuff.UFF(str(path))
         kinds = [int(each) for each in file.get_set_types()]
         sets = [file.read_sets(number) for number, kind in enumerate(kinds) if kind == 58]
@@ -108,7 +105,7 @@ def read_tdms(path: Path) -> Table:
     import_module("nptdms.log").log_manager.set_level("CRITICAL")
     # it leaves the handle open of a file that it opened itself and does not understand
     with (
-        _understood(path, "a TDMS file"),
+        understood(path, "a TDMS file"),
         path.open("rb") as held,
         nptdms.TdmsFile.open(held) as file,
     ):
@@ -160,7 +157,7 @@ def read_comtrade(path: Path) -> Table:
         raise InputError(f"{shown(path)} must have the {other} of its COMTRADE record with it")
     comtrade = _library("comtrade", "COMTRADE", "comtrade")
     kind = "a COMTRADE record"
-    with _understood(path, kind):
+    with understood(path, kind):
         cfg = comtrade.Cfg(ignore_warnings=True)
         cfg.load(str(head))
         rows, whole = int(cfg.sample_rates[-1][1]), _rows_in(data, cfg)
@@ -169,7 +166,7 @@ def read_comtrade(path: Path) -> Table:
             f"{shown(data)} must contain the {rows} samples that {shown(head.name)} declares, got "
             f"{whole}"
         )
-    with _understood(path, kind):
+    with understood(path, kind):
         record = comtrade.Comtrade(
             use_numpy_arrays=True, use_double_precision=True, ignore_warnings=True
         )
@@ -221,16 +218,3 @@ def _library(module: str, kind: str, package: str) -> Any:
         raise InputError(
             f"reading {kind} files needs {package}: pip install 'rotor-ida[signals]'"
         ) from None
-
-
-@contextmanager
-def _understood(path: Path, kind: str) -> Iterator[None]:
-    """Turn any exception of a library about a damaged file into one line."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
-    except (InputError, OSError):
-        raise
-    except Exception as error:
-        raise InputError(f"{shown(path)} must be {kind}: {one_line(error)}") from error
