@@ -28,10 +28,6 @@ ENDINGS = {
 }
 # Largest number of numbers read from one file: 2 GiB.
 MOST_NUMBERS = 2**28
-_BRACKETS = re.compile(
-    r"^(.*?)\s*(?:\[\s*(?P<square>[^\]]*?)\s*\]|\(\s*(?P<round>[^)]*?)\s*\))\s*$"
-)
-_SLASH = re.compile(r"^(.+?)\s*/\s*(\S+)$")
 
 
 class Column(NamedTuple):
@@ -55,12 +51,15 @@ class Table:
         Other content of the file, for a message about a missing column.
     scalars : mapping of str to float
         Single numbers by name, such as the sampling rate.
+    file : str
+        Name of the file.
     """
 
     columns: Mapping[str, Column]
     cell: Callable[[str, int], str]
     rest: str = ""
     scalars: Mapping[str, float] = field(default_factory=dict)
+    file: str = ""
 
     def listed(self) -> str:
         """Return the names of the columns, and other content."""
@@ -78,6 +77,7 @@ class Unit(NamedTuple):
 # Lengths keep their unit, or are converted to a standard one.
 _LENGTHS = {"m": "m", "mm": "mm", "um": "um", "nm": "nm", "in": "mm", "mil": "um"}
 _VOLTS = {"v": "V", "volt": "V", "volts": "V", "mv": "mV", "millivolts": "mV"}
+_MEGAVOLTS = ("MV", "Mv")
 _NONE = ("1", "-", "")
 # Names of units of speed besides those in `rotor_ida.units`.
 _SPEEDS = {
@@ -104,7 +104,8 @@ def unit_called(name: str) -> Unit | None:
     """
     if name in _NONE:
         return Unit("any", "1", 1.0)
-    if volts := _VOLTS.get(name.lower()):
+    volts = _VOLTS.get(name.lower())
+    if volts and name not in _MEGAVOLTS:
         return Unit("length", volts, 1.0)
     symbol = _SPEEDS.get(name.lower()) or units.symbol_of(name)
     if symbol in units.SPEED_UNITS:
@@ -142,13 +143,26 @@ def name_and_unit(name: str) -> tuple[str, str]:
         last = re.split(r"[\s_]+", name)[-1]
         if unit_called(last) is not None:  # the unit of omega rad/s is not s
             return name[: -len(last)].rstrip(" _") or name, last
-    if found := _BRACKETS.match(name):
-        square, round_ = found["square"], found["round"]
-        if square is not None or unit_called(round_) is not None:
-            return found[1], square if square is not None else round_
-    if (found := _SLASH.match(name)) and unit_called(found[2]) is not None:
-        return found[1], found[2]
+    for opening, closing in ("[]", "()"):
+        if name.rstrip().endswith(closing):
+            before, unit = _cut(name.rstrip()[:-1], opening, closing)
+            if unit is not None and (opening == "[" or unit_called(unit) is not None):
+                return before, unit
+    *first, last = name.rsplit(maxsplit=1) or [""]
+    before, _, unit = last.partition("/")
+    if first and (first[0].endswith("/") or not before):  # x / um
+        before, unit = first[0].rstrip("/ "), last.lstrip("/")
+    elif first:
+        before = name[: len(name.rstrip()) - len(unit) - 1]
+    if "/" in name and before and unit and unit_called(unit) is not None:
+        return before, unit
     return name, ""
+
+
+def _cut(name: str, opening: str, closing: str) -> tuple[str, str | None]:
+    """Return what is before the last pair of brackets, and what is in it, if there is one."""
+    start = name.find(opening, name.rfind(closing) + 1)
+    return (name, None) if start < 0 else (name[:start].rstrip(), name[start + 1 :].strip())
 
 
 def check_size(path: Path, numbers: float, *, possible: float = MOST_NUMBERS) -> None:

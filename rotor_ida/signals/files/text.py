@@ -257,8 +257,14 @@ def _kind(cell: str) -> str:
 
 
 def number_in(cell: str) -> float:
-    """Return the number in a cell, NaN if there is none."""
+    """Return the number in a cell, NaN if there is none.
+
+    Examples
+    --------
+    >>> number_in("1.5e3"), number_in("1_0"), number_in("\uff11")  # as Python writes it, full width
+    (1500.0, nan, nan)
+    """
     try:
-        return float(cell)
+        return float(cell) if cell.isascii() and "_" not in cell else math.nan
     except ValueError:
         return math.nan
