@@ -14,7 +14,14 @@ import numpy as np
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.results.archive.library import LOCK, what_is_not_own
-from rotor_ida.signals.files.columns import Column, Table, check_size, one_line, understood
+from rotor_ida.signals.files.columns import (
+    Column,
+    Table,
+    check_size,
+    numbers_or_times,
+    one_line,
+    understood,
+)
 from rotor_ida.signals.files.matlab import DEEPEST, HEAD, arrays_of, is_hdf5
 
 MOST_COLUMNS = 1000
@@ -172,8 +179,8 @@ def _within(
         yield name, value
     elif not isinstance(value, np.ndarray):
         yield name, f"a {type(value).__name__}"
-    elif value.dtype.kind in "biuf":
-        yield from _vectors(name, value, unit)
+    elif (numbers := numbers_or_times(value)) is not None:
+        yield from _vectors(name, numbers, "s" if value.dtype.kind in "mM" else unit)
     elif value.dtype == object and value.size == 1:
         yield from _within(name, value.ravel()[0], unit, depth + 1)
     elif value.dtype == object and value.size <= MOST_COLUMNS:
@@ -185,7 +192,7 @@ def _within(
 
 def _vectors(name: str, value: np.ndarray, unit: str) -> Iterator[tuple[str, Column | float | str]]:
     """Yield a number, a vector, or the vectors of a matrix along its longer side."""
-    held = np.squeeze(value).astype(np.float64, copy=False)
+    held = np.squeeze(value)
     if held.ndim == 0 and held.size:
         yield name, float(held)
     elif not held.size:

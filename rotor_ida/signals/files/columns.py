@@ -10,6 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+import numpy.typing as npt
+
 from rotor_ida import units
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
@@ -24,7 +27,7 @@ ENDINGS = {
     "uff": (".uff", ".unv", ".uf"),
     "tdms": (".tdms",),
     "labview": (".lvm",),
-    "comtrade": (".cfg", ".dat"),
+    "comtrade": (".cfg", ".dat", ".cff"),
 }
 # Largest number of numbers read from one file: 2 GiB.
 MOST_NUMBERS = 2**28
@@ -163,6 +166,24 @@ def _cut(name: str, opening: str, closing: str) -> tuple[str, str | None]:
     """Return what is before the last pair of brackets, and what is in it, if there is one."""
     start = name.find(opening, name.rfind(closing) + 1)
     return (name, None) if start < 0 else (name[:start].rstrip(), name[start + 1 :].strip())
+
+
+def numbers_or_times(values: npt.ArrayLike) -> Values | None:
+    """Return numbers as floats, dates and durations in seconds, and None for anything else.
+
+    Dates count from the first one.
+
+    Examples
+    --------
+    >>> numbers_or_times(np.array(["2024-01-02T12:00", "2024-01-03T12:00"], dtype="M8[s]"))
+    array([    0., 86400.])
+    """
+    held = np.asarray(values)
+    if held.dtype.kind == "M":
+        held = held - held.ravel()[:1]
+    if held.dtype.kind == "m":
+        return np.asarray(held / np.timedelta64(1, "ns") * 1e-9, dtype=np.float64)
+    return held.astype(np.float64, copy=False) if held.dtype.kind in "biuf" else None
 
 
 def check_size(path: Path, numbers: float, *, possible: float = MOST_NUMBERS) -> None:

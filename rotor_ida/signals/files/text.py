@@ -84,11 +84,16 @@ def lines_of(path: Path) -> list[str]:
             "their endings"
         )
     else:
-        try:
-            text = held.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            text = held.decode("latin-1")
+        text = decoded(held)
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def decoded(held: bytes) -> str:
+    """Return a text in UTF-8 or Latin-1."""
+    try:
+        return held.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return held.decode("latin-1")
 
 
 def _layout(lines: Sequence[str], path: Path) -> Layout:
