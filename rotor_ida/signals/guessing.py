@@ -47,6 +47,8 @@ RATES = {
     *("fs", "rate", "fsample", "samplerate", "samplefreq", "samplefrequency"),
     *("samplingrate", "samplingfrequency", "samplingfreq"),
 }
+# Columns of which each pair is looked at.
+MOST_GUESSED = 1000
 _SPLIT = re.compile(
     r"(?<=[a-z])(?=[A-Z])|(?<=[^\W\d_])(?=\d)|(?<=\d)(?=[^\W\d_])|[\W_]+"
 )  # fmt: skip
@@ -76,8 +78,8 @@ class Name:
     @property
     def last(self) -> tuple[str, ...]:
         """The words of the last part of the name: those of x in ``record.x``."""
-        part = _words(self.column.rpartition(".")[2])
-        return tuple(word for word in part if word in self.words) or self.words
+        part, known = _words(self.column.rpartition(".")[2]), {*self.words}
+        return tuple(word for word in part if word in known) or self.words
 
     @property
     def kind(self) -> str:
@@ -294,6 +296,11 @@ def _probes_in(names: Sequence[Name], taken: Mapping[str, str], table: Table) ->
     """Return the columns of the probes: the one pair of names that differ as x and y do."""
     if {"x", "y"} <= taken.keys():
         return {}
+    if len(names) > MOST_GUESSED:
+        raise InputError(
+            f"columns must name x and y among more than {MOST_GUESSED} columns, got {len(names)} "
+            "and no names"
+        )
     others = {column for signal, column in taken.items() if signal not in ("x", "y")}
     pairs = [
         (first, second)

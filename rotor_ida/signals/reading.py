@@ -63,6 +63,8 @@ CLIPPED = 4
 # Times count as evenly spaced within this much of their last written digit, or within this part of
 # a step.
 ROUNDED, EVEN = 0.6, 1e-3
+# The step of a shorter record, in last digits, is wrong by more than half a percent.
+FEWEST_DIGITS = 100
 MOST_DECIMALS = 12
 INTEGRATED = (
     "the angle is integrated from the speed: phase lags have no known origin, and drift with the "
@@ -392,7 +394,8 @@ def _evenly_spaced(times: Values, digit: float) -> Values:
     mean = float(times.mean())
     step = float(number @ (times - mean) / (number @ number))
     off = float(np.abs(times - mean - step * number).max())
-    if step > 0.0 and EVEN * step < off <= ROUNDED * digit:
+    is_long = float(np.ptp(times)) >= FEWEST_DIGITS * digit
+    if step > 0.0 and is_long and EVEN * step < off <= ROUNDED * digit:
         return np.asarray(mean + step * number, dtype=np.float64)
     return times
 

@@ -15,6 +15,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
+from rotor_ida.signals.files.clock import is_clock, seconds_of
 from rotor_ida.signals.files.columns import Column, Table, name_and_unit, unit_called
 
 # Lines before the numbers in which instruments describe themselves.
@@ -59,6 +60,10 @@ def read_text(path: Path) -> Table:
     ]
     _check_commas(lines, rows, layout, path)
     numbers = _numbers([lines[row] for row in rows], rows, layout, path)
+    for place, first in enumerate(layout.cells(lines[layout.first])):
+        if is_clock(first):
+            numbers[:, place] = seconds_of([layout.cells(lines[row])[place] for row in rows])
+            units[place] = "s"
 
     def cell(name: str, row: int) -> str:
         held = layout.cells(lines[rows[row]])[names.index(name)]
@@ -249,7 +254,11 @@ def _bare(line: str) -> str:
 def _cells(line: str, separator: str | None) -> list[str]:
     """Return the cells between separators."""
     if '"' in line and separator is not None:
-        return [cell.strip() for cell in next(csv.reader([line.strip("\n")], delimiter=separator))]
+        try:
+            cells = next(csv.reader([line.strip("\n")], delimiter=separator))
+        except csv.Error as error:
+            raise InputError(f"a cell in quotes must be shorter, got {error}") from error
+        return [cell.strip() for cell in cells]
     return [cell.strip().strip('"') for cell in line.strip(" ").split(separator)]
 
 
