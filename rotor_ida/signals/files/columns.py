@@ -31,6 +31,8 @@ ENDINGS = {
 }
 # Largest number of numbers read from one file: 2 GiB.
 MOST_NUMBERS = 2**28
+# Largest compression ratio of deflate, and numbers always allowed in a small file.
+LARGEST_COMPRESSION, SMALLEST_ALLOWANCE = 1032, 2**20
 
 
 class Column(NamedTuple):
@@ -184,6 +186,11 @@ def numbers_or_times(values: npt.ArrayLike) -> Values | None:
     if held.dtype.kind == "m":
         return np.asarray(held / np.timedelta64(1, "ns") * 1e-9, dtype=np.float64)
     return held.astype(np.float64, copy=False) if held.dtype.kind in "biuf" else None
+
+
+def possible_in(path: Path) -> float:
+    """Return the largest number of numbers in a compressed file."""
+    return LARGEST_COMPRESSION * path.stat().st_size + SMALLEST_ALLOWANCE
 
 
 def check_size(path: Path, numbers: float, *, possible: float = MOST_NUMBERS) -> None:
