@@ -18,7 +18,6 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.plot.datasets import parameters_in, rotors_in
 from rotor_ida.plot.labels import label_parameter
-from rotor_ida.plot.signals.units import is_one_speed
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.results.si_units import in_units_of
 from rotor_ida.signals.record import Record, record_of
@@ -29,8 +28,9 @@ FEW_SPEEDS = 30
 CLEARANCES = 41
 # Folds and Hopf points are shown over these speeds, or to a margin past the last of them.
 MARKED, USUAL, MARGIN = ("fold_omega", "hopf_omega"), (0.05, 3.0), 1.2
-# Fewest revolutions of a Bode plot, and samples between which a speed is compared.
-FEW_TURNS, SPEEDS = 16, 17
+# Fewest revolutions of a Bode plot, samples between which speeds are compared, and the part by
+# which the speed of a machine may change that does not run up.
+FEW_TURNS, SPEEDS, WANDERS = 16, 17, 0.1
 # Width and height of a single panel [inch].
 ALONE = (5.6, 4.2)
 
@@ -102,7 +102,8 @@ def _is_run_up(record: Record) -> bool:
     if angles is None or angles[-1] - angles[0] < FEW_TURNS * 2.0 * math.pi:
         return False
     parts = np.linspace(0, angles.size - 1, min(SPEEDS, angles.size)).astype(int)
-    return not is_one_speed(np.diff(angles[parts]) / np.diff(record.times[parts]))
+    speeds = np.diff(angles[parts]) / np.diff(record.times[parts])
+    return bool(np.ptp(speeds) > WANDERS * speeds.max())
 
 
 def figure_of_atlas(dataset: xr.Dataset) -> Figure:

@@ -184,7 +184,7 @@ def test_a_file_alone_is_drawn_as_suits_it_beside_it(
         ((60.0, 10.0), "phase lag $\\theta$ [°]"),
         ((10.0, 60.0, 10.0), "phase lag $\\theta$ [°]"),
         ((30.0, 30.0), "displacement $Y$ [µm]"),
-        ((30.0, 30.2), "displacement $Y$ [µm]"),
+        ((30.0, 32.0), "displacement $Y$ [µm]"),
         ((0.1, 1.0), "displacement $Y$ [µm]"),
     ],
 )
