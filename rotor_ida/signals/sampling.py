@@ -97,7 +97,8 @@ def velocities_of(run: xr.Dataset) -> npt.NDArray[np.complex128] | None:
     if not {"vx", "vy"} <= set(run.variables):
         return None
     unit = scale_of(run, "length") / (scale_of(run, "time") * scale_of(run, "velocity"))
-    return unit * (samples_in("run", run, "vx") + 1j * samples_in("run", run, "vy"))
+    z = samples_in("run", run, "vx") + 1j * samples_in("run", run, "vy")
+    return np.asarray(unit * z, dtype=np.complex128)
 
 
 def run_angles(run: xr.Dataset, times: Values) -> Values | None:

@@ -238,7 +238,7 @@ def _rows_in(data: bytes, cfg: Any) -> int:
         return sum(1 for line in data.splitlines() if line.strip(b"\x1a \t"))
     status = 2 * math.ceil(cfg.status_count / STATUS_BITS)
     row = 8 + BYTES[cfg.ft.upper()] * int(cfg.analog_count) + status
-    return len(data) // row
+    return int(len(data) // row)
 
 
 def _sampled(columns: dict[str, Column], rest: str = "") -> Table:
