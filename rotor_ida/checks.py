@@ -40,6 +40,8 @@ MOST_SHOCKS = 10_000_000
 MOST_PANELS = 12
 # Powers of larger numbers leave the range of doubles.
 LARGEST_NUMBER = 1e15
+# Squares of larger samples, and products of the squares, do so too.
+LARGEST_SAMPLE = 1e60
 # Largest spacing of doubles at the end of a motion, in radians of the revolution or in time.
 COARSEST_TIME = 1e-6
 
@@ -243,6 +245,28 @@ def check_array(name: str, values: object, *, largest: float = math.inf) -> Valu
     outside = numbers[np.abs(numbers) > largest]
     if outside.size:
         raise InputError(f"{name} must lie within {largest:g} of zero, got {float(outside[0])!r}")
+    return numbers
+
+
+def check_samples(name: str, values: npt.NDArray[Any]) -> Values:
+    """Return samples, however many, as finite floats of moderate size.
+
+    Examples
+    --------
+    >>> check_samples("x of signals", np.array([1.0, np.nan]))
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: x of signals must be finite, got nan in sample 2
+    """
+    if values.dtype.kind not in "iuf":
+        return check_array(name, values, largest=LARGEST_SAMPLE)
+    with np.errstate(over="ignore"):  # of longer floats
+        numbers = values.astype(np.float64, copy=False)
+    wrong = np.flatnonzero(~(np.abs(numbers) <= LARGEST_SAMPLE))
+    if wrong.size:
+        number = float(numbers.ravel()[wrong[0]])
+        allowed = f"lie within {LARGEST_SAMPLE:g} of zero" if math.isfinite(number) else "be finite"
+        raise InputError(f"{name} must {allowed}, got {number!r} in sample {wrong[0] + 1}")
     return numbers
 
 

@@ -81,6 +81,8 @@ UNITS = {
     for prefix, power in POWERS.items()
     if prefix != "M" or symbol == "N"  # so that MM can be mm
 } | _PLAIN
+# Capitals that mean something else than the small letter before a symbol: mega, peta, newton.
+_CAPITALS = ("M", "P", "N")
 # Other names of these.
 NAMES = {
     name: symbol
@@ -122,12 +124,13 @@ def symbol_of(name: str, *, any_case: bool = True) -> str:
 
     Examples
     --------
-    >>> symbol_of("Mils"), symbol_of("µm"), symbol_of("HZ"), symbol_of("furlong")
-    ('mil', 'um', 'Hz', '')
+    >>> symbol_of("Mils"), symbol_of("µm"), symbol_of("HZ"), symbol_of("furlong"), symbol_of("Mm")
+    ('mil', 'um', 'Hz', '', '')
     """
     plain = name.strip().translate(_LOOKALIKES)
     if plain not in UNITS and plain not in NAMES:
-        plain = _BY_LOWER_CASE.get(plain.lower(), "") if any_case else ""
+        has_meaning = plain[:1] in _CAPITALS and plain[1:] in _PREFIXED
+        plain = _BY_LOWER_CASE.get(plain.lower(), "") if any_case and not has_meaning else ""
     return NAMES.get(plain, plain)
 
 

@@ -286,8 +286,8 @@ Figure = Annotated[
 SignalFile = Annotated[
     Path,
     _path(
-        "Archive (.nc) or measured file: text, .wav, .mat, .h5, .npz, .uff, .tdms, .lvm, or .cfg "
-        "with .dat.",
+        "Archive (.nc) or measured file: text, .wav, .mat, .h5, .npz, .uff, .tdms, .lvm, .cff, or "
+        ".cfg with .dat.",
         name="FILE",
     ),
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -14,7 +15,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import Answer, Measurement
 from rotor_ida.signals.guessing import columns_of, rate_in
 from rotor_ida.signals.orders import orders
-from rotor_ida.signals.reading import read_table, signals_in
+from rotor_ida.signals.reading import read_signals, read_table
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.spectra import full_spectrum, one_speed, spectrogram
 
@@ -35,7 +36,7 @@ def show_measured(measurement: Measurement) -> Iterator[Answer]:
     path = measurement.path
     assert path is not None
     try:
-        table = read_table(path)
+        table = replace(read_table(path), file=measurement.name)
     except InputError as error:
         raise InputError(_renamed(str(error), measurement)) from error
     facts: dict[str, object] = {
@@ -45,9 +46,8 @@ def show_measured(measurement: Measurement) -> Iterator[Answer]:
     }
     try:
         columns = columns_of(table, measurement.columns, timed=rate_in(table) is not None)
-        signals = signals_in(
+        signals = read_signals(
             table,
-            measurement.name,
             columns=measurement.columns,
             units=measurement.units,
             probe_angles=measurement.probe_angles,

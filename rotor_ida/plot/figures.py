@@ -20,6 +20,7 @@ from rotor_ida.plot.datasets import parameters_in, rotors_in
 from rotor_ida.plot.labels import label_parameter
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.results.si_units import in_units_of
+from rotor_ida.signals.record import Record, record_of
 
 # Largest number of speeds of a table of whirls that are marked.
 FEW_SPEEDS = 30
@@ -27,6 +28,9 @@ FEW_SPEEDS = 30
 CLEARANCES = 41
 # Folds and Hopf points are shown over these speeds, or to a margin past the last of them.
 MARKED, USUAL, MARGIN = ("fold_omega", "hopf_omega"), (0.05, 3.0), 1.2
+# Fewest revolutions of a Bode plot, samples between which speeds are compared, and the part by
+# which the speed of a machine may change that does not run up.
+FEW_TURNS, SPEEDS, WANDERS = 16, 17, 0.1
 # Width and height of a single panel [inch].
 ALONE = (5.6, 4.2)
 
@@ -83,6 +87,23 @@ def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
     has_hopf_points = given.get("friction") or given.get("contact_damping")
     exact = [curve, folds(**given), hopf_points(**given) if has_hopf_points else None]
     return tuple(each if each is None else in_units_of(each, part) for each in exact)
+
+
+def figure_of_signals(dataset: xr.Dataset) -> Figure:
+    """Return the figure of signals: a Bode plot while the speed changes, else the orbit."""
+    record = record_of(dataset)
+    drawn = plot.plot_bode(dataset)[0] if _is_run_up(record) else plot.plot_orbit(dataset)
+    return cast(Figure, drawn.figure)
+
+
+def _is_run_up(record: Record) -> bool:
+    """Return whether the speed of signals changes over revolutions enough for a curve."""
+    angles = record.angles
+    if angles is None or angles[-1] - angles[0] < FEW_TURNS * 2.0 * math.pi:
+        return False
+    parts = np.linspace(0, angles.size - 1, min(SPEEDS, angles.size)).astype(int)
+    speeds = np.diff(angles[parts]) / np.diff(record.times[parts])
+    return bool(np.ptp(speeds) > WANDERS * speeds.max())
 
 
 def figure_of_atlas(dataset: xr.Dataset) -> Figure:

@@ -188,7 +188,7 @@ KINDS = {
         ),
         Kind(
             name="signals", meaning="signals", variables=("x", "y"), dims=("t",),
-            shown=f"{_SIGNALS}:show_signals", drawn="rotor_ida.plot:plot_orbit",
+            shown=f"{_SIGNALS}:show_signals", drawn=f"{_DRAWN}:figure_of_signals",
         ),
         Kind(
             name="late_jumps", meaning="late jumps", shown=f"{_SHOWN}:FOLDS", drawn=_WHIRLS,

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import check_instance
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_instance, check_samples, listed
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
@@ -20,6 +21,22 @@ from rotor_ida.schema import (
     check_dimensionless,
     labelled,
 )
+
+# A run that begins or ends in a contact does not have all of these.
+PARTLY_KNOWN = ("entry_time", "exit_time", "peak_time", "peak_force")
+
+
+def samples_in(
+    name: str, dataset: xr.Dataset, variable: str, dims: tuple[str, ...] = ("t",)
+) -> Values:
+    """Return a variable of a dataset, which must be finite numbers along one of `dims` alone."""
+    found = dataset[variable]
+    if found.dims not in [(dim,) for dim in dims]:
+        raise InputError(
+            f"{variable} of {name} must be on {listed(dims, 'or')} alone, got it on "
+            f"{listed(list(map(str, found.dims))) if found.dims else 'no dimension'}"
+        )
+    return check_samples(f"{variable} of {name}", found.values)
 
 
 def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
@@ -34,7 +51,15 @@ def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
     if several:
         raise InputError(f"run must be one run; its {several[0]} must be a scalar")
     check_dimensionless("run", run)
+    check_columns(run, needed)
     return run
+
+
+def check_columns(run: xr.Dataset, names: Sequence[str]) -> None:
+    """Raise `InputError` unless variables of a run are numbers over time, events or contacts."""
+    for name in names:
+        if name not in PARTLY_KNOWN:
+            samples_in("run", run, name, ("event" if name.startswith("event_") else "t",))
 
 
 def check_one_speed(run: xr.Dataset, what: str) -> None:
@@ -45,7 +70,7 @@ def check_one_speed(run: xr.Dataset, what: str) -> None:
 
 def rotor_of(run: xr.Dataset) -> Rotor:
     """Return the rotor of a run; missing parameters have their defaults."""
-    return Rotor(**{name: float(run[name]) for name in ALL_PARAMETERS if name in run.variables})
+    return Rotor(**{name: run[name].item() for name in ALL_PARAMETERS if name in run.variables})
 
 
 def parameter_coordinates(rotor: Rotor) -> dict[str, Column]:

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import COMPONENTS, check_instance, shown
+from rotor_ida.checks import COMPONENTS, check_between, check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor
@@ -34,6 +34,8 @@ INPUTS = (*COMPONENTS, *(f"start_{name}" for name in COMPONENTS), "to", "rate")
 LONGEST_INPUT = 4096
 # A dimensionless 1 below and above these has the prefixes m and k in figures and summaries.
 SMALL, LARGE = 0.1, 1000.0
+# Dimensionless ones in some unit; that of a moment of inertia is a product of two.
+SCALES = (1e-200, 1e200)
 # Speeds that are relative to the reference frequency, also in SI units.
 SPEEDS = ("omega", "fold_omega", "hopf_omega", "jump_omega", "birth_omega", "cusp_omega")
 
@@ -230,7 +232,7 @@ def in_suitable_units(dataset: xr.Dataset) -> xr.Dataset:
     for name, variable in dataset.variables.items():
         kind = QUANTITIES[str(name)].scale if str(name) in QUANTITIES else ""
         # the rim of the disc is far faster than its centre
-        plain = variable.attrs.get("units") == UNITS.get(kind) and name != "slip_speed"
+        plain = str(variable.attrs.get("units")) == UNITS.get(kind) and name != "slip_speed"
         if plain and prefixes.get(kind):
             parts, unit = PREFIXES[prefixes[kind]], f"{prefixes[kind]}{UNITS[kind]}"
             attributes = {**variable.attrs, "units": unit}
@@ -283,7 +285,8 @@ def si_of(dataset: xr.Dataset, name: str) -> tuple[str, float] | None:
 
 def scale_of(dataset: xr.Dataset, kind: str) -> float:
     """Return the value of a dimensionless 1 in the units of a result: 1 if it has none."""
-    return float(dataset.attrs.get(f"{kind}_scale", 1.0))
+    name = f"{kind}_scale"
+    return check_between(name, dataset.attrs.get(name, 1.0), *SCALES)
 
 
 def in_rpm(speeds: xr.DataArray) -> Values | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import permutations
@@ -10,7 +11,7 @@ from itertools import permutations
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import shown
+from rotor_ida.checks import listed, shown
 from rotor_ida.errors import InputError
 from rotor_ida.signals.files.columns import Table, name_and_unit, unit_called
 
@@ -46,6 +47,8 @@ RATES = {
     *("fs", "rate", "fsample", "samplerate", "samplefreq", "samplefrequency"),
     *("samplingrate", "samplingfrequency", "samplingfreq"),
 }
+# Columns of which each pair is looked at.
+MOST_GUESSED = 1000
 _SPLIT = re.compile(
     r"(?<=[a-z])(?=[A-Z])|(?<=[^\W\d_])(?=\d)|(?<=\d)(?=[^\W\d_])|[\W_]+"
 )  # fmt: skip
@@ -75,8 +78,8 @@ class Name:
     @property
     def last(self) -> tuple[str, ...]:
         """The words of the last part of the name: those of x in ``record.x``."""
-        part = _words(self.column.rpartition(".")[2])
-        return tuple(word for word in part if word in self.words) or self.words
+        part, known = _words(self.column.rpartition(".")[2]), {*self.words}
+        return tuple(word for word in part if word in known) or self.words
 
     @property
     def kind(self) -> str:
@@ -145,7 +148,14 @@ def columns_of(table: Table, told: Mapping[str, str], *, timed: bool) -> dict[st
                 f"the file must have the column {shown(column)} for {signal}, got "
                 f"{shown(table.listed())}"
             )
-    if all(name.isdigit() for name in table.columns):
+    several = [column for column, count in Counter(told.values()).items() if count > 1]
+    if several:
+        signals = [signal for signal, column in told.items() if column == several[0]]
+        raise InputError(
+            f"columns must name another column for each signal, got {shown(several[0])} for "
+            f"{listed(signals)}"
+        )
+    if all(is_number(name) for name in table.columns):
         return _by_place(table, told, timed=timed)
     names = [name_of(name, column.unit) for name, column in table.columns.items()]
     free = [name for name in names if name.column not in told.values()]
@@ -172,14 +182,14 @@ def _by_place(table: Table, told: Mapping[str, str], *, timed: bool) -> dict[str
     if not {"keyphasor", "angle", "speed"} & told.keys():
         signals.append("keyphasor")
     if order and "t" in signals and counts_samples(table.columns[order[0]].values):
-        rises = len(order) > 1 and _rises(table.columns[order[1]].values)
+        rises = len(order) > 1 and increases(table.columns[order[1]].values)
         if not rises and not timed:
             raise InputError(
                 f"the file must have a column for t, but column {order[0]} counts samples (0, 1, 2 "
                 "...); name t in columns, or give rate, got neither"
             )
         order = order[1:]
-    if timed and "t" in signals and not (order and _rises(table.columns[order[0]].values)):
+    if timed and "t" in signals and not (order and increases(table.columns[order[0]].values)):
         signals.remove("t")
     found = {**told, **dict(zip(signals, order, strict=False))}
     guessed = found.get("keyphasor") if "keyphasor" not in told else None
@@ -210,11 +220,16 @@ def counts_samples(values: Values) -> bool:
 def count_left_out(table: Table, names: Mapping[str, str]) -> str:
     """Return the unnamed column that counts samples and is not a signal; empty if none does."""
     first = next(iter(table.columns))
-    is_count = first.isdigit() and counts_samples(table.columns[first].values)
+    is_count = is_number(first) and counts_samples(table.columns[first].values)
     return first if is_count and first not in names.values() else ""
 
 
-def _rises(values: Values) -> bool:
+def is_number(name: str) -> bool:
+    """Return whether a name is the number of a column without a name."""
+    return name.isascii() and name.isdigit()
+
+
+def increases(values: Values) -> bool:
     """Return whether numbers increase."""
     return bool((np.diff(values) > 0.0).all())
 
@@ -281,6 +296,11 @@ def _probes_in(names: Sequence[Name], taken: Mapping[str, str], table: Table) ->
     """Return the columns of the probes: the one pair of names that differ as x and y do."""
     if {"x", "y"} <= taken.keys():
         return {}
+    if len(names) > MOST_GUESSED:
+        raise InputError(
+            f"columns must name x and y among more than {MOST_GUESSED} columns, got {len(names)} "
+            "and no names"
+        )
     others = {column for signal, column in taken.items() if signal not in ("x", "y")}
     pairs = [
         (first, second)

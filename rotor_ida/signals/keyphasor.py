@@ -8,10 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
+from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
 
 Counts = npt.NDArray[np.int64]
 
+MOST_PER_REVOLUTION = 10_000
 FEWEST_PULSES = 3
 FEWEST_JUDGED = 4
 # An interval this much longer than a neighbour may have lost a pulse; one this much shorter than
@@ -58,6 +60,11 @@ def angles_by_pulses(
         back = np.isin(place, place[np.concatenate([falls, falls + 1])])
         angles[back] = PchipInterpolator(pulses, turns)(times[within][back])
     return within, 2.0 * math.pi / per_revolution * angles
+
+
+def check_per_revolution(pulses_per_revolution: object) -> int:
+    """Return the number of pulses in one revolution."""
+    return check_count("pulses_per_revolution", pulses_per_revolution, 1, MOST_PER_REVOLUTION)
 
 
 def check_pulses(pulses: Values) -> None:

@@ -16,7 +16,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.model.contact import contact_force, damping_factor
 from rotor_ida.model.equations import rotated
-from rotor_ida.results.run import check_run, rotor_of
+from rotor_ida.results.run import check_columns, check_run, rotor_of
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import MODE, flags_of, labelled, words_of
 from rotor_ida.signals.sampling import check_sampling, run_angles
@@ -60,6 +60,7 @@ class Path:
 
 def path_of(run: xr.Dataset) -> Path:
     """Return outputs and events in one sequence, with points in between where they are close."""
+    check_columns(run, ("t", *COMPONENTS, "event_time", *EVENT_NAMES, "event_kind"))
     times = np.concatenate([run["t"].values, run["event_time"].values])
     columns = [np.append(run[name].values, run[f"event_{name}"].values) for name in COMPONENTS]
     table = np.stack(columns, axis=1)
@@ -86,6 +87,7 @@ def path_of(run: xr.Dataset) -> Path:
 def _angles(run: xr.Dataset, times: Values, first: npt.NDArray[np.intp]) -> Values | None:
     """Return the angle of the rotor at samples and events, in the sequence of the path."""
     if "event_angle" in run.variables:
+        check_columns(run, ("angle", "event_angle"))
         return np.append(run["angle"].values, run["event_angle"].values)[first]
     return run_angles(run, times)
 

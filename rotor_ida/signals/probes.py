@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_array, check_count, shown
+from rotor_ida.checks import LARGEST_NUMBER, check_array, check_count, shown
 from rotor_ida.errors import InputError
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.windows import Complex, fit_orders, windows_of
@@ -139,8 +139,10 @@ def subtract_runout(
 def displacements(z: Complex, angles: npt.ArrayLike, gains: npt.ArrayLike) -> Complex:
     """Return ``x + i y`` from the readings of two probes, given as real and imaginary part."""
     (first, second), scale = np.radians(_pair("angles", angles)), _pair("gains", gains)
-    if (scale == 0.0).any():
-        raise InputError(f"gains must not be zero, got {scale.tolist()}")
+    if (np.abs(scale) < 1.0 / LARGEST_NUMBER).any():
+        raise InputError(
+            f"gains must be at least {1.0 / LARGEST_NUMBER:g} in size, got {scale.tolist()}"
+        )
     if (first, second) == (0.0, math.pi / 2.0):
         return np.asarray(z.real / scale[0] + 1j * (z.imag / scale[1]), dtype=np.complex128)
     between = math.sin(second - first)
@@ -170,7 +172,7 @@ def with_displacements(signals: xr.Dataset, record: Record, z: Complex) -> xr.Da
 
 def _pair(name: str, values: npt.ArrayLike) -> Values:
     """Return two numbers."""
-    pair = check_array(name, values, largest=1e15)
+    pair = check_array(name, values, largest=LARGEST_NUMBER)
     if pair.shape != (2,):
         raise InputError(
             f"{name} must be two numbers, one for each probe, got {shown(pair.tolist())}"

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
@@ -14,10 +16,10 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
+    LARGEST_SAMPLE,
     check_array,
     check_between,
     check_choice,
-    check_count,
     check_flag,
     shown,
 )
@@ -28,16 +30,32 @@ from rotor_ida.signals.files.arrays import read_hdf5, read_matlab, read_npz
 from rotor_ida.signals.files.columns import ENDINGS, Table, Unit, known_units, unit_called
 from rotor_ida.signals.files.labview import read_labview
 from rotor_ida.signals.files.recorders import read_comtrade, read_tdms, read_uff, read_wav
-from rotor_ida.signals.files.text import read_text
-from rotor_ida.signals.guessing import KIND, columns_of, count_left_out, rate_in, unit_of
-from rotor_ida.signals.keyphasor import check_pulses, pulses_in, with_lost_pulses
+from rotor_ida.signals.files.text import number_in, read_text
+from rotor_ida.signals.guessing import (
+    KIND,
+    columns_of,
+    count_left_out,
+    counts_samples,
+    increases,
+    rate_in,
+    unit_of,
+)
+from rotor_ida.signals.keyphasor import (
+    check_per_revolution,
+    check_pulses,
+    pulses_in,
+    with_lost_pulses,
+)
 from rotor_ida.signals.probes import displacements
 from rotor_ida.signals.record import FEWEST_SAMPLES
 
 Keyphasor = Literal["auto", "signal", "times"]
 
-# Samples per second.
+# Samples per second, and the part by which a rate and times may differ.
 RATES = (1e-9, 1e12)
+DIFFERENT_RATE = 0.01
+# Volts or millivolts over a unit of length.
+SENSITIVITIES = (1e-12, 1e12)
 # A step this much longer than the usual one is a gap.
 GAP = 1.5
 # Samples at the largest or smallest reading by which a probe counts as clipped.
@@ -45,6 +63,8 @@ CLIPPED = 4
 # Times count as evenly spaced within this much of their last written digit, or within this part of
 # a step.
 ROUNDED, EVEN = 0.6, 1e-3
+# The step of a shorter record, in last digits, is wrong by more than half a percent.
+FEWEST_DIGITS = 100
 MOST_DECIMALS = 12
 INTEGRATED = (
     "the angle is integrated from the speed: phase lags have no known origin, and drift with the "
@@ -66,7 +86,7 @@ _SENSITIVITY = re.compile(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(m?V)\s*/\s*(\S+)
 
 
 def read_signals(
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | Table,
     *,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
@@ -85,7 +105,7 @@ def read_signals(
     ----------
     path : path
         A table in text, or a file of a recorder, read by its ending: WAV, MATLAB, HDF5, NumPy
-        (.npz), UFF 58 and 58b, TDMS, LabVIEW (.lvm), COMTRADE (.cfg and .dat).
+        (.npz), UFF 58 and 58b, TDMS, LabVIEW (.lvm), COMTRADE (.cfg and .dat, or .cff).
     columns : mapping of str to str, optional
         The columns of ``t``, ``x``, ``y`` and of ``keyphasor``, ``angle`` or ``speed``, such as
         ``{"x": "Probe A"}``. Columns without names, and channels, are numbered from "1". The others
@@ -95,7 +115,8 @@ def read_signals(
         rad/s, rpm, Hz. By default those in the file, or at the end of a name as in ``probe_A_um``;
         otherwise numbers are not converted.
     rate : float, optional
-        Samples per second, for a file without times.
+        Samples per second, for a file without times. Times that count samples or do not increase
+        are not used then; others must agree with the rate.
     probe_angles : array_like, shape (2,), optional
         Angles of the probes from the x axis in the direction of rotation [degree]; 0 and 90 by
         default.
@@ -146,49 +167,19 @@ def read_signals(
     >>> read.attrs["columns"], read.x.attrs["units"]
     ('t=t x=x y=y angle=angle (guessed: t x y angle)', 'um')
     """
-    file = check_path("path", path)
-    return signals_in(
-        read_table(file),
-        file.name,
-        columns=columns,
-        units=units,
-        rate=rate,
-        probe_angles=probe_angles,
-        gains=gains,
-        sensitivity=sensitivity,
-        keyphasor=keyphasor,
-        pulses_per_revolution=pulses_per_revolution,
-        accept_clipped=accept_clipped,
-        fill_pulses=fill_pulses,
-    )
-
-
-def signals_in(
-    table: Table,
-    name: str,
-    *,
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
-    rate: float | None = None,
-    probe_angles: npt.ArrayLike | None = None,
-    gains: npt.ArrayLike = (1.0, 1.0),
-    sensitivity: str | None = None,
-    keyphasor: Keyphasor = "auto",
-    pulses_per_revolution: int = 1,
-    accept_clipped: bool = False,
-    fill_pulses: bool = False,
-) -> xr.Dataset:
-    """Return the signals in the columns of a file, as `read_signals` does."""
     check_choice("keyphasor", keyphasor, ("auto", "signal", "times"))
-    per_revolution = check_count("pulses_per_revolution", pulses_per_revolution, 1, 10_000)
+    per_revolution = check_per_revolution(pulses_per_revolution)
     check_flag("accept_clipped", accept_clipped)
     check_flag("fill_pulses", fill_pulses)
     told, given = _words("columns", columns), _words("units", units)
     if rate is not None:
         rate = check_between("rate", rate, *RATES)
+    table = path if isinstance(path, Table) else read_table(check_path("path", path))
     own_rate = rate_in(table)
     names = columns_of(table, told, timed=rate is not None or own_rate is not None)
     notes = []
+    if rate is not None and "t" in names:
+        notes.append(_not_used(names.pop("t"), rate, table, given))
     if rate is None and "t" not in names and own_rate is not None:
         rate = check_between(own_rate[0], own_rate[1], *RATES)
         notes.append(f"times follow from the {rate:g} samples a second in {own_rate[0]}")
@@ -206,7 +197,7 @@ def signals_in(
     z = displacements(found["x"][0] + 1j * found["y"][0], probe_angles, gains)
     attributes: dict[str, object] = {
         "source": "measured signals",
-        "file": name,
+        "file": table.file,
         "columns": _listed(names, told),
         "probe_angles": check_array("probe_angles", probe_angles),
         "gains": check_array("gains", gains),
@@ -229,6 +220,20 @@ def signals_in(
     return labelled_dataset(
         "Signals of two probes", variables, coordinates, attributes, kind="signals"
     )
+
+
+def _not_used(column: str, rate: float, table: Table, units: Mapping[str, str]) -> str:
+    """Return a note that a column of times is not used; raise `InputError` if it contradicts."""
+    values = table.columns[column].values
+    if values.size > 1 and increases(values) and not counts_samples(values):
+        step = float(np.median(np.diff(values))) * _unit_of("t", {"t": column}, table, units).factor
+        if not abs(step * rate - 1.0) <= DIFFERENT_RATE:
+            raise InputError(
+                f"rate must agree with the times in the column {shown(column)}, which are "
+                f"{1.0 / step:.6g} samples a second, got {rate!r}; leave rate out, or give the "
+                "unit of t in units"
+            )
+    return f"the column {column} is not used, as rate is given"
 
 
 def _rotation(
@@ -259,7 +264,7 @@ def read_table(path: Path) -> Table:
     ending = path.suffix.lower()
     reader = next((READERS[kind] for kind, each in ENDINGS.items() if ending in each), read_text)
     try:
-        return reader(path)
+        return replace(reader(path), file=path.name)
     except OSError as error:
         raise InputError(f"{shown(path)} cannot be read: {error.strerror or error}") from error
 
@@ -285,12 +290,15 @@ def _converted(
     values = table.columns[column].values
     if name == "keyphasor":
         values = _without_end(values)
-    missing = np.flatnonzero(~np.isfinite(values))
-    if missing.size:
-        more = f" and {missing.size - 1} more" if missing.size > 1 else ""
+    wrong = np.flatnonzero(~(np.abs(values) <= LARGEST_SAMPLE))
+    if wrong.size:
+        allowed = f"numbers within {LARGEST_SAMPLE:g} of zero"
+        if not np.isfinite(values[wrong[0]]):
+            allowed = "finite numbers"
+        more = f" and {wrong.size - 1} more" if wrong.size > 1 else ""
         raise InputError(
-            f"column {shown(column)} must contain finite numbers, got "
-            f"{table.cell(column, int(missing[0]))}{more}"
+            f"column {shown(column)} must contain {allowed}, got "
+            f"{table.cell(column, int(wrong[0]))}{more}"
         )
     unit = _unit_of(name, columns, table, units)
     return values * unit.factor if unit.factor != 1.0 else values, unit.plain
@@ -324,12 +332,18 @@ def _displaced(name: str, values: Values, unit: str, sensitivity: str) -> tuple[
         raise InputError(f"sensitivity must be of readings in V or mV, got {name} in {unit}")
     found = _SENSITIVITY.fullmatch(sensitivity) if isinstance(sensitivity, str) else None
     length = unit_called(found[3]) if found else None
-    if found is None or length is None or length.kind != "length" or float(found[1]) <= 0.0:
+    height = number_in(found[1]) if found else math.nan
+    is_length = length is not None and length.kind == "length"
+    if (
+        found is None
+        or length is None
+        or not (is_length and SENSITIVITIES[0] <= height <= SENSITIVITIES[1])
+    ):
         raise InputError(
             f"sensitivity must be such as '200 mV/mil' or '7.87 V/mm', got {shown(sensitivity)}"
         )
     volts = {"V": 1.0, "mV": 1e-3}
-    per_length = float(found[1]) * volts[found[2]] / length.factor
+    per_length = height * volts[found[2]] / length.factor
     return values * volts[unit] / per_length, length.plain
 
 
@@ -380,7 +394,8 @@ def _evenly_spaced(times: Values, digit: float) -> Values:
     mean = float(times.mean())
     step = float(number @ (times - mean) / (number @ number))
     off = float(np.abs(times - mean - step * number).max())
-    if step > 0.0 and EVEN * step < off <= ROUNDED * digit:
+    is_long = float(np.ptp(times)) >= FEWEST_DIGITS * digit
+    if step > 0.0 and is_long and EVEN * step < off <= ROUNDED * digit:
         return np.asarray(mean + step * number, dtype=np.float64)
     return times
 

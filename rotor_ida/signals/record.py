@@ -11,11 +11,12 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_increasing, check_instance
+from rotor_ida.checks import check_increasing, check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.results.run import samples_in
 from rotor_ida.schema import QUANTITIES, Column, labelled, labelled_dataset, origin_of
-from rotor_ida.signals.keyphasor import angles_by_pulses
+from rotor_ida.signals.keyphasor import angles_by_pulses, check_per_revolution
 from rotor_ida.signals.sampling import check_sampling, run_angles, velocities_of
 
 FEWEST_SAMPLES = 16
@@ -117,11 +118,10 @@ def equal_step(times: Values, name: str, unequal: float) -> float:
     """Return the step of equally spaced times, each off by at most `unequal` of a step."""
     if times.size < FEWEST_SAMPLES:
         raise InputError(f"{name} must have at least {FEWEST_SAMPLES} samples, got {times.size}")
-    with np.errstate(invalid="ignore"):  # of times that are infinite
-        steps = np.diff(times)
-        mean = float(times[-1] - times[0]) / (times.size - 1)
-        off = np.abs(times - (times[0] + mean * np.arange(times.size))).max()
-    if not (mean > 0.0 and off <= unequal * mean):  # also where one is NaN
+    steps = np.diff(times)
+    mean = float(times[-1] - times[0]) / (times.size - 1)
+    off = np.abs(times - (times[0] + mean * np.arange(times.size))).max()
+    if not (mean > 0.0 and off <= unequal * mean):
         raise InputError(
             f"{name} must have equally spaced samples, got steps from "
             f"{steps.min():.6g} to {steps.max():.6g}"
@@ -179,16 +179,11 @@ def record_of(signals: object, name: str = "signals") -> Record:
     missing = [each for each in ("t", "x", "y") if each not in given.variables]
     if missing:
         raise InputError(f"{name} must contain t, x and y; it lacks {', '.join(missing)}")
-    if any(given[each].dims != ("t",) for each in ("t", "x", "y")):
-        raise InputError(f"{name} must be of one motion, with x and y on t alone")
-    times = np.asarray(given["t"].values, dtype=np.float64)
+    times = samples_in(name, given, "t")
     if times.size < FEWEST_SAMPLES:
         raise InputError(f"{name} must have at least {FEWEST_SAMPLES} samples, got {times.size}")
     check_increasing("t", times)
-    z = np.asarray(given["x"].values + 1j * given["y"].values, dtype=np.complex128)
-    if not np.isfinite(z).all():
-        at = times[~np.isfinite(z)][0]
-        raise InputError(f"{name} must have finite x and y, got {z[~np.isfinite(z)][0]} at t {at}")
+    z = samples_in(name, given, "x") + 1j * samples_in(name, given, "y")
     within, angles = _angles(given, times, name)
     velocities = velocities_of(given)
     if within.sum() < FEWEST_SAMPLES:
@@ -202,8 +197,8 @@ def record_of(signals: object, name: str = "signals") -> Record:
         times[within],
         z[within],
         angles,
-        str(given["x"].attrs.get("units", "1")),
-        str(given["t"].attrs.get("units", "1")),
+        _unit_of(name, given["x"]),
+        _unit_of(name, given["t"]),
         {
             each: given[each].variable.to_base_variable()
             for each in ALL_PARAMETERS
@@ -219,14 +214,22 @@ def _angles(
     """Return the samples at which the angle is known, and the angles there."""
     everywhere = np.ones(times.size, dtype=bool)
     if "keyphasor" in given.variables:
-        pulses = given["keyphasor"]
-        per_revolution = int(given.attrs.get("pulses_per_revolution", 1))
-        return angles_by_pulses(pulses.values, times, per_revolution)
-    if "angle" in given.variables:
-        angles = np.asarray(given["angle"].values, dtype=np.float64)
-        wrong = np.flatnonzero(~(np.diff(angles) >= 0.0))
-        if given["angle"].dims != ("t",) or wrong.size:
-            at = times[wrong[0]] if wrong.size else times[0]
-            raise InputError(f"angle of {name} must be on t and never fall, but does at t {at:.6g}")
-        return everywhere, angles
-    return everywhere, run_angles(given, times)
+        pulses = samples_in(name, given, "keyphasor", ("pulse",))
+        per_revolution = check_per_revolution(given.attrs.get("pulses_per_revolution", 1))
+        return angles_by_pulses(pulses, times, per_revolution)
+    angles = run_angles(given, times)
+    if "angle" in given.variables and angles is not None:
+        falls = np.flatnonzero(np.diff(angles) < 0.0)
+        if falls.size:
+            raise InputError(
+                f"angle of {name} must never fall, but does at t {times[falls[0]]:.6g}"
+            )
+    return everywhere, angles
+
+
+def _unit_of(name: str, variable: xr.DataArray) -> str:
+    """Return the unit of a variable."""
+    unit = variable.attrs.get("units", "1")
+    if not isinstance(unit, str) or not unit.isprintable():
+        raise InputError(f"the unit of {variable.name} of {name} must be text, got {shown(unit)}")
+    return unit

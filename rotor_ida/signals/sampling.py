@@ -9,8 +9,15 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import SAMPLES_A_REVOLUTION
+from rotor_ida.checks import (
+    SAMPLES_A_REVOLUTION,
+    check_increasing,
+    check_nonnegative,
+    check_samples,
+    shown,
+)
 from rotor_ida.errors import InputError
+from rotor_ida.results.run import samples_in
 from rotor_ida.results.si_units import scale_of
 
 # Samples per revolution, and per turn of the whirl. Measured signals have passed a filter;
@@ -80,8 +87,8 @@ def check_sampling(
 
 def check_run_sampling(run: xr.Dataset) -> None:
     """Refuse a run that is sampled too coarsely to be drawn; see `check_sampling`."""
-    times = np.asarray(run["t"].values, dtype=np.float64)
-    z = np.asarray(run["x"].values + 1j * run["y"].values, dtype=np.complex128)
+    times = check_increasing("t", samples_in("run", run, "t"))
+    z = samples_in("run", run, "x") + 1j * samples_in("run", run, "y")
     check_sampling("run", times, z, velocities_of(run), run_angles(run, times))
 
 
@@ -90,15 +97,19 @@ def velocities_of(run: xr.Dataset) -> npt.NDArray[np.complex128] | None:
     if not {"vx", "vy"} <= set(run.variables):
         return None
     unit = scale_of(run, "length") / (scale_of(run, "time") * scale_of(run, "velocity"))
-    return np.asarray(unit * (run["vx"].values + 1j * run["vy"].values), dtype=np.complex128)
+    z = samples_in("run", run, "vx") + 1j * samples_in("run", run, "vy")
+    return np.asarray(unit * z, dtype=np.complex128)
 
 
 def run_angles(run: xr.Dataset, times: Values) -> Values | None:
     """Return the angles of the rotor in a run, at a constant or changing speed."""
     if "angle" in run.variables:
-        return np.asarray(run["angle"].values, dtype=np.float64)
+        return samples_in("run", run, "angle")
     if "omega" in run.variables and not run["omega"].ndim:
-        return float(run["omega"]) / float(run.attrs.get("time_scale", 1.0)) * times
+        omega = check_nonnegative("omega", run["omega"].values)
+        with np.errstate(over="ignore"):
+            angles = np.float64(omega) / scale_of(run, "time") * times
+        return check_samples("the angle", angles)
     return None
 
 
@@ -135,5 +146,6 @@ def _check(
     enough = math.ceil(SAMPLES_A_REVOLUTION * rates.max() * extent / (2.0 * math.pi)) + 1
     raise InputError(
         f"{name} must have more than {fewest:g} samples in each {of_what}, got "
-        f"{1.0 / turned[worst]:.3g} at t {times[worst]:.6g}: {enough} samples in all are enough"
+        f"{1.0 / turned[worst]:.3g} at t {times[worst]:.6g}: {shown(enough)} samples in all are "
+        "enough"
     )

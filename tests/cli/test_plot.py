@@ -15,6 +15,7 @@ import rotor_ida
 from rotor_ida.cli.commands.plot import FUNCTIONS
 from rotor_ida.cli.exact import exact_beneath
 from rotor_ida.cli.options import PLOTS_ALSO_CALLED, KindOfPlot
+from rotor_ida.plot.figures import figure_of
 
 Program = Callable[..., Any]
 EXACT = ("bode", "orbit", "full-spectrum", "cascade")
@@ -174,6 +175,34 @@ def test_a_file_alone_is_drawn_as_suits_it_beside_it(
     drawn = {f"{copied.stem}.png", f"{copied.stem}.svg"}
     assert {path.name for path in Path().iterdir()} == {name} | drawn
     assert "figure must not exist unless --force is given" in program("plot", name).err
+
+
+@pytest.mark.parametrize(
+    ("speeds", "label"),
+    [
+        ((10.0, 60.0), "phase lag $\\theta$ [°]"),
+        ((60.0, 10.0), "phase lag $\\theta$ [°]"),
+        ((10.0, 60.0, 10.0), "phase lag $\\theta$ [°]"),
+        ((30.0, 30.0), "displacement $Y$ [µm]"),
+        ((30.0, 32.0), "displacement $Y$ [µm]"),
+        ((0.1, 1.0), "displacement $Y$ [µm]"),
+    ],
+)
+def test_a_measured_run_up_is_a_bode_plot_and_a_steady_record_an_orbit(
+    program: Program, speeds: tuple[float, ...], label: str
+):
+    """Speeds in Hz along four seconds; below a few revolutions there is no curve."""
+    t = np.arange(8000) / 2000.0
+    speed = 2.0 * np.pi * np.interp(t, np.linspace(0.0, 4.0, len(speeds)), speeds)
+    angle = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) / 2000.0)])
+    table = np.stack([t, 5.0 * np.cos(angle), 5.0 * np.sin(angle), angle], axis=1)
+    head = "t [s],x [um],y [um],angle [rad]"
+    np.savetxt("up.csv", table, delimiter=",", header=head, comments="", fmt="%.12g")
+    drawn = figure_of(rotor_ida.read_signals("up.csv"))
+    assert label in [ax.get_ylabel() for ax in drawn.axes]
+    answer = program("plot", "up.csv", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    assert json.loads(answer.out)["written"] == ["up.png", "up.svg"]
 
 
 def test_an_archive_that_holds_no_signals_is_drawn_alone(program: Program):

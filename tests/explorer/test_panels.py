@@ -21,6 +21,7 @@ pytest.importorskip("selenium", reason="there is no selenium")
 from selenium.webdriver import Keys
 
 from tests.explorer.browser import Page, chromium_in, ended, errors_of, served, traffic_of
+from tests.signals.test_files import write_comtrade
 
 # On a machine that does other things as well.
 pytestmark = pytest.mark.timeout(1500)
@@ -28,9 +29,11 @@ START = {"omega": 2.4, "zeta": 0.07, "delta0": 2.0}
 BOUNCED = (2.6, 0.75, 0.66, -1.65)
 ALL = "bode,polar,full,cascade"
 DROP = """
-const [contents, name] = arguments, carried = new DataTransfer();
-const bytes = Uint8Array.from(atob(contents), (character) => character.charCodeAt(0));
-carried.items.add(new File([bytes], name));
+const carried = new DataTransfer();
+for (const [contents, name] of arguments[0]) {
+  const bytes = Uint8Array.from(atob(contents), (character) => character.charCodeAt(0));
+  carried.items.add(new File([bytes], name));
+}
 const told = {dataTransfer: carried, bubbles: true, cancelable: true};
 document.body.dispatchEvent(new DragEvent("drop", told));"""
 LARGE = """
@@ -77,8 +80,12 @@ def page(chromium, address):
 
 def drop(page, contents, name="probes.csv"):
     """Drop a file on the page, and wait until it has said what comes of it."""
-    given = contents if isinstance(contents, bytes) else contents.encode()
-    page.run(DROP, base64.b64encode(given).decode(), name)
+    return drop_all(page, {name: contents if isinstance(contents, bytes) else contents.encode()})
+
+
+def drop_all(page, files):
+    """Drop files on the page, and wait until it has said what comes of them."""
+    page.run(DROP, [(base64.b64encode(held).decode(), name) for name, held in files.items()])
     page.until("!rotorIda.measured.reading")
     return page.find("#measured-said").text
 
@@ -209,6 +216,22 @@ def test_a_sound_file_is_read_by_its_channels(page, tmp_path):
     assert said.startswith("bad.wav is not shown: 'bad.wav' must be a WAV file")
 
 
+def test_the_two_files_of_a_comtrade_record_are_read_together(page, tmp_path):
+    write_comtrade(tmp_path / "pump.cfg", kind="BINARY")
+    files = {each.name: each.read_bytes() for each in tmp_path.iterdir()}
+    said = drop_all(page, files)
+    assert said.startswith("pump.cff: 4,000 samples, turned by keyphasor")
+    exact = orders(read_signals(tmp_path / "pump.cfg")).isel(order=0)
+    np.testing.assert_array_equal(
+        measured(page, "order.amplitude"), exact.forward_whirl_amplitude.values
+    )
+    said = drop_all(page, {"a.csv": b"", "b.csv": b""})
+    assert said.startswith("One file at a time, or the .cfg and the .dat of a COMTRADE record")
+    said = drop(page, files["pump.cfg"], "pump.cfg")
+    assert "'pump.cfg' must have the .dat of its COMTRADE record with it" in said
+    assert "pump.cff stays" in said
+
+
 def test_probes_at_45_and_135_degrees_with_gains_are_turned_as_by_the_library(page, tmp_path):
     t = np.arange(4000) / 2000.0
     turn = 2.0 * np.pi * 31.0 * t
@@ -233,7 +256,7 @@ def test_probes_at_45_and_135_degrees_with_gains_are_turned_as_by_the_library(pa
     assert heights == pytest.approx(12.0, abs=1e-9)
     page.type("#measured-gain-x", 0)
     page.until("!rotorIda.measured.reading")
-    assert "gains must not be zero" in page.find("#measured-said").text
+    assert "gains must be at least 1e-15 in size" in page.find("#measured-said").text
     page.type("#measured-gain-x", 2)
     page.type("#measured-angle-y", 225)
     page.until("!rotorIda.measured.reading")

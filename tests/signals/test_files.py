@@ -246,6 +246,15 @@ def write_comtrade(path: Path, *, kind: str, size: int = TIMES.size) -> None:
         path.with_suffix(".dat").write_bytes(data)
 
 
+def in_one_file(path: Path, *, end: str = "\r\n") -> None:
+    """Write a .cff from the .cfg and the .dat beside it."""
+    head, data = (path.with_suffix(ending).read_bytes() for ending in (".cfg", ".dat"))
+    binary = b"BINARY" in head
+    marks = ["CFG", "INF", "HDR", f"DAT BINARY: {len(data)}" if binary else "DAT ASCII"]
+    lines = [f"--- file type: {each} ---{end}".encode() for each in marks]
+    path.write_bytes(lines[0] + head + lines[1] + end.encode() + lines[2] + lines[3] + data)
+
+
 @pytest.mark.parametrize("kind", ["ASCII", "BINARY"])
 @pytest.mark.parametrize("ending", [".cfg", ".dat"])
 def test_comtrade_comes_back_with_times_from_its_rate(
@@ -255,6 +264,45 @@ def test_comtrade_comes_back_with_times_from_its_rate(
     found = read_signals(tmp_path / f"a{ending}", probe_angles=PROBES)
     check(found, to=0.002)  # of counts of 2 nm
     check_pulses(found)
+
+
+@pytest.mark.parametrize("kind", ["ASCII", "BINARY"])
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_comtrade_in_one_file_is_the_same(kind: str, end: str, tmp_path: Path) -> None:
+    write_comtrade(tmp_path / "a.cfg", kind=kind)
+    in_one_file(tmp_path / "a.cff", end=end)
+    pair, one = (read_signals(tmp_path / f"a{ending}") for ending in (".cfg", ".cff"))
+    assert pair.drop_attrs().identical(one.drop_attrs())
+    assert one.attrs["file"] == "a.cff"
+
+
+def test_a_part_of_comtrade_in_one_file_is_refused(tmp_path: Path) -> None:
+    write_comtrade(tmp_path / "a.cfg", kind="BINARY")
+    in_one_file(tmp_path / "a.cff")
+    whole = (tmp_path / "a.cff").read_bytes()
+    (tmp_path / "a.cff").write_bytes(whole[:-100])
+    assert "must contain the 4000 samples that 'a.cff' declares, got 3993" in (
+        refused(tmp_path / "a.cff")
+    )
+    (tmp_path / "a.cff").write_bytes(whole[:200])
+    assert "must have the sections CFG and DAT of a COMTRADE record, got ['CFG']" in (
+        refused(tmp_path / "a.cff")
+    )
+
+
+def test_comtrade_that_declares_more_channels_than_lines_is_refused(tmp_path: Path) -> None:
+    """The library would make room for them first."""
+    write_comtrade(tmp_path / "a.cfg", kind="BINARY")
+    text = (tmp_path / "a.cfg").read_text()
+    (tmp_path / "a.cfg").write_text(text.replace("4,3A,1D", "2000000001,2000000000A,1D"))
+    assert "declares more channels than there are lines" in refused(tmp_path / "a.cfg")
+
+
+def test_a_comtrade_head_in_latin_1_is_read(tmp_path: Path) -> None:
+    write_comtrade(tmp_path / "a.cfg", kind="BINARY")
+    text = (tmp_path / "a.cfg").read_text()
+    (tmp_path / "a.cfg").write_bytes(text.replace(",um,", ",µm,").encode("latin-1"))
+    assert read_signals(tmp_path / "a.cfg").x.attrs["units"] == "um"
 
 
 @pytest.mark.parametrize("kind", ["ASCII", "BINARY"])
@@ -360,6 +408,12 @@ def test_npz_with_a_sampling_rate_and_no_times(tmp_path: Path) -> None:
     found = read_signals(tmp_path / "a.npz")
     check(found)
     assert "times follow from the 2000 samples a second in fs" in found.attrs["notes"]
+
+
+def test_npz_with_dates_counts_seconds_from_the_first(tmp_path: Path) -> None:
+    times = np.datetime64("2024-02-28T23:59:59", "us") + np.rint(1e6 * TIMES).astype(int)
+    np.savez(tmp_path / "a.npz", time=times, x_um=Z.real, y_um=Z.imag)
+    check(read_signals(tmp_path / "a.npz"))
 
 
 def test_npz_with_fields_is_read_by_their_names(tmp_path: Path) -> None:

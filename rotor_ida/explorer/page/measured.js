@@ -28,8 +28,7 @@ export class Measured {
     Object.assign(this, { send, changed, scales, found: null, number: 0, reading: null });
     $("measured-choose").addEventListener("click", () => $("measured-file").click());
     $("measured-file").addEventListener("change", () => {
-      const [file] = $("measured-file").files;
-      if (file) this.read(file);
+      this.#readOne([...$("measured-file").files]);
       $("measured-file").value = ""; // the same file may be chosen again
     });
     $("measured-remove").addEventListener("click", () => this.remove());
@@ -52,10 +51,15 @@ export class Measured {
       document.body.classList.remove("dropping");
       if (!holdsFiles(event)) return;
       event.preventDefault();
-      const { files } = event.dataTransfer;
-      if (files.length > 1) this.#say(`One file at a time: ${files.length} were dropped, and none is read.`, true);
-      else if (files.length) this.read(files[0]);
+      this.#readOne([...event.dataTransfer.files]);
     });
+  }
+
+  /** Read a file, or the two of a COMTRADE record. */
+  #readOne(files) {
+    const file = files.length > 1 ? combined(files) : files[0];
+    if (file) this.read(file);
+    else if (files.length) this.#say(`One file at a time, or the .cfg and the .dat of a COMTRADE record: of ${files.length} none is read.`, true);
   }
 
   /** Read a file; what was there stays until the new one has been understood. */
@@ -225,6 +229,13 @@ export class Measured {
     $("measured-said").textContent = text;
     $("measured-said").classList.toggle("wrong", isWrong);
   }
+}
+
+/** Return the two files of a COMTRADE record as one, which its standard calls .cff; null for others. */
+function combined(files) {
+  const [head, data] = [".cfg", ".dat"].map((ending) => files.find(({ name }) => name.toLowerCase().endsWith(ending)));
+  if (files.length !== 2 || !head || !data) return null;
+  return new File(["--- file type: CFG ---\r\n", head, "\r\n--- file type: DAT ---\r\n", data], head.name.replace(/\.cfg$/i, ".cff"));
 }
 
 /** Return the angles of the probes from the form. */

@@ -32,6 +32,7 @@ from rotor_ida.plot.signals.beneath import Beneath
 from rotor_ida.plot.signals.exact_motion import Trace, centres_of, orbits_of, traces_of
 from rotor_ida.plot.signals.speeds import mark_speeds, title_of_signals
 from rotor_ida.plot.signals.units import is_one_speed, units_of
+from rotor_ida.results.run import samples_in
 from rotor_ida.schema import flags_of
 from rotor_ida.signals.orders import centre_line
 from rotor_ida.signals.path import path_of
@@ -219,7 +220,8 @@ def plot_trace(
     if not names or any(name not in TRACES for name in names):
         raise InputError(f"names must be of {', '.join(TRACES)}, got {names!r}")
     check_run_sampling(given)
-    times, z = given["t"].values, given["x"].values + 1j * given["y"].values
+    times = samples_in("signals", given, "t")
+    z = samples_in("signals", given, "x") + 1j * samples_in("signals", given, "y")
     units = units_of(given, "x", "t")
     exact = traces_of(beneath, given, units)
     radius_alone = names == ("radius",)

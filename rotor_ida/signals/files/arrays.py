@@ -3,62 +3,54 @@
 from __future__ import annotations
 
 import math
-import warnings
 import zipfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.results.archive.library import LOCK, what_is_not_own
-from rotor_ida.signals.files.columns import Column, Table, check_size, one_line
+from rotor_ida.signals.files.columns import (
+    Column,
+    Table,
+    check_size,
+    numbers_or_times,
+    possible_in,
+    understood,
+)
+from rotor_ida.signals.files.hdf5 import content_of
+from rotor_ida.signals.files.matlab import DEEPEST, HEAD, arrays_of, is_hdf5
 
 MOST_COLUMNS = 1000
-# Structures within structures.
-DEEPEST = 32
-# Largest compression ratio of deflate, and numbers always allowed in a small file.
-LARGEST_COMPRESSION, SMALLEST_ALLOWANCE = 1032, 2**20
 _NO_NUMBERS = {"c": "complex numbers", "U": "text", "S": "text", "V": "a table or an object"}
 
 
 def read_matlab(path: Path) -> Table:
     """Return the columns of a MATLAB file: ``t``, ``data(:,2)``, ``rec.x``."""
-    from scipy.io import loadmat, whosmat  # noqa: PLC0415 - takes long to import
-
-    try:
-        declared = sum(math.prod(map(float, shape)) for _, shape, _ in whosmat(path))
-        check_size(path, declared, possible=_possible(path))
-        held: Mapping[str, object] = loadmat(path, struct_as_record=False)
-    except NotImplementedError:  # version 7.3, which is HDF5
-        held = _in_hdf5(path, "a MATLAB file that can be read, save it with -v7")
-    except (InputError, OSError):
-        raise
-    except Exception as error:
-        raise InputError(f"{shown(path)} must be a MATLAB file: {one_line(error)}") from error
-    return _table(path, {name: value for name, value in held.items() if name[:2] != "__"})
+    with path.open("rb") as file:
+        head = file.read(HEAD)
+    if is_hdf5(head):
+        return _table(path, content_of(path, "a MATLAB file that can be read, save it with -v7"))
+    with understood(path, "a MATLAB file"):
+        check_size(path, path.stat().st_size / 8)
+        held = arrays_of(path.read_bytes())
+    return _table(path, held)
 
 
 def read_hdf5(path: Path) -> Table:
     """Return the columns of an HDF5 file: datasets by their names, ``group.x`` in groups."""
-    return _table(path, _in_hdf5(path, "an HDF5 file that can be read"))
+    return _table(path, content_of(path, "an HDF5 file that can be read"))
 
 
 def read_npz(path: Path) -> Table:
     """Return the columns of a file of `numpy.savez`; no code in it is run."""
     held: dict[str, object] = {}
-    try:
-        with zipfile.ZipFile(path) as archive:
-            members = [each for each in archive.infolist() if each.filename.endswith(".npy")]
-            check_size(path, sum(each.file_size for each in members) / 8, possible=_possible(path))
-            for member in members:
-                held[member.filename.removesuffix(".npy")] = _member(archive, member)
-    except (InputError, OSError):
-        raise
-    except Exception as error:
-        raise InputError(f"{shown(path)} must be an .npz file: {one_line(error)}") from error
+    with understood(path, "an .npz file"), zipfile.ZipFile(path) as archive:
+        members = [each for each in archive.infolist() if each.filename.endswith(".npy")]
+        check_size(path, sum(each.file_size for each in members) / 8, possible=possible_in(path))
+        for member in members:
+            held[member.filename.removesuffix(".npy")] = _member(archive, member)
     return _table(path, held)
 
 
@@ -77,65 +69,6 @@ def _member(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> object:
     with archive.open(member) as file:
         found: np.ndarray = np.lib.format.read_array(file, allow_pickle=False)
     return {name: found[name] for name in kind.names} if kind.names else found
-
-
-def _possible(path: Path) -> float:
-    """Return the largest number of numbers in a compressed file."""
-    return LARGEST_COMPRESSION * path.stat().st_size + SMALLEST_ALLOWANCE
-
-
-def _in_hdf5(path: Path, kind: str) -> dict[str, object]:
-    """Return the content of an HDF5 file by groups."""
-    from netCDF4 import Dataset  # noqa: PLC0415 - takes long to import
-
-    with LOCK, warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # about unknown types, which are left out
-        try:
-            if other := what_is_not_own(path):
-                raise InputError(f"{shown(path)} must contain its own data, got {other}")
-            with Dataset(path) as file:
-                file.set_auto_maskandscale(False)
-                declared = sum(math.prod(map(float, each.shape)) for each in _all_in(file))
-                check_size(path, declared, possible=_possible(path))
-                return _group(file)
-        except (OSError, RuntimeError, ValueError) as error:
-            if isinstance(error, InputError):
-                raise
-            raise InputError(f"{shown(path)} must be {kind}: {one_line(error)}") from error
-
-
-def _all_in(group: Any) -> Iterator[Any]:
-    """Yield the variables of a group and of its subgroups."""
-    yield from group.variables.values()
-    for within in group.groups.values():
-        yield from _all_in(within)
-
-
-def _group(group: Any) -> dict[str, object]:
-    """Return the variables of a group, with those of nested structures."""
-    held: dict[str, object] = {}
-    for name, variable in group.variables.items():
-        matlab = getattr(variable, "MATLAB_class", "")
-        if matlab in ("char", "cell", "struct", "function_handle"):
-            held[name] = matlab
-            continue
-        values = np.asarray(variable[...])
-        unit = next(
-            (
-                text
-                for each in ("units", "unit", "Units", "Unit")
-                if isinstance(text := getattr(variable, each, None), str)
-            ),
-            "",
-        )
-        if values.dtype.names:
-            held[name] = {field: values[field] for field in values.dtype.names}
-        else:  # MATLAB counts dimensions from the other end
-            held[name] = Column(values.T if matlab else values, unit)
-    for name, within in group.groups.items():
-        if not name.startswith("#"):
-            held[name] = _group(within)
-    return held
 
 
 def _table(path: Path, held: Mapping[str, object]) -> Table:
@@ -179,15 +112,12 @@ def _within(
     elif isinstance(value, Mapping):
         for field, held in value.items():
             yield from _within(f"{name}.{field}", held, unit, depth + 1)
-    elif hasattr(value, "_fieldnames"):
-        fields = {each: getattr(value, each) for each in value._fieldnames}
-        yield from _within(name, fields, unit, depth)
     elif isinstance(value, str):
         yield name, value
     elif not isinstance(value, np.ndarray):
         yield name, f"a {type(value).__name__}"
-    elif value.dtype.kind in "biuf":
-        yield from _vectors(name, value, unit)
+    elif (numbers := numbers_or_times(value)) is not None:
+        yield from _vectors(name, numbers, "s" if value.dtype.kind in "mM" else unit)
     elif value.dtype == object and value.size == 1:
         yield from _within(name, value.ravel()[0], unit, depth + 1)
     elif value.dtype == object and value.size <= MOST_COLUMNS:
@@ -199,7 +129,7 @@ def _within(
 
 def _vectors(name: str, value: np.ndarray, unit: str) -> Iterator[tuple[str, Column | float | str]]:
     """Yield a number, a vector, or the vectors of a matrix along its longer side."""
-    held = np.squeeze(value).astype(np.float64, copy=False)
+    held = np.squeeze(value)
     if held.ndim == 0 and held.size:
         yield name, float(held)
     elif not held.size:

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
 
 from rotor_ida import units
 from rotor_ida.arrays import Values
@@ -22,14 +27,12 @@ ENDINGS = {
     "uff": (".uff", ".unv", ".uf"),
     "tdms": (".tdms",),
     "labview": (".lvm",),
-    "comtrade": (".cfg", ".dat"),
+    "comtrade": (".cfg", ".dat", ".cff"),
 }
 # Largest number of numbers read from one file: 2 GiB.
 MOST_NUMBERS = 2**28
-_BRACKETS = re.compile(
-    r"^(.*?)\s*(?:\[\s*(?P<square>[^\]]*?)\s*\]|\(\s*(?P<round>[^)]*?)\s*\))\s*$"
-)
-_SLASH = re.compile(r"^(.+?)\s*/\s*(\S+)$")
+# Largest compression ratio of deflate, and numbers always allowed in a small file.
+LARGEST_COMPRESSION, SMALLEST_ALLOWANCE = 1032, 2**20
 
 
 class Column(NamedTuple):
@@ -53,12 +56,15 @@ class Table:
         Other content of the file, for a message about a missing column.
     scalars : mapping of str to float
         Single numbers by name, such as the sampling rate.
+    file : str
+        Name of the file.
     """
 
     columns: Mapping[str, Column]
     cell: Callable[[str, int], str]
     rest: str = ""
     scalars: Mapping[str, float] = field(default_factory=dict)
+    file: str = ""
 
     def listed(self) -> str:
         """Return the names of the columns, and other content."""
@@ -76,6 +82,7 @@ class Unit(NamedTuple):
 # Lengths keep their unit, or are converted to a standard one.
 _LENGTHS = {"m": "m", "mm": "mm", "um": "um", "nm": "nm", "in": "mm", "mil": "um"}
 _VOLTS = {"v": "V", "volt": "V", "volts": "V", "mv": "mV", "millivolts": "mV"}
+_MEGAVOLTS = ("MV", "Mv")
 _NONE = ("1", "-", "")
 # Names of units of speed besides those in `rotor_ida.units`.
 _SPEEDS = {
@@ -102,7 +109,8 @@ def unit_called(name: str) -> Unit | None:
     """
     if name in _NONE:
         return Unit("any", "1", 1.0)
-    if volts := _VOLTS.get(name.lower()):
+    volts = _VOLTS.get(name.lower())
+    if volts and name not in _MEGAVOLTS:
         return Unit("length", volts, 1.0)
     symbol = _SPEEDS.get(name.lower()) or units.symbol_of(name)
     if symbol in units.SPEED_UNITS:
@@ -140,13 +148,49 @@ def name_and_unit(name: str) -> tuple[str, str]:
         last = re.split(r"[\s_]+", name)[-1]
         if unit_called(last) is not None:  # the unit of omega rad/s is not s
             return name[: -len(last)].rstrip(" _") or name, last
-    if found := _BRACKETS.match(name):
-        square, round_ = found["square"], found["round"]
-        if square is not None or unit_called(round_) is not None:
-            return found[1], square if square is not None else round_
-    if (found := _SLASH.match(name)) and unit_called(found[2]) is not None:
-        return found[1], found[2]
+    for opening, closing in ("[]", "()"):
+        if name.rstrip().endswith(closing):
+            before, unit = _cut(name.rstrip()[:-1], opening, closing)
+            if unit is not None and (opening == "[" or unit_called(unit) is not None):
+                return before, unit
+    *first, last = name.rsplit(maxsplit=1) or [""]
+    before, _, unit = last.partition("/")
+    if first and (first[0].endswith("/") or not before):  # x / um
+        before, unit = first[0].rstrip("/ "), last.lstrip("/")
+    elif first:
+        before = name[: len(name.rstrip()) - len(unit) - 1]
+    if "/" in name and before and unit and unit_called(unit) is not None:
+        return before, unit
     return name, ""
+
+
+def _cut(name: str, opening: str, closing: str) -> tuple[str, str | None]:
+    """Return what is before the last pair of brackets, and what is in it, if there is one."""
+    start = name.find(opening, name.rfind(closing) + 1)
+    return (name, None) if start < 0 else (name[:start].rstrip(), name[start + 1 :].strip())
+
+
+def numbers_or_times(values: npt.ArrayLike) -> Values | None:
+    """Return numbers as floats, dates and durations in seconds, and None for anything else.
+
+    Dates count from the first one.
+
+    Examples
+    --------
+    >>> numbers_or_times(np.array(["2024-01-02T12:00", "2024-01-03T12:00"], dtype="M8[s]"))
+    array([    0., 86400.])
+    """
+    held = np.asarray(values)
+    if held.dtype.kind == "M":
+        held = held - held.ravel()[:1]
+    if held.dtype.kind == "m":
+        return np.asarray(held / np.timedelta64(1, "ns") * 1e-9, dtype=np.float64)
+    return held.astype(np.float64, copy=False) if held.dtype.kind in "biuf" else None
+
+
+def possible_in(path: Path) -> float:
+    """Return the largest number of numbers in a compressed file."""
+    return LARGEST_COMPRESSION * path.stat().st_size + SMALLEST_ALLOWANCE
 
 
 def check_size(path: Path, numbers: float, *, possible: float = MOST_NUMBERS) -> None:
@@ -157,6 +201,19 @@ def check_size(path: Path, numbers: float, *, possible: float = MOST_NUMBERS) ->
             f"{shown(path)} must declare at most {most:.6g} numbers for a file of "
             f"{path.stat().st_size} bytes, got {numbers:.6g}"
         )
+
+
+@contextmanager
+def understood(path: Path, kind: str) -> Iterator[None]:
+    """Turn any exception of a reader about a damaged file into one line."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except (InputError, OSError):
+        raise
+    except Exception as error:
+        raise InputError(f"{shown(path)} must be {kind}: {one_line(error)}") from error
 
 
 def one_line(error: Exception) -> str:

@@ -5,19 +5,22 @@ from __future__ import annotations
 import math
 import re
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.signals.files.columns import Column, Table, check_size, one_line
-from rotor_ida.signals.files.text import read_text, told_apart
+from rotor_ida.signals.files.columns import (
+    Column,
+    Table,
+    check_size,
+    numbers_or_times,
+    understood,
+)
+from rotor_ida.signals.files.text import decoded, read_text, told_apart
 
 TIME_RESPONSE = 1  # of functions in UFF
 TIME = 17  # of abscissae in UFF
@@ -31,15 +34,23 @@ _TAG = re.compile(rb"    -1(?: {74})?(?=[\r\n]|\Z)")
 # Bytes of an analogue channel in COMTRADE, by format.
 BYTES = {"BINARY": 2, "BINARY32": 4, "FLOAT32": 4}
 STATUS_BITS = 16
+# Files of a COMTRADE record, and the beginning of a section where all are in one.
+PAIR, COMBINED = (".cfg", ".dat"), ".cff"
+_SECTION = re.compile(
+    rb"^--- file type: *(CFG|INF|HDR|DAT)\b[^\r\n]*---[ \t]*\r?\n", re.MULTILINE | re.IGNORECASE
+)
 
 
 def read_wav(path: Path) -> Table:
     """Return the channels of a sound file, numbered from 1, and ``t``; integers scaled to 1."""
     from scipy.io import wavfile  # noqa: PLC0415 - takes long to import
 
-    with _understood(path, "a WAV file"):
+    with understood(path, "a WAV file"):
+        warnings.filterwarnings("error", message="Reached EOF", category=wavfile.WavFileWarning)
         rate, samples = wavfile.read(path)
-    table = np.asarray(samples, dtype=np.float64).reshape(len(samples), -1)
+        if not (rate > 0 and samples.size):
+            raise ValueError(f"it has {samples.size} samples and {rate} a second")
+        table = np.asarray(samples, dtype=np.float64).reshape(len(samples), -1)
     if samples.dtype == np.uint8:
         table = (table - 128.0) / 128.0
     elif samples.dtype.kind == "i":
@@ -54,7 +65,7 @@ def read_uff(path: Path) -> Table:
     """Return the time responses of a universal file (58 and 58b), and their times ``t``."""
     pyuff = _library("pyuff", "UFF", "pyuff")
     tags = len(_TAG.findall(path.read_bytes()))
-    with _understood(path, "a universal file (UFF)"):
+    with understood(path, "a universal file (UFF)"):
         file = pyuff.UFF(str(path))
         kinds = [int(each) for each in file.get_set_types()]
         sets = [file.read_sets(number) for number, kind in enumerate(kinds) if kind == 58]
@@ -108,7 +119,7 @@ def read_tdms(path: Path) -> Table:
     import_module("nptdms.log").log_manager.set_level("CRITICAL")
     # it leaves the handle open of a file that it opened itself and does not understand
     with (
-        _understood(path, "a TDMS file"),
+        understood(path, "a TDMS file"),
         path.open("rb") as held,
         nptdms.TdmsFile.open(held) as file,
     ):
@@ -124,7 +135,7 @@ def read_tdms(path: Path) -> Table:
         step = channels[0].properties.get("wf_increment") if channels else None
         for channel in channels:
             name = f"{channel.group_name}.{channel.name}" if several else channel.name
-            values = _as_numbers(channel[:])
+            values = numbers_or_times(channel[:])
             if values is None:
                 rest.append(f"{name} (no numbers)")
             elif channel.properties.get("wf_increment", step) != step:
@@ -142,68 +153,92 @@ def read_tdms(path: Path) -> Table:
     return _sampled(columns, ", ".join(rest))
 
 
-def _as_numbers(values: Any) -> Values | None:
-    """Return numbers unchanged, and dates in seconds since the first; None for anything else."""
-    values = np.asarray(values)
-    if values.dtype.kind == "M":
-        return np.asarray((values - values[0]) / np.timedelta64(1, "ns") * 1e-9, dtype=np.float64)
-    return values.astype(np.float64) if values.dtype.kind in "biuf" else None
-
-
 def read_comtrade(path: Path) -> Table:
-    """Return the channels of a COMTRADE record, a pair of files .cfg and .dat, and ``t``."""
-    head, data = _pair_of(path)
-    if head is None and path.suffix.lower() == ".dat":
+    """Return the channels of a COMTRADE record and ``t``: a pair .cfg and .dat, or one .cff."""
+    pair = _pair_of(path)
+    if path.suffix.lower() == ".dat" and ".cfg" not in pair:
         return read_text(path)  # many tables have this ending
-    if head is None or data is None:
-        other = ".dat" if head else ".cfg"
-        raise InputError(f"{shown(path)} must have the {other} of its COMTRADE record with it")
     comtrade = _library("comtrade", "COMTRADE", "comtrade")
-    kind = "a COMTRADE record"
-    with _understood(path, kind):
-        cfg = comtrade.Cfg(ignore_warnings=True)
-        cfg.load(str(head))
-        rows, whole = int(cfg.sample_rates[-1][1]), _rows_in(data, cfg)
-    if rows > whole:
-        raise InputError(
-            f"{shown(data)} must contain the {rows} samples that {shown(head.name)} declares, got "
-            f"{whole}"
-        )
-    with _understood(path, kind):
+    if path.suffix.lower() == COMBINED:
+        (head, data), source = _sections_of(path), path
+    else:
+        missing = [ending for ending in PAIR if ending not in pair]
+        if missing:
+            raise InputError(
+                f"{shown(path)} must have the {missing[0]} of its COMTRADE record with it"
+            )
+        head, data = decoded(pair[".cfg"].read_bytes()), pair[".dat"].read_bytes()
+        source = pair[".cfg"]
+    with understood(path, "a COMTRADE record"):
+        _check_channels(head)
         record = comtrade.Comtrade(
             use_numpy_arrays=True, use_double_precision=True, ignore_warnings=True
         )
-        record.load(str(head), str(data))
-        times = np.asarray(record.time, dtype=np.float64)
-        channels = [*record.cfg.analog_channels, *record.cfg.status_channels]
-        names = told_apart(["t", *(each.name.strip() or f"{each.n}" for each in channels)])
-        units = [str(getattr(each, "uu", "")).strip() for each in channels]
-        columns = {names[0]: Column(times, "s")}
-        values = [*record.analog, *record.status]
-        for name, each, unit in zip(names[1:], values, units, strict=True):
-            columns[name] = Column(np.asarray(each, dtype=np.float64), unit)
+        record.cfg.read(head)
+        rows, whole = int(record.cfg.sample_rates[-1][1]), _rows_in(data, record.cfg)
+        if rows <= whole:
+            binary = record.cfg.ft.upper() in BYTES
+            record.read(head, data if binary else decoded(data))
+    if rows > whole:
+        raise InputError(
+            f"{shown(path)} must contain the {rows} samples that {shown(source.name)} declares, "
+            f"got {whole}"
+        )
+    with understood(path, "a COMTRADE record"):
+        return _channels_of(record)
+
+
+def _channels_of(record: Any) -> Table:
+    """Return the channels of a COMTRADE record that was read, and ``t``."""
+    channels = [*record.cfg.analog_channels, *record.cfg.status_channels]
+    names = told_apart(["t", *(each.name.strip() or f"{each.n}" for each in channels)])
+    units = [str(getattr(each, "uu", "")).strip() for each in channels]
+    columns = {names[0]: Column(np.asarray(record.time, dtype=np.float64), "s")}
+    values = [*record.analog, *record.status]
+    for name, each, unit in zip(names[1:], values, units, strict=True):
+        columns[name] = Column(np.asarray(each, dtype=np.float64), unit)
     return _sampled(columns)
 
 
-def _pair_of(path: Path) -> tuple[Path | None, Path | None]:
+def _pair_of(path: Path) -> dict[str, Path]:
     """Return the .cfg and the .dat of a record, in whichever case they are written."""
-    beside = {
-        each.suffix.lower(): each
-        for ending in (".cfg", ".dat")
-        for each in (path.with_suffix(ending), path.with_suffix(ending.upper()))
+    return {
+        ending: each
+        for ending in PAIR
+        for each in (path.with_suffix(ending.upper()), path.with_suffix(ending))
         if each.is_file()
     }
-    return beside.get(".cfg"), beside.get(".dat")
 
 
-def _rows_in(data: Path, cfg: Any) -> int:
-    """Return the number of samples in a .dat file."""
+def _sections_of(path: Path) -> tuple[str, bytes]:
+    """Return head and data of a COMTRADE record in one file."""
+    held = path.read_bytes()
+    marks = {mark[1].upper(): mark for mark in reversed(list(_SECTION.finditer(held)))}
+    if not marks.keys() >= {b"CFG", b"DAT"}:
+        raise InputError(
+            f"{shown(path)} must have the sections CFG and DAT of a COMTRADE record, got "
+            f"{shown([each.decode() for each in reversed(marks)])}"
+        )
+    start = marks[b"CFG"].end()
+    end = min(each.start() for each in marks.values() if each.start() >= start)
+    return decoded(held[start:end]).strip(), held[marks[b"DAT"].end() :]
+
+
+def _check_channels(head: str) -> None:
+    """Raise `ValueError` for more channels than lines: the library makes room for all of them."""
+    lines = head.splitlines()
+    declared = re.findall(r"\d+", lines[1]) if len(lines) > 1 else []
+    if any(int(each) > len(lines) for each in declared):
+        raise ValueError(f"{shown(lines[1])} declares more channels than there are lines")
+
+
+def _rows_in(data: bytes, cfg: Any) -> int:
+    """Return the number of samples in the data of a COMTRADE record."""
     if cfg.ft.upper() not in BYTES:
-        with data.open("rb") as file:
-            return sum(1 for line in file if line.strip(b"\r\n\x1a \t"))
+        return sum(1 for line in data.splitlines() if line.strip(b"\x1a \t"))
     status = 2 * math.ceil(cfg.status_count / STATUS_BITS)
     row = 8 + BYTES[cfg.ft.upper()] * int(cfg.analog_count) + status
-    return int(data.stat().st_size // row)
+    return int(len(data) // row)
 
 
 def _sampled(columns: dict[str, Column], rest: str = "") -> Table:
@@ -221,16 +256,3 @@ def _library(module: str, kind: str, package: str) -> Any:
         raise InputError(
             f"reading {kind} files needs {package}: pip install 'rotor-ida[signals]'"
         ) from None
-
-
-@contextmanager
-def _understood(path: Path, kind: str) -> Iterator[None]:
-    """Turn any exception of a library about a damaged file into one line."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
-    except (InputError, OSError):
-        raise
-    except Exception as error:
-        raise InputError(f"{shown(path)} must be {kind}: {one_line(error)}") from error

@@ -15,6 +15,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
+from rotor_ida.signals.files.clock import is_clock, seconds_of
 from rotor_ida.signals.files.columns import Column, Table, name_and_unit, unit_called
 
 # Lines before the numbers in which instruments describe themselves.
@@ -59,6 +60,10 @@ def read_text(path: Path) -> Table:
     ]
     _check_commas(lines, rows, layout, path)
     numbers = _numbers([lines[row] for row in rows], rows, layout, path)
+    for place, first in enumerate(layout.cells(lines[layout.first])):
+        if is_clock(first):
+            numbers[:, place] = seconds_of([layout.cells(lines[row])[place] for row in rows])
+            units[place] = "s"
 
     def cell(name: str, row: int) -> str:
         held = layout.cells(lines[rows[row]])[names.index(name)]
@@ -84,11 +89,16 @@ def lines_of(path: Path) -> list[str]:
             "their endings"
         )
     else:
-        try:
-            text = held.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            text = held.decode("latin-1")
+        text = decoded(held)
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def decoded(held: bytes) -> str:
+    """Return a text in UTF-8 or Latin-1."""
+    try:
+        return held.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return held.decode("latin-1")
 
 
 def _layout(lines: Sequence[str], path: Path) -> Layout:
@@ -244,7 +254,11 @@ def _bare(line: str) -> str:
 def _cells(line: str, separator: str | None) -> list[str]:
     """Return the cells between separators."""
     if '"' in line and separator is not None:
-        return [cell.strip() for cell in next(csv.reader([line.strip("\n")], delimiter=separator))]
+        try:
+            cells = next(csv.reader([line.strip("\n")], delimiter=separator))
+        except csv.Error as error:
+            raise InputError(f"a cell in quotes must be shorter, got {error}") from error
+        return [cell.strip() for cell in cells]
     return [cell.strip().strip('"') for cell in line.strip(" ").split(separator)]
 
 
@@ -257,8 +271,14 @@ def _kind(cell: str) -> str:
 
 
 def number_in(cell: str) -> float:
-    """Return the number in a cell, NaN if there is none."""
+    """Return the number in a cell, NaN if there is none.
+
+    Examples
+    --------
+    >>> number_in("1.5e3"), number_in("1_0"), number_in("\uff11")  # as Python writes it, full width
+    (1500.0, nan, nan)
+    """
     try:
-        return float(cell)
+        return float(cell) if cell.isascii() and "_" not in cell else math.nan
     except ValueError:
         return math.nan

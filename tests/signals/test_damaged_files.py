@@ -1,0 +1,155 @@
+"""Damaged files are read or refused in one line: no other error, no crash, no flood of memory."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.io import savemat, wavfile
+
+from rotor_ida import InputError, read_signals
+from tests.signals.test_files import (
+    PULSE,
+    RPM,
+    TIMES,
+    TURN,
+    A,
+    B,
+    in_one_file,
+    write_comtrade,
+    write_hdf5,
+    write_lvm,
+    write_tdms,
+    write_uff,
+)
+
+SCRIPT = Path(__file__).with_name("damaged.py")
+COUNT = 120
+NESTED = {
+    "rec": {"pump": {"t": TIMES, "x": A, "y": B, "name": "pump"}},
+    "cell": np.array([1.0, "text", A], dtype=object),
+}
+HDF5 = """
+with h5py.File('a.h5', 'w') as f:
+    f['t'] = d['t']; f['x'] = d['a']; f['t'].attrs['units'] = 's'
+    f.create_dataset('y', data=d['b'], chunks=(500,), compression='gzip')
+    f.create_group('g')['note'] = 'of a pump'
+"""
+
+
+def as_text(path: Path) -> None:
+    np.savetxt(path, np.stack([TIMES, A, B, RPM], axis=1), "%.6f", ",", comments="",
+               header='t [s],"x [um]",y [um],speed [rpm]')  # fmt: skip
+
+
+def as_combined(path: Path) -> None:
+    write_comtrade(path.with_suffix(".cfg"), kind="BINARY")
+    in_one_file(path)
+    path.with_suffix(".cfg").unlink()
+
+
+WRITTEN = {
+    "a.csv": as_text,
+    "a.lvm": lambda path: write_lvm(path, columns="No", parts=3),
+    "a.wav": lambda path: wavfile.write(path, 2000, np.stack([A, B], 1).astype(np.float32)),
+    "b.wav": lambda path: wavfile.write(path, 2000, np.stack([A, B], 1).astype(np.int16)),
+    "a.uff": lambda path: write_uff(path, binary=0),
+    "b.uff": lambda path: write_uff(path, binary=1),
+    "a.tdms": write_tdms,
+    "a.cfg": lambda path: write_comtrade(path, kind="BINARY"),
+    "a.cff": as_combined,
+    "a.npz": lambda path: np.savez_compressed(path, t=TIMES, x=A, y=B, keyphasor=PULSE),
+    "a.mat": lambda path: savemat(path, NESTED),
+    "b.mat": lambda path: savemat(path, NESTED, do_compression=True),
+    "c.mat": lambda path: savemat(path, {"t": TIMES, "x": A, "y": B}, format="4"),
+    "a.h5": lambda path: write_hdf5(path.parent, HDF5),
+}
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_damaged_copies_are_read_or_refused(name: str, tmp_path: Path) -> None:
+    WRITTEN[name](tmp_path / name)
+    columns = {"x": "1", "y": "2"} if name.endswith(".wav") else None
+    read_signals(tmp_path / name, columns=columns)  # as it stands it is read
+    count = COUNT // 6 if name == "a.h5" else COUNT  # each in a process of its own
+    found = subprocess.run(
+        [sys.executable, str(SCRIPT), str(tmp_path / name), str(count)],
+        capture_output=True, text=True, check=False, env={**os.environ, "OMP_NUM_THREADS": "1"},
+    )  # fmt: skip
+    assert (found.returncode, found.stdout) == (0, ""), found.stderr[-2000:]
+
+
+def flags_of(whole: bytes, kind: int) -> bytes:
+    """Return a MATLAB file whose first array has another class."""
+    at = 128 + 8 + 8
+    assert whole[at] == 6  # double
+    return whole[:at] + bytes([kind]) + whole[at + 1 :]
+
+
+@pytest.mark.parametrize("kind", [0, 18, 200, 255])
+def test_a_matlab_array_of_no_known_class_is_listed(kind: int, tmp_path: Path) -> None:
+    """SciPy looks such a class up past the end of its table, and may end the process."""
+    savemat(tmp_path / "a.mat", {"t": TIMES, "x": A, "y": B})
+    (tmp_path / "a.mat").write_bytes(flags_of((tmp_path / "a.mat").read_bytes(), kind))
+    with pytest.raises(InputError, match="of another type"):
+        read_signals(tmp_path / "a.mat", columns={"t": "t"})
+
+
+def test_a_library_that_crashes_on_hdf5_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_hdf5(tmp_path, HDF5)
+    (tmp_path / "crash").write_text("#!/bin/sh\nkill -SEGV $$\n")
+    (tmp_path / "crash").chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "crash"))
+    with pytest.raises(InputError, match="the HDF5 library ends with status -11"):
+        read_signals(tmp_path / "a.h5")
+
+
+@pytest.mark.parametrize(
+    ("at", "held", "told"),
+    [
+        (24, bytes(8), "it has 8000 samples and 0 a second"),
+        (40, bytes(4), "it has 0 samples and 2000 a second"),
+        (22, bytes(2), "must be a WAV file"),
+        (32, bytes(2), "must be a WAV file"),
+        (4, bytes(4), "must be a WAV file"),
+    ],
+)
+def test_a_wav_with_zeros_in_its_head_is_refused(
+    at: int, held: bytes, told: str, tmp_path: Path
+) -> None:
+    wavfile.write(tmp_path / "a.wav", 2000, np.stack([A, B], axis=1).astype(np.int16))
+    whole = (tmp_path / "a.wav").read_bytes()
+    (tmp_path / "a.wav").write_bytes(whole[:at] + held + whole[at + len(held) :])
+    with pytest.raises(InputError, match=told):
+        read_signals(tmp_path / "a.wav", columns={"x": "1", "y": "2"})
+
+
+@pytest.mark.parametrize("size", [100, 4000, 16_040])
+def test_a_cut_wav_is_refused(size: int, tmp_path: Path) -> None:
+    wavfile.write(tmp_path / "a.wav", 2000, np.stack([A, B], axis=1).astype(np.int16))
+    whole = (tmp_path / "a.wav").read_bytes()
+    (tmp_path / "a.wav").write_bytes(whole[:size])
+    with pytest.raises(InputError, match="must be a WAV file: Reached EOF prematurely"):
+        read_signals(tmp_path / "a.wav", columns={"x": "1", "y": "2"})
+
+
+def test_what_is_written_is_read_by_every_reader(tmp_path: Path) -> None:
+    """The whirl of the two probes comes back from the seeds of the damaged copies."""
+    for name, write in WRITTEN.items():
+        write(tmp_path / name)
+        columns = {"x": "1", "y": "2"} if name.endswith(".wav") else None
+        found = read_signals(tmp_path / name, columns=columns)
+        tolerance = {"b.wav": 1.0 / 2**15, "a.cfg": 0.002, "a.cff": 0.002}.get(name, 2e-6)
+        scale = 2.0**15 if name == "b.wav" else 1.0
+        np.testing.assert_allclose(
+            found.x * scale, np.trunc(A) if name == "b.wav" else A, atol=tolerance * scale
+        )
+        np.testing.assert_allclose(found.t, TIMES, atol=1e-9)
+        if "angle" in found:
+            np.testing.assert_allclose(found.angle, TURN, atol=1e-6)
