@@ -79,6 +79,7 @@ COMMANDS: dict[str, dict[Callable[..., object], str]] = {
 # Groups whose commands compute studies.
 COMPUTING = ("Simulate", "Exact whirls", "Limit cycles", "Explore")
 DONE, BAD_INPUT, PIPE_CLOSED = 0, 2, 141
+STANDARD_OUTPUT = "standard output"
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -114,9 +115,9 @@ def main(words: Sequence[str] | None = None) -> int:
         except (RotorError, OSError) as error:
             said = str(error)
             if isinstance(error, OSError) and error.strerror:
-                where = error.filename or "standard output"
-                closed = error.errno == errno.EBADF and not error.filename
-                said = f"{where}: {'closed' if closed else error.strerror}"
+                where = f"{error.filename}: " if error.filename else ""
+                closed = error.errno == errno.EBADF and error.filename == STANDARD_OUTPUT
+                said = f"{where}{'closed' if closed else error.strerror}"
             return _complain(said, BAD_INPUT if isinstance(error, InputError) else FAILED)
 
 
@@ -172,9 +173,13 @@ def _refuse_units(arguments: Mapping[str, object]) -> None:
 
 
 def _write(text: str, results: TextIO) -> None:
-    """Write and flush, so that an error of the stream is raised here."""
-    results.write(text)
-    results.flush()
+    """Write and flush, so that an error of the stream is raised here and names it."""
+    try:
+        results.write(text)
+        results.flush()
+    except OSError as error:
+        error.filename = STANDARD_OUTPUT
+        raise
 
 
 def misread(error: CycloptsError) -> str:

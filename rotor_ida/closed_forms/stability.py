@@ -15,7 +15,7 @@ from rotor_ida.checks import LARGEST_NUMBER, check_array, check_axis
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import FRICTIONLESS, check_clearance_needed, check_exponent
+from rotor_ida.model.parameters import check_clearance_needed, check_exponent
 
 
 def stability_determinant(
@@ -50,9 +50,8 @@ def stability_determinant(
     Raises
     ------
     InputError
-        If a value is not a finite real number within 1e15 of zero, or shapes do not broadcast; if
-        stiffness, contact damping or friction is negative; if the exponent is neither 1.5 nor 1; if
-        there is contact damping or friction without clearance.
+        If a value is not a finite real number from zero to 1e15, or shapes do not broadcast; if the
+        exponent is neither 1.5 nor 1; if there is contact damping or friction without clearance.
 
     Notes
     -----
@@ -177,9 +176,9 @@ def _checked(given: dict[str, npt.ArrayLike]) -> tuple[Values, RotorColumns]:
             f"{', '.join(given)} must broadcast, got arrays of shapes {shapes}"
         ) from None
     rotors = RotorColumns(*others)
-    for name in FRICTIONLESS.keys() | {"friction"}:
-        if name in arrays:
-            check_axis(name, np.ravel(arrays[name]))
+    for name, values in arrays.items():
+        if values.size:
+            check_axis(name, np.ravel(values))
     for exponent in np.unique(rotors.contact_exponent).tolist():
         check_exponent(exponent)
     if (rotors.delta0 == 0.0).any():

@@ -19,7 +19,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import INK, KIND_SHADES, drawing, legend_below
-from rotor_ida.plot.datasets import check_dataset, parameters_in
+from rotor_ida.plot.datasets import check_dataset, parameters_in, table_of
 from rotor_ida.plot.labels import KIND_WORDS, LABELS, label_axis, number_text, title_of, unit_of
 from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, check_dimensionless, flags_of, words_of
 
@@ -108,7 +108,11 @@ def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     'fraction of starts'
     """
     check_dataset("dataset", dataset, ("omega", "zeta", "delta0", "response", "response_fraction"))
-    table = dataset["response_fraction"].transpose("omega", "response")
+    table = table_of("dataset", dataset, "response_fraction", ("omega", "response"))
+    if table.sizes["omega"] < 2:
+        raise InputError(
+            "dataset must contain at least 2 omega, got 1: plot_attractor_fractions draws one rotor"
+        )
     numbers = table["response"].values
     shares = [
         (table.values[:, numbers == RESPONSE[kind]].sum(axis=1), colour, KIND_WORDS[kind])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from rotor_ida.arrays import Values
+from rotor_ida.checks import shown
 from rotor_ida.cycles.branch_course import Course, course_of, parameters_of, runs_of
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
@@ -163,6 +164,8 @@ def plot_curves(
     >>> plot_curves(curve).get_ylabel()
     'clearance $\\delta_0$'
     """
+    if not isinstance(curves, (xr.Dataset, Iterable)):
+        raise InputError(f"curves must be Datasets, got {shown(curves)}")
     datasets = [curves] if isinstance(curves, xr.Dataset) else list(curves)
     if not datasets:
         raise InputError("curves must contain at least one bifurcation curve, got none")

@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_choice
+from rotor_ida.checks import check_choice, check_vector
 from rotor_ida.plot.appearance import (
     BLUE,
     INK,
@@ -23,7 +23,7 @@ from rotor_ida.plot.appearance import (
     own_legend,
     solid_drawing,
 )
-from rotor_ida.plot.datasets import check_dataset, check_same_units, hold_units
+from rotor_ida.plot.datasets import check_dataset, check_same_units, hold_units, table_of
 from rotor_ida.plot.labels import LABELS, label_axis, label_of, number_text, title_of, unit_of
 
 MOTIONS = {
@@ -54,11 +54,11 @@ def plot_surface(field: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axe
     """
     field = check_dataset("field", field, ("x", "y", "delta0", name))
     title = title_of("field", field, ["delta0"])
+    table = table_of("field", field, name, ("y", "x"))
     with solid_drawing(ax) as solid:
-        table = field[name].squeeze("delta0") if "delta0" in field[name].dims else field[name]
         across, up = np.meshgrid(field["x"].values, field["y"].values)
         solid.plot_surface(
-            across, up, table.transpose("y", "x").values, cmap="cividis", rcount=31, ccount=31,
+            across, up, table.values, cmap="cividis", rcount=31, ccount=31,
             linewidth=0.15, edgecolor="#3a3a3a", antialiased=True,
         )  # fmt: skip
         label_axis(solid.xaxis, "x_alone", field["x"])
@@ -95,12 +95,14 @@ def plot_cuts(field: xr.Dataset, name: str, *, at: Sequence[float], ax: Axes | N
     """
     field = check_dataset("field", field, ("x", "y", "delta0", name))
     title = title_of("field", field, ["delta0"])
+    table = table_of("field", field, name, ("y", "x"))
+    places = check_vector("at", at)
     with drawing(ax) as ax:
         label_axis(ax.xaxis, "x", field["x"])
         label_axis(ax.yaxis, name, field[name])
-        for number, place in enumerate(at):
-            section = field[name].sel(y=[place], method="nearest").squeeze()
-            y = number_text(float(section["y"]), "g")
+        for number, place in enumerate(places):
+            section = table[int(np.abs(table["y"].values - place).argmin())]
+            y = number_text(section["y"].item(), "g")
             colour, line = look(number)
             ax.plot(
                 field["x"].values, section.values, color=colour, ls=line,

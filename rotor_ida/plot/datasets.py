@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axis import Axis
 
+from rotor_ida.checks import listed, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, OPTIONAL
 from rotor_ida.results.si_units import in_suitable_units, scale_of
@@ -19,10 +20,27 @@ def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Datas
     """Return `dataset` in suitable units; refuse one that lacks a needed variable."""
     if not isinstance(dataset, xr.Dataset):
         raise InputError(f"{name} must be a Dataset, got {type(dataset).__name__}")
+    if not all(isinstance(variable, str) for variable in needed):
+        chosen = next(variable for variable in needed if not isinstance(variable, str))
+        raise InputError(f"{name} has variables named by text, got {shown(chosen)}")
     missing = [variable for variable in needed if variable not in dataset.variables]
     if missing:
         raise InputError(f"{name} must contain {', '.join(needed)}; it lacks {', '.join(missing)}")
     return in_suitable_units(dataset)
+
+
+def table_of(name: str, dataset: xr.Dataset, variable: str, axes: Sequence[str]) -> xr.DataArray:
+    """Return the numbers of a variable along `axes`, in this order; refuse any other shape."""
+    table = dataset[variable]
+    table = table.squeeze(
+        [each for each in table.dims if table.sizes[each] == 1 and each not in axes]
+    )
+    if set(table.dims) != set(axes) or not table.size:
+        sizes = ", ".join(f"{each}: {size}" for each, size in table.sizes.items()) or "one number"
+        raise InputError(f"{name} must contain {variable} along {listed(axes)}, got {sizes}")
+    if table.dtype.kind not in "iuf":
+        raise InputError(f"{name} must contain {variable} as real numbers, got {table.dtype}")
+    return table.transpose(*axes)
 
 
 def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:

@@ -93,6 +93,7 @@ def test_a_solver_that_gives_up_is_status_1_and_one_line(
         (MemoryError(), 1, "not enough memory for this much data"),
         (ArchiveError("cannot write run.nc: the disk is full"), 1, "cannot write run.nc: the disk"),
         (OSError(28, "No space left on device", "a.png"), 1, "a.png: No space left on device"),
+        (OSError(24, "Too many open files"), 1, "Too many open files"),
     ],
 )
 def test_what_stops_a_command_gets_one_line(

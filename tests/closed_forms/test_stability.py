@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 
 from rotor_ida import DimensionalRotor, dimensional
 from rotor_ida.closed_forms import eigenvalues, stability_determinant, synchronous_response
+from rotor_ida.errors import InputError
 from rotor_ida.schema import STABILITY
 
 NAMES = ("amplitude", "phase_lag", "stability", "in_contact", "growth_rate")
@@ -249,3 +250,11 @@ def test_growth_rate_of_a_machine_is_in_seconds():
     assert found.growth_rate.attrs["units"] == "s-1"
     expected = whirls.growth_rate * machine.reference_frequency
     np.testing.assert_allclose(found.growth_rate.values, expected.values, rtol=1e-15)
+
+
+@pytest.mark.parametrize("function", [eigenvalues, stability_determinant])
+@pytest.mark.parametrize("name", ["amplitude", "omega", "zeta", "delta0", "shaft_stiffness"])
+def test_no_parameter_of_a_whirl_is_negative(function, name):
+    given = {"amplitude": 4.0, "omega": 1.0, "zeta": 0.5, "delta0": 0.5} | {name: -0.25}
+    with pytest.raises(InputError, match=rf"{name} must be zero or positive, got -0.25"):
+        function(given.pop("amplitude"), **given)
