@@ -333,7 +333,7 @@ def _array(name: str, values: object) -> npt.NDArray[Any]:
     except OverflowError:
         length = MOST_NUMBERS + 1
     size = getattr(values, "size", length)
-    length = max(length, size) if isinstance(size, Integral) else length
+    length = max(length, int(size)) if isinstance(size, Integral) else length
     if length > MOST_NUMBERS and not isinstance(values, str):
         raise InputError(f"{name} must contain at most {MOST_NUMBERS} numbers, got {shown(values)}")
     within = values if isinstance(values, (list, tuple)) else ()
