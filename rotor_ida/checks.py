@@ -356,6 +356,8 @@ def _array(name: str, values: object) -> npt.NDArray[Any]:
         length = 1
     except OverflowError:
         length = MOST_NUMBERS + 1
+    size = getattr(values, "size", length)
+    length = max(length, int(size)) if isinstance(size, Integral) else length
     if length > MOST_NUMBERS and not isinstance(values, str):
         raise InputError(f"{name} must contain at most {MOST_NUMBERS} numbers, got {shown(values)}")
     within = values if isinstance(values, (list, tuple)) else ()

@@ -203,3 +203,9 @@ def test_a_duration_is_refused_where_doubles_no_longer_tell_phases_apart(omega):
     assert check_duration("duration", np.nextafter(bound, 0.0), omega) < bound
     with pytest.raises(InputError):
         check_duration("duration", bound, omega)
+
+
+def test_numbers_are_counted_along_every_axis_before_they_are_read():
+    wide = np.broadcast_to(0.5, (2, 1_000_000_000))
+    with pytest.raises(InputError, match="speeds must contain at most 10000000 numbers, got"):
+        check_array("speeds", wide)

@@ -168,9 +168,10 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
             copy_values(motion, motion->before, reached);
             return NO_ROOT;
         }
+        status = check_speed(motion, &end, reached);
+        if (status != DONE)
+            return status;
         add_spent(motion, end, reached);
-        if (has_stalled(motion, reached))
-            return STALLED;
         raise_peak_of_contact(peak, motion, end, reached);
         const struct step step = {motion, end, reached[CONTACT_T], reached};
         status = observe_step(run, &step);

@@ -34,7 +34,8 @@ enum status {
     NO_SOLVER = 1006,   /* CVODE could not be opened */
     FULL_INSIDE = 1007, /* they are full within a contact: the caller begins anew with more room */
     UNBALANCED = 1008,  /* the energy of a contact does not balance */
-    STALLED = 1009      /* the speed fell through 0, where the torque turns the rotor no more */
+    STALLED = 1009,     /* the speed fell through 0, where the torque turns the rotor no more */
+    RUNAWAY = 1010      /* the torque lets the speed run away */
 };
 
 /* How a speed changes up to a time. At its beginning a prescribed one is `speed`. */

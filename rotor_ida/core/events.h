@@ -1,7 +1,7 @@
 /* The event loop and its parts: how it begins (start.c), what it integrates (contact_phase.c and
  * free_phase.c), what changes the way in which a contact goes on (guards.c finds the place,
- * friction.c says what follows, also at a release and a press), whether a contact balances
- * (balance.c), and the loop itself (events.c). */
+ * friction.c says what follows, also at a release and a press), whether a speed can be followed
+ * (speed_limits.c), whether a contact balances (balance.c), and the loop itself (events.c). */
 #ifndef ROTOR_IDA_EVENTS_H
 #define ROTOR_IDA_EVENTS_H
 
@@ -70,6 +70,10 @@ void record_change(struct run *run, const struct motion *motion, int kind, int b
 int integrate_contact(struct run *run, struct motion *motion, const double *start,
                       const double *atol, double *reached, struct peak *peak, int *left);
 int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int *touched);
+
+/* Whether the speed falls below 0 in the last step up to `end`, which then ends there, or has run
+ * away (speed_limits.c). */
+int check_speed(struct motion *motion, double *end, double *reached);
 
 /* Let the speed change as the present piece has it. */
 void begin_piece(struct run *run);

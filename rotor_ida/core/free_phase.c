@@ -126,10 +126,9 @@ int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int
         end = *touched ? touch : smaller(motion->point, duration);
         raise_peak(peak, motion, end);
         copy_values(motion, motion->at(motion, end), reached);
-        if (has_stalled(motion, reached)) {
-            status = STALLED;
+        status = check_speed(motion, &end, reached);
+        if (status != DONE)
             break;
-        }
         const struct step step = {motion, end, end, reached};
         status = observe_step(run, &step);
         over = *touched || end >= duration;

@@ -96,10 +96,10 @@ static inline double rim_of(const struct motion *motion, const double *values)
     return SPEED_CHANGES ? motion->model.disc_radius * speed_of(motion, values) : motion->model.rim;
 }
 
-/* Whether a speed that a torque drives has fallen through 0. */
-static inline int has_stalled(const struct motion *motion, const double *values)
+/* Whether a torque drives the speed. */
+static inline int is_driven(const struct motion *motion)
 {
-    return SPEED_CHANGES && motion->model.inverse_inertia > 0.0 && speed_of(motion, values) < 0.0;
+    return SPEED_CHANGES && motion->model.inverse_inertia > 0.0;
 }
 
 /* Whether surfaces slide in a contact, or the disc rolls. */

@@ -240,6 +240,24 @@ static double contact_step(struct taylor *taylor)
     return IS_GENERAL ? with_one_change(taylor, with_one_release(taylor, step)) : step;
 }
 
+/* A step, cut so that a speed that a torque drives, if it may fall to 0, turns at most once. */
+static double with_one_turn(struct taylor *taylor, double step)
+{
+    const struct motion *motion = &taylor->motion;
+    if (!is_driven(motion) || isnan(step))
+        return step;
+    const int column = is_contact(motion) ? (int)CONTACT_SPEED : (int)CARTESIAN_SPEED;
+    double rates[ORDERS] = {0.0}, size = 0.0, change = 0.0, scale = 1.0;
+    for (int n = 0; n < taylor->order; n++) {
+        rates[n] = (n + 1) * taylor->series.terms[n + 1][column];
+        size += fabs(rates[n]) * scale;
+        scale *= step;
+        change += fabs(taylor->series.terms[n + 1][column]) * scale;
+    }
+    return change < speed_of(motion, motion->before) ? step
+                                                     : with_one_zero(taylor, rates, 1, size, step);
+}
+
 /* A radius inside which the force changes the velocity by less than the tolerance.
  *
  * The time inside is at most r/speed or sqrt(2 r/push), and the force below r**1.5. */
@@ -441,6 +459,7 @@ static int advance(struct motion *motion)
     double step = flies                ? flight_step(taylor)
                   : is_contact(motion) ? contact_step(taylor)
                                        : cartesian_step(taylor, inner);
+    step = with_one_turn(taylor, step);
     if (HAS_NEIGHBOURS && motion->tangents && !isnan(step))
         step = smaller(step, step_of_differences(taylor));
     if (isnan(step))

@@ -148,7 +148,7 @@ def _checked_parameters(parameters: object) -> tuple[str, str]:
 def _checked_limits(
     names: tuple[str, str], limits: object, rotor: Rotor
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    pair = limits.tolist() if isinstance(limits, np.ndarray) else limits
+    pair = limits.tolist() if isinstance(limits, np.ndarray) and limits.shape == (2, 2) else limits
     if isinstance(limits, Mapping):
         if set(limits) != set(names):
             raise InputError(f"limits must be of {' and '.join(names)}, got {shown(limits)}")

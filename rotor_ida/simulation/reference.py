@@ -33,6 +33,7 @@ from sksundae.ida import IDA
 
 from rotor_ida.arrays import ROUNDING, Stop, Values
 from rotor_ida.checks import State
+from rotor_ida.core.interface import MESSAGES, RUNAWAY, STALLED
 from rotor_ida.core.runs import EXTREMUM
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import force_over_radius
@@ -70,7 +71,7 @@ from rotor_ida.simulation.mechanics import (
     rolled,
     slip_of,
 )
-from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.options import LARGEST, Options
 from rotor_ida.simulation.orbit import (
     ENTRY,
     EXIT,
@@ -87,7 +88,7 @@ from rotor_ida.simulation.spin import GAINED, SPEED, SpeedProfile, steady
 
 Function = Callable[[float, Values], float]
 
-# Fractions of a step checked for a release, a press, and the largest force.
+# Fractions of a step checked for a release, a press, the largest force, and a speed below 0.
 LOOKS = 4
 # SUNDIALS may need a few calls for a step: after a reading the first one only returns to its end.
 MOST_IDLE_STEPS = 100
@@ -190,10 +191,11 @@ class Integration:
             )
         )
 
-    def failure(self, message: str) -> SimulationError:
-        """Return the error that ends the run at the current time."""
-        x, y, vx, vy = self.before[:IMPULSE].tolist()
-        return SimulationError(message, time=self.low, state=(x, y, vx, vy))
+    def failure(self, message: str, time: float | None = None) -> SimulationError:
+        """Return the error that ends the run, at a time of the last step or at its beginning."""
+        ended = self.low if time is None else time
+        x, y, vx, vy = self.at(ended)[:IMPULSE].tolist()
+        return SimulationError(message, time=ended, state=(x, y, vx, vy))
 
 
 # ---- The run ----
@@ -340,8 +342,8 @@ def _follow_piece(
             ends = EXIT if mode != FLIGHT else ENTRY
             event = ends if crossing <= change else kind
         end = first if event else min(motion.high, until)
-        if state.size > SPEED and motion.at(end)[SPEED] < 0.0:
-            raise motion.failure("the speed fell through 0: the torque no longer turns the rotor")
+        if state.size > SPEED:
+            _check_speed(motion, rates, end)
         for candidate in (turn, end):
             if candidate <= end:
                 contact.pass_by(candidate, motion.at(candidate))
@@ -469,6 +471,27 @@ def _first_below(motion: Integration, within: Function, hidden: float) -> float:
                 return motion.root(within, point, high)
             return _next(low)
     return math.inf
+
+
+def _check_speed(motion: Integration, rates: Rates, end: float) -> None:
+    """Raise `SimulationError` where a driven speed leaves 0 to `LARGEST` in the last step."""
+    rate = np.empty_like(motion.before)
+
+    def growth(time: float, state: Values) -> float:
+        rates(time, state, rate)
+        return float(rate[SPEED])
+
+    low = motion.low
+    for to in np.linspace(motion.low, end, LOOKS + 1)[1:].tolist():
+        turns = growth(low, motion.at(low)) * growth(to, motion.at(to)) < 0.0
+        for point in (motion.root(growth, low, to), to) if turns else (to,):
+            if motion.at(point)[SPEED] < 0.0:
+                still = motion.at(low)[SPEED] <= 0.0
+                stall = low if still else motion.root(lambda _, state: state[SPEED], low, point)
+                raise motion.failure(MESSAGES[STALLED], stall)
+            low = point
+    if motion.at(end)[SPEED] > LARGEST:
+        raise motion.failure(MESSAGES[RUNAWAY], end)
 
 
 def _turn_in(motion: Integration) -> float:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +17,7 @@ from rotor_ida.checks import (
     check_array,
     check_between,
     check_duration,
+    check_increasing,
     check_instance,
     check_nonnegative,
     check_positive,
@@ -46,6 +46,10 @@ from rotor_ida.simulation.spin import SpeedProfile, driven, through
 
 # The disc is often 10^5 eccentricities wide, and its inertia grows with the square of that.
 SMALLEST_DRIVE, LARGEST_DRIVE = 1e-12, 1e15
+# Powers of e above this leave the range of doubles.
+LARGEST_EXPONENT = 700.0
+# Below this the difference quotient of the growth is rounding.
+SMALLEST_GROWTH = 1e-6
 # More radians of spin, or of motion at the reference frequency, take an hour or more.
 MOST_RADIANS = {"python": 1e7, "compiled": 1e8}
 WAYS = "by to and rate or ramp_time, by speeds, or by torque and inertia"
@@ -243,7 +247,8 @@ def _speed_change_of(
                 or_time = " or ramp_time" if other == "rate" else ""
                 raise InputError(f"{other}{or_time} must be given with {name}, got None")
     if "torque" in given:
-        change = _by_torque(rotor, given["torque"], given["inertia"], duration)
+        most = MOST_RADIANS[options.backend]
+        change = _by_torque(rotor, given["torque"], given["inertia"], duration, most)
     elif "speeds" in given:
         change = _piece_by_piece(rotor, given["speeds"], duration)
     else:
@@ -295,11 +300,16 @@ def _piece_by_piece(rotor: Rotor, speeds: object, duration: float | None) -> _Sp
     times, values = table.T.tolist()
     if times[0] != 0.0:
         raise InputError(f"the first time of speeds must be 0, got {times[0]!r}")
-    for before, after in pairwise(times):
-        if after <= before:
-            raise InputError(f"times of speeds must increase, got {after!r} after {before!r}")
+    check_increasing("times of speeds", table[:, 0])
     for value in values:
         _checked_speed("a speed of speeds", value)
+    with np.errstate(over="ignore"):
+        slopes = np.diff(table[:, 1]) / np.diff(table[:, 0])
+    for place in np.flatnonzero(np.abs(slopes) > LARGEST)[:1].tolist():
+        raise InputError(
+            f"the rate of speeds must lie within {LARGEST:g} of zero, got {float(slopes[place])!r} "
+            f"from time {times[place]!r} to {times[place + 1]!r}"
+        )
     last = check_duration("the last time of speeds", times[-1], max(values))
     end = _checked_end(duration, last, max(values))
     profile = through(list(zip(times, values, strict=True)), end)
@@ -307,7 +317,7 @@ def _piece_by_piece(rotor: Rotor, speeds: object, duration: float | None) -> _Sp
 
 
 def _by_torque(
-    rotor: Rotor, torque: object, inertia: object, duration: float | None
+    rotor: Rotor, torque: object, inertia: object, duration: float | None, most: float
 ) -> _SpeedChange:
     """Return a profile that a torque drives."""
     pair = check_array("torque", torque, largest=LARGEST_DRIVE)
@@ -322,9 +332,39 @@ def _by_torque(
     if duration is None:
         raise InputError("duration must be given with torque, got None")
     end = check_duration("duration", duration, rotor.omega)
+    _check_runaway(rotor, (tau0, slope), moment, end, most)
     return _SpeedChange(
         rotor, driven((tau0, slope), moment, end), {"torque": pair, "inertia": moment}
     )
+
+
+def _check_runaway(
+    rotor: Rotor, torque: tuple[float, float], inertia: float, duration: float, most: float
+) -> None:
+    """Raise `InputError` if a torque lets the speed run away, beyond `LARGEST` or `most` radians.
+
+    Far above resonance the unbalance whirls at radius 1, and damping resists by ``2 zeta theta'``.
+    The turns count only where nothing resists there: elsewhere resonance may hold the speed.
+    """
+    tau0, slope = torque
+    resisted = slope + 2.0 * rotor.zeta
+    if resisted * duration / inertia > most:
+        raise InputError(
+            f"inertia must be at least {resisted * duration / most:.3g} with torque {torque!r} and "
+            f"duration {duration!r}, or the run would take an hour or more, got {inertia!r}"
+        )
+    growth = min(-resisted * duration / inertia, LARGEST_EXPONENT)
+    faster = tau0 * duration / inertia
+    mean = math.expm1(growth) / growth if growth else 1.0
+    rise = (mean - 1.0) / growth if abs(growth) > SMALLEST_GROWTH else 0.5
+    speed = rotor.omega * math.exp(growth) + faster * mean
+    radians = (rotor.omega * mean + faster * rise) * duration if growth >= 0.0 else 0.0
+    if speed > LARGEST or radians > most:
+        raise InputError(
+            f"torque, inertia and duration must keep the speed below {LARGEST:g} and a speed that "
+            f"grows without bound within {most:g} radians, got torque {torque!r}, inertia "
+            f"{inertia!r} and duration {duration!r}, which lead to a speed of about {speed:.3g}"
+        )
 
 
 def _checked_speed(name: str, value: object) -> float:

@@ -8,11 +8,13 @@ integrated with the motion.
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.core.runs import PIECE, SPIN, Rows
@@ -160,22 +162,31 @@ class SpeedProfile:
     def spins_at(self, times: Values, states: Values) -> Rows:
         """Return angle and speed at given times and states, as rows of `SPIN`."""
         rows = np.empty(times.size, SPIN)
-        numbers = self.number_at(times)
-        for number, spin in enumerate(self.spins):
-            here = numbers == number
-            rows["angle"][here], rows["speed"][here] = spin.at(times[here], states[here])
+        for number, here in self._spans_of(times):
+            rows["angle"][here], rows["speed"][here] = self.spins[number].at(
+                times[here], states[here]
+            )
         return rows
 
     def accelerations(
         self, times: Values, speeds: Values, reactions: Values, yielding: Any = 0.0
     ) -> Values:
         """Return the angular accelerations at times; see `Driven.acceleration`."""
-        numbers = self.number_at(times)
         faster = np.zeros(times.size)
-        for number, spin in enumerate(self.spins):
-            each = np.broadcast_to(spin.acceleration(speeds, reactions, yielding), times.shape)
-            faster[numbers == number] = each[numbers == number]
+        held = np.broadcast_to(yielding, times.shape)
+        for number, here in self._spans_of(times):
+            faster[here] = self.spins[number].acceleration(
+                speeds[here], reactions[here], held[here]
+            )
         return faster
+
+    def _spans_of(self, times: Values) -> Iterator[tuple[int, npt.NDArray[np.intp]]]:
+        """Yield each spin that applies at some of the times, and their places."""
+        numbers = self.number_at(times)
+        order = np.argsort(numbers, kind="stable")
+        begins = np.flatnonzero(np.diff(numbers[order], prepend=-1))
+        for begin, end in pairwise([*begins.tolist(), times.size]):
+            yield int(numbers[order[begin]]), order[begin:end]
 
 
 def steady(speed: float, duration: float) -> SpeedProfile:

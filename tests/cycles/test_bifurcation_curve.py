@@ -249,3 +249,13 @@ def test_at_a_cusp_two_folds_meet_by_the_power_three_halves():
     assert len(aside) >= 3
     power = np.polyfit(np.log(aside), np.log(apart), 1)[0]
     assert power == pytest.approx(1.5, abs=0.05)
+
+
+def test_limits_of_a_billion_numbers_are_refused_before_they_are_read():
+    billion = np.broadcast_to(0.5, 1_000_000_000)
+    for limits in (billion, np.broadcast_to(0.5, (2, 1_000_000_000)), range(1_000_000_000)):
+        with pytest.raises(InputError, match="limits must be two pairs of numbers, got"):
+            bifurcation_curve(FULL.rotor, start=FULL.state, kind="fold", limits=limits)
+    named = {"omega": billion, "delta0": (0.4, 0.6)}
+    with pytest.raises(InputError, match="limits must contain at most 10000000 numbers, got"):
+        bifurcation_curve(FULL.rotor, start=FULL.state, kind="fold", limits=named)
