@@ -159,7 +159,8 @@ int core_system_run(struct system_run *run)
     if (!run->began) {
         if (!has_room_for_step(run))
             return FULL;
-        turn_as_prescribed(run);
+        if (!work->has_torque)
+            turn_as_prescribed(run);
         status = begin_contacts(work);
         run->began = 1;
     }

@@ -148,7 +148,7 @@ def errors_of(
         good = count if same.all() else int(np.argmin(same))
         largest = differences[:good].copy()
         for back in range(1, MEMORY):
-            np.maximum(largest[back:], differences[: good - back], out=largest[back:])
+            np.maximum(largest[back:], differences[: max(good - back, 0)], out=largest[back:])
         spans = np.sqrt(1.0 + np.arange(good))
         rounding = 4.0 * np.spacing(times[:good]) * spans
         errors[own[:good]] = WIDENING * largest + rounding
