@@ -128,7 +128,7 @@ def simulate_system(
     ...     system, contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0, exponent=1.0)],
     ...     unbalance=[Unbalance(node="disc", moment=1.0)], speed=0.9, duration=20.0, samples=3)
     >>> run.event_time.values.round(6)[:2], run.event_kind.values[:2]
-    (array([4.180398, 5.508013]), array([ 1, -1], dtype=int8))
+    (array([ 4.350352, 11.973831]), array([ 1, -1], dtype=int8))
     """
     omega = check_real("speed", speed)
     end = check_positive("duration", duration)
