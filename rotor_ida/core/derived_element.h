@@ -13,8 +13,8 @@ struct element {
 enum { ELEMENT_ROOT, ELEMENT_X, ELEMENT_Y, ELEMENT_VX, ELEMENT_VY, ELEMENT_SPIN, ELEMENT_RACE, ELEMENT_GIVEN };
 enum { ELEMENT_NORMAL_X, ELEMENT_NORMAL_Y, ELEMENT_APPROACH, ELEMENT_SLIP, ELEMENT_PUSH, ELEMENT_FORCE_X, ELEMENT_FORCE_Y, ELEMENT_TURNING, ELEMENT_POWER, ELEMENT_HEAT, ELEMENT_ANSWERS };
 
-/* Coefficient n of what a contact answers, from those up to n of what it is given: 15 lanes.
- * At n = 0 its lanes must be empty. */
+/* Coefficient n of what a contact answers, by 15 lanes, from those up to n of what
+ * it is given. At n = 0 its lanes must be empty. */
 static inline void element_order(const struct element *m,
     struct series *series, int n, double *answers)
 {

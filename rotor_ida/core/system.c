@@ -1,9 +1,9 @@
 /* The linear part of a rotor system: the Taylor series of one step.
  *
  * Coefficient n of the accelerations is one product of the matrices with coefficients n of
- * displacement and velocity, what the contacts answer (derived_element.h), and what is implicit: the
- * tangential forces of contacts that roll and, under a torque, the rate of the spin. These appear
- * linearly, with the same matrix at each order. */
+ * displacement and velocity, what the contacts answer (derived_element.h), and what is implicit:
+ * the tangential forces of contacts that roll and, under a torque, the rate of the spin. These
+ * appear linearly, with the same matrix at each order. */
 #include "system_work.h"
 
 /* The step is taken where the last terms reach the tolerance; lower ones may be larger by this
@@ -154,7 +154,8 @@ static void ask_contacts(struct work *work, int n)
         double *given = each->series.terms[n];
         for (int j = 0; j < 2; j++) {
             const double *row = each->rows + j * work->stride;
-            given[ELEMENT_X + j] = sum_of_products(row, y, work->stride) - (n == 0 ? each->law->offset[j] : 0.0);
+            given[ELEMENT_X + j] = sum_of_products(row, y, work->stride)
+                                   - (n == 0 ? each->law->offset[j] : 0.0);
             if (is_touching(each))
                 given[ELEMENT_VX + j] = sum_of_products(row, v, work->stride);
         }
@@ -503,7 +504,8 @@ static void go_on(struct work *work, int n)
             terms[ELEMENT_ROOT] = next_root(work, each, n);
         if (law->inverse_race_inertia > 0.0) {
             double rate = -law->race_drag
-                          * convolved(work->pace, 1, &each->series.terms[0][ELEMENT_RACE], WIDTH, n);
+                          * convolved(work->pace, 1, &each->series.terms[0][ELEMENT_RACE], WIDTH,
+                                      n);
             if (is_pressed(each))
                 rate += law->race_radius * convolved(work->pace, 1, each->drag, 1, n);
             terms[ELEMENT_RACE] = rate * law->inverse_race_inertia * share;
@@ -687,9 +689,8 @@ static void keep_episode(struct work *work, struct touching *each, double point,
         episode->rolling_time += span;
     } else {
         episode->heat += integral_of(work, &answers[ELEMENT_HEAT], ELEMENT_ANSWERS, point);
-        episode->slip_distance += each->touch->sense
-                                  * integral_of(work, &answers[ELEMENT_SLIP], ELEMENT_ANSWERS,
-                                                point);
+        episode->slip_distance +=
+            each->touch->sense * integral_of(work, &answers[ELEMENT_SLIP], ELEMENT_ANSWERS, point);
     }
     for (int n = 0; n < work->order; n++) {
         double at_rim = each->law->radius * work->spin[n]

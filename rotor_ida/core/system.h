@@ -18,8 +18,8 @@ struct system_law {
     double race_radius, inverse_race_inertia, race_drag;
 };
 
-/* How a contact goes on: `way` as in core.h, the root of its indentation, the speed of its race, and
- * the sense in which surfaces slide. */
+/* How a contact goes on: `way` as in core.h, the root of its indentation, the speed of its race,
+ * and the sense in which surfaces slide. */
 struct system_touch {
     double root, race, sense;
     int32_t way;
@@ -52,8 +52,8 @@ struct system_run {
 
     const struct piece *pieces;
     int64_t piece_count, piece;
-    double inertia; /* about the axis of rotation; 0 where the speed is prescribed */
-    double rtol;    /* of one step */
+    double inertia;                /* about the axis of rotation; 0 where the speed is prescribed */
+    double rtol;                   /* of one step */
     double displacement, velocity; /* by which errors are measured */
     double fastest;                /* a bound of the system's own rates, without contacts */
     int64_t order;
@@ -62,13 +62,13 @@ struct system_run {
 
     double time, speed, angle;
     double piece_time, piece_angle; /* where the present piece of a prescribed speed began */
-    double *state; /* two rows: y and y' */
+    double *state;                  /* two rows: y and y' */
     struct ledger ledger;
     int32_t began; /* whether the ways of the contacts are decided */
     int32_t unused;
 
     const double *sample_times;
-    double *samples; /* two rows each */
+    double *samples;       /* two rows each */
     double *sample_forces; /* 4 a contact: normal, tangential, slip, way; NULL if not wanted */
     double *sample_turns;  /* 2 each: angle and speed */
     int64_t sample_count, sampled;

@@ -76,24 +76,15 @@ static double fall_within(const double *terms, const double *bernstein, int orde
         return bernstein[order] < 0.0 ? high : INFINITY;
     double left[GAP_TERMS], right[GAP_TERMS];
     memcpy(right, bernstein, sizeof(double) * (size_t)(order + 1));
-    for (int k = 0; k <= order; k++) { /* de Casteljau */
+    for (int k = 0; k <= order; k++) { /* de Casteljau: row k of means, from 0 to order - k */
         left[k] = right[0];
         for (int j = 0; j < order - k; j++)
             right[j] = 0.5 * (right[j] + right[j + 1]);
+        /* right[order - k] keeps the last of row k: coefficient order - k of the right half */
     }
-    /* what is left in `right` are the coefficients of the right half, the last first */
-    for (int j = 0; j < order / 2 + order % 2; j++) {
-        const double kept = right[j];
-        right[j] = right[order - j];
-        right[order - j] = kept;
-    }
-    double swapped[GAP_TERMS];
-    for (int j = 0; j <= order; j++)
-        swapped[j] = right[order - j];
     const double middle = 0.5 * (low + high);
     const double first = fall_within(terms, left, order, low, middle, shortest);
-    return first < INFINITY ? first
-                            : fall_within(terms, swapped, order, middle, high, shortest);
+    return first < INFINITY ? first : fall_within(terms, right, order, middle, high, shortest);
 }
 
 double first_fall(const double *terms, int apart, int order, double step, int zeros)
@@ -163,7 +154,8 @@ static double guard_of_slip(const struct work *work, const struct touching *each
         for (int n = 0; n < work->order; n++)
             left[n] = each->law->friction * each->answers[n][ELEMENT_PUSH]
                       - (side ? -1.0 : 1.0) * each->drag[n];
-        first = smaller(first, first_fall(left, 1, work->order - 1, step, each->touch->zeros[OF_SLIP]));
+        first = smaller(first,
+                        first_fall(left, 1, work->order - 1, step, each->touch->zeros[OF_SLIP]));
     }
     return first;
 }
@@ -203,7 +195,8 @@ static void values_of_touch(const struct work *work, const struct touching *each
     double given[ELEMENT_GIVEN];
     for (int j = 0; j < 2; j++) {
         const double *row = each->rows + j * work->stride;
-        given[ELEMENT_X + j] = sum_of_products(row, run->state, work->stride) - each->law->offset[j];
+        given[ELEMENT_X + j] = sum_of_products(row, run->state, work->stride)
+                               - each->law->offset[j];
         given[ELEMENT_VX + j] = sum_of_products(row, run->state + work->stride, work->stride);
     }
     given[ELEMENT_ROOT] = is_touching(each) ? each->touch->root : 0.0;
@@ -315,7 +308,9 @@ static void slide(const struct work *work, struct touching *each, const double *
 static void open_episode(struct work *work, int contact, double entry)
 {
     struct system_run *run = work->run;
-    run->open[contact] = (struct episode){.contact = contact, .entry = entry, .exit = NAN,
+    run->open[contact] = (struct episode){.contact = contact,
+                                          .entry = entry,
+                                          .exit = NAN,
                                           .peak_time = run->time,
                                           .peak_root = run->touches[contact].root};
 }
@@ -332,12 +327,11 @@ static void pass_edge(struct work *work)
         if (!is_touching(each) || each->touch->root > 0.0)
             continue;
         const double *answers = each->answers[0], *row = work->acceleration;
-        const double around = answers[ELEMENT_TURNING]; /* d' u'.t/|u| */
-        (void)around;
         const double approach = fmax(answers[ELEMENT_APPROACH], 0.0);
-        const double outwards = answers[ELEMENT_NORMAL_X] * sum_of_products(each->rows, row, work->stride)
-                                + answers[ELEMENT_NORMAL_Y]
-                                      * sum_of_products(each->rows + work->stride, row, work->stride);
+        const double outwards =
+            answers[ELEMENT_NORMAL_X] * sum_of_products(each->rows, row, work->stride)
+            + answers[ELEMENT_NORMAL_Y]
+                  * sum_of_products(each->rows + work->stride, row, work->stride);
         const double depth = PASSED * each->law->clearance;
         double needed = approach > 0.0 ? depth / approach : INFINITY;
         if (outwards > 0.0)

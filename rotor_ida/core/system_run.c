@@ -68,8 +68,8 @@ static void sample(struct work *work, double point)
     }
     for (int64_t i = 0; i < run->contact_count; i++) {
         const struct touching *each = &work->touching[i];
-        double *forces = &run->sample_forces[(run->sampled * run->contact_count + i)
-                                             * FORCES_A_CONTACT];
+        double *forces =
+            &run->sample_forces[(run->sampled * run->contact_count + i) * FORCES_A_CONTACT];
         const double *answers = each->answers[0];
         forces[0] = forces[1] = 0.0;
         forces[2] = NAN;

@@ -16,7 +16,7 @@ enum { OF_ROOT, OF_FORCE, OF_SLIP, GUARDS };
 struct touching {
     const struct system_law *law;
     struct system_touch *touch;
-    const double *rows;  /* two of `stride` */
+    const double *rows; /* two of `stride` */
     struct element element;
     struct series series;
     double answers[ORDERS][ELEMENT_ANSWERS];
@@ -38,7 +38,8 @@ struct work {
     double time[ORDERS], pace[ORDERS], cosine[ORDERS], sine[ORDERS];
     double spin[ORDERS], spin_rate[ORDERS], spin_square[ORDERS], turning[ORDERS];
     double by_cosine[ORDERS], by_sine[ORDERS]; /* what multiplies the unbalance's two rows */
-    /* what is solved for at each order: the tangential forces that roll, and the rate of the spin */
+    /* what is solved for at each order: the tangential forces that roll, and the rate of the spin
+     */
     int rolling[MOST_CONTACTS], rolls;
     double matrix[MOST_CONTACTS + 1][MOST_CONTACTS + 1];
     int pivot[MOST_CONTACTS + 1];

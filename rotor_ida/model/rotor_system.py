@@ -204,12 +204,10 @@ def _square(name: str, given: object, size: int | None = None) -> Values:
     if hasattr(given, "toarray"):
         given = given.toarray()
     values = check_array(name, given)
-    if values.ndim != 2 or values.shape[0] != values.shape[1] or values.size == 0:  # noqa: PLR2004
+    if values.ndim != 2 or values.shape[0] != values.shape[1] or values.size == 0:
         raise InputError(f"{name} must be a square matrix, got an array of shape {values.shape}")
     if size is not None and len(values) != size:
-        raise InputError(
-            f"{name} must have the shape of mass, {(size, size)}, got {values.shape}"
-        )
+        raise InputError(f"{name} must have the shape of mass, {(size, size)}, got {values.shape}")
     return values.copy()
 
 

@@ -75,7 +75,7 @@ def _arguments(arrays: dict[str, Any], path: str) -> dict[str, Any]:
             found[own] = given.ravel() if own == "static_force" else given
         elif name.startswith(NODE):
             node = np.asarray(values.toarray() if hasattr(values, "toarray") else values)
-            nodes[name.removeprefix(NODE)] = node.ravel() if node.size == 2 else node  # noqa: PLR2004
+            nodes[name.removeprefix(NODE)] = node.ravel() if node.size == 2 else node
     missing = [name for name in ("mass", "stiffness") if name not in found]
     if missing:
         held = ", ".join(sorted(arrays)) or "nothing"

@@ -192,9 +192,7 @@ class Unbalance:
 
     def __post_init__(self) -> None:
         where = f"of the unbalance at {self.node!r}"
-        object.__setattr__(
-            self, "moment", check_nonnegative(f"moment {where}", self.moment)
-        )
+        object.__setattr__(self, "moment", check_nonnegative(f"moment {where}", self.moment))
         object.__setattr__(self, "phase", check_real(f"phase {where}", self.phase))
         if not math.isfinite(self.phase):
             raise InputError(f"phase {where} must be finite, got {self.phase!r}")

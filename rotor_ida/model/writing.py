@@ -597,9 +597,7 @@ def _element() -> str:
         f"sum_known(series, n, {-(-lanes // LANES_A_VECTOR)});",
         *_given(nodes, given, "here"), *lines, *answered,
     ]  # fmt: skip
-    values = _values(
-        [(f"answers[{p}]", a) for p, a in zip(places, answers, strict=True)], given
-    )
+    values = _values([(f"answers[{p}]", a) for p, a in zip(places, answers, strict=True)], given)
     head = "static inline void {}(const struct element *m,\n    {}, double *answers)"
     return "\n".join(
         [
@@ -616,8 +614,8 @@ def _element() -> str:
             f"enum {{ {', '.join([*(_place(given, n) for n in (*element.GIVEN, 'given'))])} }};",
             f"enum {{ {', '.join([*places, 'ELEMENT_ANSWERS'])} }};",
             "",
-            f"/* Coefficient n of what a contact answers, from those up to n of what it is given: {lanes} lanes.",
-            " * At n = 0 its lanes must be empty. */",
+            f"/* Coefficient n of what a contact answers, by {lanes} lanes, from those up to n of what",
+            " * it is given. At n = 0 its lanes must be empty. */",
             head.format("element_order", "struct series *series, int n"),
             "{", *(f"    {line}" for line in series), "}",
             "",

@@ -143,15 +143,21 @@ def assemble(
             place = system.size + 2 * stators.index(each.stator)
             rows[number, :, place : place + 2] = -np.eye(2)
     _check_contacts(contacts)
-    joined = _joined(system, stators)
+    mass, stiffness = (_joined(system, stators, name) for name in ("mass", "stiffness"))
+    assert mass is not None
+    assert stiffness is not None
     return Assembly(
         system=system,
         contacts=tuple(contacts),
         stators=stators,
         rows=rows,
         unbalance=_unbalance(system, unbalance, size),
-        force=_force(system, stators, joined["mass"], gravity, static_force),
-        **joined,
+        force=_force(system, stators, mass, gravity, static_force),
+        mass=mass,
+        stiffness=stiffness,
+        damping=_joined(system, stators, "damping"),
+        gyroscopic=_joined(system, stators, "gyroscopic"),
+        stiffness_rate=_joined(system, stators, "stiffness_rate"),
     )
 
 
@@ -194,23 +200,15 @@ def _check_contacts(contacts: Sequence[Contact]) -> None:
         seen[place] = number
 
 
-def _joined(system: RotorSystem, stators: Sequence[Stator]) -> dict[str, Values | None]:
-    """Return the matrices of rotor and stators."""
-    mounts = {
-        "mass": [np.diag((each.mass, each.mass)) for each in stators],
-        "stiffness": [np.diag(each.stiffness) for each in stators],  # type: ignore[arg-type]
-        "damping": [np.diag(each.damping) for each in stators],  # type: ignore[arg-type]
-    }
-    joined: dict[str, Values | None] = {}
-    for name in ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate"):
-        own = getattr(system, name)
-        of_stators = mounts.get(name, [np.zeros((2, 2)) for _ in stators])
-        if own is None and not any(each.any() for each in of_stators):
-            joined[name] = None
-            continue
-        matrix = np.zeros((system.size, system.size)) if own is None else own
-        joined[name] = np.asarray(block_diag(matrix, *of_stators))
-    return joined
+def _joined(system: RotorSystem, stators: Sequence[Stator], name: str) -> Values | None:
+    """Return a matrix of rotor and stators; None where it is of neither."""
+    own = getattr(system, name)
+    mounts = [np.zeros((2, 2)) for _ in stators]
+    if name in {"mass", "stiffness", "damping"}:
+        mounts = [np.diag(np.broadcast_to(getattr(each, name), 2)) for each in stators]
+    if own is None and not any(each.any() for each in mounts):
+        return None
+    return np.asarray(block_diag(np.zeros_like(system.mass) if own is None else own, *mounts))
 
 
 def _unbalance(system: RotorSystem, unbalance: Sequence[Unbalance], size: int) -> Values:
@@ -227,12 +225,11 @@ def _unbalance(system: RotorSystem, unbalance: Sequence[Unbalance], size: int) -
 def _force(
     system: RotorSystem,
     stators: Sequence[Stator],
-    mass: Values | None,
+    mass: Values,
     gravity: tuple[float, float] | None,
     static_force: npt.ArrayLike | None,
 ) -> Values:
     """Return the constant force: gravity, the system's own, and another."""
-    assert mass is not None
     force = np.zeros(len(mass))
     if system.static_force is not None:
         force[: system.size] += system.static_force

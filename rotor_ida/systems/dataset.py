@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Column, Values
-from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import (
     DAMPED_EVENT_KIND,
@@ -56,7 +55,7 @@ def system_dataset(
         "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
         "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
         **_forces(followed),
-        **_episodes(assembly, followed),
+        **_episodes(followed),
     }  # fmt: skip
     if any(race is not None for race in assembly.races):
         variables["event_race_speed"] = (("event", "contact"), result.event_races)
@@ -87,14 +86,12 @@ def _forces(followed: Followed) -> dict[str, Column]:
     }  # fmt: skip
 
 
-def _episodes(assembly: Assembly, followed: Followed) -> dict[str, Column]:
+def _episodes(followed: Followed) -> dict[str, Column]:
     """Return the table of contacts: one row from each entry to its exit, by time of entry."""
     table = followed.result.episodes
-    table = table[np.argsort(np.where(np.isnan(table["entry"]), -1.0, table["entry"]), kind="stable")]
+    begun = np.where(np.isnan(table["entry"]), -1.0, table["entry"])
+    table = table[np.argsort(begun, kind="stable")]
     number = table["contact"].astype(int)
-    contacts = assembly.contacts
-    hertz = np.array([each.exponent == HERTZ_EXPONENT for each in contacts], bool)[number]
-    stiffness = np.array([each.stiffness for each in contacts])[number]
     lasts = np.isnan(table["entry"]) | np.isnan(table["exit"])
     columns = {
         "episode_contact": number.astype(np.int16),
@@ -106,7 +103,6 @@ def _episodes(assembly: Assembly, followed: Followed) -> dict[str, Column]:
         "heat": table["heat"], "slip_distance": table["slip_distance"],
         "rolling_time": table["rolling_time"],
     }  # fmt: skip
-    del hertz, stiffness
     return {name: ("episode", np.ascontiguousarray(each)) for name, each in columns.items()}
 
 

@@ -10,11 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from rotor_ida.arrays import ROUNDING, Stop, Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.core.interface import DONE, message_of
-from rotor_ida.core.runs import NO_STOP, Rows
+from rotor_ida.core.runs import NO_STOP
 from rotor_ida.core.systems import LAW, SystemRequest, SystemResult, follow_system
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import HERTZ_EXPONENT
@@ -172,10 +171,3 @@ def size_of_energy(found: Canonical, states: Values) -> float:
     bent = np.abs(np.einsum("ij,ij->i", y, y @ found.stiffness.T))
     sizes = 0.5 * (v**2).sum(axis=1) + 0.5 * bent + np.abs(y @ found.force)
     return float(sizes.max(initial=0.0))
-
-
-Flags = npt.NDArray[np.int32]
-__all__ = [
-    "ROUNDING", "Followed", "Rows", "check_status", "energy_of", "errors_of", "follow_twice",
-    "request_of", "scales_of", "size_of_energy",
-]  # fmt: skip

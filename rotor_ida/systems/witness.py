@@ -8,7 +8,7 @@ contacts have no variables of their own.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from rotor_ida.simulation.orbit import (
     ROLLS,
     SLIP,
 )
-from rotor_ida.simulation.reference import Integration
+from rotor_ida.simulation.reference import Function, Integration
 from rotor_ida.simulation.spin import SpeedProfile
 from rotor_ida.systems.following import Followed, check_status, errors_of, follow_system_again
 
@@ -206,6 +206,10 @@ class _Run:
                 guards[i, 2] = law["friction"] * touch.push(way) - abs(holds[i])
         return guards
 
+    def guard_of(self, number: int, guard: int) -> Function:
+        """Return one guard of a contact, as a function of time and state."""
+        return lambda time, state: float(self.guards(time, state)[number, guard])
+
 
 def settle(run: _Run, time: float, state: Values) -> None:
     """Decide how contacts whose surfaces do not slide go on: each holds, or is at its limit.
@@ -306,33 +310,30 @@ def _change(run: _Run, time: float, number: int, guard: int, state: Values) -> N
         _record(run, time, kind, number, state)
 
 
-def _first_crossing(
-    run: _Run, motion: Integration, limit: float
-) -> tuple[float, int, int] | None:
+def _first_crossing(run: _Run, motion: Integration, limit: float) -> tuple[float, int, int] | None:
     """Return time, contact and guard of the first fall through 0 in the last step."""
     high = min(motion.high, limit)
     points = np.linspace(motion.low, high, LOOKS + 1)
-    before = run.guards(points[0], motion.at(points[0]))
-    for low, point in zip(points[:-1], points[1:], strict=True):
+    before = run.guards(motion.low, motion.at(motion.low))
+    for low, point in pairwise(points.tolist()):
         after = run.guards(point, motion.at(point))
         falls = np.argwhere((before > 0.0) & (after <= 0.0))
         found = [
-            (motion.root(lambda t, s, i=i, g=g: float(run.guards(t, s)[i, g]), low, point), i, g)
+            (motion.root(run.guard_of(int(i), int(g)), low, point), int(i), int(g))
             for i, g in falls
         ]
         if found:
-            time, contact, guard = min(found)
-            return time, int(contact), int(guard)
+            return min(found)
         before = after
     return None
 
 
-def _sample(run: _Run, motion: Integration, until: float, *, last: bool) -> None:
+def _sample(run: _Run, motion: Integration, until: float) -> None:
     """Report the samples of a step up to a time."""
-    times, n = run.request.times, run.size
+    times = run.request.times
     while len(run.samples) < times.size:
         time = float(times[len(run.samples)])
-        if time > until or (time == until and not last and until != motion.low):
+        if time > until:
             break
         state = motion.at(time)
         run.samples.append(state)
@@ -341,10 +342,10 @@ def _sample(run: _Run, motion: Integration, until: float, *, last: bool) -> None
         for i, way in enumerate(run.ways):
             touch = run.touch(i, time, state)
             push = touch.push(way)
-            drag = holds.get(i, run.request.laws[i]["friction"] * way * push if abs(way) == 1 else 0)
+            slides = run.request.laws[i]["friction"] * way * push if abs(way) == 1 else 0.0
+            drag = holds.get(i, slides)
             rows[i] = push, drag, np.nan if way == FLIES else touch.slip, way
         run.forces.append(rows)
-    del n
 
 
 def run_by_cvode(
@@ -377,7 +378,7 @@ def run_by_cvode(
             motion.advance()
             found = _first_crossing(run, motion, limit)
             until = found[0] if found else min(motion.high, limit)
-            _sample(run, motion, until, last=True)
+            _sample(run, motion, until)
             if found or motion.high >= limit or stop[0]:
                 break
         time, state = until, motion.at(until)
