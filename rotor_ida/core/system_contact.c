@@ -9,6 +9,10 @@ static const double TOGETHER = 1e-7;
 static const double SIDE = 8.0 * 2.220446049250313e-16;
 /* Slower, in parts of the scale of velocity, rounding decides in which sense surfaces slide. */
 static const double STILL = 1e-15;
+/* Smaller, in parts of the largest grip of this contact, rounding hides the force that rolling
+ * needs.
+ */
+static const double HIDDEN = 1e-12;
 /* An interval so short, in steps, holds no two zeros that could be told apart. */
 static const double SHORTEST = 1e-15;
 enum { MOST_SWEEPS = 500, GAP_TERMS = 2 * ORDERS };
@@ -149,7 +153,15 @@ static double guard_of_slip(const struct work *work, const struct touching *each
             left[n] = each->touch->sense * each->answers[n][ELEMENT_SLIP];
         return first_fall(left, 1, work->order, step, each->touch->zeros[OF_SLIP]);
     }
-    double first = INFINITY;
+    const double largest = fmax(work->run->open[each - work->touching].largest_force,
+                                each->answers[0][ELEMENT_PUSH]);
+    double first = INFINITY, size = 0.0, scale = 1.0;
+    for (int n = 0; n < work->order; n++) {
+        size += fabs(each->drag[n]) * scale;
+        scale *= step;
+    }
+    if (size <= HIDDEN * each->law->friction * largest)
+        return INFINITY;
     for (int side = 0; side < 2; side++) {
         for (int n = 0; n < work->order; n++)
             left[n] = each->law->friction * each->answers[n][ELEMENT_PUSH]
@@ -414,19 +426,36 @@ static void leave_contact(struct work *work, int contact)
     record_system_event(run, EXIT, contact);
 }
 
+/* Whether a contact is all but at its end. */
+static int is_at_end(const struct work *work, const struct touching *each)
+{
+    if (!is_touching(each) || each->touch->root >= TOGETHER * sqrt(each->law->clearance))
+        return 0;
+    double answers[ELEMENT_ANSWERS];
+    values_of_touch(work, each, answers);
+    return answers[ELEMENT_APPROACH] < 0.0;
+}
+
 static int happens_exit(struct work *work, int contact)
 {
     leave_contact(work, contact);
     for (int i = 0; i < (int)work->run->contact_count; i++) {
-        const struct touching *each = &work->touching[i];
-        if (is_touching(each) && each->touch->root < TOGETHER * sqrt(each->law->clearance)) {
-            double answers[ELEMENT_ANSWERS];
-            values_of_touch(work, each, answers);
-            if (answers[ELEMENT_APPROACH] < 0.0)
-                leave_contact(work, i);
-        }
+        if (is_at_end(work, &work->touching[i]))
+            leave_contact(work, i);
     }
     return settle_others(work, -1);
+}
+
+int leave_together(struct work *work)
+{
+    int count = 0, last = -1;
+    for (int i = 0; i < (int)work->run->contact_count; i++) {
+        if (is_at_end(work, &work->touching[i])) {
+            count++;
+            last = i;
+        }
+    }
+    return count > 1 ? happens_exit(work, last) : DONE;
 }
 
 /* A contact is loose from here on, or pressed again. */

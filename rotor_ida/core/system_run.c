@@ -148,6 +148,11 @@ static int take_step(struct work *work, int *is_idle)
     *is_idle = run->time <= before;
     if (happens)
         return change_contact(work, what);
+    if (work->moves) {
+        const int status = leave_together(work);
+        if (status != DONE)
+            return status;
+    }
     return ends && run->time < run->duration ? pass_system_piece(work) : DONE;
 }
 

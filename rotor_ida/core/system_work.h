@@ -132,6 +132,8 @@ struct happening {
 struct happening first_happening(struct work *work, double step);
 /* Do what follows from it, and record it. */
 int change_contact(struct work *work, struct happening what);
+/* End contacts together whose roots fall to 0 together: the fictitious time does not get there. */
+int leave_together(struct work *work);
 /* Decide at the start which contacts touch, and at a jump of the acceleration which still roll. */
 int begin_contacts(struct work *work);
 int settle(struct work *work);

@@ -22,7 +22,7 @@ from rotor_ida.systems.following import Followed
 # Units by the scale of a quantity.
 SI = {
     "length": "m", "time": "s", "velocity": "m s-1", "force": "N", "impulse": "N s", "energy": "J",
-    "rate": "s-1",
+    "rate": "rad s-1", "speed": "rad s-1",
 }  # fmt: skip
 
 
@@ -49,7 +49,7 @@ def system_dataset(
         "event_kind": ("event", kinds),
         "event_contact": ("event", result.event_contacts.astype(np.int16)),
         "event_time_error": ("event", followed.event_time_errors),
-        "event_state": (("event", "coordinate"), event_q.reshape(len(kinds), -1)),
+        "event_state": (("event", "coordinate"), event_q.reshape(len(kinds), 2 * assembly.size)),
         "horizon": ((), followed.horizon),
         "final_state": ("coordinate", found.to_q(result.state).ravel()),
         "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
