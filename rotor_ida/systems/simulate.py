@@ -49,8 +49,9 @@ TIGHTEST_RTOL, LOOSEST_RTOL = 1e-14, 1e-4
 FEWEST_SAMPLES = 1001
 MOST_SAMPLES = 200_000
 # Forces beyond their limits, and energy that is missing, in parts of their size: rounding, and what
-# tolerances allow. The energy of 300 random systems was missing by at most 4e-11.
-UNEXACT = 1e-8
+# the tolerance allows. Of 300 random systems the energy was missing by at most 4.2e-11 at rtol 1e-10
+# and 1.4e-6 at 1e-6.
+ROUNDED, OF_TOLERANCE = 1e-9, 30.0
 
 
 def simulate_system(
@@ -303,7 +304,7 @@ def _simulate(
         return follow_by_cvode(request, profile, tolerance, method, stop)
 
     followed = interruptible(follow)
-    _check(assembly, found, request.start, followed)
+    _check(assembly, found, request.start, followed, ROUNDED + OF_TOLERANCE * tolerance)
     told = {"method": method, "rtol": tolerance, "duration": end, **change}
     return system_dataset(
         assembly, found, followed, times, told, change_speed="speed" not in change
@@ -385,7 +386,9 @@ def settled(assembly: Assembly, speed: float) -> Values:
     return np.array([still + whirl.real, (1j * speed * whirl).real])
 
 
-def _check(assembly: Assembly, found: Canonical, start: Values, followed: Followed) -> None:
+def _check(
+    assembly: Assembly, found: Canonical, start: Values, followed: Followed, allowed: float
+) -> None:
     """Raise an error where a run contradicts the mechanics."""
     result = followed.result
     for number, contact in enumerate(assembly.contacts):
@@ -394,23 +397,23 @@ def _check(assembly: Assembly, found: Canonical, start: Values, followed: Follow
         if (edges[1:] == edges[:-1]).any():
             raise InvariantError(f"entry and exit of contact {number} do not alternate")
         normal, tangential = result.forces[:, number, 0], result.forces[:, number, 1]
-        rounded = UNEXACT * float(normal.max(initial=0.0))
+        rounded = allowed * float(normal.max(initial=0.0))
         if normal.min(initial=0.0) < -rounded:
             raise InvariantError(f"the normal force of contact {number} is tensile")
         if (np.abs(tangential) > contact.friction * normal + rounded).any():
             raise InvariantError(f"contact {number} holds more than its friction can")
     if not math.isnan(result.ledger["unbalance"]):  # CVODE keeps none
-        _check_energy(found, start, result)
+        _check_energy(found, start, result, allowed)
 
 
-def _check_energy(found: Canonical, start: Values, result: SystemResult) -> None:
+def _check_energy(found: Canonical, start: Values, result: SystemResult, allowed: float) -> None:
     """Compare the energy at both ends with what was gained and lost in between."""
     spent = result.ledger
     kept = energy_of(found, result.state) - energy_of(found, start)
     lost = sum(spent[name] for name in ("damping", "stiffness_rate", "normal", "tangential"))
     size = size_of_energy(found, np.concatenate([start[np.newaxis], result.samples]))
     turnover = size + sum(map(abs, spent.values()))
-    if abs(kept - spent["unbalance"] + lost) > UNEXACT * turnover:
+    if abs(kept - spent["unbalance"] + lost) > allowed * turnover:
         raise InvariantError(
             f"the energy does not balance: {kept:.9g} kept, {spent['unbalance'] - lost:.9g} gained"
         )
