@@ -1,7 +1,7 @@
 """Read the matrices of a rotor system: .npz, .mat, or a folder of Matrix Market files.
 
-Names are those of `RotorSystem`, or the letters of the equation: ``mass`` or ``M``, ``stiffness`` or
-``K``, ``damping`` or ``C``, ``gyroscopic`` or ``G``, ``stiffness_rate`` or ``K_dot``. Nodes are
+Names are those of `RotorSystem`, or the letters of the equation: ``mass`` or ``M``, ``stiffness``
+or ``K``, ``damping`` or ``C``, ``gyroscopic`` or ``G``, ``stiffness_rate`` or ``K_dot``. Nodes are
 arrays ``node_NAME``: two indices, counted from 0, or two rows.
 """
 
@@ -51,7 +51,8 @@ def read_system(path: str | Path) -> dict[str, Any]:
             arrays = _matlab(place)
         else:
             raise InputError(
-                f"a system must be a .npz or .mat file, or a folder of .mtx files, got {str(path)!r}"
+                "a system must be a .npz or .mat file, or a folder of .mtx files, got "
+                f"{str(path)!r}"
             )
     except InputError:
         raise

@@ -132,7 +132,7 @@ class Contact:
     race: Race | None = None
 
     def __post_init__(self) -> None:
-        where = f"of the contact at {self.node!r}"
+        where = f"of the contact at {_node(self.node)}"
         for name, check in (
             ("clearance", check_positive), ("stiffness", check_positive),
             ("damping", check_nonnegative), ("friction", check_nonnegative),
@@ -191,7 +191,7 @@ class Unbalance:
     phase: float = 0.0
 
     def __post_init__(self) -> None:
-        where = f"of the unbalance at {self.node!r}"
+        where = f"of the unbalance at {_node(self.node)}"
         object.__setattr__(self, "moment", check_nonnegative(f"moment {where}", self.moment))
         object.__setattr__(self, "phase", check_real(f"phase {where}", self.phase))
         if not math.isfinite(self.phase):
@@ -205,3 +205,10 @@ def _along_both(name: str, value: float | Sequence[float]) -> tuple[float, float
         raise InputError(f"{name} must be one or two numbers of at least 0, got {shown(value)}")
     pair = numbers if numbers.shape else (numbers, numbers)
     return float(pair[0]), float(pair[1])
+
+
+def _node(name: object) -> str:
+    """Return the name of a node as messages show it."""
+    if not isinstance(name, str):
+        raise InputError(f"node must be the name of a node, got {shown(name)}")
+    return shown(name)

@@ -49,8 +49,8 @@ TIGHTEST_RTOL, LOOSEST_RTOL = 1e-14, 1e-4
 FEWEST_SAMPLES = 1001
 MOST_SAMPLES = 200_000
 # Forces beyond their limits, and energy that is missing, in parts of their size: rounding, and what
-# the tolerance allows. Of 300 random systems the energy was missing by at most 4.2e-11 at rtol 1e-10
-# and 1.4e-6 at 1e-6.
+# the tolerance allows. The energy of 300 random systems was missing by at most 4.2e-11 at rtol
+# 1e-10, and 1.4e-6 at 1e-6.
 ROUNDED, OF_TOLERANCE = 1e-9, 30.0
 
 
