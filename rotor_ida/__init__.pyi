@@ -22,6 +22,11 @@ from .fitting.fit import fit as fit
 from .model.data_sheet import machine_from_data_sheet as machine_from_data_sheet
 from .model.rotor import DimensionalRotor as DimensionalRotor
 from .model.rotor import Rotor as Rotor
+from .model.rotor_system import RotorSystem as RotorSystem
+from .model.system_parts import Contact as Contact
+from .model.system_parts import Race as Race
+from .model.system_parts import Stator as Stator
+from .model.system_parts import Unbalance as Unbalance
 from .results.archive import load as load
 from .results.archive import open_archive as open_archive
 from .results.archive import save as save
@@ -47,12 +52,12 @@ from .signals.spectra import spectrogram as spectrogram
 from .signals.spectra import spectrum as spectrum
 from .simulation.contact_table import contact_summary as contact_summary
 from .simulation.lyapunov import lyapunov_exponent as lyapunov_exponent
-from .simulation.run_up import run_up as run_up
 from .simulation.sections import poincare_section as poincare_section
-from .simulation.simulate import simulate as simulate
 from .steady.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
 from .steady.run_up_summary import summary as summary
 from .steady.run_ups import run_ups as run_ups
 from .steady.sweep import sweep as sweep
+from .systems.dispatch import run_up as run_up
+from .systems.dispatch import simulate as simulate
 from .verification.compare import compare as compare
 from .verification.resume import resume as resume

@@ -269,6 +269,15 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
 }
 
 
+GIVEN |= {
+    "RotorSystem": lambda _: {"mass": np.eye(2), "stiffness": np.eye(2), "nodes": {"a": (0, 1)}},
+    "Contact": lambda _: {"node": "disc", "clearance": 0.5, "stiffness": 4.0},
+    "Stator": lambda _: {"mass": 1.0, "stiffness": 2.0},
+    "Race": lambda _: {"radius": 1.0, "inertia": 2.0},
+    "Unbalance": lambda _: {"node": "disc", "moment": 1.0},
+}  # fmt: skip
+
+
 def rubbing() -> Rotor:
     rotor = Rotor(omega=1.2, zeta=0.1, delta0=1.0)
     for name, value in (("friction", 0.2), ("disc_radius", 10.0)):

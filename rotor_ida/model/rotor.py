@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypedDict
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +30,10 @@ from rotor_ida.model.parameters import (
     check_together,
 )
 from rotor_ida.units import SPEED_UNITS, SpeedUnit
+
+if TYPE_CHECKING:
+    from rotor_ida.model.rotor_system import RotorSystem
+    from rotor_ida.model.system_parts import Contact, Unbalance
 
 # Quotients and products of smaller or larger scales leave the range of doubles.
 SMALLEST_SCALE = 1e-100
@@ -120,10 +124,56 @@ class Rotor:
         beyond = _not_default(self)
         return beyond if self.friction > 0.0 else without(beyond, "disc_radius")
 
+    def system(self) -> tuple[RotorSystem, list[Contact], list[Unbalance]]:
+        """Return the same rotor as a rotor system of one node, ``"disc"``.
+
+        Returns
+        -------
+        system, contacts, unbalance
+            For `simulate_system`, which takes the speed ``omega`` apart.
+
+        Raises
+        ------
+        InputError
+            If the clearance is 0.
+
+        Examples
+        --------
+        >>> system, (contact,), (unbalance,) = Rotor(omega=2.0, zeta=0.07, delta0=0.5).system()
+        >>> system, contact.clearance, unbalance.moment
+        (RotorSystem(2 degrees of freedom, node disc), 0.5, 1.0)
+        """
+        from rotor_ida.model.system_parts import Contact  # noqa: PLC0415
+
+        contact = Contact(
+            node="disc", clearance=self.delta0, stiffness=1.0, exponent=self.contact_exponent,
+            damping=self.contact_damping, friction=self.friction, radius=self.disc_radius,
+        )  # fmt: skip
+        return _disc(
+            mass=1.0, damping=2.0 * self.zeta, stiffness=self.shaft_stiffness, load=self.load,
+            contact=contact, moment=1.0, units="1",
+        )  # fmt: skip
+
     @property
     def given(self) -> dict[str, float]:
         """The arguments of an equal rotor: the paper's parameters, and those not the default."""
         return {name: getattr(self, name) for name in PARAMETERS} | _not_default(self)
+
+
+def _disc(
+    *, mass: float, damping: float, stiffness: float, load: float, contact: Contact,
+    moment: float, units: Literal["SI", "1"],
+) -> tuple[RotorSystem, list[Contact], list[Unbalance]]:  # fmt: skip
+    """Return one disc as a rotor system, with its contact and its unbalance."""
+    from rotor_ida.model.rotor_system import RotorSystem  # noqa: PLC0415 - loads scipy
+    from rotor_ida.model.system_parts import Unbalance  # noqa: PLC0415
+
+    both = np.eye(2)
+    system = RotorSystem(
+        mass=mass * both, stiffness=stiffness * both, damping=damping * both,
+        nodes={contact.node: (0, 1)}, static_force=np.array([0.0, -load]), units=units,
+    )  # fmt: skip
+    return system, [contact], [Unbalance(node=contact.node, moment=moment)]
 
 
 def _set_checked(rotor: Rotor | DimensionalRotor, table: Mapping[str, Parameter]) -> None:
@@ -328,6 +378,28 @@ class DimensionalRotor:
     def given(self) -> dict[str, float]:
         """The arguments of an equal machine: the paper's parameters, and those not the default."""
         return {name: getattr(self, name) for name in MACHINE_PARAMETERS} | _not_default(self)
+
+    def system(self) -> tuple[RotorSystem, list[Contact], list[Unbalance]]:
+        """Return the same machine as a rotor system of one node, as `Rotor.system` does, in SI.
+
+        Examples
+        --------
+        >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+        ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
+        >>> machine.system()[2]
+        [Unbalance(node='disc', moment=4e-06, phase=0.0)]
+        """
+        from rotor_ida.model.system_parts import Contact  # noqa: PLC0415
+
+        contact = Contact(
+            node="disc", clearance=self.clearance, stiffness=self.contact_stiffness,
+            exponent=self.contact_exponent, damping=self.contact_damping, friction=self.friction,
+            radius=self.disc_radius,
+        )  # fmt: skip
+        return _disc(
+            mass=self.mass, damping=self.damping, stiffness=self.shaft_stiffness, load=self.load,
+            contact=contact, moment=self.mass * self.eccentricity, units="SI",
+        )  # fmt: skip
 
     def rotor(self) -> Rotor:
         """Return the equivalent dimensionless rotor."""

@@ -21,7 +21,9 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import SimpleNamespace
 
+from rotor_ida.model import element
 from rotor_ida.model.derivation import (
     Derived,
     derive,
@@ -35,7 +37,7 @@ from rotor_ida.model.derivation import (
 from rotor_ida.model.modes import PAPER, WHOLE, Mode, Model
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.spinning import OF_DRIVE, RUN_UP
-from rotor_ida.model.symbols import Symbol, split
+from rotor_ida.model.symbols import Graph, Symbol, named_as_in, split
 
 MODELS = (PAPER, WHOLE, RUN_UP)
 # Condition for compiling each.
@@ -549,7 +551,7 @@ def _declare_absent(model: Model) -> list[str]:
 def sources() -> dict[str, str]:
     """Return the names and contents of all derived files."""
     files = {name: text for model in MODELS for name, text in sources_of(model).items()}
-    return files | {"derived_rotor.h": _rotor()}
+    return files | {"derived_rotor.h": _rotor(), "derived_element.h": _element()}
 
 
 def _rotor() -> str:
@@ -572,6 +574,59 @@ def _rotor() -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def _element() -> str:
+    """Return the law of one contact of a rotor system: its series, order by order, and values."""
+    graph = Graph()
+    contact = SimpleNamespace(**{name: graph.parameter(name) for name in element.PARAMETERS})
+    with named_as_in("element.py"):
+        answers = element.answers_of([graph.state(name) for name in element.GIVEN], contact)
+    nodes = [node for node in needed(answers) if node.changes]
+    names = _names_of(nodes, answers)
+    lanes = sum(lanes_of(node) for node in nodes if needs_convolution(node))
+    given = Mode("element", element.GIVEN, *(None,) * 3, (), None)  # type: ignore[arg-type]
+    before, lines = _recurrences(given, nodes, names)
+    writer = Writer(lambda name: name, names, one="one")
+    places = [f"ELEMENT_{name.upper()}" for name in element.ANSWERS]
+    answered = [f"answers[{p}] = {writer(a)};" for p, a in zip(places, answers, strict=True)]
+    series = [
+        f'_Static_assert({len(element.GIVEN)} <= WIDTH && {lanes} <= LANES, "series.h has no room");',
+        "const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;",
+        *[line for line in before if not _is_idle(line, [*before, *lines])],
+        f"sum_known(series, n, {-(-lanes // LANES_A_VECTOR)});",
+        *_given(nodes, given, "here"), *lines, *answered,
+    ]  # fmt: skip
+    values = _values([(f"answers[{p}]", a) for p, a in zip(places, answers, strict=True)], given)
+    head = "static inline void {}(const struct element *m,\n    {}, double *answers)"
+    return "\n".join(
+        [
+            f"/* Derived from rotor_ida/model/element.py by `{COMMAND}`. */",
+            "/* clang-format off */",
+            "#ifndef ROTOR_IDA_DERIVED_ELEMENT_H",
+            "#define ROTOR_IDA_DERIVED_ELEMENT_H",
+            "",
+            '#include "series.h"',
+            "",
+            "/* What the law of a contact knows. */",
+            f"struct element {{\n    double {', '.join(element.PARAMETERS)};\n}};",
+            "",
+            f"enum {{ {', '.join([*(_place(given, n) for n in (*element.GIVEN, 'given'))])} }};",
+            f"enum {{ {', '.join([*places, 'ELEMENT_ANSWERS'])} }};",
+            "",
+            "/* Coefficient n of what a contact answers, from those up to n of what it is given, by",
+            f" * {lanes} lanes, which must be empty at n = 0. */",
+            head.format("element_order", "struct series *series, int n"),
+            "{", *(f"    {line}" for line in series), "}",
+            "",
+            "/* What it answers, as values. */",
+            head.format("element_values", "const double *state"),
+            "{", *(f"    {line}" for line in values), "}",
+            "",
+            "#endif",
+            "",
+        ]
+    )  # fmt: skip
 
 
 def sources_of(model: Model) -> dict[str, str]:

@@ -81,6 +81,10 @@ KINDS = {
     kind.name: kind
     for kind in (
         Kind(
+            name="system_run", meaning="run of a rotor system", variables=("x", "event_contact"),
+            dims=("t", "node"),
+        ),
+        Kind(
             name="comparison", meaning="comparison", variables=("matched_branch",),
             shown=f"{_SHOWN}:show_comparison",
         ),

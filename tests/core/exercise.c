@@ -10,8 +10,9 @@
 #include <string.h>
 #include <sys/time.h>
 
-#include "core.h"
 #include "observers.h"
+#include "series.h"
+#include "system.h"
 
 static stop_flag stop;
 
@@ -678,6 +679,98 @@ static void lanes(void)
     }
 }
 
+/* Systems of odd sizes, with and without each matrix, in tables that are filled again and again. */
+static void systems(void)
+{
+    enum { ROWS = 8, MOST = 16 };
+    for (int kind = 0; kind < 24; kind++) {
+        const int64_t size = kind == 0 ? 2 : 1 + 3 * (kind % 5) + 1, stride = (size + 3) / 4 * 4;
+        const int64_t contacts = kind % 4, square = size * stride, width = 2 * stride + contacts;
+        const int64_t samples = kind % 3 == 0 ? 0 : 20;
+        double *matrices = room_for(4 * square, sizeof(double));
+        for (int64_t i = 0; i < 4 * square; i++)
+            matrices[i] = kind == 7 ? NAN : i % stride < size ? 0.3 * (uniform() - 0.5) : 0.0;
+        for (int64_t i = 0; i < size; i++)
+            matrices[i * stride + i] += 2.0;
+        double *vectors = room_for((3 + 2 * contacts) * stride, sizeof(double));
+        for (int64_t i = 0; i < (3 + 2 * contacts) * stride; i++)
+            vectors[i] = i % stride < size ? uniform() : 0.0;
+        struct system_law laws[MOST] = {0};
+        struct system_touch touches[MOST] = {0};
+        struct episode open[MOST] = {0}, *episodes = room_for(ROWS, sizeof(struct episode));
+        for (int64_t i = 0; i < contacts; i++)
+            laws[i] = (struct system_law){.clearance = 0.1 + 0.2 * uniform(),
+                                          .hertz = 30.0 * (kind % 2),
+                                          .linear = 30.0 * (kind % 2 == 0),
+                                          .contact_damping = kind % 3,
+                                          .friction = 0.3 * (kind % 5 > 1),
+                                          .radius = 1.0,
+                                          .race_radius = kind % 7 == 1,
+                                          .inverse_race_inertia = kind % 7 == 1,
+                                          .race_drag = 0.1};
+        struct piece pieces[] = {{1.0, kind % 3 == 1 ? 0.5 : 0.0, 1.0, 0.3, kind % 3 == 2, 1.2},
+                                 {9.0, 0.0, 1.0, 0.3, kind % 3 == 2, 1.7}};
+        double *state = room_for(2 * stride, sizeof(double)), times[20];
+        memset(state, 0, sizeof(double) * (size_t)(2 * stride));
+        for (int i = 0; i < 20; i++)
+            times[i] = 0.3 * i;
+        double *sampled = room_for(samples * (2 * stride + 4 * contacts + 2), sizeof(double));
+        double *events = room_for(ROWS * (width + 3), sizeof(double));
+        int32_t *kinds = room_for(2 * ROWS, sizeof(int32_t));
+        double *room = room_for(core_system_room(size, contacts), sizeof(double));
+        struct system_run run = {.size = size,
+                                 .stride = stride,
+                                 .contact_count = contacts,
+                                 .stiffness = matrices,
+                                 .damping = kind % 2 ? matrices + square : NULL,
+                                 .gyroscopic = kind % 3 ? matrices + 2 * square : NULL,
+                                 .stiffness_rate = kind % 4 ? matrices + 3 * square : NULL,
+                                 .unbalance = vectors,
+                                 .force = vectors + 2 * stride,
+                                 .rows = vectors + 3 * stride,
+                                 .laws = laws,
+                                 .touches = touches,
+                                 .pieces = pieces,
+                                 .piece_count = 2,
+                                 .inertia = 9.0 * size,
+                                 .rtol = kind == 9 ? 0.0 : 1e-10,
+                                 .displacement = 0.1,
+                                 .velocity = 0.1,
+                                 .fastest = 3.0,
+                                 .order = kind % 2 ? HIGHEST_ORDER : 12,
+                                 .duration = kind == 11 ? 0.0 : 6.0,
+                                 .stop = &stop,
+                                 .speed = 1.2,
+                                 .state = state,
+                                 .sample_times = times,
+                                 .samples = sampled,
+                                 .sample_forces = sampled + samples * 2 * stride,
+                                 .sample_turns = sampled + samples * (2 * stride + 4 * contacts),
+                                 .sample_count = samples,
+                                 .event_times = events,
+                                 .event_turns = events + ROWS,
+                                 .event_states = events + 3 * ROWS,
+                                 .event_kinds = kinds,
+                                 .event_contacts = kinds + ROWS,
+                                 .event_room = ROWS,
+                                 .episodes = episodes,
+                                 .open = open,
+                                 .episode_room = ROWS,
+                                 .room = room};
+        stop_after(200000);
+        while (core_system_run(&run) == FULL)
+            run.events = run.episode_count = 0; /* what is full is written over */
+        free(room);
+        free(kinds);
+        free(events);
+        free(sampled);
+        free(state);
+        free(episodes);
+        free(vectors);
+        free(matrices);
+    }
+}
+
 int main(void)
 {
     const struct sigaction action = {.sa_handler = ask_to_stop};
@@ -694,6 +787,7 @@ int main(void)
         stretches();
         single_states();
         lanes();
+        systems();
     }
     puts("done");
     return 0;

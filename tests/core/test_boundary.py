@@ -34,6 +34,7 @@ from rotor_ida.core.interface import (
     RunStruct,
 )
 from rotor_ida.core.runs import RunRequest
+from rotor_ida.core.systems import EPISODE, LAW, TOUCH, SystemRunStruct
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 
@@ -373,10 +374,11 @@ def test_the_interpreter_is_free_while_the_core_works():
 SIZES = """
 #include <stddef.h>
 #include <stdio.h>
-#include "core.h"
+#include "system.h"
 int main(void)
 {
-    printf("%zu %zu %zu", sizeof(struct rotor), sizeof(struct run), sizeof(struct sundials));
+    printf("%zu %zu %zu %zu", sizeof(struct rotor), sizeof(struct run), sizeof(struct sundials),
+           sizeof(struct system_run));
     OFFSETS
 }
 """
@@ -389,7 +391,10 @@ def test_structures_are_those_of_the_header(tmp_path):
     compiler = run_path(str(ROOT / "hatch_build.py"))["find_compiler"]()
     if compiler is None:
         pytest.skip("no C compiler is installed")
-    structures = {"rotor": RotorStruct, "run": RunStruct, "sundials": sundials.SundialsStruct}
+    structures = {
+        "rotor": RotorStruct, "run": RunStruct, "sundials": sundials.SundialsStruct,
+        "system_run": SystemRunStruct,
+    }  # fmt: skip
     fields = [(name, field[0]) for name, each in structures.items() for field in each._fields_]
     offsets = "".join(
         f'printf(" %zu", offsetof(struct {name}, {field}));' for name, field in fields
@@ -402,6 +407,11 @@ def test_structures_are_those_of_the_header(tmp_path):
     expected = [ctypes.sizeof(each) for each in structures.values()]
     expected += [getattr(structures[name], field).offset for name, field in fields]
     assert [*map(int, said)] == expected
+
+
+def test_rows_of_systems_have_no_gaps():
+    """Those of ``struct system_law``, ``system_touch`` and ``episode`` are read as they are."""
+    assert [each.itemsize for each in (LAW, TOUCH, EPISODE)] == [11 * 8, 3 * 8 + 4 * 4, 11 * 8]
 
 
 def members(enum):

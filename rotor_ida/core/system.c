@@ -1,0 +1,743 @@
+/* The linear part of a rotor system: the Taylor series of one step.
+ *
+ * Coefficient n of the accelerations is one product of the matrices with coefficients n of
+ * displacement and velocity, what the contacts answer (derived_element.h), and what is implicit:
+ * the tangential forces of contacts that roll and, under a torque, the rate of the spin. These
+ * appear linearly, with the same matrix at each order. */
+#include "system_work.h"
+
+/* The step is taken where the last terms reach the tolerance; lower ones may be larger by this
+ * exponent an order, as they fall so where the order is best. */
+static const double FALL = 2.0;
+enum { TERMS_LOOKED_AT = 4 };
+/* A step turns the fastest motion by no more than this part of the order. */
+static const double FARTHEST = 0.25;
+/* The logarithm of a step that nothing limits. */
+static const double UNLIMITED = 200.0;
+/* Contacts of a root below this part of that of the clearance have a fictitious time. */
+static const double EDGE = 0.3;
+/* Bytes to which what a run works with is aligned. */
+enum { ALIGNED = 64 };
+
+int64_t core_system_room(int64_t size, int64_t contacts)
+{
+    (void)contacts;
+    const int64_t stride = (size + 3) / 4 * 4;
+    return (int64_t)(sizeof(struct work) / sizeof(double)) + 6 * ORDERS * stride + stride * stride
+           + (int64_t)(ALIGNED / sizeof(double));
+}
+
+struct work *open_work(struct system_run *run)
+{
+    const int64_t stride = run->stride, block = ORDERS * stride;
+    const size_t past = (uintptr_t)run->room % ALIGNED;
+    struct work *work = (struct work *)(void *)((char *)run->room + (ALIGNED - past));
+    double *rows = (double *)(void *)(work + 1);
+    work->run = run;
+    work->stride = stride;
+    work->order = (int)run->order;
+    work->y = rows;
+    work->v = rows + block;
+    work->acceleration = rows + 2 * block;
+    work->resisted = rows + 3 * block;
+    work->turned = rows + 4 * block;
+    work->stiffened = rows + 5 * block;
+    work->both = rows + 6 * block;
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        struct touching *each = &work->touching[i];
+        each->law = &run->laws[i];
+        each->touch = &run->touches[i];
+        each->rows = &run->rows[2 * i * stride];
+        memset(each->touch->zeros, 0, sizeof each->touch->zeros);
+        each->mobility = sum_of_products(each->rows, each->rows, stride)
+                         + sum_of_products(each->rows + stride, each->rows + stride, stride);
+        memset(each->series.terms, 0, sizeof each->series.terms);
+    }
+    return work;
+}
+
+void begin_system_piece(struct work *work)
+{
+    struct system_run *run = work->run;
+    const struct piece *piece = &run->pieces[run->piece];
+    work->has_torque = piece->inverse_inertia > 0.0;
+    work->has_rate = work->has_torque || piece->rate != 0.0;
+    if (!work->has_torque)
+        run->speed = piece->speed;
+    if (run->gyroscopic == NULL || work->has_rate)
+        return;
+    for (int64_t i = 0; i < run->size * run->stride; i++)
+        work->both[i] = (run->damping ? run->damping[i] : 0.0) + run->speed * run->gyroscopic[i];
+}
+
+/* Add a matrix times a row, or take it away: eight vectors of rows at a time. */
+static void multiply(const double *matrix, const double *row, double sign, int64_t size,
+                     int64_t stride, double *to)
+{
+    enum { BLOCK = 8 };
+    int64_t first = 0;
+    for (; first + 4 * BLOCK <= stride; first += 4 * BLOCK) {
+        vec4 sums[BLOCK];
+        for (int v = 0; v < BLOCK; v++)
+            sums[v] = load(&to[first + 4 * v]);
+        for (int64_t k = 0; k < size; k++) {
+            const vec4 by = spread(sign * row[k]);
+            for (int v = 0; v < BLOCK; v++)
+                sums[v] = fma4(load(&matrix[k * stride + first + 4 * v]), by, sums[v]);
+        }
+        for (int v = 0; v < BLOCK; v++)
+            store(&to[first + 4 * v], sums[v]);
+    }
+    for (; first < stride; first += 4) {
+        vec4 even = load(&to[first]), odd = spread(0.0);
+        int64_t k = 0;
+        for (; k + 1 < size; k += 2) {
+            even = fma4(load(&matrix[k * stride + first]), spread(sign * row[k]), even);
+            odd = fma4(load(&matrix[(k + 1) * stride + first]), spread(sign * row[k + 1]), odd);
+        }
+        if (k < size)
+            even = fma4(load(&matrix[k * stride + first]), spread(sign * row[k]), even);
+        store(&to[first], even + odd);
+    }
+}
+
+/* Write coefficient n of a product of a series with rows, from coefficient `from` of it. */
+static void convolve_rows(const struct work *work, const double *series, const double *rows, int n,
+                          int from, double sign, double *to)
+{
+    for (int64_t i = 0; i < work->stride; i += 4) {
+        vec4 sum = load(&to[i]);
+        for (int k = from; k <= n; k++)
+            sum = fma4(spread(sign * series[k]), load(&rows[(n - k) * work->stride + i]), sum);
+        store(&to[i], sum);
+    }
+}
+
+/* ---- Beginning ---- */
+
+void begin_terms(struct work *work)
+{
+    struct system_run *run = work->run;
+    const size_t bytes = sizeof(double) * (size_t)work->stride;
+    memcpy(work->y, run->state, bytes);
+    memcpy(work->v, run->state + work->stride, bytes);
+    work->time[0] = run->time;
+    work->spin[0] = run->speed;
+    work->cosine[0] = cos(run->angle);
+    work->sine[0] = sin(run->angle);
+    work->rolls = 0;
+    int edges = 0;
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        struct touching *each = &work->touching[i];
+        set_element(each);
+        begin_lanes(&each->series);
+        const double root = each->touch->root;
+        each->series.terms[0][ELEMENT_ROOT] = root;
+        each->series.terms[0][ELEMENT_RACE] = each->touch->race;
+        each->is_edge = is_touching(each) && root < EDGE * sqrt(each->law->clearance);
+        edges += each->is_edge;
+        if (each->touch->way == ROLLS)
+            work->rolling[work->rolls++] = (int)i;
+    }
+    work->moves = edges > 0;
+}
+
+/* ---- One order ---- */
+
+/* Give contacts coefficient n of their displacement and velocity, and take their answers. */
+static void ask_contacts(struct work *work, int n)
+{
+    struct system_run *run = work->run;
+    const double *y = row_of(work, work->y, n), *v = row_of(work, work->v, n);
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        struct touching *each = &work->touching[i];
+        double *given = each->series.terms[n];
+        for (int j = 0; j < 2; j++) {
+            const double *row = each->rows + j * work->stride;
+            given[ELEMENT_X + j] = sum_of_products(row, y, work->stride)
+                                   - (n == 0 ? each->law->offset[j] : 0.0);
+            if (is_touching(each))
+                given[ELEMENT_VX + j] = sum_of_products(row, v, work->stride);
+        }
+        given[ELEMENT_SPIN] = work->spin[n];
+        if (is_touching(each)) {
+            element_order(&each->element, &each->series, n, each->answers[n]);
+            each->drag[n] = each->element.friction * each->element.sigma
+                            * each->answers[n][ELEMENT_PUSH];
+        }
+    }
+}
+
+/* Coefficient n of the pace: the product of the roots of all contacts near their edges. */
+static void set_pace(struct work *work, int n)
+{
+    const int count = (int)work->run->contact_count;
+    if (!work->moves) {
+        work->pace[n] = n == 0 ? 1.0 : 0.0;
+        return;
+    }
+    double left[MOST_CONTACTS + 1][ORDERS]; /* only what is needed of them is written */
+    int edges[MOST_CONTACTS], found = 0;
+    for (int i = 0; i < count; i++) {
+        if (work->touching[i].is_edge)
+            edges[found++] = i;
+    }
+    for (int e = 0; e < found; e++) {
+        struct touching *each = &work->touching[edges[e]];
+        int factors = 0;
+        for (int other = 0; other < found; other++) {
+            if (other == e)
+                continue;
+            const double *root = &work->touching[edges[other]].series.terms[0][ELEMENT_ROOT];
+            for (int k = 0; k <= n; k++)
+                left[factors + 1][k] = factors == 0 ? root[k * WIDTH]
+                                                    : convolved(left[factors], 1, root, WIDTH, k);
+            factors++;
+        }
+        each->others[n] = factors > 0 ? left[factors][n] : n == 0 ? 1.0 : 0.0;
+    }
+    const struct touching *last = &work->touching[edges[found - 1]];
+    work->pace[n] = found == 1 ? last->series.terms[n][ELEMENT_ROOT]
+                               : convolved(last->others, 1, &last->series.terms[0][ELEMENT_ROOT],
+                                           WIDTH, n);
+}
+
+/* Coefficient n of what the speed does: its square, and the two factors of the unbalance, without
+ * what is implicit of them. */
+static void set_drive(struct work *work, int n)
+{
+    const double rate = work->run->pieces[work->run->piece].rate;
+    work->spin_square[n] = convolved(work->spin, 1, work->spin, 1, n);
+    work->turning[n] = convolved(work->pace, 1, work->spin, 1, n);
+    if (!work->has_torque)
+        work->spin_rate[n] = n == 0 ? rate : 0.0;
+    if (!work->has_rate) {
+        work->by_cosine[n] = work->spin_square[0] * work->cosine[n];
+        work->by_sine[n] = work->spin_square[0] * work->sine[n];
+        return;
+    }
+    const double *c = work->cosine, *s = work->sine, *d = work->spin_rate;
+    work->by_cosine[n] = convolved(work->spin_square, 1, c, 1, n);
+    work->by_sine[n] = convolved(work->spin_square, 1, s, 1, n);
+    work->by_cosine[n] += work->has_torque ? convolved_later(s, 1, d, 1, n) : d[0] * s[n];
+    work->by_sine[n] -= work->has_torque ? convolved_later(c, 1, d, 1, n) : d[0] * c[n];
+}
+
+/* Coefficient n of the accelerations, but for what is implicit. */
+static void accelerate(struct work *work, int n)
+{
+    struct system_run *run = work->run;
+    const int64_t size = run->size, stride = work->stride;
+    const double *y = row_of(work, work->y, n), *v = row_of(work, work->v, n);
+    double *to = row_of(work, work->acceleration, n), *resisted = row_of(work, work->resisted, n);
+    const size_t bytes = sizeof(double) * (size_t)stride;
+    if (n == 0)
+        memcpy(to, run->force, bytes);
+    else
+        memset(to, 0, bytes);
+    multiply(run->stiffness, y, -1.0, size, stride, to);
+    const int joined = run->gyroscopic != NULL && !work->has_rate;
+    const double *resistance = joined ? work->both : run->damping;
+    memset(resisted, 0, bytes);
+    if (resistance != NULL) {
+        multiply(resistance, v, 1.0, size, stride, resisted);
+    }
+    if (run->gyroscopic != NULL && work->has_rate) {
+        double *turned = row_of(work, work->turned, n);
+        memset(turned, 0, bytes);
+        multiply(run->gyroscopic, v, 1.0, size, stride, turned);
+        convolve_rows(work, work->spin, work->turned, n, 0, 1.0, resisted);
+    }
+    add_scaled(-1.0, resisted, to, stride);
+    if (run->stiffness_rate != NULL && work->has_rate) {
+        double *stiffened = row_of(work, work->stiffened, n);
+        memset(stiffened, 0, bytes);
+        multiply(run->stiffness_rate, y, 1.0, size, stride, stiffened);
+        if (!work->has_torque)
+            add_scaled(-work->spin_rate[0], stiffened, to, stride);
+        else /* all but the coefficient of the rate that is implicit */
+            for (int k = 1; k <= n; k++)
+                add_scaled(-work->spin_rate[n - k], row_of(work, work->stiffened, k), to, stride);
+    }
+    add_scaled(work->by_cosine[n], run->unbalance, to, stride);
+    add_scaled(work->by_sine[n], run->unbalance + stride, to, stride);
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        const struct touching *each = &work->touching[i];
+        if (!is_touching(each))
+            continue;
+        add_scaled(each->answers[n][ELEMENT_FORCE_X], each->rows, to, stride);
+        add_scaled(each->answers[n][ELEMENT_FORCE_Y], each->rows + stride, to, stride);
+    }
+}
+
+/* ---- What is implicit ---- */
+
+/* The two components across a contact's displacement, to the left. */
+static inline void across_of(const struct touching *each, int n, double tangent[2])
+{
+    tangent[0] = -each->answers[n][ELEMENT_NORMAL_Y];
+    tangent[1] = each->answers[n][ELEMENT_NORMAL_X];
+}
+
+/* Write what a unit tangential force of a contact accelerates at order 0. */
+static void column_of_hold(const struct work *work, const struct touching *each, double *column)
+{
+    double tangent[2];
+    across_of(each, 0, tangent);
+    memset(column, 0, sizeof(double) * (size_t)work->stride);
+    for (int j = 0; j < 2; j++)
+        add_scaled(-tangent[j], each->rows + j * work->stride, column, work->stride);
+}
+
+/* The same of a unit rate of the spin. */
+static void column_of_spin(const struct work *work, double *column)
+{
+    const struct system_run *run = work->run;
+    memset(column, 0, sizeof(double) * (size_t)work->stride);
+    add_scaled(work->sine[0], run->unbalance, column, work->stride);
+    add_scaled(-work->cosine[0], run->unbalance + work->stride, column, work->stride);
+    if (run->stiffness_rate != NULL)
+        add_scaled(-1.0, work->stiffened, column, work->stride);
+}
+
+/* The rate of slip of a contact by accelerations, along its tangent at order 0. */
+static double slip_by(const struct work *work, const struct touching *each, const double *row)
+{
+    double tangent[2];
+    across_of(each, 0, tangent);
+    return tangent[0] * sum_of_products(each->rows, row, work->stride)
+           + tangent[1] * sum_of_products(each->rows + work->stride, row, work->stride);
+}
+
+/* What accelerations take from the torque, through the unbalance, by its direction at order 0. */
+static double torque_by(const struct work *work, const double *row)
+{
+    const double *unbalance = work->run->unbalance;
+    return work->cosine[0] * sum_of_products(unbalance + work->stride, row, work->stride)
+           - work->sine[0] * sum_of_products(unbalance, row, work->stride);
+}
+
+/* Factorise a small matrix in place, by rows with pivots. */
+static void factorise(struct work *work, int size)
+{
+    for (int k = 0; k < size; k++) {
+        int best = k;
+        for (int i = k + 1; i < size; i++)
+            best = fabs(work->matrix[i][k]) > fabs(work->matrix[best][k]) ? i : best;
+        work->pivot[k] = best;
+        for (int j = 0; j < size && best != k; j++) {
+            const double kept = work->matrix[k][j];
+            work->matrix[k][j] = work->matrix[best][j];
+            work->matrix[best][j] = kept;
+        }
+        const double inverse_pivot = inverse(work->matrix[k][k]);
+        for (int i = k + 1; i < size; i++) {
+            const double factor = work->matrix[i][k] * inverse_pivot;
+            work->matrix[i][k] = factor;
+            for (int j = k + 1; j < size; j++)
+                work->matrix[i][j] -= factor * work->matrix[k][j];
+        }
+    }
+}
+
+static void solve_factorised(const struct work *work, int size, double *right)
+{
+    for (int k = 0; k < size; k++) {
+        const double kept = right[work->pivot[k]];
+        right[work->pivot[k]] = right[k];
+        right[k] = kept;
+        for (int i = k + 1; i < size; i++)
+            right[i] -= work->matrix[i][k] * kept;
+    }
+    for (int k = size - 1; k >= 0; k--) {
+        for (int j = k + 1; j < size; j++)
+            right[k] -= work->matrix[k][j] * right[j];
+        right[k] = ratio(right[k], work->matrix[k][k]);
+    }
+}
+
+/* Write the matrix of what is implicit: of unit forces and of a unit rate of the spin (the last
+ * unknown), the rates of slip of the contacts that roll, and the torque. */
+static void write_matrix(struct work *work)
+{
+    const struct system_run *run = work->run;
+    /* nothing reads this row before it is written again */
+    double *column = row_of(work, work->acceleration, 1);
+    for (int j = 0; j < work->rolls; j++) {
+        const struct touching *pushed = &work->touching[work->rolling[j]];
+        const struct system_law *law = pushed->law;
+        column_of_hold(work, pushed, column);
+        for (int i = 0; i < work->rolls; i++)
+            work->matrix[i][j] = -slip_by(work, &work->touching[work->rolling[i]], column);
+        work->matrix[j][j] += law->race_radius * law->race_radius * law->inverse_race_inertia;
+        if (work->has_torque)
+            work->matrix[work->rolls][j] = law->radius + torque_by(work, column);
+    }
+    if (work->has_torque) {
+        column_of_spin(work, column);
+        for (int i = 0; i < work->rolls; i++) {
+            const struct touching *each = &work->touching[work->rolling[i]];
+            work->matrix[i][work->rolls] = -slip_by(work, each, column) - each->law->radius;
+        }
+        work->matrix[work->rolls][work->rolls] = run->inertia + torque_by(work, column);
+    }
+}
+
+/* Coefficient n of what is implicit: set its right-hand side, solve, and add what it does. */
+static void add_implicit(struct work *work, int n)
+{
+    struct system_run *run = work->run;
+    const int64_t stride = work->stride;
+    const int size = work->rolls + work->has_torque;
+    if (size == 0)
+        return;
+    double *to = row_of(work, work->acceleration, n), *right = work->right;
+    for (int j = 0; j < work->rolls; j++) { /* known parts of the holding forces */
+        const struct touching *each = &work->touching[work->rolling[j]];
+        const double *along = &each->answers[0][ELEMENT_NORMAL_X];
+        const double *aside = &each->answers[0][ELEMENT_NORMAL_Y];
+        const double known_x = convolved_later(along, ELEMENT_ANSWERS, each->drag, 1, n);
+        const double known_y = convolved_later(aside, ELEMENT_ANSWERS, each->drag, 1, n);
+        add_scaled(known_y, each->rows, to, stride);
+        add_scaled(-known_x, each->rows + stride, to, stride);
+    }
+    for (int i = 0; i < work->rolls; i++) {
+        const struct touching *each = &work->touching[work->rolling[i]];
+        const struct system_law *law = each->law;
+        const double *along = &each->answers[0][ELEMENT_NORMAL_X];
+        const double *aside = &each->answers[0][ELEMENT_NORMAL_Y];
+        right[i] = slip_by(work, each, to) - each->answers[n][ELEMENT_TURNING]
+                   + convolved_later(along, ELEMENT_ANSWERS, &each->pull[0][1], 2, n)
+                   - convolved_later(aside, ELEMENT_ANSWERS, &each->pull[0][0], 2, n)
+                   + law->race_radius * law->inverse_race_inertia * law->race_drag
+                         * each->series.terms[n][ELEMENT_RACE];
+        if (!work->has_torque)
+            right[i] += law->radius * work->spin_rate[n];
+    }
+    if (work->has_torque) {
+        const struct piece *piece = &run->pieces[run->piece];
+        double torque = (n == 0 ? piece->torque : 0.0) - piece->slope * work->spin[n];
+        torque -= torque_by(work, to);
+        for (int k = 1; k <= n; k++) {
+            const double *row = row_of(work, work->acceleration, n - k);
+            torque -= work->cosine[k] * sum_of_products(run->unbalance + stride, row, stride)
+                      - work->sine[k] * sum_of_products(run->unbalance, row, stride);
+        }
+        for (int64_t i = 0; i < run->contact_count; i++) {
+            const struct touching *each = &work->touching[i];
+            if (is_pressed(each) && each->touch->way != ROLLS)
+                torque -= each->law->radius * each->drag[n];
+        }
+        right[work->rolls] = torque;
+    }
+    if (n == 0) {
+        write_matrix(work);
+        if (work->is_asked) /* the caller wants matrix and right-hand side as they are */
+            return;
+        factorise(work, size);
+    }
+    solve_factorised(work, size, right);
+    for (int j = 0; j < work->rolls; j++) {
+        struct touching *each = &work->touching[work->rolling[j]];
+        double tangent[2];
+        across_of(each, 0, tangent);
+        each->drag[n] = right[j];
+        add_scaled(-tangent[0] * right[j], each->rows, to, stride);
+        add_scaled(-tangent[1] * right[j], each->rows + stride, to, stride);
+    }
+    if (work->has_torque) {
+        const double rate = right[work->rolls];
+        work->spin_rate[n] = rate;
+        work->by_cosine[n] += work->sine[0] * rate;
+        work->by_sine[n] -= work->cosine[0] * rate;
+        add_scaled(work->sine[0] * rate, run->unbalance, to, stride);
+        add_scaled(-work->cosine[0] * rate, run->unbalance + stride, to, stride);
+        if (run->stiffness_rate != NULL)
+            add_scaled(-rate, work->stiffened, to, stride);
+    }
+}
+
+/* ---- Coefficients n + 1 ---- */
+
+/* The root of a contact: 2 s s' = pace d', where its own root is no factor of the pace. */
+static double next_root(const struct work *work, const struct touching *each, int n)
+{
+    const double *root = &each->series.terms[0][ELEMENT_ROOT];
+    const double *approach = &each->answers[0][ELEMENT_APPROACH];
+    if (each->is_edge)
+        return 0.5 * convolved(each->others, 1, approach, ELEMENT_ANSWERS, n) / (n + 1);
+    double sum = 0.5 * convolved(work->pace, 1, approach, ELEMENT_ANSWERS, n);
+    for (int k = 1; k <= n; k++)
+        sum -= root[k * WIDTH] * (n + 1 - k) * root[(n + 1 - k) * WIDTH];
+    return sum / (root[0] * (n + 1));
+}
+
+static void go_on(struct work *work, int n)
+{
+    struct system_run *run = work->run;
+    const int64_t stride = work->stride;
+    const double share = 1.0 / (n + 1);
+    double *y = row_of(work, work->y, n + 1), *v = row_of(work, work->v, n + 1);
+    if (work->moves) {
+        memset(y, 0, sizeof(double) * (size_t)stride);
+        memset(v, 0, sizeof(double) * (size_t)stride);
+        convolve_rows(work, work->pace, work->v, n, 0, share, y);
+        convolve_rows(work, work->pace, work->acceleration, n, 0, share, v);
+    } else {
+        const double *velocity = row_of(work, work->v, n);
+        const double *acceleration = row_of(work, work->acceleration, n);
+        for (int64_t i = 0; i < stride; i += 4) {
+            store(&y[i], spread(share) * load(&velocity[i]));
+            store(&v[i], spread(share) * load(&acceleration[i]));
+        }
+    }
+    work->time[n + 1] = work->pace[n] * share;
+    work->cosine[n + 1] = -convolved(work->turning, 1, work->sine, 1, n) * share;
+    work->sine[n + 1] = convolved(work->turning, 1, work->cosine, 1, n) * share;
+    work->spin[n + 1] = work->has_rate ? convolved(work->pace, 1, work->spin_rate, 1, n) * share
+                                       : 0.0;
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        struct touching *each = &work->touching[i];
+        const struct system_law *law = each->law;
+        double *terms = each->series.terms[n + 1];
+        if (is_touching(each))
+            terms[ELEMENT_ROOT] = next_root(work, each, n);
+        if (law->inverse_race_inertia > 0.0) {
+            double rate = -law->race_drag
+                          * convolved(work->pace, 1, &each->series.terms[0][ELEMENT_RACE], WIDTH,
+                                      n);
+            if (is_pressed(each))
+                rate += law->race_radius * convolved(work->pace, 1, each->drag, 1, n);
+            terms[ELEMENT_RACE] = rate * law->inverse_race_inertia * share;
+        }
+        if (each->touch->way == ROLLS) {
+            const double *row = row_of(work, work->acceleration, n);
+            each->pull[n][0] = sum_of_products(each->rows, row, stride);
+            each->pull[n][1] = sum_of_products(each->rows + stride, row, stride);
+        }
+    }
+}
+
+void ask_implicit(struct work *work)
+{
+    ask_contacts(work, 0);
+    set_pace(work, 0);
+    set_drive(work, 0);
+    accelerate(work, 0);
+    work->is_asked = 1;
+    add_implicit(work, 0);
+}
+
+void expand_system(struct work *work, int order)
+{
+    work->is_asked = 0;
+    for (int n = 0; n < order; n++) {
+        ask_contacts(work, n);
+        set_pace(work, n);
+        set_drive(work, n);
+        accelerate(work, n);
+        add_implicit(work, n);
+        go_on(work, n);
+    }
+    ask_contacts(work, order);
+}
+
+/* ---- The step ---- */
+
+/* The larger of the terms n of the velocities that decide how a contact goes on. */
+static double worst_answer(const struct touching *each, int n)
+{
+    const double approach = fabs(each->answers[n][ELEMENT_APPROACH]);
+    const double slip = fabs(each->answers[n][ELEMENT_SLIP]);
+    return each->law->friction > 0.0 ? fmax(approach, slip) : approach;
+}
+
+/* The largest of the terms n, in parts of their tolerances; NaN where one is not finite. */
+static double worst_of(const struct work *work, int n)
+{
+    const struct system_run *run = work->run;
+    const double *y = &work->y[n * work->stride], *v = &work->v[n * work->stride];
+    double of_y = 0.0, of_v = 0.0, total = 0.0;
+    for (int64_t i = 0; i < run->size; i++) {
+        of_y = fmax(of_y, fabs(y[i]));
+        of_v = fmax(of_v, fabs(v[i]));
+        total += fabs(y[i]) + fabs(v[i]);
+    }
+    const double scale = run->velocity / run->displacement; /* a rate */
+    double worst = fmax(of_y / run->displacement, of_v / run->velocity);
+    worst = fmax(worst, fabs(work->time[n]) * scale);
+    if (work->has_torque)
+        worst = fmax(worst, fabs(work->spin[n]) / scale);
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        const struct touching *each = &work->touching[i];
+        const double *terms = each->series.terms[n];
+        if (is_touching(each)) {
+            worst = fmax(worst, fabs(terms[ELEMENT_ROOT]) / sqrt(each->law->clearance));
+            worst = fmax(worst, worst_answer(each, n) / (each->law->clearance * scale));
+        }
+        if (each->law->inverse_race_inertia > 0.0)
+            worst = fmax(worst, fabs(terms[ELEMENT_RACE]) / scale);
+    }
+    return isfinite(total) ? worst / run->rtol : NAN;
+}
+
+void choose_step(struct work *work)
+{
+    const int order = work->order;
+    double longest = UNLIMITED;
+    for (int n = order; n > order - TERMS_LOOKED_AT; n--) {
+        const double worst = worst_of(work, n);
+        if (isnan(worst)) {
+            work->step = NAN;
+            return;
+        }
+        if (worst > 0.0)
+            longest = smaller(longest, (FALL * (order - n) - log(worst)) / n);
+    }
+    work->step = exp(longest);
+    double square = work->run->fastest * work->run->fastest;
+    for (int64_t i = 0; i < work->run->contact_count; i++) {
+        const struct touching *each = &work->touching[i];
+        if (is_touching(each))
+            square += each->mobility
+                      * (1.5 * each->law->hertz * each->touch->root + each->law->linear);
+    }
+    const double rate = (sqrt(square) + fabs(work->spin[0])) * work->pace[0];
+    if (rate > 0.0)
+        work->step = smaller(work->step, FARTHEST * order / rate);
+}
+
+void read_rows(const struct work *work, const double *rows, double point, double *values)
+{
+    const int64_t stride = work->stride;
+    const vec4 at = spread(point);
+    for (int64_t i = 0; i < stride; i += 4) {
+        vec4 sum = load(&rows[work->order * stride + i]);
+        for (int n = work->order - 1; n >= 0; n--)
+            sum = fma4(sum, at, load(&rows[n * stride + i]));
+        store(&values[i], sum);
+    }
+}
+
+/* The integral, up to a point, of a series by the time: of its product with the pace. */
+static double integral_of(const struct work *work, const double *terms, int apart, double point)
+{
+    double sum = 0.0;
+    for (int n = work->order - 1; n >= 0; n--) {
+        const double term = work->moves ? convolved(work->pace, 1, terms, apart, n)
+                                        : terms[n * apart];
+        sum = (sum + term / (n + 1)) * point;
+    }
+    return sum;
+}
+
+/* Coefficient n of the scalar product of two series of rows, term by term. */
+static double power_of(const struct work *work, const double *a, const double *b, int n)
+{
+    vec4 sum = spread(0.0);
+    for (int k = 0; k <= n; k++) {
+        const double *first = &a[k * work->stride], *second = &b[(n - k) * work->stride];
+        for (int64_t i = 0; i < work->stride; i += 4)
+            sum = fma4(load(&first[i]), load(&second[i]), sum);
+    }
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+/* Keep what has been gained and lost up to a point of the step. */
+static void keep_ledger(struct work *work, double point)
+{
+    struct system_run *run = work->run;
+    const int64_t stride = work->stride;
+    double driven[ORDERS], lost[ORDERS], stiffened[ORDERS], bent[ORDERS], by_row[2][ORDERS];
+    for (int n = 0; n < work->order; n++) {
+        const double *v = row_of(work, work->v, n);
+        by_row[0][n] = sum_of_products(run->unbalance, v, stride);
+        by_row[1][n] = sum_of_products(run->unbalance + stride, v, stride);
+        driven[n] = convolved(work->by_cosine, 1, by_row[0], 1, n)
+                    + convolved(work->by_sine, 1, by_row[1], 1, n);
+        lost[n] = power_of(work, work->v, work->resisted, n);
+        stiffened[n] = 0.0;
+        if (run->stiffness_rate != NULL && work->has_rate) {
+            bent[n] = power_of(work, work->v, work->stiffened, n);
+            stiffened[n] = convolved(work->spin_rate, 1, bent, 1, n);
+        }
+    }
+    run->ledger.unbalance += integral_of(work, driven, 1, point);
+    run->ledger.damping += integral_of(work, lost, 1, point);
+    if (run->stiffness_rate != NULL && work->has_rate)
+        run->ledger.stiffness_rate += integral_of(work, stiffened, 1, point);
+}
+
+/* Keep what an episode of a contact has spent up to a point of the step. */
+static void keep_episode(struct work *work, struct touching *each, double point, double span)
+{
+    struct system_run *run = work->run;
+    struct episode *episode = &run->open[each - work->touching];
+    double across[ORDERS];
+    const double *answers = each->answers[0];
+    if (is_pressed(each)) {
+        const double work_of_force = integral_of(work, &answers[ELEMENT_POWER], ELEMENT_ANSWERS,
+                                                 point);
+        episode->impulse += integral_of(work, &answers[ELEMENT_PUSH], ELEMENT_ANSWERS, point);
+        episode->work += work_of_force;
+        run->ledger.normal += work_of_force;
+    }
+    if (each->law->friction == 0.0 || !is_pressed(each))
+        return;
+    const int rolls = each->touch->way == ROLLS;
+    if (rolls) {
+        episode->rolling_time += span;
+    } else {
+        episode->heat += integral_of(work, &answers[ELEMENT_HEAT], ELEMENT_ANSWERS, point);
+        episode->slip_distance +=
+            each->touch->sense * integral_of(work, &answers[ELEMENT_SLIP], ELEMENT_ANSWERS, point);
+    }
+    for (int n = 0; n < work->order; n++) {
+        double at_rim = each->law->radius * work->spin[n]
+                        - each->law->race_radius * each->series.terms[n][ELEMENT_RACE];
+        at_rim = (rolls ? 0.0 : answers[n * ELEMENT_ANSWERS + ELEMENT_SLIP]) - at_rim;
+        across[n] = at_rim;
+    }
+    double power[ORDERS];
+    for (int n = 0; n < work->order; n++)
+        power[n] = convolved(each->drag, 1, across, 1, n);
+    run->ledger.tangential += integral_of(work, power, 1, point);
+}
+
+/* Where a prescribed speed has turned the rotor, which no step makes less exact. */
+void turn_as_prescribed(struct system_run *run)
+{
+    const struct piece *piece = &run->pieces[run->piece];
+    const double since = run->time - run->piece_time;
+    run->speed = piece->speed + piece->rate * since;
+    run->angle = run->piece_angle + (piece->speed + 0.5 * piece->rate * since) * since;
+}
+
+void move_system(struct work *work, double point)
+{
+    struct system_run *run = work->run;
+    const double reached = polynomial(work->time, 1, work->order, point);
+    const double span = reached - run->time;
+    keep_ledger(work, point);
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        struct touching *each = &work->touching[i];
+        const double *terms = each->series.terms[0];
+        if (is_touching(each)) {
+            keep_episode(work, each, point, span);
+            each->touch->root = polynomial(&terms[ELEMENT_ROOT], WIDTH, work->order, point);
+        }
+        if (each->law->inverse_race_inertia > 0.0)
+            each->touch->race = polynomial(&terms[ELEMENT_RACE], WIDTH, work->order, point);
+        memset(each->touch->zeros, 0, sizeof each->touch->zeros);
+    }
+    read_rows(work, work->y, point, run->state);
+    read_rows(work, work->v, point, run->state + work->stride);
+    if (work->has_torque) {
+        run->angle += integral_of(work, work->spin, 1, point);
+        run->speed = polynomial(work->spin, 1, work->order, point);
+    }
+    run->time = reached;
+    if (!work->has_torque)
+        turn_as_prescribed(run);
+    run->steps++;
+}

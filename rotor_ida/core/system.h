@@ -1,0 +1,91 @@
+/* A rotor system: many linear degrees of freedom, contacts at some of its nodes.
+ *
+ * Its coordinates y are such that the mass matrix is the unit matrix:
+ *
+ *     y'' + (C + Omega G) y' + (K + Omega' K_dot) y = unbalance + static force + contacts
+ *
+ * Rows and columns are padded with zeros to `stride`, a multiple of four; matrices are stored by
+ * columns. What is linear stands in system.c, what a contact does in system_contact.c. */
+#ifndef ROTOR_IDA_SYSTEM_H
+#define ROTOR_IDA_SYSTEM_H
+
+#include "core.h"
+
+/* The law of a contact, and its race, of which the inverse inertia is 0 where there is none. */
+struct system_law {
+    double offset[2];
+    double clearance, hertz, linear, contact_damping, friction, radius;
+    double race_radius, inverse_race_inertia, race_drag;
+};
+
+/* How a contact goes on: `way` as in core.h, the root of its indentation, the speed of its race,
+ * and the sense in which surfaces slide. */
+struct system_touch {
+    double root, race, sense;
+    int32_t way;
+    int32_t zeros[3]; /* that its guards have here, and are known: see system_contact.c */
+};
+
+/* One episode of a contact; NaN where it began with the run, or has no end by its end. */
+struct episode {
+    double contact, entry, exit, peak_time;
+    double peak_root, largest_force;
+    double impulse, work; /* of the normal force */
+    double heat, slip_distance, rolling_time;
+};
+
+/* What a run has gained and lost so far: by the unbalance, to damping (with what gyroscopic
+ * matrices that are not skew do), to the stiffness that a changing speed adds, and to the contacts,
+ * normally and tangentially. */
+struct ledger {
+    double unbalance, damping, stiffness_rate, normal, tangential;
+};
+
+struct system_run {
+    int64_t size, stride, contact_count;
+    const double *stiffness, *damping, *gyroscopic, *stiffness_rate; /* or NULL */
+    const double *unbalance; /* 2 rows: by the cosine and by the sine of the angle */
+    const double *force;
+    const double *rows; /* 2 a contact: its displacement by the coordinates */
+    const struct system_law *laws;
+    struct system_touch *touches;
+
+    const struct piece *pieces;
+    int64_t piece_count, piece;
+    double inertia;                /* about the axis of rotation; 0 where the speed is prescribed */
+    double rtol;                   /* of one step */
+    double displacement, velocity; /* by which errors are measured */
+    double fastest;                /* a bound of the system's own rates, without contacts */
+    int64_t order;
+    double duration;
+    const stop_flag *stop;
+
+    double time, speed, angle;
+    double piece_time, piece_angle; /* where the present piece of a prescribed speed began */
+    double *state;                  /* two rows: y and y' */
+    struct ledger ledger;
+    int32_t began; /* whether the ways of the contacts are decided */
+    int32_t unused;
+
+    const double *sample_times;
+    double *samples;       /* two rows each */
+    double *sample_forces; /* 4 a contact: normal, tangential, slip, way; NULL if not wanted */
+    double *sample_turns;  /* 2 each: angle and speed */
+    int64_t sample_count, sampled;
+    double *event_times, *event_states, *event_turns; /* with 2 rows and the races; 2 */
+    int32_t *event_kinds, *event_contacts;
+    int64_t event_room, events;
+    struct episode *episodes; /* with those that go on in the first rows of `open` */
+    struct episode *open;     /* one a contact */
+    int64_t episode_room, episode_count;
+    int64_t steps;
+    double *room; /* to work in */
+};
+
+/* How many doubles a run needs to work in. */
+CORE_API int64_t core_system_room(int64_t size, int64_t contacts);
+
+/* Follow a run to its end, as `core_run` does. FULL: with more room it goes on from where it is. */
+CORE_API int core_system_run(struct system_run *run);
+
+#endif

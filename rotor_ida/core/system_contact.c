@@ -1,0 +1,616 @@
+/* The contacts of a rotor system: what ends the way in which one goes on, and what follows. */
+#include "system_work.h"
+
+/* An entry that is no simple root of its gap is passed by so much of the clearance. */
+static const double PASSED = 1e-11;
+/* Contacts whose roots are less than this part of that of the clearance end together. */
+static const double TOGETHER = 1e-7;
+/* Nearer to the stator, in clearances, rounding decides on which side a contact is. */
+static const double SIDE = 8.0 * 2.220446049250313e-16;
+/* Slower, in parts of the scale of velocity, rounding decides in which sense surfaces slide. */
+static const double STILL = 1e-15;
+/* Smaller, in parts of the largest grip of this contact, rounding hides the force that rolling
+ * needs.
+ */
+static const double HIDDEN = 1e-12;
+/* An interval so short, in steps, holds no two zeros that could be told apart. */
+static const double SHORTEST = 1e-15;
+enum { MOST_SWEEPS = 500, GAP_TERMS = 2 * ORDERS };
+
+void set_element(struct touching *each)
+{
+    const struct system_law *law = each->law;
+    const int slides = each->touch->way == SLIDES_FORWARDS || each->touch->way == SLIDES_BACKWARDS;
+    each->element = (struct element){
+        .clearance = law->clearance,
+        .hertz = law->hertz,
+        .linear = law->linear,
+        .contact_damping = law->contact_damping,
+        .pressed = is_pressed(each) ? 1.0 : 0.0,
+        .friction = law->friction,
+        .sigma = slides ? each->touch->sense : 0.0,
+        .radius = law->radius,
+        .race_radius = law->race_radius,
+    };
+}
+
+/* ---- Zeros of polynomials ---- */
+
+/* The one zero of a polynomial between two points at which its signs differ, by halves and secants
+ * in turn: Brent's without its memory. */
+static double zero_between(const double *terms, int order, double low, double high)
+{
+    double at_low = polynomial(terms, 1, order, low), at_high = polynomial(terms, 1, order, high);
+    for (int i = 0; i < 200 && high - low > 4e-16 * high; i++) {
+        double point = 0.5 * (low + high);
+        if (i % 3 != 2) {
+            const double secant = low + (high - low) * at_low / (at_low - at_high);
+            /* a little to the side of the farther end, so that both close in */
+            point = secant > low && secant < high ? secant : point;
+        }
+        const double value = polynomial(terms, 1, order, point);
+        if (value == 0.0)
+            return point;
+        if ((value > 0.0) == (at_low > 0.0)) {
+            low = point;
+            at_low = value;
+        } else {
+            high = point;
+            at_high = value;
+        }
+    }
+    return high;
+}
+
+/* Where a polynomial first falls through 0, by its Bernstein coefficients on [low, high]. */
+static double fall_within(const double *terms, const double *bernstein, int order, double low,
+                          double high, double shortest)
+{
+    int changes = 0;
+    double last = bernstein[0];
+    for (int j = 1; j <= order; j++) {
+        changes += bernstein[j] * last < 0.0;
+        last = bernstein[j] != 0.0 ? bernstein[j] : last;
+    }
+    if (changes == 0)
+        return bernstein[0] < 0.0 ? low : INFINITY;
+    if (changes == 1 && bernstein[0] > 0.0 && bernstein[order] < 0.0)
+        return zero_between(terms, order, low, high);
+    if (high - low <= shortest)
+        return bernstein[order] < 0.0 ? high : INFINITY;
+    double left[GAP_TERMS], right[GAP_TERMS];
+    memcpy(right, bernstein, sizeof(double) * (size_t)(order + 1));
+    for (int k = 0; k <= order; k++) { /* de Casteljau: row k of means, from 0 to order - k */
+        left[k] = right[0];
+        for (int j = 0; j < order - k; j++)
+            right[j] = 0.5 * (right[j] + right[j + 1]);
+        /* right[order - k] keeps the last of row k: coefficient order - k of the right half */
+    }
+    const double middle = 0.5 * (low + high);
+    const double first = fall_within(terms, left, order, low, middle, shortest);
+    return first < INFINITY ? first : fall_within(terms, right, order, middle, high, shortest);
+}
+
+double first_fall(const double *terms, int apart, int order, double step, int zeros)
+{
+    double own[GAP_TERMS], size = 0.0, scale = 1.0;
+    while (zeros < order && terms[zeros * apart] == 0.0)
+        zeros++;
+    const int last = order - zeros;
+    for (int n = 0; n <= last; n++) {
+        own[n] = terms[(n + zeros) * apart];
+        size += n > 0 ? fabs(own[n]) * scale : 0.0;
+        scale *= step;
+    }
+    if (own[0] < 0.0)
+        return 0.0;
+    if (own[0] > size || last == 0)
+        return INFINITY;
+    double bernstein[GAP_TERMS] = {0.0};
+    for (int j = 0; j <= last; j++) {
+        double share = 1.0, power = 1.0;
+        for (int k = 0; k <= j; k++) { /* binomial(j, k)/binomial(order, k) */
+            bernstein[j] += own[k] * power * share;
+            share *= (double)(j - k) / (last > k ? last - k : 1);
+            power *= step;
+        }
+    }
+    return fall_within(own, bernstein, last, 0.0, step, SHORTEST * step);
+}
+
+/* ---- Guards ---- */
+
+static double guard_of_gap(const struct work *work, const struct touching *each, double step)
+{
+    double gap[GAP_TERMS] = {each->law->clearance * each->law->clearance};
+    const int order = work->order;
+    /* the whole product: cut off at the order it would be less exact than its factors */
+    for (int n = 0; n <= order; n++) {
+        const double *here = each->series.terms[n];
+        for (int k = 0; k <= order; k++) {
+            const double *other = each->series.terms[k];
+            gap[n + k] -= here[ELEMENT_X] * other[ELEMENT_X] + here[ELEMENT_Y] * other[ELEMENT_Y];
+        }
+    }
+    return first_fall(gap, 1, 2 * order, step, each->touch->zeros[OF_ROOT]);
+}
+
+static double guard_of_force(const struct work *work, const struct touching *each, double step)
+{
+    double factor[ORDERS];
+    const double sign = is_pressed(each) ? 1.0 : -1.0;
+    for (int n = 0; n <= work->order; n++)
+        factor[n] = sign * each->law->contact_damping * each->answers[n][ELEMENT_APPROACH];
+    factor[0] += sign;
+    return first_fall(factor, 1, work->order, step, each->touch->zeros[OF_FORCE]);
+}
+
+static double guard_of_slip(const struct work *work, const struct touching *each, double step)
+{
+    double left[ORDERS];
+    if (each->touch->way != ROLLS) {
+        for (int n = 0; n <= work->order; n++)
+            left[n] = each->touch->sense * each->answers[n][ELEMENT_SLIP];
+        return first_fall(left, 1, work->order, step, each->touch->zeros[OF_SLIP]);
+    }
+    const double largest = fmax(work->run->open[each - work->touching].largest_force,
+                                each->answers[0][ELEMENT_PUSH]);
+    double first = INFINITY, size = 0.0, scale = 1.0;
+    for (int n = 0; n < work->order; n++) {
+        size += fabs(each->drag[n]) * scale;
+        scale *= step;
+    }
+    if (size <= HIDDEN * each->law->friction * largest)
+        return INFINITY;
+    for (int side = 0; side < 2; side++) {
+        for (int n = 0; n < work->order; n++)
+            left[n] = each->law->friction * each->answers[n][ELEMENT_PUSH]
+                      - (side ? -1.0 : 1.0) * each->drag[n];
+        first = smaller(first,
+                        first_fall(left, 1, work->order - 1, step, each->touch->zeros[OF_SLIP]));
+    }
+    return first;
+}
+
+struct happening first_happening(struct work *work, double step)
+{
+    struct happening first = {INFINITY, -1, OF_ROOT};
+    for (int i = 0; i < (int)work->run->contact_count; i++) {
+        const struct touching *each = &work->touching[i];
+        double points[GUARDS] = {INFINITY, INFINITY, INFINITY};
+        if (!is_touching(each)) {
+            points[OF_ROOT] = guard_of_gap(work, each, step);
+        } else {
+            points[OF_ROOT] = first_fall(&each->series.terms[0][ELEMENT_ROOT], WIDTH, work->order,
+                                         step, each->touch->zeros[OF_ROOT]);
+            if (each->law->contact_damping > 0.0)
+                points[OF_FORCE] = guard_of_force(work, each, step);
+            if (each->law->friction > 0.0 && is_pressed(each))
+                points[OF_SLIP] = guard_of_slip(work, each, step);
+        }
+        for (int guard = 0; guard < GUARDS; guard++) {
+            if (points[guard] < first.point)
+                first = (struct happening){points[guard], i, guard};
+        }
+        if (first.point < step) /* no other is looked for beyond it */
+            step = first.point;
+    }
+    return first;
+}
+
+/* ---- Rolling and sliding ---- */
+
+/* Write the values of a contact at the state of the run. */
+static void values_of_touch(const struct work *work, const struct touching *each, double *answers)
+{
+    const struct system_run *run = work->run;
+    double given[ELEMENT_GIVEN];
+    for (int j = 0; j < 2; j++) {
+        const double *row = each->rows + j * work->stride;
+        given[ELEMENT_X + j] = sum_of_products(row, run->state, work->stride)
+                               - each->law->offset[j];
+        given[ELEMENT_VX + j] = sum_of_products(row, run->state + work->stride, work->stride);
+    }
+    given[ELEMENT_ROOT] = is_touching(each) ? each->touch->root : 0.0;
+    given[ELEMENT_SPIN] = run->speed;
+    given[ELEMENT_RACE] = each->touch->race;
+    element_values(&each->element, given, answers);
+}
+
+static double radius_of_touch(const struct work *work, const struct touching *each)
+{
+    double at[2];
+    for (int j = 0; j < 2; j++)
+        at[j] = sum_of_products(each->rows + j * work->stride, work->run->state, work->stride)
+                - each->law->offset[j];
+    return sqrt(at[0] * at[0] + at[1] * at[1]);
+}
+
+/* Take the rate of the spin out of what is implicit. */
+static void eliminate_spin(struct work *work)
+{
+    const int s = work->rolls;
+    for (int i = 0; i < s && work->has_torque; i++) {
+        const double factor = work->matrix[i][s] / work->matrix[s][s];
+        for (int j = 0; j < s; j++)
+            work->matrix[i][j] -= factor * work->matrix[s][j];
+        work->right[i] -= factor * work->right[s];
+    }
+}
+
+/* The forces, each within its grip, by which the slips of all contacts that do not slide stay 0, or
+ * begin in the sense of a force at its limit: the least of F G F/2 - b F in that box. */
+static void hold_in_box(const struct work *work, const double *grip, double *force)
+{
+    for (int i = 0; i < work->rolls; i++)
+        force[i] = 0.0;
+    for (int sweep = 0; sweep < MOST_SWEEPS; sweep++) {
+        double moved = 0.0;
+        for (int i = 0; i < work->rolls; i++) {
+            double left = work->right[i];
+            for (int j = 0; j < work->rolls; j++)
+                left -= j != i ? work->matrix[i][j] * force[j] : 0.0;
+            const double held = fmin(fmax(ratio(left, work->matrix[i][i]), -grip[i]), grip[i]);
+            moved = fmax(moved, fabs(held - force[i]) / (fabs(held) + fabs(force[i]) + 1e-300));
+            force[i] = held;
+        }
+        if (moved <= 1e-15 || work->rolls == 1)
+            return;
+    }
+}
+
+int settle(struct work *work)
+{
+    struct system_run *run = work->run;
+    double grip[MOST_CONTACTS], force[MOST_CONTACTS];
+    begin_terms(work);
+    if (work->rolls == 0)
+        return DONE;
+    ask_implicit(work);
+    eliminate_spin(work);
+    for (int i = 0; i < work->rolls; i++) {
+        const struct touching *each = &work->touching[work->rolling[i]];
+        grip[i] = each->law->friction * each->answers[0][ELEMENT_PUSH];
+    }
+    hold_in_box(work, grip, force);
+    const double rate = run->velocity * run->velocity / run->displacement;
+    for (int i = 0; i < work->rolls; i++) {
+        struct touching *each = &work->touching[work->rolling[i]];
+        double left = work->right[i]; /* the rate of slip that is not held */
+        for (int j = 0; j < work->rolls; j++)
+            left -= work->matrix[i][j] * force[j];
+        const int is_held = grip[i] > 0.0 ? fabs(force[i]) < grip[i] : fabs(left) <= STILL * rate;
+        if (is_held)
+            continue;
+        each->touch->sense = (grip[i] > 0.0 ? force[i] : left) > 0.0 ? 1.0 : -1.0;
+        each->touch->way = each->touch->sense > 0.0 ? SLIDES_FORWARDS : SLIDES_BACKWARDS;
+        each->touch->zeros[OF_SLIP] = 1;
+    }
+    return DONE;
+}
+
+/* Settle, and record a slip of every contact that rolled before but for one. */
+static int settle_others(struct work *work, int but)
+{
+    struct system_run *run = work->run;
+    int rolled[MOST_CONTACTS];
+    for (int i = 0; i < (int)run->contact_count; i++)
+        rolled[i] = i != but && run->touches[i].way == ROLLS;
+    const int status = settle(work);
+    for (int i = 0; i < (int)run->contact_count; i++) {
+        if (rolled[i] && run->touches[i].way != ROLLS)
+            record_system_event(run, SLIP, i);
+    }
+    return status;
+}
+
+/* How a contact with these values goes on that is pressed, but for friction that may hold it. */
+static void slide(const struct work *work, struct touching *each, const double *answers)
+{
+    const double slip = answers[ELEMENT_SLIP];
+    const int is_still = fabs(slip) <= STILL * work->run->velocity;
+    each->touch->sense = slip < 0.0 ? -1.0 : 1.0;
+    each->touch->way = slip < 0.0 ? SLIDES_BACKWARDS : SLIDES_FORWARDS;
+    if (is_still && each->law->friction > 0.0)
+        each->touch->way = ROLLS; /* until `settle` says */
+}
+
+/* ---- What happens ---- */
+
+static void open_episode(struct work *work, int contact, double entry)
+{
+    struct system_run *run = work->run;
+    run->open[contact] = (struct episode){.contact = contact,
+                                          .entry = entry,
+                                          .exit = NAN,
+                                          .peak_time = run->time,
+                                          .peak_root = run->touches[contact].root};
+}
+
+/* Let contacts that touch at this very time, or that do not cross the stator at a speed, pass it:
+ * the fictitious time would stand still. */
+static void pass_edge(struct work *work)
+{
+    struct system_run *run = work->run;
+    double span = 0.0;
+    expand_system(work, 1);
+    for (int i = 0; i < (int)run->contact_count; i++) {
+        const struct touching *each = &work->touching[i];
+        if (!is_touching(each) || each->touch->root > 0.0)
+            continue;
+        const double *answers = each->answers[0], *row = work->acceleration;
+        const double approach = fmax(answers[ELEMENT_APPROACH], 0.0);
+        const double outwards =
+            answers[ELEMENT_NORMAL_X] * sum_of_products(each->rows, row, work->stride)
+            + answers[ELEMENT_NORMAL_Y]
+                  * sum_of_products(each->rows + work->stride, row, work->stride);
+        const double depth = PASSED * each->law->clearance;
+        double needed = approach > 0.0 ? depth / approach : INFINITY;
+        if (outwards > 0.0)
+            needed = smaller(needed, sqrt(2.0 * depth / outwards));
+        span = needed < INFINITY ? fmax(span, needed) : span;
+    }
+    double *y = run->state, *v = run->state + work->stride;
+    for (int64_t i = 0; i < run->size; i++) {
+        y[i] += (v[i] + 0.5 * work->acceleration[i] * span) * span;
+        v[i] += work->acceleration[i] * span;
+    }
+    if (work->has_torque) {
+        run->angle += run->speed * span;
+        run->speed += work->spin_rate[0] * span;
+    }
+    run->time += span;
+    if (!work->has_torque)
+        turn_as_prescribed(run);
+    for (int i = 0; i < (int)run->contact_count; i++) {
+        struct touching *each = &work->touching[i];
+        if (is_touching(each) && each->touch->root == 0.0) {
+            const double depth = radius_of_touch(work, each) - each->law->clearance;
+            each->touch->root = sqrt(fmax(depth, PASSED * PASSED * each->law->clearance));
+            each->touch->zeros[OF_ROOT] = 0;
+        }
+    }
+}
+
+/* Begin a contact, where it has reached the stator. */
+static void enter_contact(struct work *work, int contact, double entry)
+{
+    struct touching *each = &work->touching[contact];
+    double answers[ELEMENT_ANSWERS];
+    set_element(each);
+    values_of_touch(work, each, answers);
+    each->touch->root = 0.0;
+    slide(work, each, answers);
+    each->touch->zeros[OF_ROOT] = 1;
+    open_episode(work, contact, entry);
+    if (!isnan(entry))
+        record_system_event(work->run, ENTRY, contact);
+}
+
+static int happens_entry(struct work *work, int contact)
+{
+    struct system_run *run = work->run;
+    double answers[ELEMENT_ANSWERS];
+    enter_contact(work, contact, run->time);
+    values_of_touch(work, &work->touching[contact], answers);
+    int together = answers[ELEMENT_APPROACH] <= TOGETHER * run->velocity;
+    for (int i = 0; i < (int)run->contact_count; i++) {
+        struct touching *each = &work->touching[i];
+        if (is_touching(each))
+            continue;
+        set_element(each);
+        values_of_touch(work, each, answers);
+        const double gap = each->law->clearance - radius_of_touch(work, each);
+        if (gap <= PASSED * each->law->clearance && answers[ELEMENT_APPROACH] > 0.0) {
+            enter_contact(work, i, run->time);
+            together = 1;
+        }
+    }
+    const int status = settle(work);
+    if (status == DONE && together) {
+        begin_terms(work);
+        pass_edge(work);
+    }
+    return status;
+}
+
+static void leave_contact(struct work *work, int contact)
+{
+    struct system_run *run = work->run;
+    struct touching *each = &work->touching[contact];
+    each->touch->way = FLIES;
+    each->touch->root = 0.0;
+    each->touch->zeros[OF_ROOT] = 1;
+    run->open[contact].exit = run->time;
+    run->episodes[run->episode_count++] = run->open[contact];
+    record_system_event(run, EXIT, contact);
+}
+
+/* Whether a contact is all but at its end. */
+static int is_at_end(const struct work *work, const struct touching *each)
+{
+    if (!is_touching(each) || each->touch->root >= TOGETHER * sqrt(each->law->clearance))
+        return 0;
+    double answers[ELEMENT_ANSWERS];
+    values_of_touch(work, each, answers);
+    return answers[ELEMENT_APPROACH] < 0.0;
+}
+
+static int happens_exit(struct work *work, int contact)
+{
+    leave_contact(work, contact);
+    for (int i = 0; i < (int)work->run->contact_count; i++) {
+        if (is_at_end(work, &work->touching[i]))
+            leave_contact(work, i);
+    }
+    return settle_others(work, -1);
+}
+
+int leave_together(struct work *work)
+{
+    int count = 0, last = -1;
+    for (int i = 0; i < (int)work->run->contact_count; i++) {
+        if (is_at_end(work, &work->touching[i])) {
+            count++;
+            last = i;
+        }
+    }
+    return count > 1 ? happens_exit(work, last) : DONE;
+}
+
+/* A contact is loose from here on, or pressed again. */
+static int happens_to_force(struct work *work, int contact)
+{
+    struct touching *each = &work->touching[contact];
+    const int loosens = is_pressed(each);
+    if (loosens) {
+        each->touch->way = IS_LOOSE;
+    } else {
+        double answers[ELEMENT_ANSWERS];
+        values_of_touch(work, each, answers);
+        slide(work, each, answers);
+    }
+    each->touch->zeros[OF_FORCE] = 1;
+    record_system_event(work->run, loosens ? RELEASE : PRESS, contact);
+    return settle_others(work, contact);
+}
+
+/* Surfaces stop sliding, or a hold gives way. */
+static int happens_to_slip(struct work *work, int contact)
+{
+    struct touching *each = &work->touching[contact];
+    struct system_touch *touch = each->touch;
+    if (touch->way == ROLLS) {
+        const double drag = polynomial(each->drag, 1, work->order - 1, work->step);
+        touch->sense = drag > 0.0 ? 1.0 : -1.0;
+        touch->way = drag > 0.0 ? SLIDES_FORWARDS : SLIDES_BACKWARDS;
+        each->touch->zeros[OF_SLIP] = 2; /* its rate is 0 as well */
+        record_system_event(work->run, SLIP, contact);
+        return DONE;
+    }
+    const double sense = touch->sense;
+    touch->way = ROLLS;
+    const int status = settle_others(work, contact);
+    if (touch->way == ROLLS)
+        record_system_event(work->run, ROLL, contact);
+    else if (touch->sense != sense)
+        record_system_event(work->run, REVERSE, contact);
+    return status;
+}
+
+int change_contact(struct work *work, struct happening what)
+{
+    work->step = what.point; /* where the series are read by what follows */
+    if (what.guard == OF_ROOT)
+        return is_touching(&work->touching[what.contact]) ? happens_exit(work, what.contact)
+                                                          : happens_entry(work, what.contact);
+    return what.guard == OF_FORCE ? happens_to_force(work, what.contact)
+                                  : happens_to_slip(work, what.contact);
+}
+
+/* ---- The start ---- */
+
+int begin_contacts(struct work *work)
+{
+    struct system_run *run = work->run;
+    int on_edge = 0;
+    for (int i = 0; i < (int)run->contact_count; i++) {
+        struct touching *each = &work->touching[i];
+        double answers[ELEMENT_ANSWERS];
+        const double clearance = each->law->clearance;
+        const double depth = radius_of_touch(work, each) - clearance;
+        each->touch->way = FLIES;
+        each->touch->root = 0.0;
+        if (depth < -SIDE * clearance)
+            continue;
+        each->touch->way = SLIDES_FORWARDS;
+        each->touch->root = depth > SIDE * clearance ? sqrt(depth) : 0.0;
+        set_element(each);
+        values_of_touch(work, each, answers);
+        if (each->touch->root == 0.0) {
+            const double approach = answers[ELEMENT_APPROACH];
+            each->touch->way = FLIES;
+            each->touch->zeros[OF_ROOT] = fabs(approach) <= STILL * run->velocity ? 2 : 1;
+            on_edge += approach >= -STILL * run->velocity;
+            continue;
+        }
+        const double factor = 1.0 + each->law->contact_damping * answers[ELEMENT_APPROACH];
+        slide(work, each, answers);
+        if (factor < 0.0)
+            each->touch->way = IS_LOOSE;
+        open_episode(work, i, NAN);
+    }
+    int status = settle(work);
+    if (status != DONE || on_edge == 0)
+        return status;
+    /* those on the stator begin in contact where they move, or are pushed, outwards */
+    begin_terms(work);
+    expand_system(work, 3);
+    int enters[MOST_CONTACTS] = {0};
+    for (int i = 0; i < (int)run->contact_count; i++) {
+        const struct touching *each = &work->touching[i];
+        const double *x = &each->series.terms[0][ELEMENT_X];
+        const double *y = &each->series.terms[0][ELEMENT_Y];
+        if (is_touching(each) || each->touch->zeros[OF_ROOT] == 0)
+            continue;
+        const int n = each->touch->zeros[OF_ROOT];
+        enters[i] = convolved(x, WIDTH, x, WIDTH, n) + convolved(y, WIDTH, y, WIDTH, n) > 0.0;
+    }
+    int entered = 0;
+    for (int i = 0; i < (int)run->contact_count; i++) {
+        if (enters[i]) {
+            enter_contact(work, i, NAN);
+            entered = 1;
+        }
+    }
+    if (!entered)
+        return DONE;
+    status = settle(work);
+    begin_terms(work);
+    pass_edge(work);
+    return status;
+}
+
+/* ---- Peaks ---- */
+
+/* The largest value of a polynomial between 0 and a point, where it has at most one maximum. */
+static double largest_of(const double *terms, int apart, int order, double point, double *where)
+{
+    double slope[ORDERS];
+    for (int n = 1; n <= order; n++)
+        slope[n - 1] = n * terms[n * apart];
+    const double first = terms[0], last = polynomial(terms, apart, order, point);
+    *where = last > first ? point : 0.0;
+    double largest = fmax(first, last);
+    if (slope[0] > 0.0 && polynomial(slope, 1, order - 1, point) < 0.0) {
+        const double turn = zero_between(slope, order - 1, 0.0, point);
+        const double value = polynomial(terms, apart, order, turn);
+        if (value > largest) {
+            largest = value;
+            *where = turn;
+        }
+    }
+    return largest;
+}
+
+void keep_peaks(struct work *work, double point)
+{
+    struct system_run *run = work->run;
+    for (int i = 0; i < (int)run->contact_count; i++) {
+        struct touching *each = &work->touching[i];
+        struct episode *episode = &run->open[i];
+        double where = 0.0;
+        if (!is_touching(each))
+            continue;
+        const double root = largest_of(&each->series.terms[0][ELEMENT_ROOT], WIDTH, work->order,
+                                       point, &where);
+        if (root > episode->peak_root) {
+            episode->peak_root = root;
+            episode->peak_time = polynomial(work->time, 1, work->order, where);
+        }
+        if (is_pressed(each))
+            episode->largest_force = fmax(episode->largest_force,
+                                          largest_of(&each->answers[0][ELEMENT_PUSH],
+                                                     ELEMENT_ANSWERS, work->order, point, &where));
+    }
+}

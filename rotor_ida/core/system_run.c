@@ -1,0 +1,184 @@
+/* The event loop of a rotor system: step, look for what happens first, record it, go on. */
+#include "system_work.h"
+
+/* Steps without progress in time after which a run counts as stuck. */
+enum { MOST_IDLE = 1000, FORCES_A_CONTACT = 4 };
+
+void record_system_event(struct system_run *run, int kind, int contact)
+{
+    const int64_t row = run->events++, width = 2 * run->stride + run->contact_count;
+    double *state = &run->event_states[row * width];
+    run->event_times[row] = run->time;
+    run->event_kinds[row] = kind;
+    run->event_contacts[row] = contact;
+    run->event_turns[2 * row] = run->angle;
+    run->event_turns[2 * row + 1] = run->speed;
+    memcpy(state, run->state, sizeof(double) * (size_t)(2 * run->stride));
+    for (int64_t i = 0; i < run->contact_count; i++)
+        state[2 * run->stride + i] = run->touches[i].race;
+}
+
+static int has_room_for_step(const struct system_run *run)
+{
+    return run->events + 2 * run->contact_count + 2 <= run->event_room
+           && run->episode_count + run->contact_count <= run->episode_room;
+}
+
+/* The point of the step at which a time is reached. */
+static double point_of(const struct work *work, double time, double low, double high)
+{
+    if (!work->moves)
+        return fmin(fmax(time - work->time[0], low), high);
+    for (int i = 0; i < 100 && high - low > 4e-16 * high; i++) {
+        double middle = 0.5 * (low + high);
+        if (i % 2 == 0) {
+            double value = work->time[work->order], slope = 0.0;
+            for (int n = work->order - 1; n >= 0; n--) {
+                slope = fma(slope, middle, value);
+                value = fma(value, middle, work->time[n]);
+            }
+            const double newton = middle - (value - time) / slope;
+            middle = newton > low && newton < high ? newton : middle;
+        }
+        if (polynomial(work->time, 1, work->order, middle) < time)
+            low = middle;
+        else
+            high = middle;
+    }
+    return high;
+}
+
+static void sample(struct work *work, double point)
+{
+    struct system_run *run = work->run;
+    double *row = &run->samples[run->sampled * 2 * work->stride];
+    read_rows(work, work->y, point, row);
+    read_rows(work, work->v, point, row + work->stride);
+    double *turn = &run->sample_turns[2 * run->sampled];
+    const double time = run->sample_times[run->sampled], since = time - run->piece_time;
+    const struct piece *piece = &run->pieces[run->piece];
+    turn[1] = work->has_torque ? polynomial(work->spin, 1, work->order, point)
+                               : piece->speed + piece->rate * since;
+    turn[0] = run->piece_angle + (piece->speed + 0.5 * piece->rate * since) * since;
+    if (work->has_torque) {
+        double angle = 0.0;
+        for (int n = work->order - 1; n >= 0; n--)
+            angle = (angle + work->turning[n] / (n + 1)) * point;
+        turn[0] = run->angle + angle;
+    }
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        const struct touching *each = &work->touching[i];
+        double *forces =
+            &run->sample_forces[(run->sampled * run->contact_count + i) * FORCES_A_CONTACT];
+        const double *answers = each->answers[0];
+        forces[0] = forces[1] = 0.0;
+        forces[2] = NAN;
+        forces[3] = each->touch->way;
+        if (!is_touching(each))
+            continue;
+        forces[2] = polynomial(&answers[ELEMENT_SLIP], ELEMENT_ANSWERS, work->order, point);
+        if (!is_pressed(each))
+            continue;
+        forces[0] = polynomial(&answers[ELEMENT_PUSH], ELEMENT_ANSWERS, work->order, point);
+        forces[1] = polynomial(each->drag, 1, work->order - 1, point);
+    }
+    run->sampled++;
+}
+
+/* Report the samples of a step up to a point, and up to its time. */
+static void observe(struct work *work, double point, double until)
+{
+    struct system_run *run = work->run;
+    double low = 0.0;
+    while (run->sampled < run->sample_count && run->sample_times[run->sampled] <= until) {
+        low = point_of(work, run->sample_times[run->sampled], low, point);
+        sample(work, low);
+    }
+    keep_peaks(work, point);
+}
+
+/* Go on with the next piece of a speed: the rate of the spin jumps, and with it what holds. */
+static int pass_system_piece(struct work *work)
+{
+    struct system_run *run = work->run;
+    if (run->piece + 1 >= run->piece_count)
+        return DONE;
+    run->piece++;
+    run->piece_time = run->time;
+    run->piece_angle = run->angle;
+    begin_system_piece(work);
+    int rolled[MOST_CONTACTS];
+    for (int64_t i = 0; i < run->contact_count; i++)
+        rolled[i] = run->touches[i].way == ROLLS;
+    const int status = settle(work);
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        if (rolled[i] && run->touches[i].way != ROLLS)
+            record_system_event(run, SLIP, (int)i);
+    }
+    return status;
+}
+
+static int take_step(struct work *work, int *is_idle)
+{
+    struct system_run *run = work->run;
+    const struct piece *piece = &run->pieces[run->piece];
+    const double limit = run->piece + 1 < run->piece_count ? smaller(piece->end, run->duration)
+                                                           : run->duration;
+    begin_terms(work);
+    expand_system(work, work->order);
+    choose_step(work);
+    if (isnan(work->step))
+        return NOT_FINITE;
+    double end = work->step;
+    const int ends = polynomial(work->time, 1, work->order, end) >= limit;
+    if (ends)
+        end = point_of(work, limit, 0.0, end);
+    const struct happening what = first_happening(work, end);
+    const int happens = what.point <= end;
+    end = happens ? what.point : end;
+    double until = polynomial(work->time, 1, work->order, end);
+    if (ends && !happens)
+        until = limit;
+    observe(work, end, until);
+    const double before = run->time;
+    move_system(work, end);
+    run->time = until;
+    if (!work->has_torque)
+        turn_as_prescribed(run);
+    *is_idle = run->time <= before;
+    if (happens)
+        return change_contact(work, what);
+    if (work->moves) {
+        const int status = leave_together(work);
+        if (status != DONE)
+            return status;
+    }
+    return ends && run->time < run->duration ? pass_system_piece(work) : DONE;
+}
+
+int core_system_run(struct system_run *run)
+{
+    struct work *work = open_work(run);
+    begin_system_piece(work);
+    int status = DONE, idle = 0;
+    if (!run->began) {
+        if (!has_room_for_step(run))
+            return FULL;
+        if (!work->has_torque)
+            turn_as_prescribed(run);
+        status = begin_contacts(work);
+        run->began = 1;
+    }
+    while (status == DONE && run->time < run->duration) {
+        int is_idle = 0;
+        if (asked_to_stop(run->stop))
+            return STOPPED;
+        if (!has_room_for_step(run))
+            return FULL;
+        status = take_step(work, &is_idle);
+        idle = is_idle ? idle + 1 : 0;
+        if (idle > MOST_IDLE)
+            return STUCK;
+    }
+    return status;
+}

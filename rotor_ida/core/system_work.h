@@ -1,0 +1,146 @@
+/* What a run of a rotor system works with: the series of one step. */
+#ifndef ROTOR_IDA_SYSTEM_WORK_H
+#define ROTOR_IDA_SYSTEM_WORK_H
+
+#include "derived_element.h"
+#include "flight.h"
+#include "system.h"
+
+enum { MOST_CONTACTS = 16 };
+
+/* What decides how long a contact goes on as it does: the root of its indentation, or the gap of
+ * one that flies; the factor of its force; and its slip, or the grip that is left. */
+enum { OF_ROOT, OF_FORCE, OF_SLIP, GUARDS };
+
+/* A contact within a step. */
+struct touching {
+    const struct system_law *law;
+    struct system_touch *touch;
+    const double *rows; /* two of `stride` */
+    struct element element;
+    struct series series;
+    double answers[ORDERS][ELEMENT_ANSWERS];
+    double pull[ORDERS][2]; /* the acceleration of its displacement; while it rolls */
+    double drag[ORDERS];    /* the tangential force T */
+    double others[ORDERS];  /* the pace but for its own root */
+    double mobility;        /* the largest acceleration of its displacement by a unit force */
+    int is_edge;            /* whether its root is a factor of the pace */
+};
+
+struct work {
+    struct system_run *run;
+    int64_t stride;
+    int order;
+    int has_torque, has_rate, moves; /* whether the speed changes; and whether the pace does */
+    double *y, *v, *acceleration;    /* ORDERS rows each */
+    double *resisted, *turned, *stiffened; /* (C + Omega G) y' or C y'; G y'; K_dot y */
+    double *both;                          /* C + Omega G, where the speed is constant */
+    double time[ORDERS], pace[ORDERS], cosine[ORDERS], sine[ORDERS];
+    double spin[ORDERS], spin_rate[ORDERS], spin_square[ORDERS], turning[ORDERS];
+    double by_cosine[ORDERS], by_sine[ORDERS]; /* what multiplies the unbalance's two rows */
+    /* what is solved for at each order: the tangential forces that roll, and the rate of the spin
+     */
+    int rolling[MOST_CONTACTS], rolls;
+    double matrix[MOST_CONTACTS + 1][MOST_CONTACTS + 1];
+    int pivot[MOST_CONTACTS + 1];
+    double right[MOST_CONTACTS + 1];
+    int is_asked;
+    double step;
+    struct touching touching[MOST_CONTACTS];
+};
+
+static inline double *row_of(const struct work *work, double *rows, int n)
+{
+    return &rows[n * work->stride];
+}
+
+static inline double sum_of_products(const double *a, const double *b, int64_t size)
+{
+    vec4 sum = spread(0.0);
+    for (int64_t i = 0; i < size; i += 4)
+        sum = fma4(load(&a[i]), load(&b[i]), sum);
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+/* Add a row, scaled, to another. */
+static inline void add_scaled(double factor, const double *row, double *to, int64_t size)
+{
+    const vec4 by = spread(factor);
+    for (int64_t i = 0; i < size; i += 4)
+        store(&to[i], fma4(by, load(&row[i]), load(&to[i])));
+}
+
+/* Coefficient n of a product, from terms that are so far apart in memory. */
+static inline double convolved(const double *a, int a_apart, const double *b, int b_apart, int n)
+{
+    double sum = 0.0;
+    for (int k = 0; k <= n; k++)
+        sum = fma(a[k * a_apart], b[(n - k) * b_apart], sum);
+    return sum;
+}
+
+/* The same without a_0. */
+static inline double convolved_later(const double *a, int a_apart, const double *b, int b_apart,
+                                     int n)
+{
+    double sum = 0.0;
+    for (int k = 1; k <= n; k++)
+        sum = fma(a[k * a_apart], b[(n - k) * b_apart], sum);
+    return sum;
+}
+
+static inline double polynomial(const double *terms, int apart, int order, double point)
+{
+    double value = terms[order * apart];
+    for (int n = order - 1; n >= 0; n--)
+        value = fma(value, point, terms[n * apart]);
+    return value;
+}
+
+static inline int is_touching(const struct touching *each) { return each->touch->way != FLIES; }
+static inline int is_pressed(const struct touching *each)
+{
+    return each->touch->way != FLIES && each->touch->way != IS_LOOSE;
+}
+
+/* system.c */
+struct work *open_work(struct system_run *run);
+void begin_system_piece(struct work *work);
+/* Begin the series of a step with the state of the run; write coefficients up to `order`; and the
+ * length of the step. */
+void begin_terms(struct work *work);
+void expand_system(struct work *work, int order);
+void choose_step(struct work *work);
+/* Write the matrix and the right-hand side of what is implicit at the beginning of a step. */
+void ask_implicit(struct work *work);
+void turn_as_prescribed(struct system_run *run);
+/* Move the state of the run to a point of the step, and keep its ledger. */
+void read_rows(const struct work *work, const double *rows, double point, double *values);
+void move_system(struct work *work, double point);
+
+/* system_contact.c */
+void set_element(struct touching *each);
+/* The first point of (0, step] at which a polynomial falls through 0, where it has so many zeros at
+ * 0 that are known; infinite where there is none. */
+double first_fall(const double *terms, int apart, int order, double step, int zeros);
+
+/* What happens first in a step. */
+struct happening {
+    double point;
+    int contact, guard;
+};
+struct happening first_happening(struct work *work, double step);
+/* Do what follows from it, and record it. */
+int change_contact(struct work *work, struct happening what);
+/* End contacts together whose roots fall to 0 together: the fictitious time does not get there. */
+int leave_together(struct work *work);
+/* Decide at the start which contacts touch, and at a jump of the acceleration which still roll. */
+int begin_contacts(struct work *work);
+int settle(struct work *work);
+/* Keep what is largest in a step up to a point. */
+void keep_peaks(struct work *work, double point);
+
+/* system_run.c */
+void record_system_event(struct system_run *run, int kind, int contact);
+
+#endif

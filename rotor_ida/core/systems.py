@@ -1,0 +1,309 @@
+"""One run of a rotor system by the core: the structures of ``system.h``, and its call."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import Structure, byref, c_double, c_int, c_int32, c_int64, c_void_p
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import Stop, Values
+from rotor_ida.core import library as found
+from rotor_ida.core.interface import DONE, FULL, pointer
+from rotor_ida.core.runs import NO_STOP, PIECE, Rows
+
+FIRST_ROOM = 256
+# Numbers of a contact at a sample: normal and tangential force, slip speed, mode.
+FORCES = 4
+LAW = np.dtype(
+    [
+        ("offset", np.float64, 2),
+        *(
+            (name, np.float64)
+            for name in (
+                "clearance", "hertz", "linear", "contact_damping", "friction", "radius",
+                "race_radius", "inverse_race_inertia", "race_drag",
+            )
+        ),
+    ]
+)  # fmt: skip
+TOUCH = np.dtype(
+    [
+        *((name, np.float64) for name in ("root", "race", "sense")),
+        ("way", np.int32),
+        ("zeros", np.int32, 3),
+    ]
+)
+EPISODE = np.dtype(
+    [
+        (name, np.float64)
+        for name in (
+            "contact", "entry", "exit", "peak_time", "peak_root", "largest_force", "impulse",
+            "work", "heat", "slip_distance", "rolling_time",
+        )
+    ]
+)  # fmt: skip
+LEDGER = ("unbalance", "damping", "stiffness_rate", "normal", "tangential")
+
+
+class SystemRunStruct(Structure):
+    """``struct system_run``."""
+
+    _fields_ = [
+        *((name, c_int64) for name in ("size", "stride", "contact_count")),
+        *((name, c_void_p) for name in (
+            "stiffness", "damping", "gyroscopic", "stiffness_rate", "unbalance", "force", "rows",
+            "laws", "touches", "pieces",
+        )),
+        *((name, c_int64) for name in ("piece_count", "piece")),
+        *((name, c_double) for name in ("inertia", "rtol", "displacement", "velocity", "fastest")),
+        ("order", c_int64),
+        ("duration", c_double),
+        ("stop", c_void_p),
+        *((name, c_double) for name in ("time", "speed", "angle", "piece_time", "piece_angle")),
+        ("state", c_void_p),
+        ("ledger", len(LEDGER) * c_double),
+        ("began", c_int32),
+        ("unused", c_int32),
+        *((name, c_void_p) for name in (
+            "sample_times", "samples", "sample_forces", "sample_turns",
+        )),
+        *((name, c_int64) for name in ("sample_count", "sampled")),
+        *((name, c_void_p) for name in (
+            "event_times", "event_states", "event_turns", "event_kinds", "event_contacts",
+        )),
+        *((name, c_int64) for name in ("event_room", "events")),
+        *((name, c_void_p) for name in ("episodes", "open")),
+        *((name, c_int64) for name in ("episode_room", "episode_count", "steps")),
+        ("room", c_void_p),
+    ]  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SystemRequest:
+    """A run of a rotor system, in coordinates with a unit mass matrix.
+
+    Parameters
+    ----------
+    stiffness, damping, gyroscopic, stiffness_rate : ndarray, shape (n, n)
+        Matrices; None where there are none.
+    rows : ndarray, shape (contact, 2, n)
+        Displacements of the contacts.
+    unbalance : ndarray, shape (2, n)
+        Unbalance, by the cosine and the sine of the angle.
+    force : ndarray, shape (n,)
+        Constant force.
+    laws : ndarray of LAW
+        The law of each contact.
+    races : ndarray, shape (contact,)
+        Speed of each race at time 0.
+    pieces : ndarray of PIECE
+        How the speed changes.
+    speed : float
+        Speed at time 0, if a torque drives it.
+    inertia : float
+        Moment of inertia about the axis of rotation, if a torque drives the rotor.
+    rtol : float
+        Tolerance of one step.
+    order : int
+        Order of the Taylor series.
+    displacement, velocity, fastest : float
+        By which errors are measured; and the largest rate of the system without contacts.
+    start : ndarray, shape (2, n)
+        Displacement and velocity at time 0.
+    times : ndarray
+        Times of samples; the last is the end.
+    duration : float
+        The end.
+    """
+
+    stiffness: Values
+    damping: Values | None
+    gyroscopic: Values | None
+    stiffness_rate: Values | None
+    rows: Values
+    unbalance: Values
+    force: Values
+    laws: Rows
+    races: Values
+    pieces: Rows
+    speed: float
+    inertia: float
+    rtol: float
+    order: int
+    displacement: float
+    velocity: float
+    fastest: float
+    start: Values
+    times: Values
+    duration: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SystemResult:
+    """What the core reports of a run.
+
+    Parameters
+    ----------
+    status : int
+        How it ended.
+    time : float
+        Where it ended.
+    state : ndarray, shape (2, n)
+        The state there.
+    touches : ndarray of TOUCH
+        How each contact was then.
+    samples : ndarray, shape (sample, 2, n)
+        Displacement and velocity.
+    forces : ndarray, shape (sample, contact, 4)
+        Normal and tangential force, slip speed, mode.
+    turns : ndarray, shape (sample, 2)
+        Angle and speed.
+    event_times, event_kinds, event_contacts, event_turns : ndarray
+        The events.
+    event_states : ndarray, shape (event, 2, n)
+        Displacement and velocity at events.
+    event_races : ndarray, shape (event, contact)
+        Speeds of races.
+    episodes : ndarray of EPISODE
+        Contacts that ended, in the order of their ends; then those that last.
+    ledger : dict
+        Energies gained and lost.
+    steps : int
+        Steps taken.
+    turn : tuple of float
+        Angle and speed at the end.
+    """
+
+    status: int
+    time: float
+    state: Values
+    touches: Rows
+    samples: Values
+    forces: Values
+    turns: Values
+    event_times: Values
+    event_kinds: npt.NDArray[np.int32]
+    event_contacts: npt.NDArray[np.int32]
+    event_turns: Values
+    event_states: Values
+    event_races: Values
+    episodes: Rows
+    ledger: dict[str, float]
+    steps: int
+    turn: tuple[float, float]
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    core = found.library("whole")
+    core.core_system_room.restype = c_int64
+    core.core_system_room.argtypes = [c_int64, c_int64]
+    core.core_system_run.restype = c_int
+    core.core_system_run.argtypes = [ctypes.POINTER(SystemRunStruct)]
+    return core
+
+
+@dataclass(slots=True)
+class _Tables:
+    """The tables of events and episodes, which grow."""
+
+    width: int
+    room: int = FIRST_ROOM
+    arrays: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.arrays = {
+            "event_times": np.empty(self.room),
+            "event_states": np.empty((self.room, self.width)),
+            "event_turns": np.empty((self.room, 2)),
+            "event_kinds": np.empty(self.room, np.int32),
+            "event_contacts": np.empty(self.room, np.int32),
+            "episodes": np.empty(self.room, EPISODE),
+        }
+
+    def grow(self) -> None:
+        """Double the room."""
+        self.room *= 2
+        for name, array in self.arrays.items():
+            larger = np.empty((self.room, *array.shape[1:]), array.dtype)
+            larger[: len(array)] = array
+            self.arrays[name] = larger
+
+    def put(self, run: SystemRunStruct) -> None:
+        """Give the tables to a run."""
+        for name, array in self.arrays.items():
+            setattr(run, name, pointer(array, array.dtype, writeable=True))
+        run.event_room = run.episode_room = self.room
+
+
+def follow_system(request: SystemRequest, stop: Stop = NO_STOP) -> SystemResult:
+    """Return the run of a rotor system."""
+    core, size = _library(), len(request.force)
+    stride, count = -(-size // 4) * 4, len(request.laws)
+    keep: list[npt.NDArray[Any]] = []
+
+    def given(values: npt.NDArray[Any] | None, *, writeable: bool = False) -> c_void_p | None:
+        if values is None:
+            return None
+        keep.append(values)
+        return pointer(values, values.dtype, writeable=writeable)
+
+    def padded(values: Values | None, shape: tuple[int, ...] = ()) -> Values | None:
+        if values is None:
+            return None
+        wide = np.zeros((*(shape or values.shape[:-1]), stride))
+        wide[..., :size] = values
+        return wide
+
+    def by_columns(matrix: Values | None) -> Values | None:
+        return None if matrix is None else padded(np.ascontiguousarray(matrix.T))
+
+    touches, opened = np.zeros(count, TOUCH), np.zeros(count, EPISODE)
+    touches["race"] = request.races
+    state = padded(request.start)
+    assert state is not None
+    samples = np.zeros((request.times.size, 2, stride))
+    forces, turns = np.zeros((request.times.size, count, FORCES)), np.zeros((request.times.size, 2))
+    tables = _Tables(2 * stride + count, max(FIRST_ROOM, 4 * count + 4))
+    run = SystemRunStruct(
+        size=size, stride=stride, contact_count=count,
+        stiffness=given(by_columns(request.stiffness)), damping=given(by_columns(request.damping)),
+        gyroscopic=given(by_columns(request.gyroscopic)),
+        stiffness_rate=given(by_columns(request.stiffness_rate)),
+        unbalance=given(padded(request.unbalance)), force=given(padded(request.force)),
+        rows=given(padded(request.rows)), laws=given(request.laws),
+        touches=given(touches, writeable=True),
+        pieces=given(np.ascontiguousarray(request.pieces, PIECE)), piece_count=len(request.pieces),
+        inertia=request.inertia, rtol=request.rtol, displacement=request.displacement,
+        velocity=request.velocity, fastest=request.fastest, order=request.order,
+        duration=request.duration, stop=given(stop), speed=request.speed,
+        state=given(state, writeable=True),
+        sample_times=given(np.ascontiguousarray(request.times)),
+        samples=given(samples, writeable=True), sample_forces=given(forces, writeable=True),
+        sample_turns=given(turns, writeable=True), sample_count=request.times.size,
+        open=given(opened, writeable=True),
+        room=given(np.zeros(core.core_system_room(size, count)), writeable=True),
+    )  # fmt: skip
+    tables.put(run)
+    while (status := core.core_system_run(byref(run))) == FULL:
+        tables.grow()
+        tables.put(run)
+    events, held = run.events, tables.arrays
+    lasting = opened[touches["way"] != 0] if status == DONE else opened[:0]
+    states = held["event_states"][:events]
+    return SystemResult(
+        status=status, time=run.time, state=state[:, :size], touches=touches,
+        samples=samples[:, :, :size], forces=forces, turns=turns,
+        event_times=held["event_times"][:events].copy(), event_kinds=held["event_kinds"][:events],
+        event_contacts=held["event_contacts"][:events], event_turns=held["event_turns"][:events],
+        event_states=states[:, : 2 * stride].reshape(events, 2, stride)[:, :, :size],
+        event_races=states[:, 2 * stride :],
+        episodes=np.concatenate([held["episodes"][: run.episode_count], lasting]),
+        ledger=dict(zip(LEDGER, run.ledger, strict=True)), steps=run.steps,
+        turn=(run.angle, run.speed),
+    )  # fmt: skip

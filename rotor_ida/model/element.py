@@ -1,0 +1,57 @@
+"""The contact of a rotor system: one element between a rotor's node and its stator.
+
+The rotor system itself is linear; all that is not linear happens in its contacts. Each sees the
+displacement u of its node from its centre, the velocity u', and the speeds of the rotor and of the
+race, and answers with the force on the rotor. The law is that of one disc (`rotor_ida.model.modes`)
+in dimensional form:
+
+``d = |u| - delta``, ``N = k d**n max(0, 1 + lambda d')``, ``T = mu N sigma``,
+``v_s = u'.t + R Omega - R_b Omega_b``, and the force on the rotor is ``-(N + i T) u/|u|``.
+
+The root ``s = sqrt(d)`` is a component of the state: in a fictitious time that runs by it the
+motion is analytic through entry and exit. While the surfaces roll, T is not known from the law; the
+core finds it from ``v_s' = 0`` for all contacts together.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rotor_ida.model.modes import Number, Numbers, damped, spring_of_root
+
+# What an element is given: the root of its indentation, displacement and velocity, and the speeds
+# of rotor and race.
+GIVEN = ("root", "x", "y", "vx", "vy", "spin", "race")
+PARAMETERS = (
+    "clearance", "hertz", "linear", "contact_damping", "pressed",
+    "friction", "sigma", "radius", "race_radius",
+)  # fmt: skip
+# What it answers, in this order.
+ANSWERS = (
+    "normal_x", "normal_y", "approach", "slip", "push", "force_x", "force_y", "turning", "power",
+    "heat",
+)  # fmt: skip
+
+
+def answers_of(given: Numbers, contact: Any) -> list[Number]:
+    """Return what a contact answers: see `ANSWERS`.
+
+    They are the direction e of the displacement, the radial velocity ``d'``, the speed of slip
+    ``v_s``, the normal force N, the force of a sliding contact on the rotor, ``d' u'.t/|u|`` (by
+    which the direction's rotation changes the slip), and the powers ``N d'`` and ``T v_s``.
+    """
+    root, x, y, vx, vy, spin, race = given
+    radius = contact.clearance + root * root
+    normal_x, normal_y = x / radius, y / radius
+    approach = vx * normal_x + vy * normal_y
+    across = vy * normal_x - vx * normal_y
+    slip = across + contact.radius * spin - contact.race_radius * race
+    push = damped(spring_of_root(root, contact), approach, contact)
+    push_x, push_y = push * normal_x, push * normal_y
+    grip = contact.friction * contact.sigma
+    force_x, force_y = grip * push_y - push_x, -(grip * push_x) - push_y
+    turning = approach * across / radius
+    power, heat = push * approach, grip * (push * slip)
+    return [
+        normal_x, normal_y, approach, slip, push, force_x, force_y, turning, power, heat,
+    ]  # fmt: skip

@@ -1,0 +1,249 @@
+"""A rotor system: any linear rotor, by its matrices, with names for its nodes.
+
+``M q'' + (C + Omega G) q' + (K + Omega' K_dot) q = unbalance + static force + contacts``
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import LinAlgError, cholesky
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_array, check_choice, check_real, did_you_mean, shown
+from rotor_ida.errors import InputError
+
+# Relative size below which a part of a matrix that should vanish is rounding.
+ROUNDED = 1e-9
+UNITS = ("SI", "1")
+MOST_NODES_SHOWN = 6
+Node = tuple[int, int] | npt.ArrayLike
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
+class RotorSystem:
+    """A linear rotor of any size, by its matrices and the names of its nodes.
+
+    Parameters
+    ----------
+    mass, stiffness : array_like, shape (n, n)
+        Mass matrix, symmetric and positive definite, and stiffness matrix.
+    damping, gyroscopic, stiffness_rate : array_like, shape (n, n), optional
+        Damping matrix; skew-symmetric gyroscopic matrix, which the speed multiplies; and the
+        matrix that the rate of the speed multiplies. Default: none.
+    nodes : mapping
+        Nodes by name: two indices of q, its displacements along x and y; or an array of shape
+        (2, n) by which q gives them, as in modal coordinates.
+    translations : array_like, shape (n, 2), optional
+        The coordinates of unit translations along x and y, by which gravity acts. Default: 1 at
+        the displacements of all nodes that are given by indices.
+    static_force : array_like, shape (n,), optional
+        A constant force.
+    units : {"SI", "1"}
+        Units of results: SI, or none where all numbers are dimensionless.
+
+    Examples
+    --------
+    >>> system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)})
+    >>> system
+    RotorSystem(2 degrees of freedom, node disc)
+    >>> system.size, system.rows("disc").tolist()
+    (2, [[1.0, 0.0], [0.0, 1.0]])
+    """
+
+    mass: Values
+    stiffness: Values
+    damping: Values | None = None
+    gyroscopic: Values | None = None
+    stiffness_rate: Values | None = None
+    nodes: Mapping[str, Node] = field(default_factory=dict)
+    translations: Values | None = None
+    static_force: Values | None = None
+    units: Literal["SI", "1"] = "SI"
+
+    def __post_init__(self) -> None:
+        mass = _square("mass", self.mass)
+        keep = {"mass": _symmetric("mass", mass)}
+        size = len(mass)
+        for name in ("stiffness", "damping", "gyroscopic", "stiffness_rate"):
+            given = getattr(self, name)
+            if given is not None or name == "stiffness":
+                keep[name] = _square(name, given, size)
+        if "gyroscopic" in keep:
+            _symmetric("gyroscopic", keep["gyroscopic"], sign=-1.0)
+        try:
+            cholesky(keep["mass"], lower=True)
+        except LinAlgError as error:
+            least = float(np.linalg.eigvalsh(keep["mass"])[0])
+            raise InputError(
+                f"mass must be positive definite, got a matrix with the eigenvalue {least:.6g}"
+            ) from error
+        for name, shape in (("translations", (size, 2)), ("static_force", (size,))):
+            if getattr(self, name) is not None:
+                keep[name] = _shaped(name, getattr(self, name), shape)
+        check_choice("units", self.units, UNITS)
+        for name, values in keep.items():
+            values.setflags(write=False)
+            object.__setattr__(self, name, values)
+        object.__setattr__(self, "nodes", _nodes(self.nodes, size))
+
+    def __repr__(self) -> str:
+        names = list(self.nodes)
+        told = names if len(names) <= MOST_NODES_SHOWN else [*names[:2], "...", names[-1]]
+        nodes = f"node{'s' if len(names) > 1 else ''} {', '.join(told)}" if names else "no nodes"
+        return f"RotorSystem({self.size} degrees of freedom, {nodes})"
+
+    @property
+    def size(self) -> int:
+        """The number n of degrees of freedom."""
+        return len(self.mass)
+
+    def rows(self, node: str) -> Values:
+        """Return the two rows by which q gives the displacement of a node, shape (2, n)."""
+        if node not in self.nodes:
+            allowed = ", ".join(map(repr, self.nodes)) or "none: the system has no nodes"
+            hint = did_you_mean(node, self.nodes)
+            raise InputError(f"node must be one of {allowed}, got {shown(node)}{hint}")
+        given = self.nodes[node]
+        if isinstance(given, tuple):
+            return np.eye(self.size)[list(given)]
+        return np.asarray(given)
+
+    def unit_translations(self) -> Values:
+        """Return the coordinates of unit translations along x and y, shape (n, 2)."""
+        if self.translations is not None:
+            return self.translations
+        both = np.zeros((self.size, 2))
+        for given in self.nodes.values():
+            if not isinstance(given, tuple):
+                raise InputError(
+                    "translations must be given for gravity where nodes are given by rows, got None"
+                )
+            both[given[0], 0] = both[given[1], 1] = 1.0
+        return both
+
+    @classmethod
+    def from_ross(cls, rotor: Any, *, speed: float) -> RotorSystem:
+        """Return the system of a rotor of the package ROSS.
+
+        Parameters
+        ----------
+        rotor : ross.Rotor
+            The rotor. Nothing of ROSS is imported: any object with its methods ``M K C G`` will do.
+        speed : float
+            Speed at which coefficients of bearings and seals are taken [rad/s].
+
+        Returns
+        -------
+        RotorSystem
+            In SI units. Its nodes are ``"0"``, ``"1"``, ... as in ROSS.
+
+        Raises
+        ------
+        InputError
+            If the object has no such methods.
+        """
+        omega = check_real("speed", speed)
+        try:
+            matrices = {
+                "mass": rotor.M(omega) if _takes_argument(rotor.M) else rotor.M(),
+                "stiffness": rotor.K(omega), "damping": rotor.C(omega), "gyroscopic": rotor.G(),
+            }  # fmt: skip
+            per_node = int(rotor.number_dof)
+        except (AttributeError, TypeError) as error:
+            raise InputError(
+                f"rotor must be a rotor of ROSS, with M, K, C and G, got {shown(rotor)} ({error})"
+            ) from error
+        if hasattr(rotor, "Ksdt"):
+            matrices["stiffness_rate"] = rotor.Ksdt()
+        count = len(matrices["mass"]) // per_node
+        nodes = {str(i): (per_node * i, per_node * i + 1) for i in range(count)}
+        return cls(**matrices, nodes=nodes)
+
+    @classmethod
+    def from_file(cls, path: str | Path) -> RotorSystem:
+        """Return a system from a file: .npz, .mat, or a folder of Matrix Market files.
+
+        See `rotor_ida.model.system_files.read_system`.
+        """
+        from rotor_ida.model.system_files import read_system  # noqa: PLC0415
+
+        return cls(**read_system(path))
+
+    def reduced(self, *, modes: int, keep: Sequence[str] = ()) -> RotorSystem:
+        """Return the system in fewer coordinates.
+
+        See `rotor_ida.model.reduction.reduced_system`.
+        """
+        from rotor_ida.model.reduction import reduced_system  # noqa: PLC0415
+
+        return reduced_system(self, modes=modes, keep=keep)
+
+
+def _takes_argument(method: Any) -> bool:
+    """Return whether a method of ROSS takes the frequency."""
+    import inspect  # noqa: PLC0415
+
+    required = inspect.Parameter.empty
+    return any(each.default is required for each in inspect.signature(method).parameters.values())
+
+
+def _shaped(name: str, given: object, shape: tuple[int, ...]) -> Values:
+    values = check_array(name, given)
+    if values.shape != shape:
+        raise InputError(f"{name} must have the shape {shape}, got {values.shape}")
+    return values.copy()
+
+
+def _square(name: str, given: object, size: int | None = None) -> Values:
+    if hasattr(given, "toarray"):
+        given = given.toarray()
+    values = check_array(name, given)
+    if values.ndim != 2 or values.shape[0] != values.shape[1] or values.size == 0:
+        raise InputError(f"{name} must be a square matrix, got an array of shape {values.shape}")
+    if size is not None and len(values) != size:
+        raise InputError(f"{name} must have the shape of mass, {(size, size)}, got {values.shape}")
+    return values.copy()
+
+
+def _symmetric(name: str, matrix: Values, sign: float = 1.0) -> Values:
+    """Return a matrix that is symmetric, or skew-symmetric, but for rounding."""
+    apart = float(np.abs(matrix - sign * matrix.T).max())
+    if apart > ROUNDED * float(np.abs(matrix).max(initial=0.0)):
+        kind = "symmetric" if sign > 0.0 else "skew-symmetric"
+        raise InputError(f"{name} must be {kind}, got a matrix that differs by {apart:.3g}")
+    return np.asarray(0.5 * (matrix + sign * matrix.T))
+
+
+def _nodes(given: object, size: int) -> Mapping[str, Node]:
+    """Return nodes as pairs of indices, or as arrays of two rows."""
+    if not isinstance(given, Mapping):
+        raise InputError(f"nodes must map names to pairs of indices, got {shown(given)}")
+    nodes: dict[str, Node] = {}
+    for name, node in given.items():
+        where = f"node {name!r}"
+        if not isinstance(name, str) or not name:
+            raise InputError(f"names of nodes must be text, got {shown(name)}")
+        values = check_array(where, node)
+        if values.shape == (2,):
+            indices = tuple(int(value) for value in values)
+            allowed = range(size)
+            if (values != indices).any() or any(i not in allowed for i in indices):
+                raise InputError(
+                    f"{where} must be two indices from 0 to {size - 1}, got {shown(node)}"
+                )
+            nodes[name] = (indices[0], indices[1])
+        elif values.shape == (2, size):
+            values.setflags(write=False)
+            nodes[name] = values
+        else:
+            raise InputError(
+                f"{where} must be two indices or an array of shape (2, {size}), "
+                f"got shape {values.shape}"
+            )
+    return nodes

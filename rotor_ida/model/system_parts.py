@@ -1,0 +1,214 @@
+"""What stands around a rotor system: contacts, stators, races and unbalance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rotor_ida.checks import (
+    check_array,
+    check_flag,
+    check_instance,
+    check_nonnegative,
+    check_positive,
+    check_real,
+    shown,
+)
+from rotor_ida.errors import InputError
+from rotor_ida.model.contact import HERTZ_EXPONENT
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Race:
+    """The inner race of a bearing, which friction spins up.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of its surface.
+    inertia : float
+        Moment of inertia about its axis.
+    drag : float
+        Drag torque over speed.
+    speed : float
+        Speed at time 0.
+    """
+
+    radius: float
+    inertia: float
+    drag: float = 0.0
+    speed: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, check in (
+            ("radius", check_positive), ("inertia", check_positive),
+            ("drag", check_nonnegative), ("speed", check_real),
+        ):  # fmt: skip
+            object.__setattr__(self, name, check(f"{name} of a race", getattr(self, name)))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Stator:
+    """A stator that moves: a mass on springs and dampers, with two degrees of freedom of its own.
+
+    Contacts that are given the same stator share it.
+
+    Parameters
+    ----------
+    mass : float
+        Its mass.
+    stiffness, damping : float or (float, float)
+        Stiffness and damping of its mount, along x and y.
+    weight : bool
+        Whether gravity acts on it.
+    race : Race, optional
+        Its inner race.
+    """
+
+    mass: float
+    stiffness: float | tuple[float, float]
+    damping: float | tuple[float, float] = 0.0
+    weight: bool = True
+    race: Race | None = None
+
+    def __post_init__(self) -> None:
+        given = check_real("mass of a stator", self.mass)
+        if given <= 0.0:
+            raise InputError(
+                f"mass of a stator must be positive, got {given!r}: a light stator is the limit"
+            )
+        object.__setattr__(self, "mass", given)
+        for name in ("stiffness", "damping"):
+            object.__setattr__(self, name, _along_both(f"{name} of a stator", getattr(self, name)))
+        check_flag("weight", self.weight)
+        if self.race is not None:
+            check_instance("race", self.race, Race)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Contact:
+    """A contact between a node of the rotor and a stator around it.
+
+    Parameters
+    ----------
+    node : str
+        Name of the node.
+    clearance : float
+        Radial clearance.
+    stiffness : float
+        Stiffness k of the normal force ``N = k d**n (1 + lambda d')``, d the indentation.
+    exponent : {1.5, 1.0}
+        Exponent n.
+    damping : float
+        Contact damping lambda: relative increase of the force per unit approach speed.
+    friction : float
+        Coefficient of Coulomb friction.
+    radius : float, optional
+        Radius of the rotor's surface; required with friction.
+    centre : (float, float)
+        Offset of the stator's centre from the node's position at rest.
+    stator : str or Stator, optional
+        Another node of the system, or a stator with degrees of freedom of its own. Default: the
+        ground.
+    race : Race, optional
+        The inner race of a bearing on the ground.
+
+    Examples
+    --------
+    >>> Contact(node="disc", clearance=1e-4, stiffness=5e6, exponent=1.0).friction
+    0.0
+    """
+
+    node: str
+    clearance: float
+    stiffness: float
+    exponent: float = HERTZ_EXPONENT
+    damping: float = 0.0
+    friction: float = 0.0
+    radius: float | None = None
+    centre: tuple[float, float] = (0.0, 0.0)
+    stator: str | Stator | None = None
+    race: Race | None = None
+
+    def __post_init__(self) -> None:
+        where = f"of the contact at {_node(self.node)}"
+        for name, check in (
+            ("clearance", check_positive), ("stiffness", check_positive),
+            ("damping", check_nonnegative), ("friction", check_nonnegative),
+        ):  # fmt: skip
+            object.__setattr__(self, name, check(f"{name} {where}", getattr(self, name)))
+        exponent = check_real(f"exponent {where}", self.exponent)
+        if exponent not in {1.0, HERTZ_EXPONENT}:
+            raise InputError(f"exponent {where} must be 1.5 or 1.0, got {exponent!r}")
+        object.__setattr__(self, "exponent", exponent)
+        if self.radius is not None:
+            object.__setattr__(self, "radius", check_positive(f"radius {where}", self.radius))
+        elif self.friction > 0.0:
+            raise InputError(f"radius {where} must be given with friction, got None")
+        centre = check_array(f"centre {where}", self.centre)
+        if centre.shape != (2,):
+            raise InputError(f"centre {where} must be two numbers, got {shown(self.centre)}")
+        object.__setattr__(self, "centre", (float(centre[0]), float(centre[1])))
+        if self.stator is not None and not isinstance(self.stator, str | Stator):
+            raise InputError(
+                f"stator {where} must be the name of a node or a Stator, got {shown(self.stator)}"
+            )
+        if self.race is not None:
+            check_instance("race", self.race, Race)
+            if isinstance(self.stator, Stator) and self.stator.race is not None:
+                raise InputError(f"race {where} must be given once, got one of its stator as well")
+
+    @property
+    def spinning_race(self) -> Race | None:
+        """The race that friction spins up, of the contact or of its stator."""
+        if self.race is None and isinstance(self.stator, Stator):
+            return self.stator.race
+        return self.race
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Unbalance:
+    """An unbalance at a node.
+
+    Parameters
+    ----------
+    node : str
+        Name of the node.
+    moment : float
+        Mass times eccentricity.
+    phase : float
+        Its angle from the direction that points along x at time 0 [rad].
+
+    Examples
+    --------
+    >>> Unbalance(node="disc", moment=2e-4)
+    Unbalance(node='disc', moment=0.0002, phase=0.0)
+    """
+
+    node: str
+    moment: float
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        where = f"of the unbalance at {_node(self.node)}"
+        object.__setattr__(self, "moment", check_nonnegative(f"moment {where}", self.moment))
+        object.__setattr__(self, "phase", check_real(f"phase {where}", self.phase))
+        if not math.isfinite(self.phase):
+            raise InputError(f"phase {where} must be finite, got {self.phase!r}")
+
+
+def _along_both(name: str, value: float | Sequence[float]) -> tuple[float, float]:
+    """Return a number along x and y, given once or for each."""
+    numbers = check_array(name, value)
+    if numbers.shape not in {(), (2,)} or (numbers < 0.0).any():
+        raise InputError(f"{name} must be one or two numbers of at least 0, got {shown(value)}")
+    pair = numbers if numbers.shape else (numbers, numbers)
+    return float(pair[0]), float(pair[1])
+
+
+def _node(name: object) -> str:
+    """Return the name of a node as messages show it."""
+    if not isinstance(name, str):
+        raise InputError(f"node must be the name of a node, got {shown(name)}")
+    return shown(name)

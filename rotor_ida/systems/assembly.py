@@ -1,0 +1,251 @@
+"""A rotor system with its stators and contacts as one linear system with a unit mass matrix.
+
+Coordinates are ``y = L' q`` with the mass matrix ``M = L L'``. Then all coordinates have one unit,
+so that one tolerance serves for all, and energies are sums of squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import block_diag, cholesky, solve_triangular
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_array, check_instance, shown
+from rotor_ida.errors import InputError
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
+
+MOST_CONTACTS = 16
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assembly:
+    """A rotor system with all that stands around it.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The rotor.
+    contacts : tuple of Contact
+        Its contacts.
+    stators : tuple of Stator
+        The stators that move, each with two degrees of freedom behind those of the rotor.
+    mass, damping, gyroscopic, stiffness, stiffness_rate : ndarray, shape (n, n)
+        Matrices of rotor and stators; None where there are none.
+    rows : ndarray, shape (contact, 2, n)
+        Displacements of the contacts by q.
+    unbalance : ndarray, shape (2, n)
+        Force over the square of the speed, by the cosine and the sine of the angle.
+    force : ndarray, shape (n,)
+        The constant force.
+    """
+
+    system: RotorSystem
+    contacts: tuple[Contact, ...]
+    stators: tuple[Stator, ...]
+    mass: Values
+    damping: Values | None
+    gyroscopic: Values | None
+    stiffness: Values
+    stiffness_rate: Values | None
+    rows: Values
+    unbalance: Values
+    force: Values
+
+    @property
+    def size(self) -> int:
+        """The number n of degrees of freedom."""
+        return len(self.mass)
+
+    @property
+    def races(self) -> list[Race | None]:
+        """The race of each contact."""
+        return [each.spinning_race for each in self.contacts]
+
+    @property
+    def smallest_clearance(self) -> float:
+        """The smallest clearance of all contacts; 1 where there are none."""
+        return min((each.clearance for each in self.contacts), default=1.0)
+
+    def node_rows(self) -> Values:
+        """Return the displacements of all nodes by q, shape (node, 2, n)."""
+        rows = [self.system.rows(name) for name in self.system.nodes]
+        extra = np.zeros((2, self.size - self.system.size))
+        return np.array([np.hstack([each, extra]) for each in rows]).reshape(-1, 2, self.size)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Canonical:
+    """The matrices of an assembly in coordinates with a unit mass matrix.
+
+    Parameters
+    ----------
+    factor : ndarray, shape (n, n)
+        Cholesky's factor L of the mass matrix.
+    stiffness, damping, gyroscopic, stiffness_rate, rows, unbalance, force
+        As in `Assembly`.
+    """
+
+    factor: Values
+    stiffness: Values
+    damping: Values | None
+    gyroscopic: Values | None
+    stiffness_rate: Values | None
+    rows: Values
+    unbalance: Values
+    force: Values
+
+    def to_q(self, values: Values) -> Values:
+        """Return q for rows of y, or its velocity."""
+        return np.asarray(
+            solve_triangular(
+                self.factor, values.reshape(-1, values.shape[-1]).T, lower=True, trans=1
+            ).T.reshape(values.shape)
+        )
+
+    def to_y(self, values: Values) -> Values:
+        """Return y for q, or its velocity."""
+        return np.asarray(self.factor.T @ values)
+
+
+def assemble(
+    system: RotorSystem,
+    contacts: Sequence[Contact],
+    unbalance: Sequence[Unbalance],
+    gravity: tuple[float, float] | None,
+    static_force: npt.ArrayLike | None,
+) -> Assembly:
+    """Return a rotor system joined with its stators, contacts and forces."""
+    check_instance("system", system, RotorSystem)
+    for name, given, kind in (
+        ("contacts", contacts, Contact),
+        ("unbalance", unbalance, Unbalance),
+    ):
+        if isinstance(given, kind) or not isinstance(given, Sequence):
+            raise InputError(f"{name} must be a list of {kind.__name__}, got {shown(given)}")
+        for each in given:
+            check_instance(name, each, kind)
+    if len(contacts) > MOST_CONTACTS:
+        raise InputError(f"contacts must be at most {MOST_CONTACTS}, got {len(contacts)}")
+    stators = tuple({id(each.stator): each.stator for each in contacts
+                     if isinstance(each.stator, Stator)}.values())  # fmt: skip
+    size = system.size + 2 * len(stators)
+    rows = np.zeros((len(contacts), 2, size))
+    for number, each in enumerate(contacts):
+        rows[number, :, : system.size] = system.rows(each.node)
+        if isinstance(each.stator, str):
+            rows[number, :, : system.size] -= system.rows(each.stator)
+        elif each.stator is not None:
+            place = system.size + 2 * stators.index(each.stator)
+            rows[number, :, place : place + 2] = -np.eye(2)
+    _check_contacts(contacts)
+    mass, stiffness = (_joined(system, stators, name) for name in ("mass", "stiffness"))
+    assert mass is not None
+    assert stiffness is not None
+    return Assembly(
+        system=system,
+        contacts=tuple(contacts),
+        stators=stators,
+        rows=rows,
+        unbalance=_unbalance(system, unbalance, size),
+        force=_force(system, stators, mass, gravity, static_force),
+        mass=mass,
+        stiffness=stiffness,
+        damping=_joined(system, stators, "damping"),
+        gyroscopic=_joined(system, stators, "gyroscopic"),
+        stiffness_rate=_joined(system, stators, "stiffness_rate"),
+    )
+
+
+def canonical(assembly: Assembly) -> Canonical:
+    """Return an assembly in coordinates with a unit mass matrix."""
+    factor = cholesky(assembly.mass, lower=True)
+
+    def forwards(values: Values) -> Values:
+        return np.asarray(solve_triangular(factor, values, lower=True))
+
+    def of_matrix(matrix: Values | None) -> Values | None:
+        return None if matrix is None else forwards(forwards(matrix).T).T
+
+    stiffness = of_matrix(assembly.stiffness)
+    assert stiffness is not None
+    size = assembly.size
+    return Canonical(
+        factor=factor,
+        stiffness=stiffness,
+        damping=of_matrix(assembly.damping),
+        gyroscopic=of_matrix(assembly.gyroscopic),
+        stiffness_rate=of_matrix(assembly.stiffness_rate),
+        rows=forwards(assembly.rows.reshape(-1, size).T).T.reshape(assembly.rows.shape),
+        unbalance=forwards(assembly.unbalance.T).T,
+        force=forwards(assembly.force),
+    )
+
+
+def _check_contacts(contacts: Sequence[Contact]) -> None:
+    """Refuse two contacts between the same bodies with the same centre."""
+    seen: dict[tuple[object, ...], int] = {}
+    for number, each in enumerate(contacts):
+        place = (each.node, each.centre, each.clearance,
+                 each.stator if isinstance(each.stator, str) else id(each.stator))  # fmt: skip
+        if place in seen:
+            raise InputError(
+                f"contacts must not overlap, got contacts {seen[place]} and {number} at node "
+                f"{each.node!r} with the same stator, centre and clearance {each.clearance!r}"
+            )
+        seen[place] = number
+
+
+def _joined(system: RotorSystem, stators: Sequence[Stator], name: str) -> Values | None:
+    """Return a matrix of rotor and stators; None where it is of neither."""
+    own = getattr(system, name)
+    mounts = [np.zeros((2, 2)) for _ in stators]
+    if name in {"mass", "stiffness", "damping"}:
+        mounts = [np.diag(np.broadcast_to(getattr(each, name), 2)) for each in stators]
+    if own is None and not any(each.any() for each in mounts):
+        return None
+    return np.asarray(block_diag(np.zeros_like(system.mass) if own is None else own, *mounts))
+
+
+def _unbalance(system: RotorSystem, unbalance: Sequence[Unbalance], size: int) -> Values:
+    """Return the force of all unbalance over the square of the speed."""
+    both = np.zeros((2, size))
+    for each in unbalance:
+        x, y = system.rows(each.node)
+        cosine, sine = np.cos(each.phase), np.sin(each.phase)
+        both[0, : system.size] += each.moment * (cosine * x + sine * y)
+        both[1, : system.size] += each.moment * (cosine * y - sine * x)
+    return both
+
+
+def _force(
+    system: RotorSystem,
+    stators: Sequence[Stator],
+    mass: Values,
+    gravity: tuple[float, float] | None,
+    static_force: npt.ArrayLike | None,
+) -> Values:
+    """Return the constant force: gravity, the system's own, and another."""
+    force = np.zeros(len(mass))
+    if system.static_force is not None:
+        force[: system.size] += system.static_force
+    if static_force is not None:
+        given = check_array("static_force", static_force)
+        if given.shape not in {(system.size,), (len(mass),)}:
+            raise InputError(
+                f"static_force must have the shape {(system.size,)}, got {given.shape}"
+            )
+        force[: given.size] += given
+    if gravity is not None:
+        g = check_array("gravity", gravity)
+        if g.shape != (2,):
+            raise InputError(f"gravity must be two numbers, along x and y, got {shown(gravity)}")
+        force[: system.size] += system.mass @ (system.unit_translations() @ g)
+        for number, each in enumerate(stators):
+            place = system.size + 2 * number
+            force[place : place + 2] += each.mass * g * each.weight
+    return force

@@ -1,0 +1,119 @@
+"""The dataset of one run of a rotor system."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.arrays import Column, Values
+from rotor_ida.results.provenance import provenance
+from rotor_ida.schema import (
+    DAMPED_EVENT_KIND,
+    OF_FRICTION_EVENT_KIND,
+    QUANTITIES,
+    Quantity,
+    labelled_dataset,
+)
+from rotor_ida.systems.assembly import Assembly, Canonical
+from rotor_ida.systems.following import Followed
+
+# Units by the scale of a quantity.
+SI = {
+    "length": "m", "time": "s", "velocity": "m s-1", "force": "N", "impulse": "N s", "energy": "J",
+    "rate": "rad s-1", "speed": "rad s-1",
+}  # fmt: skip
+
+
+def system_dataset(
+    assembly: Assembly,
+    found: Canonical,
+    followed: Followed,
+    times: Values,
+    told: Mapping[str, object],
+    *,
+    change_speed: bool,
+) -> xr.Dataset:
+    """Return a run of a rotor system as a labelled dataset."""
+    system, result = assembly.system, followed.result
+    rows = assembly.node_rows()
+    q, v = found.to_q(result.samples[:, 0]), found.to_q(result.samples[:, 1])
+    places, velocities = (np.einsum("njk,tk->jtn", rows, each) for each in (q, v))
+    event_q = found.to_q(result.event_states)
+    kinds = result.event_kinds.astype(np.int8)
+    variables: dict[str, Column] = {
+        "x": (("t", "node"), places[0]), "y": (("t", "node"), places[1]),
+        "vx": (("t", "node"), velocities[0]), "vy": (("t", "node"), velocities[1]),
+        "event_time": ("event", result.event_times),
+        "event_kind": ("event", kinds),
+        "event_contact": ("event", result.event_contacts.astype(np.int16)),
+        "event_time_error": ("event", followed.event_time_errors),
+        "event_state": (("event", "coordinate"), event_q.reshape(len(kinds), 2 * assembly.size)),
+        "horizon": ((), followed.horizon),
+        "final_state": ("coordinate", found.to_q(result.state).ravel()),
+        "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
+        "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
+        **_forces(followed),
+        **_episodes(followed),
+    }  # fmt: skip
+    if any(race is not None for race in assembly.races):
+        variables["event_race_speed"] = (("event", "contact"), result.event_races)
+        variables["final_race_speed"] = ("contact", result.touches["race"])
+    if change_speed:
+        variables["angle"] = ("t", result.turns[:, 0])
+        variables["speed"] = ("t", result.turns[:, 1])
+        variables["event_speed"] = ("event", result.event_turns[:, 1])
+        variables["event_angle"] = ("event", result.event_turns[:, 0])
+    coordinates: dict[str, Column] = {
+        "t": ("t", times),
+        "node": ("node", np.array(list(system.nodes), str)),
+    }
+    attributes = provenance(told) | {f"energy_{n}": e for n, e in result.ledger.items()}
+    dataset = labelled_dataset(
+        "Rotor system: one simulated run", variables, coordinates, attributes, kind="system_run"
+    )
+    return _with_units(dataset, assembly)
+
+
+def _forces(followed: Followed) -> dict[str, Column]:
+    """Return the forces of each contact at samples."""
+    forces = followed.result.forces
+    along = ("t", "contact")
+    return {
+        "normal_force": (along, forces[:, :, 0]), "tangential_force": (along, forces[:, :, 1]),
+        "slip_speed": (along, forces[:, :, 2]), "mode": (along, forces[:, :, 3].astype(np.int8)),
+    }  # fmt: skip
+
+
+def _episodes(followed: Followed) -> dict[str, Column]:
+    """Return the table of contacts: one row from each entry to its exit, by time of entry."""
+    table = followed.result.episodes
+    begun = np.where(np.isnan(table["entry"]), -1.0, table["entry"])
+    table = table[np.argsort(begun, kind="stable")]
+    number = table["contact"].astype(int)
+    lasts = np.isnan(table["entry"]) | np.isnan(table["exit"])
+    columns = {
+        "episode_contact": number.astype(np.int16),
+        "entry_time": table["entry"], "exit_time": table["exit"],
+        "contact_duration": table["exit"] - table["entry"],
+        "peak_time": table["peak_time"], "peak_indentation": table["peak_root"] ** 2,
+        "peak_force": table["largest_force"], "impulse": table["impulse"],
+        "energy_lost": np.where(lasts, np.nan, table["work"]),
+        "heat": table["heat"], "slip_distance": table["slip_distance"],
+        "rolling_time": table["rolling_time"],
+    }  # fmt: skip
+    return {name: ("episode", np.ascontiguousarray(each)) for name, each in columns.items()}
+
+
+def _with_units(dataset: xr.Dataset, assembly: Assembly) -> xr.Dataset:
+    """Return a dataset with the units of its system, and with all kinds of event."""
+    flags = {**DAMPED_EVENT_KIND, **OF_FRICTION_EVENT_KIND}
+    kind = Quantity(QUANTITIES["event_kind"].long_name, flags=flags)
+    dataset["event_kind"].attrs = kind.attributes()
+    if assembly.system.units == "SI":
+        for name, variable in dataset.variables.items():
+            scale = QUANTITIES[str(name)].scale
+            if scale:
+                variable.attrs["units"] = SI[scale]
+    return dataset

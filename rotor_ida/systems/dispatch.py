@@ -1,0 +1,43 @@
+"""Simulate a rotor of one disc, or a rotor system: one name for both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, ParamSpec, Protocol, cast, overload
+
+import xarray as xr
+
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.simulation.run_up import run_up as run_up_disc
+from rotor_ida.simulation.simulate import simulate as simulate_disc
+from rotor_ida.systems.simulate import run_up_system, simulate_system
+
+OfDisc = ParamSpec("OfDisc")
+OfSystem = ParamSpec("OfSystem")
+
+
+class OfBoth(Protocol[OfDisc, OfSystem]):
+    """A function that takes the arguments of either of two."""
+
+    @overload
+    def __call__(self, *given: OfDisc.args, **options: OfDisc.kwargs) -> xr.Dataset: ...
+    @overload
+    def __call__(self, *given: OfSystem.args, **options: OfSystem.kwargs) -> xr.Dataset: ...
+
+
+def _of_both(
+    disc: Callable[OfDisc, xr.Dataset], system: Callable[OfSystem, xr.Dataset]
+) -> OfBoth[OfDisc, OfSystem]:
+    """Return the function of one disc, which hands a rotor system to the other."""
+
+    @wraps(disc)
+    def either(rotor: Any, **options: Any) -> xr.Dataset:
+        return (system if isinstance(rotor, RotorSystem) else disc)(rotor, **options)
+
+    either.__module__ = __name__  # where it can be found, by pickle too
+    return cast("OfBoth[OfDisc, OfSystem]", either)
+
+
+simulate = _of_both(simulate_disc, simulate_system)
+run_up = _of_both(run_up_disc, run_up_system)

@@ -1,0 +1,173 @@
+"""Follow a rotor system by Taylor series, twice: the second run measures the errors of the first.
+
+The second run has tighter tolerances and another order, so that nothing of the first is repeated to
+the bit. The error of an event is the difference of the two, or the largest of those of the few
+events before it at the same contact, as a difference may vanish by chance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rotor_ida.arrays import Stop, Values
+from rotor_ida.core.interface import DONE, message_of
+from rotor_ida.core.runs import NO_STOP
+from rotor_ida.core.systems import LAW, SystemRequest, SystemResult, follow_system
+from rotor_ida.errors import SimulationError
+from rotor_ida.model.contact import HERTZ_EXPONENT
+from rotor_ida.simulation.spin import SpeedProfile
+from rotor_ida.systems.assembly import Assembly, Canonical
+
+# The tolerance of a step over that of a run.
+STEP_SAFETY = 1e-3
+TIGHTEST = 1e-16
+# Orders of the first and the second run.
+ORDERS = (20, 24)
+APART = 30.0
+# As in `rotor_ida.simulation.event_errors`: a safety factor, how many events before count, and how
+# near two events must be, in parts of the time to the next, to be the same.
+WIDENING, MEMORY, SAME_EVENT = 10.0, 4, 0.25
+# Relative size below which an eigenvalue is that of a free motion.
+FREE = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Followed:
+    """A run of a rotor system, with the estimated errors of its events.
+
+    Parameters
+    ----------
+    result : SystemResult
+        The run, in coordinates with a unit mass matrix.
+    event_time_errors : ndarray, shape (event,)
+        Errors; infinite after the horizon.
+    horizon : float
+        Time up to which the start determines the motion at these tolerances.
+    """
+
+    result: SystemResult
+    event_time_errors: Values
+    horizon: float
+
+
+def request_of(
+    assembly: Assembly, found: Canonical, profile: SpeedProfile, start: Values, times: Values,
+    duration: float, *, rtol: float, speed: float, fastest_speed: float, inertia: float,
+) -> SystemRequest:  # fmt: skip
+    """Return the request of a run to the core."""
+    laws = np.zeros(len(assembly.contacts), LAW)
+    for law, each in zip(laws, assembly.contacts, strict=True):
+        is_hertz, race = each.exponent == HERTZ_EXPONENT, each.spinning_race
+        law["offset"], law["clearance"] = each.centre, each.clearance
+        law["hertz" if is_hertz else "linear"] = each.stiffness
+        law["contact_damping"], law["friction"] = each.damping, each.friction
+        law["radius"] = each.radius or 0.0
+        if race is not None:
+            law["race_radius"], law["inverse_race_inertia"] = race.radius, 1.0 / race.inertia
+            law["race_drag"] = race.drag
+    speeds = [0.0 if race is None else race.speed for race in assembly.races]
+    displacement, velocity, fastest = scales_of(assembly, found, fastest_speed)
+    return SystemRequest(
+        stiffness=found.stiffness, damping=found.damping, gyroscopic=found.gyroscopic,
+        stiffness_rate=found.stiffness_rate, rows=found.rows, unbalance=found.unbalance,
+        force=found.force, laws=laws, races=np.array(speeds), pieces=profile.pieces(),
+        speed=speed, inertia=inertia, rtol=max(STEP_SAFETY * rtol, TIGHTEST), order=ORDERS[0],
+        displacement=displacement, velocity=velocity, fastest=fastest, start=start, times=times,
+        duration=duration,
+    )  # fmt: skip
+
+
+def scales_of(
+    assembly: Assembly, found: Canonical, fastest_speed: float
+) -> tuple[float, float, float]:
+    """Return the displacement and velocity by which errors are measured, and the largest rate.
+
+    The displacement is the smallest clearance in the coordinates y. The velocity belongs to it at
+    the largest speed, or at the slowest vibration if that is faster.
+    """
+    size = assembly.size
+    resisted = np.zeros((size, size)) if found.damping is None else found.damping.copy()
+    if found.gyroscopic is not None:
+        resisted += fastest_speed * found.gyroscopic
+    first_order = np.block([[np.zeros((size, size)), np.eye(size)], [-found.stiffness, -resisted]])
+    fastest = float(np.abs(np.linalg.eigvals(first_order)).max())
+    squares = np.abs(np.linalg.eigvals(found.stiffness))
+    slow = [float(each) for each in squares if each > FREE * squares.max(initial=0.0)]
+    mobilities = (found.rows**2).sum(axis=2).max(axis=1, initial=0.0)
+    for each, mobility in zip(assembly.contacts, mobilities, strict=True):
+        hertz = each.exponent == HERTZ_EXPONENT
+        slow.append(each.stiffness * mobility * (each.clearance**0.5 if hertz else 1.0))
+    rate = max(abs(fastest_speed), float(np.sqrt(min(slow, default=1.0))))
+    displacement = assembly.smallest_clearance / np.sqrt(mobilities.max(initial=1.0))
+    return float(displacement), float(displacement * rate), max(fastest, rate)
+
+
+def follow_twice(request: SystemRequest, stop: Stop = NO_STOP) -> Followed:
+    """Return a run and the errors of its events."""
+    result = follow_system_again(request, stop)
+    tighter = replace(
+        request, rtol=max(request.rtol / APART, TIGHTEST / APART), order=ORDERS[1],
+        times=request.times[[-1]],
+    )  # fmt: skip
+    other = follow_system_again(tighter, stop)
+    return Followed(result, *errors_of(result, other, len(request.laws), request.duration))
+
+
+def follow_system_again(request: SystemRequest, stop: Stop = NO_STOP) -> SystemResult:
+    """Return a run by Taylor series that has reached its end."""
+    result = follow_system(request, stop)
+    check_status(result)
+    return result
+
+
+def check_status(result: SystemResult) -> None:
+    """Raise an error where a run has not reached its end."""
+    if result.status != DONE:
+        raise SimulationError(f"{message_of(result.status)} at t = {result.time:.17g}")
+
+
+def errors_of(
+    result: SystemResult, other: SystemResult, contacts: int, duration: float
+) -> tuple[Values, float]:
+    """Return the errors of the events of a run by another one, and the horizon."""
+    errors = np.full(result.event_times.size, np.inf)
+    horizon = duration
+    for contact in range(contacts):
+        own = np.flatnonzero(result.event_contacts == contact)
+        others = np.flatnonzero(other.event_contacts == contact)
+        count = min(own.size, others.size)
+        times, other_times = result.event_times[own], other.event_times[others[:count]]
+        gaps = np.diff(times, prepend=-np.inf, append=np.inf)
+        reach = SAME_EVENT * np.minimum(gaps[:-1], gaps[1:])[:count]
+        differences = np.abs(times[:count] - other_times)
+        same = result.event_kinds[own[:count]] == other.event_kinds[others[:count]]
+        same &= differences <= reach
+        good = count if same.all() else int(np.argmin(same))
+        largest = differences[:good].copy()
+        for back in range(1, MEMORY):
+            np.maximum(largest[back:], differences[: max(good - back, 0)], out=largest[back:])
+        spans = np.sqrt(1.0 + np.arange(good))
+        rounding = 4.0 * np.spacing(times[:good]) * spans
+        errors[own[:good]] = WIDENING * largest + rounding
+        if good < own.size:
+            horizon = min(horizon, float(times[good]))
+        elif others.size > own.size:
+            horizon = min(horizon, float(other.event_times[others[own.size]]))
+    errors[result.event_times > horizon] = np.inf
+    return errors, horizon
+
+
+def energy_of(found: Canonical, state: Values) -> float:
+    """Return the energy of a state: kinetic, elastic and of the constant force."""
+    y, v = state
+    return float(0.5 * (v @ v) + 0.5 * (y @ (found.stiffness @ y)) - found.force @ y)
+
+
+def size_of_energy(found: Canonical, states: Values) -> float:
+    """Return the largest sum of the sizes of all parts of the energy over some states."""
+    y, v = states[:, 0], states[:, 1]
+    bent = np.abs(np.einsum("ij,ij->i", y, y @ found.stiffness.T))
+    sizes = 0.5 * (v**2).sum(axis=1) + 0.5 * bent + np.abs(y @ found.force)
+    return float(sizes.max(initial=0.0))

@@ -1,0 +1,216 @@
+"""Events of rotor systems, against witnesses that share nothing with the core's series."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import Contact, Race, Rotor, RotorSystem, Stator, Unbalance, run_up, simulate
+from tests.systems.random_systems import followed, random_system
+
+ENTRY, EXIT, ROLL, SLIP, REVERSE, PRESS, RELEASE = 1, -1, 2, -2, 3, 4, -4
+
+
+def random_rotor(rng):
+    rubs = rng.random() < 0.6
+    return Rotor(
+        omega=rng.uniform(0.2, 3),
+        zeta=rng.uniform(0.01, 0.3),
+        delta0=rng.uniform(0.3, 2),
+        shaft_stiffness=float(rng.choice([0.0, rng.uniform(0.01, 1)])),
+        contact_damping=float(rng.choice([0.0, rng.uniform(0.01, 2)])),
+        load=float(rng.choice([0.0, rng.uniform(0, 0.5)])),
+        friction=rng.uniform(0.02, 0.5) if rubs else 0.0,
+        disc_radius=rng.uniform(1, 20) if rubs else None,
+        contact_exponent=float(rng.choice([1.0, 1.5])),
+    )
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_one_disc_as_a_system_has_the_same_events(seed):
+    """Sixteen random machines a seed, against the core of one disc."""
+    rng = np.random.default_rng(seed)
+    for _ in range(16):
+        rotor, start = random_rotor(rng), rng.normal(size=4)
+        how = {"duration": 40.0, "samples": 11}
+        one = simulate(rotor, start=start, method="taylor", rtol=1e-13, **how)
+        system, contacts, unbalance = rotor.system()
+        many = simulate(
+            system, contacts=contacts, unbalance=unbalance, speed=rotor.omega,
+            start=(start[:2], start[2:]), rtol=1e-13, **how,
+        )  # fmt: skip
+        sure = one.event_time_error.values < 1e-9
+        count = int(np.argmin(sure)) if not sure.all() else sure.size
+        np.testing.assert_array_equal(one.event_kind[:count], many.event_kind[:count])
+        apart = np.abs(one.event_time.values - many.event_time.values[: sure.size])[:count]
+        allowed = one.event_time_error.values + many.event_time_error.values[: sure.size]
+        assert (apart <= 20.0 * allowed[:count] + 1e-12).all()
+
+
+@pytest.mark.parametrize("seed", [2, 5, 10, 19, 23, 34])
+def test_systems_have_the_events_of_cvode(seed):
+    """Ramps, torques, stators, races, rolling: each event, where each contact is."""
+    exact, witness = followed(seed, 10.0), followed(seed, 10.0, method="adams", rtol=1e-11)
+    assert exact.sizes["event"] > 3
+    np.testing.assert_array_equal(exact.event_kind, witness.event_kind)
+    np.testing.assert_array_equal(exact.event_contact, witness.event_contact)
+    np.testing.assert_allclose(exact.event_time, witness.event_time, rtol=2e-7)
+    for name in ("x", "vy", "normal_force", "tangential_force"):
+        scale = np.abs(exact[name]).max().item()
+        assert np.abs(exact[name] - witness[name]).max() <= 1e-6 * scale, name
+    np.testing.assert_array_equal(exact["mode"], witness["mode"])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_stated_errors_cover_the_errors(seed):
+    """At a loose tolerance, against a tight one."""
+    loose, tight = followed(seed, 20.0, rtol=1e-6), followed(seed, 20.0, rtol=1e-12)
+    sure = np.isfinite(loose.event_time_error.values)
+    count = min(loose.sizes["event"], tight.sizes["event"])
+    apart = np.abs(loose.event_time.values[:count] - tight.event_time.values[:count])
+    covered = apart <= 5.0 * loose.event_time_error.values[:count]
+    assert covered[sure[:count]].all()
+
+
+def rigid_rotor():
+    """Return a rigid rotor that nothing holds, on two equal bearings."""
+    half = 0.3
+    system = RotorSystem(
+        mass=np.diag([10.0, 10.0, 0.5, 0.5]), stiffness=np.zeros((4, 4)),
+        nodes={"a": [[1, 0, half, 0], [0, 1, 0, half]], "b": [[1, 0, -half, 0], [0, 1, 0, -half]]},
+        translations=np.eye(4)[:, :2],
+    )  # fmt: skip
+    bearing = {"clearance": 2e-4, "stiffness": 1e8, "exponent": 1.0, "damping": 0.5}
+    rubbing = {"friction": 0.15, "radius": 0.03}
+    return system, [Contact(node=name, **bearing, **rubbing) for name in "ab"]
+
+
+@pytest.mark.parametrize("speed", [0.0, 1000.0])
+def test_contacts_that_begin_and_end_together(speed):
+    """A symmetric drop on two bearings: the edges of both are those of one with half the mass."""
+    system, contacts = rigid_rotor()
+    run = simulate(system, contacts=contacts, speed=speed, gravity=(0, -9.81), duration=0.05)
+    kinds, times = run.event_kind.values, run.event_time.values
+    assert abs(times[0] / np.sqrt(2 * 2e-4 / 9.81) - 1.0) < 1e-10
+    for number in (0, 1):
+        own = run.event_contact.values == number
+        np.testing.assert_array_equal(kinds[own][:4], [ENTRY, EXIT, ENTRY, EXIT])
+    half = RotorSystem(mass=5.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"a": (0, 1)})
+    alone = simulate(half, contacts=contacts[:1], speed=speed, gravity=(0, -9.81), duration=0.05)
+    own = run.event_contact.values == 0
+    np.testing.assert_allclose(times[own], alone.event_time, rtol=1e-9)
+
+
+def test_a_start_on_the_stator():
+    """It is in contact where gravity presses it, and is not where it is drawn inwards."""
+    system, contacts = rigid_rotor()
+    at = np.array([0.0, -2e-4, 0.0, 0.0])
+    around = {"contacts": contacts, "speed": 100.0, "duration": 1e-3, "start": (at, np.zeros(4))}
+    pressed = simulate(system, gravity=(0, -9.81), **around)
+    assert pressed.sizes["event"] == 0
+    assert (pressed.normal_force[-1] > 0.0).all()
+    assert (simulate(system, gravity=(0, 9.81), **around).normal_force == 0.0).all()
+
+
+def test_a_damped_contact_is_released_and_pressed_as_that_of_one_disc():
+    rotor = Rotor(
+        omega=1.2, zeta=0.05, delta0=1.0, shaft_stiffness=0.1, contact_damping=1.0, friction=0.2,
+        disc_radius=3.0,
+    )  # fmt: skip
+    one = simulate(rotor, start=(0, 0, 3, 1), duration=40.0, method="taylor", rtol=1e-13)
+    system, contacts, unbalance = rotor.system()
+    many = simulate(
+        system, contacts=contacts, unbalance=unbalance, speed=1.2, start=([0, 0], [3, 1]),
+        duration=40.0, rtol=1e-13,
+    )  # fmt: skip
+    assert {RELEASE, PRESS} <= set(one.event_kind.values.tolist())
+    np.testing.assert_array_equal(one.event_kind, many.event_kind)
+    np.testing.assert_allclose(one.event_time, many.event_time, rtol=1e-10)
+    assert (many.normal_force >= 0.0).all()
+
+
+def test_a_race_is_spun_up_at_the_rate_of_its_torque():
+    """Under constant sliding: J Omega_b' = R_b mu N, here at a settled indentation."""
+    system = RotorSystem(
+        mass=np.eye(2), stiffness=np.eye(2), damping=4.0 * np.eye(2), nodes={"d": (0, 1)},
+        static_force=[0.0, -3.0], units="1",
+    )  # fmt: skip
+    race = Race(radius=2.0, inertia=50.0)
+    contact = Contact(
+        node="d", clearance=1.0, stiffness=10.0, exponent=1.0, friction=0.1, radius=2.0, race=race
+    )
+    run = simulate(system, contacts=[contact], speed=30.0, duration=60.0)
+    impulse = run.impulse.values.sum()
+    assert run.final_race_speed.item() == pytest.approx(2.0 * 0.1 * impulse / 50.0, rel=1e-9)
+
+
+def test_a_ramp_in_pieces_is_the_ramp():
+    """A piece that ends inside a contact changes no event but by rounding."""
+    system, around = random_system(2)
+    whole = run_up(system, speed=0.5, to=1.5, rate=0.1, **around)
+    pieces = [(t, 0.5 + 0.1 * t) for t in np.linspace(0.0, 10.0, 8)]
+    parts = run_up(system, speeds=pieces, **around)
+    np.testing.assert_array_equal(whole.event_kind, parts.event_kind)
+    np.testing.assert_allclose(whole.event_time, parts.event_time, rtol=1e-9)
+
+
+def test_a_settled_start_stays_settled():
+    """Without contact the whirl is exact: constant radii, for the length of the run."""
+    system, around = random_system(7)
+    run = simulate(
+        system, unbalance=around["unbalance"], static_force=around["static_force"], speed=1.3,
+        start="settled", duration=50.0, samples=401,
+    )  # fmt: skip
+    assert run.sizes["event"] == 0
+    z = (run.x + 1j * run.y).values
+    # forwards, backwards and still: three numbers for each node fit all samples
+    turn = np.exp(1j * 1.3 * run.t.values)
+    parts = np.column_stack([turn, turn.conj(), np.ones_like(turn)])
+    left = z - parts @ np.linalg.lstsq(parts, z, rcond=None)[0]
+    assert np.abs(left).max() < 1e-11 * np.abs(z).max()
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.1])
+def test_a_settled_rub_is_the_exact_one(friction):
+    """Linear contact of an axisymmetric system: |1 + h|**2 d**2 + ... = 0, h = k H (1 + i mu)."""
+    chain = np.array([[2.0, -1.0], [-1.0, 1.5]])
+    both = np.eye(2)
+    system = RotorSystem(
+        mass=np.kron(np.diag([1.0, 2.0]), both), stiffness=np.kron(chain, both),
+        damping=0.2 * np.kron(np.eye(2) + 0.2 * chain, both),
+        nodes={"disc": (0, 1), "seal": (2, 3)}, units="1",
+    )  # fmt: skip
+    speed, moment, clearance, k = 0.6, 1.0, 0.3, 3.0
+    dynamic = chain - speed**2 * np.diag([1.0, 2.0])
+    dynamic = dynamic + 1j * speed * 0.2 * (np.eye(2) + 0.2 * chain)
+    b = np.array([0.0, 1.0])
+    flexibility = b @ np.linalg.solve(dynamic, b)
+    free = b @ np.linalg.solve(dynamic, speed**2 * moment * np.array([1.0, 0.0]))
+    h = k * flexibility * (1.0 + 1j * friction)
+    square = [abs(1 + h) ** 2, 2 * clearance * (1 + h.real), clearance**2 - abs(free) ** 2]
+    depths = [d.real for d in np.roots(square) if abs(d.imag) < 1e-12 and d.real > 0.0]
+    contact = Contact(
+        node="seal", clearance=clearance, stiffness=k, exponent=1.0, friction=friction, radius=50.0
+    )
+    run = simulate(
+        system, contacts=[contact], unbalance=[Unbalance(node="disc", moment=moment)], speed=speed,
+        duration=900.0, samples=[899.0, 899.5, 900.0],
+    )  # fmt: skip
+    radius = np.hypot(run.x.sel(node="seal"), run.y.sel(node="seal"))
+    np.testing.assert_allclose(radius - clearance, depths[0], rtol=1e-9)
+
+
+def test_energy_of_a_free_rotor_on_a_moving_stator_is_kept():
+    """Without damping, friction and unbalance, over hundreds of bounces."""
+    stator = Stator(mass=0.7, stiffness=3.0)
+    system = RotorSystem(mass=np.eye(2), stiffness=0.3 * np.eye(2), nodes={"d": (0, 1)}, units="1")
+    contact = Contact(node="d", clearance=0.5, stiffness=20.0, stator=stator)
+    run = simulate(
+        system, contacts=[contact], speed=0.0, start=([0.1, 0.0], [1.0, 0.7]), duration=300.0,
+        rtol=1e-12,
+    )  # fmt: skip
+    assert run.sizes["event"] > 200
+    x, y, px, py = run.final_state.values[[0, 1, 4, 5]]
+    sx, sy, qx, qy = run.final_state.values[[2, 3, 6, 7]]
+    depth = max(np.hypot(x - sx, y - sy) - 0.5, 0.0)
+    energy = 0.5 * (px**2 + py**2) + 0.15 * (x**2 + y**2) + 0.35 * (qx**2 + qy**2)
+    energy += 1.5 * (sx**2 + sy**2) + 8.0 * depth**2.5
+    assert energy == pytest.approx(0.5 * 1.49 + 0.15 * 0.01, rel=1e-11)

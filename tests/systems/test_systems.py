@@ -1,0 +1,259 @@
+"""Rotor systems themselves: what they hold, files, reduction, and what is refused."""
+
+import pickle
+
+import numpy as np
+import pytest
+import scipy.io
+import scipy.sparse
+
+from rotor_ida import (
+    Contact,
+    DimensionalRotor,
+    InputError,
+    Race,
+    Rotor,
+    RotorSystem,
+    Stator,
+    Unbalance,
+    run_up,
+    simulate,
+)
+from tests.systems.random_systems import random_system
+
+PLAIN = {"mass": np.eye(4), "stiffness": 2.0 * np.eye(4), "nodes": {"disc": (0, 1), "end": (2, 3)}}
+TOUCH = {"node": "disc", "clearance": 0.1, "stiffness": 10.0}
+
+
+def beam(count=8):
+    """Return a chain of masses on springs, a node at each."""
+    chain = 2.0 * np.eye(count) - np.eye(count, k=1) - np.eye(count, k=-1)
+    return RotorSystem(
+        mass=np.eye(2 * count), stiffness=np.kron(chain, np.eye(2)),
+        damping=0.02 * np.kron(chain, np.eye(2)),
+        nodes={str(i): (2 * i, 2 * i + 1) for i in range(count)}, units="1",
+    )  # fmt: skip
+
+
+def test_matrices_are_copies_that_nobody_writes_into():
+    mass = np.eye(4)
+    system = RotorSystem(**PLAIN | {"mass": mass})
+    mass[0, 0] = 7.0
+    assert system.mass[0, 0] == 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        system.mass[0, 0] = 2.0
+    again = pickle.loads(pickle.dumps(system))
+    np.testing.assert_array_equal(again.mass, system.mass)
+    assert list(again.nodes) == ["disc", "end"]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"mass": np.diag([1.0, 1.0, 1.0, 0.0])}, "mass must be positive definite"),
+        ({"mass": np.arange(16.0).reshape(4, 4)}, "mass must be symmetric"),
+        ({"mass": np.ones((3, 4))}, "mass must be a square matrix"),
+        ({"mass": np.full((4, 4), np.nan)}, "mass must"),
+        ({"stiffness": np.eye(3)}, "stiffness must have the shape of mass"),
+        ({"gyroscopic": np.eye(4)}, "gyroscopic must be skew-symmetric"),
+        ({"nodes": {"disc": (0, 9)}}, "node 'disc' must be two indices from 0 to 3"),
+        ({"nodes": {"disc": np.ones((2, 3))}}, "node 'disc' must be two indices or an array"),
+        ({"nodes": {3: (0, 1)}}, "names of nodes must be text"),
+        ({"nodes": [(0, 1)]}, "nodes must map names"),
+        ({"translations": np.ones((4, 3))}, "translations must have the shape"),
+        ({"units": "inch"}, "units must be"),
+    ],
+)
+def test_a_system_that_cannot_be_is_refused(change, words):
+    with pytest.raises(InputError, match=words) as refusal:
+        RotorSystem(**PLAIN | change)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"clearance": 0.0}, "clearance of the contact at 'disc' must"),
+        ({"stiffness": -1.0}, "stiffness of the contact at 'disc' must"),
+        ({"exponent": 2.0}, "exponent of the contact at 'disc' must be 1.5 or 1.0"),
+        ({"friction": 0.1}, "radius of the contact at 'disc' must be given with friction"),
+        ({"centre": (1.0, 2.0, 3.0)}, "centre of the contact at 'disc' must be two numbers"),
+        ({"stator": 3}, "stator of the contact at 'disc' must be"),
+    ],
+)
+def test_a_contact_that_cannot_be_is_refused(change, words):
+    with pytest.raises(InputError, match=words):
+        Contact(**TOUCH | change)
+
+
+def test_a_stator_without_mass_is_refused():
+    with pytest.raises(InputError, match="mass of a stator must be positive"):
+        Stator(mass=0.0, stiffness=1.0)
+    with pytest.raises(InputError, match="inertia of a race must"):
+        Race(radius=1.0, inertia=0.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"contacts": [Contact(**TOUCH | {"node": "dics"})]}, "node must be one of .*did you mean"),
+        ({"contacts": [Contact(**TOUCH)] * 2}, "contacts must not overlap"),
+        ({"contacts": Contact(**TOUCH)}, "contacts must be a list"),
+        ({"unbalance": [3]}, "unbalance must be"),
+        ({"start": "resting"}, "start must be"),
+        ({"start": ([1.0], [0.0])}, "displacement of the start must have the shape"),
+        ({"static_force": [1.0]}, "static_force must have the shape"),
+        ({"gravity": 9.81}, "gravity must be two numbers"),
+        ({"duration": -1.0}, "duration must"),
+        ({"rtol": 0.1}, "rtol must"),
+        ({"method": "euler"}, "method must"),
+        ({"samples": [0.0, 99.0]}, "samples must lie from 0 to the duration"),
+        ({"modes": 99}, "modes must"),
+    ],
+)
+def test_a_run_that_cannot_be_is_refused(change, words):
+    usual = {"contacts": [Contact(**TOUCH)], "speed": 1.0, "duration": 1.0}
+    with pytest.raises(InputError, match=words):
+        simulate(RotorSystem(**PLAIN), **usual | change)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({}, "a run-up must have one of"),
+        ({"to": 2.0, "rate": -1.0}, "rate must lead from speed"),
+        ({"to": 2.0, "rate": 1.0, "torque": (1.0, 0.0)}, "a run-up must have one of"),
+        ({"torque": (1.0, 0.0)}, "torque must be"),
+        ({"torque": (1.0, 0.0), "duration": 1.0, "inertia": 0.0}, "inertia must"),
+    ],
+)
+def test_a_run_up_that_cannot_be_is_refused(change, words):
+    with pytest.raises(InputError, match=words):
+        run_up(RotorSystem(**PLAIN), speed=1.0, **change)
+
+
+@pytest.mark.parametrize("kind", [".npz", ".mat", "folder"])
+def test_a_system_is_read_from_a_file(tmp_path, kind):
+    system, _ = random_system(4)
+    arrays = {"M": system.mass, "K": system.stiffness, "C": system.damping}
+    arrays |= {"gyroscopic": system.gyroscopic}
+    nodes = {f"node_{name}": np.array(pair) for name, pair in system.nodes.items()}
+    path = tmp_path / f"rotor{kind}"
+    if kind == ".npz":
+        np.savez(path, **arrays, **nodes)
+    elif kind == ".mat":
+        scipy.io.savemat(path, arrays | nodes)
+    else:
+        path.mkdir()
+        for name, values in (arrays | {n: v.reshape(1, 2) for n, v in nodes.items()}).items():
+            scipy.io.mmwrite(path / f"{name}.mtx", scipy.sparse.coo_matrix(values))
+    again = RotorSystem.from_file(path)
+    for name in ("mass", "stiffness", "damping", "gyroscopic"):
+        np.testing.assert_allclose(getattr(again, name), getattr(system, name), rtol=1e-14)
+    assert {name: tuple(pair) for name, pair in again.nodes.items()} == dict(system.nodes)
+
+
+def test_a_file_that_cannot_be_read_is_refused(tmp_path):
+    for name, content in (
+        ("a.npz", b"no"),
+        ("b.mat", b"no" * 200),
+        ("c.txt", b""),
+        ("d.npz", None),
+    ):
+        if content is not None:
+            (tmp_path / name).write_bytes(content)
+        with pytest.raises(InputError):
+            RotorSystem.from_file(tmp_path / name)
+    np.savez(tmp_path / "e.npz", M=np.eye(2))
+    with pytest.raises(InputError, match="must hold stiffness, got M"):
+        RotorSystem.from_file(tmp_path / "e.npz")
+
+
+class OfRoss:
+    """A rotor as the package ROSS has them."""
+
+    number_dof = 4
+
+    def M(self):
+        return np.diag([1.0, 1.0, 0.1, 0.1] * 2)
+
+    def K(self, frequency):
+        return (2.0 + frequency) * np.eye(8)
+
+    def C(self, frequency):
+        return 0.1 * frequency * np.eye(8)
+
+    def G(self):
+        return np.kron(np.eye(2), np.diag([0.0, 0, 0], 1) + np.kron(np.eye(2), [[0, 1], [-1, 0]]))
+
+
+def test_a_rotor_of_ross_becomes_a_system():
+    system = RotorSystem.from_ross(OfRoss(), speed=3.0)
+    assert system.stiffness[0, 0] == 5.0
+    assert dict(system.nodes) == {"0": (0, 1), "1": (4, 5)}
+    assert system.stiffness_rate is None
+    with pytest.raises(InputError, match="rotor must be a rotor of ROSS"):
+        RotorSystem.from_ross(3, speed=1.0)
+
+
+def test_all_modes_are_the_system():
+    """A change of coordinates changes no event but by rounding."""
+    system = beam()
+    around = {
+        "contacts": [Contact(node="5", clearance=0.3, stiffness=20.0)],
+        "unbalance": [Unbalance(node="3", moment=1.0)], "speed": 0.7, "duration": 60.0,
+    }  # fmt: skip
+    whole = simulate(system, **around)
+    same = simulate(system.reduced(modes=system.size), **around)
+    assert whole.sizes["event"] > 5
+    np.testing.assert_allclose(whole.event_time, same.event_time, rtol=1e-10)
+    np.testing.assert_allclose(whole.x, same.x, atol=1e-9)
+
+
+def test_static_flexibility_makes_few_modes_enough():
+    """The second event of a bending beam: a hundred times nearer with its flexibility."""
+    chain = 2.0 * np.eye(12) - np.eye(12, k=1) - np.eye(12, k=-1)
+    bending = np.kron(chain @ chain, np.eye(2))
+    system = RotorSystem(
+        mass=np.eye(24), stiffness=bending, damping=0.05 * bending, units="1",
+        nodes={str(i): (2 * i, 2 * i + 1) for i in range(12)},
+    )  # fmt: skip
+    around = {
+        "contacts": [Contact(node="4", clearance=3.0, stiffness=0.5, exponent=1.0)], "speed": 0.1,
+        "unbalance": [Unbalance(node="8", moment=20.0)], "duration": 150.0, "samples": 2,
+    }  # fmt: skip
+
+    def second(rotor, **how):
+        return simulate(rotor, **around, **how).event_time.values[1]
+
+    exact = second(system)
+    for count in (8, 12):
+        apart = abs(second(system.reduced(modes=count)) - exact)
+        kept = abs(second(system, modes=count) - exact)
+        assert kept < 0.01 * apart
+
+
+def test_one_disc_in_si_is_the_machine():
+    machine = DimensionalRotor(
+        mass=12.0, contact_stiffness=1e8, damping=500.0, eccentricity=5e-5, clearance=6e-5,
+        speed=400.0, shaft_stiffness=4e6, contact_exponent=1.0, load=117.0,
+    )  # fmt: skip
+    system, contacts, unbalance = machine.system()
+    run = simulate(system, contacts=contacts, unbalance=unbalance, speed=400.0, duration=0.1)
+    one = simulate(machine.rotor(), duration=0.1 / machine.time_scale, method="taylor")
+    assert run.x.attrs["units"] == "m"
+    assert run.event_time.attrs["units"] == "s"
+    np.testing.assert_array_equal(run.event_kind, one.event_kind)
+    np.testing.assert_allclose(run.event_time, one.event_time * machine.time_scale, rtol=1e-9)
+
+
+def test_a_rotor_without_clearance_is_no_system():
+    with pytest.raises(InputError, match="clearance"):
+        Rotor(omega=1.0, zeta=0.1, delta0=0.0).system()
+
+
+def test_what_is_sampled_does_not_change_the_run():
+    system, around = random_system(10)
+    runs = [simulate(system, speed=1.1, duration=10.0, samples=n, **around) for n in (2, 1000)]
+    for name in ("event_time", "impulse", "slip_distance", "heat", "final_state"):
+        np.testing.assert_array_equal(runs[0][name], runs[1][name])
