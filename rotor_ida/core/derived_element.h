@@ -13,12 +13,12 @@ struct element {
 enum { ELEMENT_ROOT, ELEMENT_X, ELEMENT_Y, ELEMENT_VX, ELEMENT_VY, ELEMENT_SPIN, ELEMENT_RACE, ELEMENT_GIVEN };
 enum { ELEMENT_NORMAL_X, ELEMENT_NORMAL_Y, ELEMENT_APPROACH, ELEMENT_SLIP, ELEMENT_PUSH, ELEMENT_FORCE_X, ELEMENT_FORCE_Y, ELEMENT_TURNING, ELEMENT_POWER, ELEMENT_HEAT, ELEMENT_ANSWERS };
 
-/* Coefficient n of what a contact answers, from those up to n of what it is given, by
+/* Coefficient n of what a contact answers, from those up to n of what it is given:
  * 15 lanes, which must be empty at n = 0. */
 static inline void element_order(const struct element *m,
     struct series *series, int n, double *answers)
 {
-    _Static_assert(7 <= WIDTH && 15 <= LANES, "series.h has no room");
+    _Static_assert(7 <= WIDTH && 15 <= LANES, "no room");
     const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
     const double root_first = series->terms[0][ELEMENT_ROOT];
     const double inverse_radius = inverse(m->clearance + root_first * root_first);

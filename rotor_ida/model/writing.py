@@ -591,7 +591,7 @@ def _element() -> str:
     places = [f"ELEMENT_{name.upper()}" for name in element.ANSWERS]
     answered = [f"answers[{p}] = {writer(a)};" for p, a in zip(places, answers, strict=True)]
     series = [
-        f'_Static_assert({len(element.GIVEN)} <= WIDTH && {lanes} <= LANES, "series.h has no room");',
+        f'_Static_assert({len(element.GIVEN)} <= WIDTH && {lanes} <= LANES, "no room");',
         "const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;",
         *[line for line in before if not _is_idle(line, [*before, *lines])],
         f"sum_known(series, n, {-(-lanes // LANES_A_VECTOR)});",
@@ -614,7 +614,7 @@ def _element() -> str:
             f"enum {{ {', '.join([*(_place(given, n) for n in (*element.GIVEN, 'given'))])} }};",
             f"enum {{ {', '.join([*places, 'ELEMENT_ANSWERS'])} }};",
             "",
-            "/* Coefficient n of what a contact answers, from those up to n of what it is given, by",
+            "/* Coefficient n of what a contact answers, from those up to n of what it is given:",
             f" * {lanes} lanes, which must be empty at n = 0. */",
             head.format("element_order", "struct series *series, int n"),
             "{", *(f"    {line}" for line in series), "}",
