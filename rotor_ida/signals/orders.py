@@ -14,7 +14,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.whirl import forward_and_backward, steps_of_turning, whirl_over_spin
 from rotor_ida.schema import Column
 from rotor_ida.signals.record import Record, record_of
-from rotor_ida.signals.windows import MOST_OVERLAP, Orders, Windows, fit_orders, windows_of
+from rotor_ida.signals.windows import MOST_OVERLAP, Orders, Windows, fit_orders, scatter_between, windows_of
 
 # Integer orders up to this, and up to the highest requested one, are fitted too, so that they do
 # not affect the others.
@@ -27,6 +27,8 @@ SLACK = 1e-9
 # Displacements must turn by less than this between samples on average: a third of a turn. The
 # phase of noise alone turns by a quarter.
 MOST_TURNING = 2.0 * math.pi / 3.0
+# Scatter between windows up to this times the error by the residual may be due to chance.
+CHANCE = 1.3
 
 
 def orders(
@@ -75,7 +77,12 @@ def orders(
     ``exp(-i (n theta - lag))`` backward. Measured angles count from the keyphasor mark instead. If
     the speed changes, amplitudes are means over the window.
 
-    Standard errors are valid if the residual is white noise, equal in all directions; that of a
+    Standard errors are those by the residual as white noise, equal in all directions, or the
+    scatter of the amplitude between windows where that is larger by more than chance: so they
+    contain what leaks from a line that is no order, such as oil whirl. The scatter is taken about
+    a parabola over up to 128 windows (255 at the end of a record), within which the speed changes
+    by at most 4 %, and needs six windows. It cannot see a line closer to the order than about
+    ``1.5/N`` orders for N revolutions. The error of a
     lag is the error of the amplitude over the amplitude. The residual is by degrees of freedom: for
     noise of variance s**2 in x and in y it is ``sqrt(2) s``. The speed is that of the straight line
     through the angles of a window, at the mean of its times.
@@ -101,7 +108,7 @@ def orders(
     record = record_of(signals)
     length = revolutions_for(asked, revolutions)
     windows = windows_of(record, length, part)
-    fitted = fit(record, windows, asked)
+    fitted = fit(record, windows, asked, part)
     k, offset = asked.size, fitted.amplitudes[:, -1]
     ahead, back = fitted.amplitudes[:, :k], fitted.amplitudes[:, k : 2 * k]
     variables: dict[str, Column] = {
@@ -266,7 +273,7 @@ def _sizes(part: npt.NDArray[np.complex128], windows: Windows) -> Values:
     return np.asarray(np.sqrt(squares / counts), dtype=np.float64)
 
 
-def fit(record: Record, windows: Windows, asked: Values) -> Orders:
+def fit(record: Record, windows: Windows, asked: Values, overlap: float = 0.0) -> Orders:
     """Return the amplitudes in windows of orders forward, then backward, then of order 0."""
     counts = np.diff(windows.edges)
     fewest, length = int(counts.argmin()), windows.revolutions
@@ -281,7 +288,12 @@ def fit(record: Record, windows: Windows, asked: Values) -> Orders:
     beside = beside[[not np.isclose(asked, each, atol=SLACK).any() for each in beside]]
     every = fit_orders(record, windows, np.concatenate([asked, -asked, beside, -beside, [0.0]]))
     kept = [*range(2 * asked.size), -1]
-    return Orders(every.amplitudes[:, kept], every.errors[:, kept], every.residual)
+    amplitudes, errors = every.amplitudes[:, kept], every.errors[:, kept]
+    scatter = scatter_between(amplitudes, windows, overlap)
+    # the scatter counts where it exceeds the residual's estimate by more than chance
+    usual = np.sqrt(np.mean(errors**2, axis=0))
+    errors = np.where(scatter > CHANCE * usual, np.maximum(scatter, errors), errors)
+    return Orders(amplitudes, errors, every.residual)
 
 
 def window_coordinates(windows: Windows) -> dict[str, Column]:

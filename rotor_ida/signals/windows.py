@@ -20,6 +20,10 @@ AT_ONCE = 200_000
 # Limits on the overlap of windows, and of segments of a spectrogram.
 MOST_OVERLAP = 0.95
 MOST_SAMPLES = 200_000_000
+# Windows that the scatter needs, windows in a stretch, and the change of speed within it.
+FEWEST_WINDOWS = 6
+MOST_WINDOWS = 128
+SPEED_SPAN = 0.04
 Complex = npt.NDArray[np.complex128]
 
 
@@ -155,6 +159,51 @@ def fit_orders(record: Record, windows: Windows, orders: Values) -> Orders:
         fits.append(_fit(turned, z[inside], edges - edges[0], orders))
     amplitudes, errors, residual = (np.concatenate(each) for each in zip(*fits, strict=True))
     return Orders(amplitudes, errors, residual)
+
+
+def scatter_between(amplitudes: Complex, windows: Windows, overlap: float) -> Values:
+    """Return standard errors by the scatter between windows, 0 where there are too few.
+
+    What leaks from a line that is not fitted turns from window to window, so it is seen in the
+    deviations from a parabola over a stretch of windows of almost equal speed. Few windows that
+    deviate far, as in a transient, are given less weight.
+    """
+    errors = np.zeros(amplitudes.shape)
+    for part in _stretches(windows.speeds):
+        within = amplitudes[part]
+        count = within.shape[0] * (1.0 - overlap)
+        if count < FEWEST_WINDOWS:
+            continue
+        basis = np.vander(np.linspace(-1.0, 1.0, within.shape[0]), 3)
+        for k, values in enumerate(within.T):
+            errors[part, k] = _deviation(basis, values, count)
+    return errors
+
+
+def _stretches(speeds: Values) -> Iterator[slice]:
+    """Yield slices of neighbouring windows in which the speed changes little."""
+    first = 0
+    while first < speeds.size:
+        ahead = speeds[first : first + MOST_WINDOWS]
+        if speeds.size - first < 2 * MOST_WINDOWS:
+            ahead = speeds[first:]
+        span = np.maximum.accumulate(ahead) - np.minimum.accumulate(ahead)
+        length = max(int(np.searchsorted(span, SPEED_SPAN * abs(ahead[0]), side="right")), 1)
+        yield slice(first, first + length)
+        first += length
+
+
+def _deviation(basis: Values, values: Complex, count: float) -> float:
+    """Return the root mean square per component of deviations from a robust parabola."""
+    weights = np.ones(values.size)
+    for _ in range(8):
+        roots = np.sqrt(weights)[:, None]
+        curve = np.linalg.lstsq(roots * basis, roots[:, 0] * values, rcond=None)[0]
+        squares = np.abs(values - basis @ curve) ** 2
+        limit = 6.0 * float(np.median(squares))
+        weights = np.minimum(1.0, (limit / np.maximum(squares, 1e-300)))
+    mean = float(np.minimum(squares, limit).mean())
+    return math.sqrt(mean * count / (count - basis.shape[1]) / 2.0)
 
 
 def _key(order: float) -> float:
