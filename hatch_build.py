@@ -134,7 +134,7 @@ def build(
     for level, model in product(levels(), identity["MODELS"]):
         given = flags(compiler, level, model=model, warnings=warnings, sanitize=sanitize)
         shown = {"compiler": told, "flags": " ".join(given), "level": level}
-        shown |= {"sources": digest, "version": version}
+        shown |= {"model": model, "sources": digest, "version": version}
         path = identity["library_path"](out, level, model)
         if sanitize or _stated(path) != shown:
             wanted[path] = (given, shown)
@@ -180,6 +180,8 @@ def platform_tag(libraries: Sequence[Path]) -> str:
 def _stated(path: Path) -> dict[str, str] | None:
     """Return what a library says of itself; None where it is not there or cannot be loaded."""
     try:
+        if not identity["is_whole"](path):
+            return None
         said: dict[str, str] = identity["stated"](ctypes.CDLL(str(path)))
     except (OSError, AttributeError):
         return None

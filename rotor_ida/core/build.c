@@ -11,6 +11,8 @@ const char *core_flags(void) { return CORE_FLAGS; }
 
 const char *core_level(void) { return CORE_LEVEL; }
 
+const char *core_model(void) { return CORE_MODEL; }
+
 const char *core_sources(void) { return CORE_SOURCES; }
 
 const char *core_version(void) { return CORE_VERSION; }

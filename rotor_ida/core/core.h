@@ -43,11 +43,12 @@ struct piece {
     double end, rate, torque, slope, inverse_inertia, speed;
 };
 
-/* Who compiled this library, with which flags, for which processors, from which sources, for
- * which version of the package. */
+/* Who compiled this library, with which flags, for which processors, for which model, from which
+ * sources, for which version of the package. */
 CORE_API const char *core_compiler(void);
 CORE_API const char *core_flags(void);
 CORE_API const char *core_level(void);
+CORE_API const char *core_model(void);
 CORE_API const char *core_sources(void);
 CORE_API const char *core_version(void);
 /* The widest level whose instructions this processor and its system offer: see LEVELS in Python. */

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
+import struct
 from pathlib import Path
 
 # Levels of x86-64, each with wider vectors than the one before; other machines know the first.
 LEVELS = ("baseline", "v3", "v4")
 # A library is of one model: the paper's rotor, the general one, or that with a changing speed.
 MODELS = ("paper", "whole", "run_up")
-STATED = ("compiler", "flags", "level", "sources", "version")
+STATED = ("compiler", "flags", "level", "model", "sources", "version")
 
 
 def library_path(folder: Path, level: str, model: str = "paper") -> Path:
@@ -36,8 +37,23 @@ def sources_digest(folder: Path) -> str:
     return digest.hexdigest() if sources else ""
 
 
+def is_whole(path: Path) -> bool:
+    """Return whether a library is as long as its header says.
+
+    Loading one that is cut off ends the process with a bus error. The table of sections is the last
+    part of an ELF file of 64 bits; files of other systems are trusted.
+    """
+    with path.open("rb") as file:
+        head = file.read(64)
+    if head[:5] != b"\x7fELF\x02" or len(head) < 64:  # noqa: PLR2004
+        return head[:4] != b"\x7fELF"
+    (begin,) = struct.unpack_from("<Q", head, 40)
+    size, count = struct.unpack_from("<HH", head, 58)
+    return path.stat().st_size >= begin + size * count
+
+
 def stated(library: ctypes.CDLL) -> dict[str, str]:
-    """Return what a library reports of itself: compiler, flags, level, sources, version."""
+    """Return what a library reports of itself: compiler, flags, level, model, sources, version."""
     found = {}
     for name in STATED:
         tell = getattr(library, f"core_{name}")

@@ -70,6 +70,8 @@ def _load(level: str, model: str = "paper") -> ctypes.CDLL:
     path = identity.library_path(FOLDER, level, model)
     if not path.is_file():
         raise InstallationError(f"the compiled core {path} is missing; run: {_cure()}")
+    if not identity.is_whole(path):
+        raise InstallationError(f"the compiled core {path} is cut off; run: {_cure()}")
     try:
         found = ctypes.CDLL(str(path))
         said = identity.stated(found)
@@ -85,6 +87,11 @@ def _load(level: str, model: str = "paper") -> ctypes.CDLL:
         raise InstallationError(
             f"the compiled core is of version {said['version']}, rotor-ida of {wanted}; "
             f"run: {_cure()}"
+        )
+    if (said["level"], said["model"]) != (level, model):
+        raise InstallationError(
+            f"the compiled core {path} is of level {said['level']} and of the model "
+            f"{said['model']!r}, where those of {level} and {model!r} are wanted; run: {_cure()}"
         )
     if identity.sources_digest(FOLDER) not in {"", said["sources"]}:
         raise InstallationError(f"the compiled core is older than its sources; run: {_cure()}")

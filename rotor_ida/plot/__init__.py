@@ -6,6 +6,18 @@ cannot draw: a Dataset that lacks a variable or has several values of a paramete
 one, axes of another kind, or other units.
 """
 
+import os
+
+from rotor_ida.errors import InputError
+
+try:
+    import matplotlib as _matplotlib  # noqa: F401 - before all that draw: it refuses its backend
+except ValueError as _error:
+    raise InputError(
+        "MPLBACKEND must name a backend of matplotlib, such as agg, "
+        f"got {os.environ.get('MPLBACKEND')!r}"
+    ) from _error
+
 from rotor_ida.plot.appearance import mixed_panels, panels, shared_legend, style
 from rotor_ida.plot.basins import (
     plot_attractor_fractions,

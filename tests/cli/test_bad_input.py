@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -388,3 +391,14 @@ def test_what_can_be_written_is_asked_before_anything_is_computed(
     monkeypatch.setattr("rotor_ida.sweep", never)
     for command in (simulate(out="nowhere/a.nc"), sweep(figure="nowhere/a.png")):
         assert program(*command.split()).status == 2
+
+
+def test_a_backend_that_matplotlib_does_not_know_is_refused_in_one_line(tmp_path):
+    words = ["synchronous-response", "--omega", "2", "--zeta", "0.1", "--delta0", "0.5"]
+    ended = subprocess.run(
+        [sys.executable, "-m", "rotor_ida", *words, "--figure", str(tmp_path / "whirls.png")],
+        capture_output=True, text=True, check=False, env=os.environ | {"MPLBACKEND": "nonsense"},
+    )  # fmt: skip
+    assert ended.returncode == 2
+    said = "rotor-ida: MPLBACKEND must name a backend of matplotlib, such as agg, got 'nonsense'"
+    assert ended.stderr.splitlines() == [said]

@@ -776,7 +776,8 @@ int main(void)
     const struct sigaction action = {.sa_handler = ask_to_stop};
     sigaction(SIGALRM, &action, NULL);
     calls_until_failure = -1;
-    require(core_version()[0] && core_compiler() && core_flags() && core_level() && core_sources(),
+    require(core_version()[0] && core_compiler() && core_flags() && core_level() && core_model()
+                && core_sources(),
             "the core does not say what it is");
     require(core_widest_level() >= 0, "the processor has no level");
     runs_with_all_observers();

@@ -134,6 +134,29 @@ def test_a_core_that_cannot_be_loaded_is_refused(folder: Path, spoilt) -> None:
         library()
 
 
+@pytest.mark.parametrize("part", [0.1, 0.5, 0.99])
+def test_a_core_that_is_cut_off_is_refused(folder: Path, part: float) -> None:
+    """Before it is loaded: that would end the process with a bus error."""
+    path = identity.library_path(folder, "baseline")
+    content = path.read_bytes()
+    path.unlink()
+    path.write_bytes(content[: int(part * len(content))])
+    with pytest.raises(InstallationError, match=r"is cut off; run: pip "):
+        library()
+
+
+@pytest.mark.parametrize("other", [("baseline", "whole"), ("v3", "paper")])
+def test_a_core_of_another_level_or_model_is_refused(folder: Path, other: tuple[str, str]) -> None:
+    taken = identity.library_path(folder, *other)
+    if not taken.is_file():
+        pytest.skip("this machine has one level")
+    path = identity.library_path(folder, "baseline")
+    path.unlink()
+    shutil.copy(taken, path)
+    with pytest.raises(InstallationError, match=rf"is of level {other[0]} .* '{other[1]}', where"):
+        library()
+
+
 def test_a_core_of_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module.importlib.metadata, "version", lambda _: "9.9")
     with pytest.raises(InstallationError, match=r"is of version .*, rotor-ida of 9\.9; run: pip "):

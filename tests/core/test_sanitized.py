@@ -17,7 +17,7 @@ from rotor_ida.core.identity import MODELS
 ROOT = Path(__file__).parents[2]
 CORE = ROOT / "rotor_ida" / "core"
 # What a build says of itself.
-SAID = ("compiler", "flags", "level", "sources", "version")
+SAID = ("compiler", "flags", "level", "model", "sources", "version")
 OPTIONS = {
     "ASAN_OPTIONS": "detect_leaks=1:detect_stack_use_after_return=1",
     "UBSAN_OPTIONS": "print_stacktrace=1",
