@@ -45,7 +45,7 @@ def is_whole(path: Path) -> bool:
     """
     with path.open("rb") as file:
         head = file.read(64)
-    if head[:5] != b"\x7fELF\x02" or len(head) < 64:  # noqa: PLR2004
+    if head[:5] != b"\x7fELF\x02" or len(head) < 64:
         return head[:4] != b"\x7fELF"
     (begin,) = struct.unpack_from("<Q", head, 40)
     size, count = struct.unpack_from("<HH", head, 58)

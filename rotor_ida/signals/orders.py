@@ -14,7 +14,14 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.whirl import forward_and_backward, steps_of_turning, whirl_over_spin
 from rotor_ida.schema import Column
 from rotor_ida.signals.record import Record, record_of
-from rotor_ida.signals.windows import MOST_OVERLAP, Orders, Windows, fit_orders, scatter_between, windows_of
+from rotor_ida.signals.windows import (
+    MOST_OVERLAP,
+    Orders,
+    Windows,
+    fit_orders,
+    scatter_between,
+    windows_of,
+)
 
 # Integer orders up to this, and up to the highest requested one, are fitted too, so that they do
 # not affect the others.
