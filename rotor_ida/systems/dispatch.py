@@ -8,6 +8,7 @@ from typing import Any, ParamSpec, Protocol, cast, overload
 
 import xarray as xr
 
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.simulation.run_up import run_up as run_up_disc
 from rotor_ida.simulation.simulate import simulate as simulate_disc
@@ -32,8 +33,9 @@ def _of_both(
     """Return the function of one disc, which hands a rotor system to the other."""
 
     @wraps(disc)
-    def either(rotor: Any, **options: Any) -> xr.Dataset:
-        return (system if isinstance(rotor, RotorSystem) else disc)(rotor, **options)
+    def either(rotor: Rotor | RotorSystem, **options: Any) -> xr.Dataset:
+        chosen: Any = system if isinstance(rotor, RotorSystem) else disc
+        return cast("xr.Dataset", chosen(rotor, **options))
 
     either.__module__ = __name__  # where it can be found, by pickle too
     return cast("OfBoth[OfDisc, OfSystem]", either)
