@@ -49,7 +49,7 @@ def is_whole(path: Path) -> bool:
         return head[:4] != b"\x7fELF"
     (begin,) = struct.unpack_from("<Q", head, 40)
     size, count = struct.unpack_from("<HH", head, 58)
-    return path.stat().st_size >= begin + size * count
+    return bool(path.stat().st_size >= begin + size * count)
 
 
 def stated(library: ctypes.CDLL) -> dict[str, str]:

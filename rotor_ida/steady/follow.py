@@ -61,7 +61,7 @@ LONGEST_DECAY_TIMES = 60.0
 # This time is allowed however strong the damping is, for what settles more slowly, as near a fold;
 LONGEST = 40_000.0
 # and no more than this however slight it is: CVODE needs minutes for a motion of intermittent rub.
-LONGEST_OF_ALL = 500_000.0
+LONGEST_OF_ALL = 600_000.0
 # Errors of single contacts add up round a cycle, and the smallest radius may be a small fraction of
 # the motion. So runs use this fraction of the given tolerances.
 TIGHTER = 0.1
