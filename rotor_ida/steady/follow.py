@@ -62,6 +62,8 @@ LONGEST_DECAY_TIMES = 60.0
 LONGEST = 40_000.0
 # and no more than this however slight it is: CVODE needs minutes for a motion of intermittent rub.
 LONGEST_OF_ALL = 600_000.0
+# A decay that would take so many times that is not waited for.
+HOPELESS = 100.0
 # Errors of single contacts add up round a cycle, and the smallest radius may be a small fraction of
 # the motion. So runs use this fraction of the given tolerances.
 TIGHTER = 0.1
@@ -460,7 +462,10 @@ def longest_time(rotor: Rotor) -> float:
     """Return the time after which no new window begins [1]: the slower the decay, the longer."""
     if rotor.zeta == 0.0:  # nothing settles
         return LONGEST
-    return min(max(LONGEST, _time_to_decay(rotor, LONGEST_DECAY_TIMES)), LONGEST_OF_ALL)
+    longest = max(LONGEST, _time_to_decay(rotor, LONGEST_DECAY_TIMES))
+    if longest > HOPELESS * LONGEST_OF_ALL:  # nor does it within any wait
+        return LONGEST
+    return min(longest, LONGEST_OF_ALL)
 
 
 def _time_to_decay(rotor: Rotor, times: float) -> float:

@@ -382,7 +382,7 @@ def test_light_damping_settles_on_the_exact_whirl():
         (Rotor(omega=1.0, zeta=0.0, delta0=1.0), 40_000.0),
         (Rotor(omega=1.0, zeta=0.07, delta0=1.0), 40_000.0),
         (Rotor(omega=1.0, zeta=1e-4, delta0=1.0), 600_000.0),
-        (Rotor(omega=1.0, zeta=1e-9, delta0=1.0), 600_000.0),
+        (Rotor(omega=1.0, zeta=1e-9, delta0=1.0), 40_000.0),
         # a weak shaft: the slower rate is about kappa/(2 zeta)
         (Rotor(omega=1.0, zeta=10.0, delta0=1.0, shaft_stiffness=0.02), 60.0 * 1000.0),
     ],
