@@ -59,5 +59,7 @@ from .steady.run_ups import run_ups as run_ups
 from .steady.sweep import sweep as sweep
 from .systems.dispatch import run_up as run_up
 from .systems.dispatch import simulate as simulate
+from .systems.simulate import run_up_system as run_up_system
+from .systems.simulate import simulate_system as simulate_system
 from .verification.compare import compare as compare
 from .verification.resume import resume as resume

@@ -166,9 +166,10 @@ QUANTITIES: dict[str, Quantity] = {
     "clearance": Quantity("radial clearance of a contact", scale="length"),
     "event_contact": Quantity("number of the contact of an event"),
     "event_state": Quantity("displacement and velocity of all coordinates at an event"),
-    "final_state": Quantity("displacement and velocity of all coordinates at the end"),
-    "event_race_speed": Quantity("speed of the race of a contact at an event", scale="rate"),
-    "final_race_speed": Quantity("speed of the race of a contact at the end", scale="rate"),
+    "final_state": Quantity(
+        "displacement and velocity of all coordinates, and speeds of races, at the end"
+    ),
+    "event_race_speed": Quantity("speed of the race of a contact at an event", scale="speed"),
     "episode_contact": Quantity("number of the contact that an episode is of"),
     "event_time_error": Quantity("estimated error of the event time", scale="time"),
     "horizon": Quantity("time up to which the start determines the orbit", scale="time"),

@@ -37,7 +37,18 @@ OUTSIDE = {
 
 def results():
     """Return results of every kind by name, as arrays of numbers."""
-    from rotor_ida import Rotor, basin, limit_cycle, lyapunov_exponent, run_up, simulate, sweep
+    from rotor_ida import (
+        Contact,
+        Rotor,
+        RotorSystem,
+        Unbalance,
+        basin,
+        limit_cycle,
+        lyapunov_exponent,
+        run_up,
+        simulate,
+        sweep,
+    )
 
     found = {}
 
@@ -57,6 +68,19 @@ def results():
         for how in ("taylor", "adams", "bdf", "cvode"):
             options = {"flight": how} if how == "cvode" else {"method": how}
             keep(f"run, {word}, {how}", simulate(rotor, start=start, duration=100.0, **options))
+    turned = 0.2 * np.array([[0.0, 1.0], [-1.0, 0.0]])
+    system = RotorSystem(
+        mass=np.kron([[2.0, 0.1], [0.1, 1.0]], np.eye(2)),
+        stiffness=np.kron([[2.0, -1.0], [-1.0, 1.5]], np.eye(2)), damping=0.1 * np.eye(4),
+        gyroscopic=np.kron(np.eye(2), turned), nodes={"a": (0, 1), "b": (2, 3)}, units="1",
+    )  # fmt: skip
+    rubs = {"clearance": 0.5, "stiffness": 20.0, "friction": 0.2, "radius": 2.0, "damping": 0.3}
+    around = {
+        "contacts": [Contact(node=node, **rubs) for node in "ab"],
+        "unbalance": [Unbalance(node="a", moment=1.0)],
+    }
+    keep("system", simulate(system, speed=1.1, duration=100.0, **around))
+    keep("system, run-up", run_up(system, speed=0.3, to=2.0, rate=0.02, **around))
     for word in ("bouncing", "full contact"):
         rotor, start = rotors[word]
         keep(f"cycle, {word}", limit_cycle(rotor, start=start))

@@ -16,7 +16,7 @@ import pytest
 import xarray as xr
 
 import rotor_ida
-from rotor_ida import DimensionalRotor, Rotor, RotorError, closed_forms
+from rotor_ida import Contact, DimensionalRotor, Rotor, RotorError, RotorSystem, closed_forms
 
 LONGEST_MESSAGE = 300
 PATHS = ("path", "study", "folder")
@@ -269,12 +269,18 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
 }
 
 
+SYSTEM = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)}, units="1")
 GIVEN |= {
     "RotorSystem": lambda _: {"mass": np.eye(2), "stiffness": np.eye(2), "nodes": {"a": (0, 1)}},
     "Contact": lambda _: {"node": "disc", "clearance": 0.5, "stiffness": 4.0},
     "Stator": lambda _: {"mass": 1.0, "stiffness": 2.0},
     "Race": lambda _: {"radius": 1.0, "inertia": 2.0},
     "Unbalance": lambda _: {"node": "disc", "moment": 1.0},
+    "simulate_system": lambda _: {
+        "system": SYSTEM, "speed": 1.2, "duration": 2.0,
+        "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)],
+    },
+    "run_up_system": lambda _: {"system": SYSTEM, "speed": 1.2, "to": 1.4, "rate": 0.1},
 }  # fmt: skip
 
 

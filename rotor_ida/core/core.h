@@ -35,7 +35,8 @@ enum status {
     FULL_INSIDE = 1007, /* they are full within a contact: the caller begins anew with more room */
     UNBALANCED = 1008,  /* the energy of a contact does not balance */
     STALLED = 1009,     /* the speed fell through 0, where the torque turns the rotor no more */
-    RUNAWAY = 1010      /* the torque lets the speed run away */
+    RUNAWAY = 1010,     /* the torque lets the speed run away */
+    SINGULAR = 1011     /* of a system: no forces are determined that let its contacts roll */
 };
 
 /* How a speed changes up to a time. At its beginning a prescribed one is `speed`. */

@@ -22,7 +22,7 @@ from rotor_ida.model.spinning import OF_DRIVE
 # How a call ended; the flags of SUNDIALS are negative.
 DONE = 0
 NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER, FULL_INSIDE, UNBALANCED = range(1001, 1009)
-STALLED, RUNAWAY = 1009, 1010
+STALLED, RUNAWAY, SINGULAR = 1009, 1010, 1011
 MESSAGES = {
     NOT_FINITE: "the state is no longer finite",
     NO_ROOT: "a step contains no root",
@@ -31,6 +31,7 @@ MESSAGES = {
     NO_SOLVER: "SUNDIALS could not make a solver",
     UNBALANCED: "the energy of a contact does not balance",
     STALLED: "the speed fell through 0: the torque no longer turns the rotor",
+    SINGULAR: "more contacts roll than the system has modes: their forces are not determined",
     RUNAWAY: "the speed passed 1e+06: the torque lets it run away",
     -1: "Could not reach endpoint after 'max_num_steps'.",
     -2: "Could not satisfy demanded accuracy for an internal step.",

@@ -18,6 +18,8 @@ static const double UNLIMITED = 200.0;
 static const double EDGE = 0.3;
 /* Bytes to which what a run works with is aligned. */
 enum { ALIGNED = 64 };
+/* A pivot below this part of its row is rounding. */
+static const double DEPENDENT = 1e-13;
 
 int64_t core_system_room(int64_t size, int64_t contacts)
 {
@@ -317,14 +319,23 @@ static double torque_by(const struct work *work, const double *row)
            - work->sine[0] * sum_of_products(unbalance, row, work->stride);
 }
 
-/* Factorise a small matrix in place, by rows with pivots. */
-static void factorise(struct work *work, int size)
+/* Factorise a small matrix in place, by rows with pivots; say whether it is regular. */
+static int factorise(struct work *work, int size)
 {
+    double largest[MOST_CONTACTS + 1];
+    int regular = 1;
+    for (int i = 0; i < size; i++) {
+        largest[i] = 0.0;
+        for (int j = 0; j < size; j++)
+            largest[i] = fmax(largest[i], fabs(work->matrix[i][j]));
+    }
     for (int k = 0; k < size; k++) {
         int best = k;
         for (int i = k + 1; i < size; i++)
             best = fabs(work->matrix[i][k]) > fabs(work->matrix[best][k]) ? i : best;
         work->pivot[k] = best;
+        regular &= fabs(work->matrix[best][k]) > DEPENDENT * largest[best];
+        largest[best] = largest[k];
         for (int j = 0; j < size && best != k; j++) {
             const double kept = work->matrix[k][j];
             work->matrix[k][j] = work->matrix[best][j];
@@ -338,6 +349,7 @@ static void factorise(struct work *work, int size)
                 work->matrix[i][j] -= factor * work->matrix[k][j];
         }
     }
+    return regular;
 }
 
 static void solve_factorised(const struct work *work, int size, double *right)
@@ -434,7 +446,7 @@ static void add_implicit(struct work *work, int n)
         write_matrix(work);
         if (work->is_asked) /* the caller wants matrix and right-hand side as they are */
             return;
-        factorise(work, size);
+        work->is_singular = !factorise(work, size);
     }
     solve_factorised(work, size, right);
     for (int j = 0; j < work->rolls; j++) {
@@ -530,7 +542,7 @@ void ask_implicit(struct work *work)
 
 void expand_system(struct work *work, int order)
 {
-    work->is_asked = 0;
+    work->is_asked = work->is_singular = 0;
     for (int n = 0; n < order; n++) {
         ask_contacts(work, n);
         set_pace(work, n);

@@ -65,7 +65,6 @@ struct system_run {
     double *state;                  /* two rows: y and y' */
     struct ledger ledger;
     int32_t began; /* whether the ways of the contacts are decided */
-    int32_t unused;
 
     const double *sample_times;
     double *samples;       /* two rows each */

@@ -1,7 +1,8 @@
 /* The contacts of a rotor system: what ends the way in which one goes on, and what follows. */
 #include "system_work.h"
 
-/* An entry that is no simple root of its gap is passed by so much of the clearance. */
+/* Where contacts enter together, or without a radial velocity, flight goes on to an indentation of
+ * this part of the clearance. */
 static const double PASSED = 1e-11;
 /* Contacts whose roots are less than this part of that of the clearance end together. */
 static const double TOGETHER = 1e-7;
@@ -13,7 +14,7 @@ static const double STILL = 1e-15;
  * needs.
  */
 static const double HIDDEN = 1e-12;
-/* An interval so short, in steps, holds no two zeros that could be told apart. */
+/* Shortest interval, in steps, in which two zeros are told apart. */
 static const double SHORTEST = 1e-15;
 enum { MOST_SWEEPS = 500, GAP_TERMS = 2 * ORDERS };
 

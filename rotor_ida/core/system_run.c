@@ -126,6 +126,8 @@ static int take_step(struct work *work, int *is_idle)
                                                            : run->duration;
     begin_terms(work);
     expand_system(work, work->order);
+    if (work->is_singular)
+        return SINGULAR;
     choose_step(work);
     if (isnan(work->step))
         return NOT_FINITE;

@@ -44,7 +44,8 @@ struct work {
     double matrix[MOST_CONTACTS + 1][MOST_CONTACTS + 1];
     int pivot[MOST_CONTACTS + 1];
     double right[MOST_CONTACTS + 1];
-    int is_asked;
+    int is_asked;    /* whether the matrix is left as it is */
+    int is_singular; /* whether what is implicit has no solution */
     double step;
     struct touching touching[MOST_CONTACTS];
 };
@@ -120,8 +121,8 @@ void move_system(struct work *work, double point);
 
 /* system_contact.c */
 void set_element(struct touching *each);
-/* The first point of (0, step] at which a polynomial falls through 0, where it has so many zeros at
- * 0 that are known; infinite where there is none. */
+/* The first point of (0, step] at which a polynomial falls through 0; infinite where there is none.
+ * Of its zeros at 0 the first `zeros` are known and do not count. */
 double first_fall(const double *terms, int apart, int order, double step, int zeros);
 
 /* What happens first in a step. */

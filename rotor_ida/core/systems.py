@@ -68,7 +68,6 @@ class SystemRunStruct(Structure):
         ("state", c_void_p),
         ("ledger", len(LEDGER) * c_double),
         ("began", c_int32),
-        ("unused", c_int32),
         *((name, c_void_p) for name in (
             "sample_times", "samples", "sample_forces", "sample_turns",
         )),

@@ -41,7 +41,8 @@ class RotorSystem:
         (2, n) by which q gives them, as in modal coordinates.
     translations : array_like, shape (n, 2), optional
         The coordinates of unit translations along x and y, by which gravity acts. Default: 1 at
-        the displacements of all nodes that are given by indices.
+        the displacements of all nodes that are given by indices, so that these must be all that
+        have mass; or what the rows of the nodes determine.
     static_force : array_like, shape (n,), optional
         A constant force.
     units : {"SI", "1"}
@@ -119,12 +120,19 @@ class RotorSystem:
         if self.translations is not None:
             return self.translations
         both = np.zeros((self.size, 2))
-        for given in self.nodes.values():
-            if not isinstance(given, tuple):
-                raise InputError(
-                    "translations must be given for gravity where nodes are given by rows, got None"
-                )
-            both[given[0], 0] = both[given[1], 1] = 1.0
+        rows = np.concatenate([np.zeros((0, self.size)), *map(self.rows, self.nodes)])
+        wanted = np.tile(np.eye(2), (len(self.nodes), 1))
+        indices = [given for given in self.nodes.values() if isinstance(given, tuple)]
+        if indices:
+            for x, y in indices:
+                both[x, 0] = both[y, 1] = 1.0
+        elif np.linalg.matrix_rank(rows) == self.size:
+            both = np.linalg.lstsq(rows, wanted, rcond=None)[0]
+        if not np.allclose(rows @ both, wanted, atol=ROUNDED):
+            raise InputError(
+                "translations must be given for gravity, as the nodes do not determine them, "
+                "got None"
+            )
         return both
 
     @classmethod

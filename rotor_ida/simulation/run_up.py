@@ -100,7 +100,7 @@ def run_up(
     Parameters
     ----------
     rotor : Rotor
-        The rotor; for a `RotorSystem` see `rotor_ida.systems.simulate.run_up_system`. Its
+        The rotor; for a `RotorSystem` see `run_up_system`. Its
         ``omega`` is the speed at time 0, when the unbalance points along x.
     start : array_like, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis.

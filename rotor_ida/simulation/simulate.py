@@ -44,7 +44,7 @@ def simulate(
     Parameters
     ----------
     rotor : Rotor
-        The rotor; for a `RotorSystem` see `rotor_ida.systems.simulate.simulate_system`.
+        The rotor; for a `RotorSystem` see `simulate_system`.
     start : array_like, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis.
     duration : float

@@ -62,7 +62,7 @@ LONGEST_DECAY_TIMES = 60.0
 LONGEST = 40_000.0
 # and no more than this however slight it is: CVODE needs minutes for a motion of intermittent rub.
 LONGEST_OF_ALL = 600_000.0
-# A decay that would take so many times that is not waited for.
+# A decay slower than the longest wait by more than this factor is not waited for.
 HOPELESS = 100.0
 # Errors of single contacts add up round a cycle, and the smallest radius may be a small fraction of
 # the motion. So runs use this fraction of the given tolerances.

@@ -9,6 +9,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Column, Values
 from rotor_ida.results.provenance import provenance
+from rotor_ida.results.si_units import UNITS
 from rotor_ida.schema import (
     DAMPED_EVENT_KIND,
     OF_FRICTION_EVENT_KIND,
@@ -18,12 +19,6 @@ from rotor_ida.schema import (
 )
 from rotor_ida.systems.assembly import Assembly, Canonical
 from rotor_ida.systems.following import Followed
-
-# Units by the scale of a quantity.
-SI = {
-    "length": "m", "time": "s", "velocity": "m s-1", "force": "N", "impulse": "N s", "energy": "J",
-    "rate": "rad s-1", "speed": "rad s-1",
-}  # fmt: skip
 
 
 def system_dataset(
@@ -42,6 +37,8 @@ def system_dataset(
     places, velocities = (np.einsum("njk,tk->jtn", rows, each) for each in (q, v))
     event_q = found.to_q(result.event_states)
     kinds = result.event_kinds.astype(np.int8)
+    with_race = [race is not None for race in assembly.races]
+    races = result.touches["race"][with_race]
     variables: dict[str, Column] = {
         "x": (("t", "node"), places[0]), "y": (("t", "node"), places[1]),
         "vx": (("t", "node"), velocities[0]), "vy": (("t", "node"), velocities[1]),
@@ -51,15 +48,14 @@ def system_dataset(
         "event_time_error": ("event", followed.event_time_errors),
         "event_state": (("event", "coordinate"), event_q.reshape(len(kinds), 2 * assembly.size)),
         "horizon": ((), followed.horizon),
-        "final_state": ("coordinate", found.to_q(result.state).ravel()),
+        "final_state": ("component", np.concatenate([found.to_q(result.state).ravel(), races])),
         "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
         "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
         **_forces(followed),
         **_episodes(followed),
     }  # fmt: skip
-    if any(race is not None for race in assembly.races):
+    if any(with_race):
         variables["event_race_speed"] = (("event", "contact"), result.event_races)
-        variables["final_race_speed"] = ("contact", result.touches["race"])
     if change_speed:
         variables["angle"] = ("t", result.turns[:, 0])
         variables["speed"] = ("t", result.turns[:, 1])
@@ -115,5 +111,5 @@ def _with_units(dataset: xr.Dataset, assembly: Assembly) -> xr.Dataset:
         for name, variable in dataset.variables.items():
             scale = QUANTITIES[str(name)].scale
             if scale:
-                variable.attrs["units"] = SI[scale]
+                variable.attrs["units"] = UNITS[scale]
     return dataset

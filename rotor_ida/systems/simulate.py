@@ -47,6 +47,9 @@ METHODS = ("taylor", "adams", "bdf")
 Start = Literal["settled"] | tuple[npt.ArrayLike, npt.ArrayLike] | None
 TIGHTEST_RTOL, LOOSEST_RTOL = 1e-14, 1e-4
 FEWEST_SAMPLES = 1001
+# Radians of the fastest motion of a system, and of its spin, in a run: a step covers about five.
+MOST_RADIANS = 1e9
+MOST_GROWTH = 500.0
 MOST_SAMPLES = 200_000
 # Forces beyond their limits, and energy that is missing, in parts of their size: rounding, and what
 # the tolerance allows. The energy of 300 random systems was missing by at most 4.2e-11 at rtol
@@ -94,8 +97,8 @@ def simulate_system(
         Increasing times of samples, or their number. Default: 32 per revolution, at least 1,001
         and at most 200,000.
     modes : int, optional
-        Reduce the system first to so many modes, with the static flexibility of the contacts (see
-        `RotorSystem.reduced`).
+        Number of modes to which the system is reduced first; the static flexibility of the contacts
+        is kept (see `RotorSystem.reduced`).
     rtol : float
         Relative tolerance, from 1e-14 to 1e-4.
     method : {"taylor", "adams", "bdf"}
@@ -174,7 +177,8 @@ def run_up_system(
     speed : float
         Speed at time 0.
     to, rate : float
-        A ramp from `speed` to another speed at a constant rate.
+        A ramp from `speed` to another speed at a constant rate; without `to`, for all of the
+        `duration`.
     speeds : sequence of (float, float)
         Pairs of time and speed, linear in between; instead of `speed`.
     torque : (float, float)
@@ -226,42 +230,80 @@ def _profile(
     duration: float | None,
 ) -> tuple[SpeedProfile, float, dict[str, object]]:
     """Return how the speed changes, its first value, and the attributes that say so."""
-    end = None if duration is None else check_positive("duration", duration)
-    given = [name for name, each in (("to and rate", to), ("speeds", speeds), ("torque", torque))
-             if each is not None]  # fmt: skip
+    ways = {"rate": rate, "speeds": speeds, "torque": torque}
+    given = [name for name, each in ways.items() if each is not None]
     if len(given) != 1:
         raise InputError(
-            "a run-up must have one of to with rate, speeds and torque, got "
-            + (" and ".join(given) or "none")
+            f"a run-up must have one of rate, speeds and torque, got {' and '.join(given) or None}"
         )
+    end = None if duration is None else check_positive("duration", duration)
     if speeds is not None:
-        table = check_array("speeds", speeds)
-        if table.ndim != 2 or table.shape[1] != 2 or len(table) < 2:
-            raise InputError(f"speeds must be pairs of time and speed, got {shown(speeds)}")
-        check_increasing("times of speeds", table[:, 0])
-        if table[0, 0] != 0.0:
-            raise InputError(f"speeds must begin at time 0, got {float(table[0, 0])!r}")
-        points = [(float(t), float(w)) for t, w in table]
-        return through(points, end or points[-1][0]), points[0][1], {"speeds": table.ravel()}
+        return _piece_by_piece(speeds, end)
     first = check_real("speed", speed)
     if torque is not None:
-        tau = check_array("torque", torque)
-        if tau.shape != (2,) or end is None:
-            raise InputError(
-                f"torque must be (tau0, slope), with a duration, got {shown(torque)} and "
-                f"{duration!r}"
-            )
-        own = check_positive("inertia", inertia)
-        pair = float(tau[0]), float(tau[1])
-        return driven(pair, own, end), first, {"torque": tau, "inertia": own}
-    last, slope = check_real("to", to), check_real("rate", rate)
+        return _by_torque(first, torque, inertia, end)
+    slope = check_real("rate", rate)
+    if to is None:
+        if end is None:
+            raise InputError("to or duration must be given with rate, got neither")
+        profile = SpeedProfile((end,), (Ramp(0.0, 0.0, first, slope),))
+        return profile, first, {"rate": slope}
+    last = check_real("to", to)
     if slope == 0.0 or (last - first) * slope <= 0.0:
         raise InputError(f"rate must lead from speed {first!r} to {last!r}, got {slope!r}")
-    span = (last - first) / slope
-    profile = through([(0.0, first), (span, last)], max(end or span, span))
-    if end is not None and end < span:
-        profile = SpeedProfile((end,), (Ramp(0.0, 0.0, first, slope),))
-    return profile, first, {"to": last, "rate": slope}
+    span = check_positive("the time of the ramp", (last - first) / slope)
+    points = [(0.0, first), (span, last)]
+    return through(points, _end_after(span, end)), first, {"to": last, "rate": slope}
+
+
+def _piece_by_piece(
+    speeds: object, end: float | None
+) -> tuple[SpeedProfile, float, dict[str, object]]:
+    """Return a piecewise linear course of the speed."""
+    table = check_array("speeds", speeds)
+    if table.ndim != 2 or table.shape[1] != 2 or len(table) < 2:
+        raise InputError(f"speeds must be two or more pairs of time and speed, got {shown(speeds)}")
+    check_increasing("times of speeds", table[:, 0])
+    if table[0, 0] != 0.0:
+        raise InputError(f"the first time of speeds must be 0, got {float(table[0, 0])!r}")
+    points = [(float(time), float(speed)) for time, speed in table]
+    with np.errstate(over="ignore"):
+        slopes = np.diff(table[:, 1]) / np.diff(table[:, 0])
+    check_array("the rate of speeds", slopes)
+    profile = through(points, _end_after(points[-1][0], end))
+    return profile, points[0][1], {"speeds": table.ravel()}
+
+
+def _end_after(least: float, end: float | None) -> float:
+    """Return the end of a run, no earlier than that of the change of speed."""
+    if end is not None and end < least * (1.0 - ROUNDED):
+        raise InputError(
+            f"duration must be at least {least!r}, the time of the speed change, got {end!r}"
+        )
+    return max(end or least, least)
+
+
+def _by_torque(
+    speed: float, torque: object, inertia: object, end: float | None
+) -> tuple[SpeedProfile, float, dict[str, object]]:
+    """Return the course of a driven speed, if it does not run away."""
+    pair = check_array("torque", torque)
+    if pair.shape != (2,):
+        raise InputError(f"torque must be two numbers (tau0, slope), got {shown(torque)}")
+    moment = check_positive("inertia", inertia)
+    if end is None:
+        raise InputError("duration must be given with torque, got None")
+    tau0, slope = pair.tolist()
+    growth = max(-slope * end / moment, 0.0)
+    reached = (abs(speed) + abs(tau0) * end / moment) * math.exp(min(growth, MOST_GROWTH))
+    if not reached * end <= MOST_RADIANS:
+        raise InputError(
+            f"torque, inertia and duration must keep the turns below {MOST_RADIANS:g} radians, got "
+            f"torque {(tau0, slope)!r}, inertia {moment!r} and duration {end!r}, which lead to a "
+            f"speed of up to {reached:.3g}"
+        )
+    profile = driven((tau0, slope), moment, end)
+    return profile, speed, {"torque": pair, "inertia": moment}
 
 
 def _simulate(
@@ -297,6 +339,12 @@ def _simulate(
         assembly, found, profile, first, times, end, rtol=tolerance, speed=speed,
         fastest_speed=fastest, inertia=_inertia(found, profile),
     )  # fmt: skip
+    longest = MOST_RADIANS / (request.fastest + fastest)
+    if not end <= longest:
+        raise InputError(
+            f"duration must be at most {longest:.4g}, as the system moves at up to "
+            f"{request.fastest:.4g} rad per unit of time, got {end!r}; fewer modes lower that"
+        )
 
     def follow(stop: Stop) -> Followed:
         if method == "taylor":
@@ -355,7 +403,7 @@ def _start(assembly: Assembly, start: Start, speed: float) -> Values:
     if isinstance(start, str):
         check_choice("start", start, ("settled",))
         return settled(assembly, speed)
-    if not isinstance(start, Sequence) or len(start) != 2:
+    if not isinstance(start, tuple | list) or len(start) != 2:
         raise InputError(f'start must be (q, velocity) or "settled", got {shown(start)}')
     state = np.zeros((2, size))
     for row, given, name in zip(state, start, ("displacement", "velocity"), strict=True):

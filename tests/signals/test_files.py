@@ -247,7 +247,7 @@ def write_comtrade(path: Path, *, kind: str, size: int = TIMES.size) -> None:
 
 
 def in_one_file(path: Path, *, end: str = "\r\n") -> None:
-    """Write a .cff from the .cfg and the .dat beside it."""
+    """Write one .cff file from a .cfg and a .dat file."""
     head, data = (path.with_suffix(ending).read_bytes() for ending in (".cfg", ".dat"))
     binary = b"BINARY" in head
     marks = ["CFG", "INF", "HDR", f"DAT BINARY: {len(data)}" if binary else "DAT ASCII"]

@@ -65,5 +65,5 @@ def followed(seed, duration, **how):
     if seed % 4 < 2:
         return simulate(system, speed=1.1, **common)
     if seed % 4 == 2:
-        return run_up(system, speed=0.5, to=2.0, rate=0.1, **common)
+        return run_up(system, speed=0.5, rate=0.1, **common)
     return run_up(system, speed=1.0, torque=(1.5, 0.4), inertia=4.0, **common)

@@ -109,6 +109,8 @@ def test_a_stator_without_mass_is_refused():
         ({"method": "euler"}, "method must"),
         ({"samples": [0.0, 99.0]}, "samples must lie from 0 to the duration"),
         ({"modes": 99}, "modes must"),
+        ({"duration": 1e12}, "duration must be at most"),
+        ({"speed": 1e12}, "duration must be at most"),
     ],
 )
 def test_a_run_that_cannot_be_is_refused(change, words):
@@ -123,8 +125,14 @@ def test_a_run_that_cannot_be_is_refused(change, words):
         ({}, "a run-up must have one of"),
         ({"to": 2.0, "rate": -1.0}, "rate must lead from speed"),
         ({"to": 2.0, "rate": 1.0, "torque": (1.0, 0.0)}, "a run-up must have one of"),
-        ({"torque": (1.0, 0.0)}, "torque must be"),
+        ({"torque": (1.0, 0.0), "inertia": 1.0}, "duration must be given with torque"),
+        ({"torque": 1.0}, "torque must be two numbers"),
         ({"torque": (1.0, 0.0), "duration": 1.0, "inertia": 0.0}, "inertia must"),
+        ({"torque": (1, -1), "inertia": 1.0, "duration": 90.0}, "turns below 1e.09 radians"),
+        ({"speeds": [(0, 1), (1e-300, 1e300)]}, "the rate of speeds must"),
+        ({"speeds": [(0, 1), (5, 2)], "duration": 2.0}, "duration must be at least 5.0"),
+        ({"to": 2.0, "rate": 0.1, "duration": 2.0}, "duration must be at least 10.0"),
+        ({"rate": 0.1}, "to or duration must be given with rate"),
     ],
 )
 def test_a_run_up_that_cannot_be_is_refused(change, words):
@@ -167,6 +175,25 @@ def test_a_file_that_cannot_be_read_is_refused(tmp_path):
     np.savez(tmp_path / "e.npz", M=np.eye(2))
     with pytest.raises(InputError, match="must hold stiffness, got M"):
         RotorSystem.from_file(tmp_path / "e.npz")
+
+
+def test_a_ramp_needs_no_end_but_a_duration():
+    system, around = random_system(2)
+    ways = ({"to": 1.5}, {"duration": 10.0})
+    one, other = (run_up(system, speed=0.5, rate=0.1, samples=11, **around, **w) for w in ways)
+    np.testing.assert_array_equal(one.event_time, other.event_time)
+    assert other.speed[-1] == pytest.approx(1.5)
+
+
+def test_gravity_acts_by_the_nodes_or_is_refused():
+    """Rows that determine a translation will do; one node of a rotor that tilts will not."""
+    rows = {"a": [[1, 0, 0.3, 0], [0, 1, 0, 0.3]], "b": [[1, 0, -0.3, 0], [0, 1, 0, -0.3]]}
+    tilting = {"mass": np.diag([2.0, 2.0, 0.1, 0.1]), "stiffness": np.eye(4)}
+    whole = RotorSystem(**tilting, nodes=rows)
+    np.testing.assert_allclose(whole.unit_translations(), np.eye(4)[:, :2], atol=1e-15)
+    part = RotorSystem(**tilting, nodes={"a": rows["a"]})
+    with pytest.raises(InputError, match="translations must be given for gravity"):
+        simulate(part, gravity=(0, -9.81), speed=0.0, duration=1.0)
 
 
 class OfRoss:

@@ -123,7 +123,7 @@ def arrays_of(held: bytes) -> dict[str, object]:
 
 
 def _unpacked(held: memoryview, most: int) -> bytes:
-    """Return the bytes of a compressed element, at most so many."""
+    """Return the bytes of a compressed element, up to a limit."""
     unpacker = zlib.decompressobj()
     found = unpacker.decompress(held, most)
     if not unpacker.eof:
