@@ -8,12 +8,16 @@ static const double PASSED = 1e-11;
 static const double TOGETHER = 1e-7;
 /* Nearer to the stator, in clearances, rounding decides on which side a contact is. */
 static const double SIDE = 8.0 * 2.220446049250313e-16;
-/* Slower, in parts of the scale of velocity, rounding decides in which sense surfaces slide. */
+/* Slower, in parts of the scale of velocity, rounding decides whether a contact on the stator
+ * opens.
+ */
 static const double STILL = 1e-15;
 /* Smaller, in parts of the largest grip of this contact, rounding hides the force that rolling
  * needs.
  */
 static const double HIDDEN = 1e-12;
+/* Rounding of a sum, in parts of the sizes of its terms: of a slip, and of a rate of slip. */
+static const double ROUNDED = 64.0 * 2.220446049250313e-16;
 /* Shortest interval, in steps, in which two zeros are told apart. */
 static const double SHORTEST = 1e-15;
 enum { MOST_SWEEPS = 500, GAP_TERMS = 2 * ORDERS };
@@ -161,7 +165,7 @@ static double guard_of_slip(const struct work *work, const struct touching *each
         size += fabs(each->drag[n]) * scale;
         scale *= step;
     }
-    if (size <= HIDDEN * each->law->friction * largest)
+    if (size <= fmax(HIDDEN * each->law->friction * largest, each->hidden))
         return INFINITY;
     for (int side = 0; side < 2; side++) {
         for (int n = 0; n < work->order; n++)
@@ -260,9 +264,34 @@ static void hold_in_box(const struct work *work, const double *grip, double *for
     }
 }
 
+/* The sum of the sizes of the terms of a displacement, or of its rates. */
+static double size_across(const struct work *work, const struct touching *each, const double *row)
+{
+    double size = 0.0;
+    for (int64_t i = 0; i < work->stride; i++)
+        size += (fabs(each->rows[i]) + fabs(each->rows[work->stride + i])) * fabs(row[i]);
+    return size;
+}
+
+/* The tangential force below which rounding hides the one that rolling needs. */
+static double hidden_hold(const struct work *work, const struct touching *each, double mobility)
+{
+    const double pull = size_across(work, each, work->acceleration);
+    return ROUNDED * ratio(pull + fabs(each->answers[0][ELEMENT_TURNING]), mobility);
+}
+
+/* The slip below which rounding hides it. */
+static double hidden_slip(const struct work *work, const struct touching *each)
+{
+    const struct system_run *run = work->run;
+    return ROUNDED
+           * (size_across(work, each, run->state + work->stride)
+              + fabs(each->law->radius * run->speed)
+              + fabs(each->law->race_radius * each->touch->race));
+}
+
 int settle(struct work *work)
 {
-    struct system_run *run = work->run;
     double grip[MOST_CONTACTS], force[MOST_CONTACTS];
     begin_terms(work);
     if (work->rolls == 0)
@@ -274,13 +303,14 @@ int settle(struct work *work)
         grip[i] = each->law->friction * each->answers[0][ELEMENT_PUSH];
     }
     hold_in_box(work, grip, force);
-    const double rate = run->velocity * run->velocity / run->displacement;
     for (int i = 0; i < work->rolls; i++) {
         struct touching *each = &work->touching[work->rolling[i]];
         double left = work->right[i]; /* the rate of slip that is not held */
         for (int j = 0; j < work->rolls; j++)
             left -= work->matrix[i][j] * force[j];
-        const int is_held = grip[i] > 0.0 ? fabs(force[i]) < grip[i] : fabs(left) <= STILL * rate;
+        each->hidden = hidden_hold(work, each, work->matrix[i][i]);
+        const int is_held = fabs(force[i]) < grip[i]
+                            || fabs(left) <= each->hidden * work->matrix[i][i];
         if (is_held)
             continue;
         each->touch->sense = (grip[i] > 0.0 ? force[i] : left) > 0.0 ? 1.0 : -1.0;
@@ -309,7 +339,7 @@ static int settle_others(struct work *work, int but)
 static void slide(const struct work *work, struct touching *each, const double *answers)
 {
     const double slip = answers[ELEMENT_SLIP];
-    const int is_still = fabs(slip) <= STILL * work->run->velocity;
+    const int is_still = fabs(slip) <= hidden_slip(work, each);
     each->touch->sense = slip < 0.0 ? -1.0 : 1.0;
     each->touch->way = slip < 0.0 ? SLIDES_BACKWARDS : SLIDES_FORWARDS;
     if (is_still && each->law->friction > 0.0)

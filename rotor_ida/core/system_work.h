@@ -23,6 +23,7 @@ struct touching {
     double pull[ORDERS][2]; /* the acceleration of its displacement; while it rolls */
     double drag[ORDERS];    /* the tangential force T */
     double others[ORDERS];  /* the pace but for its own root */
+    double hidden;          /* a tangential force that rounding hides, while it rolls */
     double mobility;        /* the largest acceleration of its displacement by a unit force */
     int is_edge;            /* whether its root is a factor of the pace */
 };

@@ -69,15 +69,18 @@ def test_systems_have_the_events_of_cvode(seed):
     np.testing.assert_array_equal(exact["mode"], witness["mode"])
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_stated_errors_cover_the_errors(seed):
-    """At a loose tolerance, against a tight one."""
-    loose, tight = followed(seed, 20.0, rtol=1e-6), followed(seed, 20.0, rtol=1e-12)
-    sure = np.isfinite(loose.event_time_error.values)
-    count = min(loose.sizes["event"], tight.sizes["event"])
-    apart = np.abs(loose.event_time.values[:count] - tight.event_time.values[:count])
-    covered = apart <= 5.0 * loose.event_time_error.values[:count]
-    assert covered[sure[:count]].all()
+def test_stated_errors_cover_the_errors():
+    """At a loose tolerance, against a tight one: nearly all, and none by far."""
+    ratios = []
+    for seed in range(20):
+        loose, tight = followed(seed, 20.0, rtol=1e-6), followed(seed, 20.0, rtol=1e-12)
+        count = min(loose.sizes["event"], tight.sizes["event"])
+        apart = np.abs(loose.event_time.values[:count] - tight.event_time.values[:count])
+        stated = loose.event_time_error.values[:count]
+        ratios += (apart / stated)[np.isfinite(stated)].tolist()
+    assert len(ratios) > 500
+    assert np.mean(np.array(ratios) <= 1.0) > 0.99
+    assert max(ratios) < 5.0
 
 
 def rigid_rotor():
@@ -107,6 +110,15 @@ def test_contacts_that_begin_and_end_together(speed):
     alone = simulate(half, contacts=contacts[:1], speed=speed, gravity=(0, -9.81), duration=0.05)
     own = run.event_contact.values == 0
     np.testing.assert_allclose(times[own], alone.event_time, rtol=1e-9)
+
+
+def test_a_drop_without_spin_rubs_nothing():
+    """Whatever its direction: the tangential force is rounding, and no slip is told of it."""
+    system, contacts = rigid_rotor()
+    for angle in np.linspace(0.1, 3.0, 7):
+        pull = (9.81 * np.cos(angle), 9.81 * np.sin(angle))
+        run = simulate(system, contacts=contacts[:1], speed=0.0, gravity=pull, duration=0.05)
+        assert set(run.event_kind.values.tolist()) <= {ENTRY, EXIT, RELEASE, PRESS}
 
 
 def test_a_start_on_the_stator():
