@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,7 @@ from rotor_ida.basins.basin import basin, check_rotor
 from rotor_ida.basins.following import first_look
 from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.motion import facts_of
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import interruptible
 from rotor_ida.schema import RESPONSE, by_number
 
@@ -22,6 +24,8 @@ FIRST, COARSE, FINE = 32, 48, 144
 LOOKED = 150.0
 RTOL = 1e-6
 RADII = ("amplitude", "radius_min", "radius_max")
+# Pictures that are kept: who goes back to a rotor, or reloads the page, need not wait again.
+KEPT = 32
 
 
 def show_starts(question: Question) -> Iterator[Answer]:
@@ -34,13 +38,22 @@ def show_starts(question: Question) -> Iterator[Answer]:
     else:
         yield _first_look(question)
     for count, rtol in pictures:
-        axis = _middles(question.reach, count)
-        basins = basin(
-            rotor, x=axis, y=axis, vx=question.start[2], vy=question.start[3],
-            rtol=rtol, workers=1, executor="serial",
-        )  # fmt: skip
-        labels = basins["label"].transpose("x", "y").values
-        yield _picture(question, labels, _attractors(basins), finest=rtol is None)
+        labels, attractors = _basins(rotor, question.reach, *question.start[2:], count, rtol)
+        yield _picture(question, labels, attractors, finest=rtol is None)
+
+
+@lru_cache(KEPT)
+def _basins(
+    rotor: Rotor, reach: float, vx: float, vy: float, count: int, rtol: float | None
+) -> tuple[npt.NDArray[np.integer], Sequence[dict[str, object]]]:
+    """Return the labels of the starts by (x, y), and the attractors."""
+    axis = _middles(reach, count)
+    basins = basin(
+        rotor, x=axis, y=axis, vx=vx, vy=vy, rtol=rtol, workers=1, executor="serial"
+    )  # fmt: skip
+    if basins.attrs["interrupted"]:
+        raise KeyboardInterrupt  # labels that are not complete are neither shown nor kept
+    return basins["label"].transpose("x", "y").values, _attractors(basins)
 
 
 def _first_look(question: Question) -> Answer:
@@ -60,18 +73,19 @@ def _first_look(question: Question) -> Answer:
 
 
 def _picture(
-    question: Question, labels: npt.NDArray[np.integer], attractors: list[dict[str, object]],
+    question: Question, labels: npt.NDArray[np.integer], attractors: Sequence[dict[str, object]],
     *, finest: bool,
 ) -> Answer:  # fmt: skip
     """Return the labels of the starts by (x, y), and their meanings; negative is undecided."""
-    for number, each in enumerate(attractors):
-        each["fraction"] = float((labels == number).mean())
     facts: dict[str, object] = {
         **facts_of(question),
         "reach": question.reach,
         "count": round(labels.size**0.5),
         "finest": finest,
-        "attractors": attractors,
+        "attractors": [
+            {**each, "fraction": float((labels == number).mean())}
+            for number, each in enumerate(attractors)
+        ],
         "undecided": float((labels < 0).mean()),
     }
     return Answer("basin", facts, {"label": labels.astype(np.int8).ravel()})

@@ -8,7 +8,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import xarray as xr
-from scipy.stats import rankdata
 
 from rotor_ida.arrays import Values
 from rotor_ida.model.contact import contact_force, damping_factor, secant_stiffness
@@ -80,7 +79,8 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     peaks = run["peak_force"].values
     whole = np.isfinite(run["entry_time"].values) & np.isfinite(run["exit_time"].values)
     fraction = np.full(peaks.shape, np.nan)
-    fraction[whole] = rankdata(peaks[whole], method="max") / max(int(whole.sum()), 1)
+    complete = np.sort(peaks[whole])
+    fraction[whole] = np.searchsorted(complete, peaks[whole], "right") / max(complete.size, 1)
     columns: dict[str, Column] = {
         **{name: ("t", column) for name, column in told.items()},
         "peak_time": ("contact", run["peak_time"].values),

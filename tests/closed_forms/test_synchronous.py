@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import warnings
 from fractions import Fraction
+from functools import reduce
 from itertools import pairwise
 
 import mpmath
@@ -26,6 +27,33 @@ LAWS = (1.5, 1.0)
 mpmath.mp.dps = 50
 
 
+def roots_of(powers: list) -> list:
+    """All roots, with 50 digits, of a polynomial whose coefficients ascend.
+
+    By the method of Durand and Kerner from the roots that doubles have; where these lead nowhere,
+    as beside a root that is truly double, from afar and with more digits.
+    """
+    with mpmath.workdps(70):
+        monic = [power / powers[-1] for power in powers]
+        roots = [mpmath.mpc(root) for root in np.roots([float(power) for power in monic[::-1]])]
+        for _ in range(20):
+            largest = mpmath.mpf(0)
+            for i, root in enumerate(roots):
+                others = [root - other for other in roots[:i] + roots[i + 1 :]]
+                if not all(others):
+                    largest = mpmath.inf
+                    break
+                value = reduce(lambda sum_, power, u=root: sum_ * u + power, monic[::-1])
+                step = value / mpmath.fprod(others)
+                roots[i] -= step
+                largest = max(largest, abs(step) / abs(roots[i]) if roots[i] else abs(step))
+            if largest < mpmath.mpf(10) ** -50:
+                return roots
+    with warnings.catch_warnings():  # newer versions would have the coefficients reversed
+        warnings.simplefilter("ignore", DeprecationWarning)
+        return mpmath.polyroots(powers[::-1], maxsteps=800, extraprec=600)
+
+
 def reference_whirls(
     omega, zeta, delta0, shaft_stiffness=0.0, contact_exponent=1.5, friction=0.0
 ) -> list[tuple]:
@@ -42,10 +70,7 @@ def reference_whirls(
         powers = [aa * d**2 - w**4, 0, 2 * d * aa, fa * d, aa, fa, ff]
     else:
         powers = [aa * d**2 - w**4, 0, fa * d + 2 * d * aa, 0, ff + fa + aa]
-    with warnings.catch_warnings():  # newer versions would have the coefficients reversed
-        warnings.simplefilter("ignore", DeprecationWarning)
-        roots = mpmath.polyroots(powers[::-1], maxsteps=800, extraprec=600)
-    for root in roots:
+    for root in roots_of(powers):
         u = mpmath.re(root)
         if abs(mpmath.im(root)) < mpmath.mpf(10) ** -22 and u > mpmath.mpf(10) ** -22:
             f, A = u ** (2 * mpmath.mpf(contact_exponent)), d + u**2

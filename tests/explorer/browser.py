@@ -19,6 +19,7 @@ if not (DRIVER and BROWSER):
     pytest.skip("there is no Chromium with its driver", allow_module_level=True)
 
 from selenium import webdriver  # noqa: E402
+from selenium.common.exceptions import TimeoutException  # noqa: E402
 from selenium.webdriver import ActionChains, Keys  # noqa: E402
 from selenium.webdriver.chrome.options import Options  # noqa: E402
 from selenium.webdriver.chrome.service import Service  # noqa: E402
@@ -39,6 +40,18 @@ return seen.map((canvas) => {
   }
   return painted > 500 ? sum : 0;
 })"""
+
+# The page itself looks again and again: looks from here would pass through three processes each.
+WAIT = """
+const given = Array.from(arguments), done = given.pop();
+const asked = function () { return %s; };
+const look = () => {
+  try {
+    const found = asked(...given);
+    if (found) done({ found }); else setTimeout(look, 20);
+  } catch (error) { done({ error: String(error) }); }
+};
+look();"""
 
 
 def served(*words):
@@ -114,13 +127,12 @@ class Page:
 
     def until(self, script, *given):
         """Wait until a script returns something true, and return that."""
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end:
-            found = self.run(f"return {script}", *given)
-            if found:
-                return found
-            time.sleep(0.02)
-        raise AssertionError(f"never: {script}")
+        try:
+            answer = self.driver.execute_async_script(WAIT % script, *given)
+        except TimeoutException as late:
+            raise AssertionError(f"never: {script}") from late
+        assert "error" not in answer, f"{answer}: {script}"
+        return answer["found"]
 
     def settle(self, *parts, side=0):
         """Wait until the newest question has been answered in full, and all of it is drawn."""

@@ -34,6 +34,36 @@ def pictures() -> list[Message]:
     return answer_to(ASKING)
 
 
+def test_who_goes_back_to_a_rotor_gets_the_same_pictures_without_a_wait(
+    pictures: list[Message], monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(starts, "basin", None)
+    again = answer_to(ASKING)
+    assert [each.facts for each in again] == [each.facts for each in pictures]
+    for one, other in zip(again, pictures, strict=True):
+        np.testing.assert_array_equal(one.arrays["label"], other.arrays["label"])
+    moved = answer_to(question("starts", machine=ASKING.rotor.given, start=[0, 0, 1, -0.5]))
+    assert moved[-1].part == "trouble"  # it is computed anew, which fails here
+
+
+def test_an_interrupted_picture_is_not_kept(monkeypatch: pytest.MonkeyPatch):
+    asking = question("starts", machine=ASKING.rotor.given | {"delta0": 0.25})
+    whole = starts.basin
+
+    def interrupted(*given: object, **options: object) -> xr.Dataset:
+        return whole(*given, **options).assign_attrs(interrupted=1)
+
+    monkeypatch.setattr(starts, "basin", interrupted)
+    shown = starts.show_starts(asking)
+    assert next(shown).facts["attractors"]
+    with pytest.raises(KeyboardInterrupt):
+        next(shown)
+    monkeypatch.undo()
+    finest = answer_to(asking)[-1]
+    assert finest.facts["finest"]
+    assert finest.facts["undecided"] == 0.0
+
+
 def library_basin(asking: Question, count: int, rtol: float | None) -> xr.Dataset:
     axis = asking.reach * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
     _, _, vx, vy = asking.start

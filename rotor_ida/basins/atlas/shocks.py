@@ -19,7 +19,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import qmc
 
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.basins.cycle_sections import LAST_RETURN, CycleSection
@@ -139,6 +138,8 @@ def try_shocks(
     limits. Also return, by label, the scatter: the relative excess of the best shock from another
     draw over the smallest one; NaN if there was only one draw.
     """
+    from scipy.stats import qmc  # noqa: PLC0415 - takes long to import
+
     random = np.random.default_rng(seed)
     each = max(count // ROUNDS, 8)
     spread = qmc.Sobol(4, seed=random).random_base2(max(2, round(math.log2(EXPLORING * each)))).T

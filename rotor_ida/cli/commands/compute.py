@@ -170,7 +170,7 @@ def sweep(
 
     Quasi-static sweep up and down in speed, with a shaft and under two loads:
 
-        rotor-ida sweep --omega 0.5:3:26 --zeta 0.1 --delta0 1 --direction both \
+        rotor-ida sweep --omega 0.5:3:11 --zeta 0.1 --delta0 1 --direction both \
             --shaft-stiffness 0.25 --load 0 0.3 --figure machine
     """
     check_points(*rotors.axes(), start, in_study=study is not None)
@@ -333,9 +333,9 @@ def continue_attractors(
 ) -> Report:
     r"""Continue all attractors over speed, damping or clearance, with their basin fractions.
 
-    Over 29 speeds, drawn as basin fractions:
+    Over 15 speeds, drawn as basin fractions:
 
-        rotor-ida continue-attractors --omega 0.2:3:29 --zeta 0.07 --delta0 2 \
+        rotor-ida continue-attractors --omega 0.2:3:15 --zeta 0.07 --delta0 2 \
             --x=-15:15 --y=-15:15 --starts 200 --out atlas.nc --figure atlas
     """
     output.check()
