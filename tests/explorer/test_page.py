@@ -870,10 +870,16 @@ def hovered(page, panel, value):
         const plot = rotorIda.plotOf(over);
         return [plot.valToPos(arguments[1][0], "x") - box.width / 2,
                 plot.valToPos(arguments[1][1], "y") - box.height / 2]"""
-    across, down = page.run(script, panel, value)
-    over = page.find(f"{panel} .u-over")
-    page.pointer_on(over, across, down).perform()
-    return page.run("return document.querySelector(arguments[0] + ' .readout').textContent", panel)
+    over, told = page.find(f"{panel} .u-over"), None
+    for _ in range(10):  # until what is told stays: a plot may be drawn anew meanwhile
+        before = told
+        page.pointer_on(over, *page.run(script, panel, value)).perform()
+        told = page.run(
+            "return document.querySelector(arguments[0] + ' .readout').textContent", panel
+        )
+        if told == before:
+            break
+    return told
 
 
 def number_after(name, text):
