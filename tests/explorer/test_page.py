@@ -863,23 +863,24 @@ def test_the_page_is_recorded_at_the_press_of_a_button(page):
 
 
 def hovered(page, panel, value):
-    """Move the pointer to values in a plot; return what is told of the place."""
-    script = """
+    """Move the pointer to values in a plot; return what is told of the place.
+
+    The plot may be drawn anew, or the page move under the pointer, until the cursor is there.
+    """
+    place = """
         const over = document.querySelector(arguments[0] + " .u-over");
-        const box = over.getBoundingClientRect();
-        const plot = rotorIda.plotOf(over);
-        return [plot.valToPos(arguments[1][0], "x") - box.width / 2,
-                plot.valToPos(arguments[1][1], "y") - box.height / 2]"""
-    over, told = page.find(f"{panel} .u-over"), None
-    for _ in range(10):  # until what is told stays: a plot may be drawn anew meanwhile
-        before = told
-        page.pointer_on(over, *page.run(script, panel, value)).perform()
-        told = page.run(
-            "return document.querySelector(arguments[0] + ' .readout').textContent", panel
-        )
-        if told == before:
-            break
-    return told
+        const plot = rotorIda.plotOf(over), {left, top} = plot.cursor;
+        const x = plot.valToPos(arguments[1][0], "x"), y = plot.valToPos(arguments[1][1], "y");
+        const box = over.getBoundingClientRect();"""
+    offset = "return [x - box.width / 2, y - box.height / 2]"
+    near = "return Math.hypot(left - x, top - y) < 3"
+    over = page.find(f"{panel} .u-over")
+    for _ in range(50):
+        page.pointer_on(over, *page.run(place + offset, panel, value)).perform()
+        if page.run(place + near, panel, value):
+            return page.find(f"{panel} .readout").get_property("textContent")
+        page.pointer_on(over).perform()
+    raise AssertionError(f"the cursor never came to {value} of {panel}")
 
 
 def number_after(name, text):
