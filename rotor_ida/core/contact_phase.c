@@ -177,8 +177,10 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
         status = observe_step(run, &step);
         if (status != DONE)
             return status;
-        if (IS_GENERAL)
+        if (IS_GENERAL) {
             raise_force(peak, motion, end, reached);
+            peak->slid += slid_in_step(motion, end);
+        }
         if (changes) {
             idle = change.point <= motion->low ? idle + 1 : 0;
             status = change_mode(run, motion, &change, start, atol, reached);

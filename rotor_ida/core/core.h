@@ -100,7 +100,7 @@ struct contact {
     double impulse, momentum;
     double lost; /* energy, to contact damping */
     double largest_force;
-    double heat; /* of sliding */
+    double heat, slip_distance; /* of sliding */
 };
 
 /* An extremum of the radius: a maximum, 1, or a minimum, -1. */

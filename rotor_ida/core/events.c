@@ -121,7 +121,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     if (run->differences > 0 && start[CONTACT_T] > 0.0)
         fly_differences(run->bundle, run->differences, start[CONTACT_T], &run->rotor);
     copy_values(motion, start, reached);
-    struct peak peak = {.force = 0.0};
+    struct peak peak = {.force = 0.0, .slid = 0.0};
     memcpy(peak.values, start, sizeof peak.values);
     begin_pressed(motion, start);
     if (IS_GENERAL) {
@@ -159,6 +159,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
                          .lost = lost_of(motion, start, reached),
                          .largest_force = peak.force,
                          .heat = heat_of(motion, reached),
+                         .slip_distance = peak.slid,
                      });
     return DONE;
 }

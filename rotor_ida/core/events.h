@@ -23,6 +23,7 @@ struct peak {
     double values[MOST_VALUES];
     double time;
     double force; /* of a contact with damping the largest, which is not there */
+    double slid;  /* of a contact with friction: how far its surfaces have slid */
 };
 
 enum where decide_mode(struct motion_of_centre start, const struct rotor *rotor);

@@ -189,6 +189,8 @@ static inline struct taylor *taylor_of(struct motion *motion) { return (struct t
 
 /* Add to `reached` what a contact spends over the last step up to `end` (spending.c). */
 void spend(struct motion *motion, double end, double *reached);
+/* How far the surfaces slide in the last step up to `end`: the integral of |v_s|. */
+double slid_in_step(struct motion *motion, double end);
 
 void open_taylor(struct taylor *taylor, const struct mode *mode, struct parameters model,
                  double rtol, int tangents);

@@ -50,7 +50,7 @@ def _rows_of_numbers(*names: str) -> np.dtype[np.void]:
 # angle and speed of a rotor whose speed changes.
 CONTACT = _rows_of_numbers(
     "entry", "exit", "peak_time", "peak_root", "impulse", "momentum", "lost", "largest_force",
-    "heat",
+    "heat", "slip_distance",
 )  # fmt: skip
 EXTREMUM = np.dtype(
     [

@@ -1,8 +1,8 @@
 /* What damping, load and drive take of a contact's energy on the rotating axes, and the heat of
- * sliding: by quadratures over the steps of Taylor series, which have no lanes for them.
+ * sliding: by quadratures over the steps of Taylor series, which have no lanes for them. CVODE
+ * integrates both with the motion. The balance of energy over a contact is what they serve.
  *
- * CVODE integrates both with the motion. The balance of energy over a contact is what they serve.
- */
+ * The slip distance is a quadrature whatever leads the motion: its steps do not depend on it. */
 #include "motion.h"
 
 /* Places and weights of Gauss's quadrature of eight points on [0, 1], four to a vector. */
@@ -41,4 +41,19 @@ void spend(struct motion *motion, double end, double *reached)
     reached[CONTACT_SPENT] += reach * total_of(total[0]);
     if (mode == &rub_mode)
         reached[RUB_HEAT] += reach * total_of(total[1]);
+}
+
+double slid_in_step(struct motion *motion, double end)
+{
+    const double sense = motion->model.sigma, reach = end - motion->low;
+    if (!is_rubbing(motion) || sense == 0.0)
+        return 0.0;
+    double distance = 0.0;
+    for (int v = 0; v < AT_ONCE; v++)
+        for (int i = 0; i < 4; i++) {
+            const double *values = motion->glance_at(motion, motion->low + PLACES[v][i] * reach);
+            const double speed = values[RUB_SLIP] / radius_in_contact(&motion->model, values);
+            distance += WEIGHTS[v][i] * speed * values[CONTACT_Q]; /* dt = q du */
+        }
+    return larger(sense * reach * distance, 0.0);
 }

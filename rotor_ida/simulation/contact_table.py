@@ -9,10 +9,9 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import State, check_instance
-from rotor_ida.core.runs import SPIN, Rows
+from rotor_ida.checks import check_instance
 from rotor_ida.errors import InputError
-from rotor_ida.model.contact import contact_force, damping_factor
+from rotor_ida.model.contact import contact_force
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.schema import (
     WHIRL_DIRECTION,
@@ -24,20 +23,15 @@ from rotor_ida.schema import (
 from rotor_ida.simulation.orbit import (
     ENTRY,
     EXIT,
-    SLIDES_BACKWARDS,
-    SLIDES_FORWARDS,
     Orbit,
     stretches_of_rolling,
 )
 
 # Below this fraction of radius times speed, angular momentum is rounding: there is no whirl.
 NO_WHIRL = 1e-12
-# If the trapezoidal rule differs from the higher-order one by more than this fraction, the samples
-# are too far apart for a slip distance.
-NEAR_ENOUGH = 0.01
 
 
-def contact_columns(orbit: Orbit, start: State) -> dict[str, Column]:
+def contact_columns(orbit: Orbit) -> dict[str, Column]:
     """Return the contacts of an orbit as columns on the dimension ``contact``."""
     rotor = orbit.rotor
     contacts = {
@@ -67,7 +61,7 @@ def contact_columns(orbit: Orbit, start: State) -> dict[str, Column]:
         columns["contact_loss"] = contacts["lost"]
     if rotor.friction > 0.0:
         columns["heat"] = contacts["heat"]
-        columns["slip_distance"] = slip_distances(orbit, start)
+        columns["slip_distance"] = contacts["slip_distance"]
         columns["rolling_time"] = rolling_times(orbit)
     return {name: ("contact", column) for name, column in columns.items()}
 
@@ -98,8 +92,8 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
         of the contacts with forward whirl). With contact damping also ``total_contact_loss``
         and ``contact_loss_per_revolution``, the energy that it dissipates. With friction
         ``total_heat`` and ``heat_per_revolution``, the heat of sliding; ``total_slip_distance``,
-        computed from the samples and NaN where these are too far apart; and ``rolling_fraction``,
-        the fraction of the time in contact during which the disc rolls on the stator.
+        the distance that the surfaces slide; and ``rolling_fraction``, the fraction of the time in
+        contact during which the disc rolls on the stator.
         Impulse and kinetic energy are those of whole contacts, the loss that of all the time in
         contact. Values per revolution are NaN at ``omega = 0``, and means are NaN without
         contacts.
@@ -184,88 +178,11 @@ def _whirl_direction(orbit: Orbit, moment: Values, indentation: Values) -> npt.N
     return turning.astype(np.int8)
 
 
-# ---- Friction: how far the surfaces slide, and for how long the disc rolls ----
-
-
 def rolling_times(orbit: Orbit) -> Values:
     """Return for how long the disc rolls in each contact [1]."""
-    began, ended = _limits(orbit)
+    began = np.nan_to_num(orbit.contacts["entry"], nan=0.0)
+    ended = np.nan_to_num(orbit.contacts["exit"], nan=orbit.duration)
     rolled = np.zeros(began.size)
     for start, end in stretches_of_rolling(orbit).tolist():
         rolled += np.maximum(np.minimum(end, ended) - np.maximum(start, began), 0.0)
     return rolled
-
-
-def slip_distances(orbit: Orbit, start: State) -> Values:
-    """Return the slip distance of each contact, never negative [1].
-
-    This is the integral of ``|v_s|`` by the corrected trapezoidal rule on events and samples. NaN
-    where these are too far apart.
-    """
-    assert orbit.ways is not None
-    times = np.concatenate([[0.0], orbit.event_times, orbit.times, [orbit.duration]])
-    states = np.vstack([np.array(start), orbit.event_states, orbit.states, orbit.end])
-    order = np.argsort(times, kind="stable")
-    spins = _spins_at(orbit, times)
-    times, states, spins = times[order], states[order], spins[order]
-    span = np.diff(times)
-    ways = orbit.ways[
-        np.searchsorted(orbit.event_times, 0.5 * (times[1:] + times[:-1]), side="right")
-    ]
-    # before and after: at an event the rate jumps
-    first, rate = _slip(orbit, times[:-1], states[:-1], spins[:-1], ways)
-    last, rate_there = _slip(orbit, times[1:], states[1:], spins[1:], ways)
-    sense = np.sign(first + last)
-    flat = 0.5 * span * sense * (first + last)
-    bent = flat + span**2 / 12.0 * sense * (rate - rate_there)
-    slides = (span > 0.0) & np.isin(ways, (SLIDES_FORWARDS, SLIDES_BACKWARDS))
-    began, ended = _limits(orbit)
-    middle = 0.5 * (times[1:] + times[:-1])
-    distances = np.zeros(began.size)
-    for number, (since, until) in enumerate(zip(began.tolist(), ended.tolist(), strict=True)):
-        within = slides & (middle >= since) & (middle <= until)
-        distance, plain = float(bent[within].sum()), float(flat[within].sum())
-        close = abs(distance - plain) <= NEAR_ENOUGH * abs(distance)
-        distances[number] = distance if close else math.nan
-    return distances
-
-
-def _limits(orbit: Orbit) -> tuple[Values, Values]:
-    """Return when each contact began and ended, within the run."""
-    began = np.nan_to_num(orbit.contacts["entry"], nan=0.0)
-    ended = np.nan_to_num(orbit.contacts["exit"], nan=orbit.duration)
-    return began, ended
-
-
-def _spins_at(orbit: Orbit, times: Values) -> Rows:
-    """Return angle and speed at the start, the events, the samples and the end."""
-    omega, record = orbit.rotor.omega, orbit.speed_record
-    if record is not None:
-        start = np.array([(0.0, omega)], SPIN)
-        return np.concatenate([start, record.events, record.samples, record.end[np.newaxis]])
-    spins = np.empty(times.size, SPIN)
-    spins["angle"], spins["speed"] = omega * times, omega
-    return spins
-
-
-def _slip(
-    orbit: Orbit, times: Values, states: Values, spins: Rows, ways: Values
-) -> tuple[Values, Values]:
-    """Return the slip speed, and its rate while the surfaces slide as in `ways`."""
-    rotor, (x, y, vx, vy) = orbit.rotor, states.T
-    angle, speed = spins["angle"], spins["speed"]
-    rho = rotor.disc_radius or 0.0
-    radius = np.maximum(np.hypot(x, y), np.finfo(float).tiny)
-    outwards, across = (x * vx + y * vy) / radius, (x * vy - y * vx) / radius
-    normal = contact_force(radius, rotor.delta0, rotor.contact_exponent)
-    normal = normal * np.maximum(damping_factor(outwards, rotor.contact_damping), 0.0)
-    ahead = angle - np.arctan2(y, x)
-    rate = speed * speed * np.sin(ahead) - 2.0 * rotor.zeta * across - rotor.load * x / radius
-    rate -= rotor.friction * ways * normal + outwards * across / radius
-    if orbit.speed_record is not None:
-        lever, cos, sin = rho - np.cos(ahead), np.cos(angle), np.sin(angle)
-        stiffness = rotor.shaft_stiffness + normal / radius
-        resisted = -2.0 * rotor.zeta * (cos * vy - sin * vx) - stiffness * (cos * y - sin * x)
-        resisted += rotor.friction * ways * normal * lever
-        rate += lever * orbit.speed_record.profile.accelerations(times, speed, resisted)
-    return across + rho * speed, rate

@@ -48,7 +48,7 @@ def run_dataset(
         **_columns("event_", "event", orbit.event_states),
         "event_time_error": ("event", errors.event_time_errors),
         "horizon": ((), errors.horizon),
-        **contact_columns(orbit, start),
+        **contact_columns(orbit),
         **_friction(orbit),
         **_spins(orbit),
     }

@@ -39,9 +39,9 @@ Rates = Callable[[float, Values, Values], None]
 # contact.
 HIDDEN = 16.0 * ROUNDING
 # Displacement, velocity, impulse of the force since the contact began; with contact damping the
-# energy lost; with friction the heat of sliding. If the speed changes, all of these and those that
-# `spin` names.
-X, Y, VX, VY, IMPULSE, LOST, HEAT = range(7)
+# energy lost; with friction heat and distance of sliding. If the speed changes, all of these and
+# those that `spin` names.
+X, Y, VX, VY, IMPULSE, LOST, HEAT, SLID = range(8)
 FLIGHT, FORWARDS, BACKWARDS, ROLLING, LOOSE = (
     FLIES, SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS, IS_LOOSE,
 )  # fmt: skip
@@ -114,7 +114,8 @@ def rates_of(spinning: SpinningRotor, mode: int) -> Rates:
             rate[VX] += across * y
             rate[VY] -= across * x
             drag = friction * secant * radius
-            rate[HEAT] = drag * slip_of(spinning, time, seen) if drag else 0.0
+            slip = slip_of(spinning, time, seen) if mode in SLIDING else 0.0
+            rate[HEAT], rate[SLID] = drag * slip, mode * slip
         if state.size > GAINED:
             _turn_faster(spinning, time, seen, rate, (secant, friction * secant * radius + held))
 
@@ -261,10 +262,10 @@ def first_state(spinning: SpinningRotor, start: State) -> Values:
     """Return the state with which a run begins."""
     rotor, spin = spinning.rotor, spinning.spin
     if isinstance(spin, Driven):
-        return np.array([*start, *5 * (0.0,), rotor.omega])
+        return np.array([*start, *6 * (0.0,), rotor.omega])
     if not isinstance(spin, Steady):
-        return np.array([*start, *4 * (0.0,)])
-    more = 3 if rotor.friction > 0.0 else 2 if rotor.contact_damping > 0.0 else 1
+        return np.array([*start, *5 * (0.0,)])
+    more = 4 if rotor.friction > 0.0 else 2 if rotor.contact_damping > 0.0 else 1
     return np.array([*start, *more * (0.0,)])
 
 

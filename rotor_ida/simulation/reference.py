@@ -49,6 +49,7 @@ from rotor_ida.simulation.mechanics import (
     LOOSE,
     LOST,
     ROLLING,
+    SLID,
     SLIDING,
     VX,
     VY,
@@ -334,8 +335,8 @@ def _follow_piece(
         if run.stop is not None and run.stop[0]:
             raise motion.failure("interrupted")
         motion.advance()
-        turn = _turn_in(motion)
-        crossing = _crossing_in(motion, turn, run.rotor.delta0, in_contact=mode != FLIGHT)
+        turns = _turns_in(motion, LOOKS if mode == FLIGHT else 1)
+        crossing = _crossing_in(motion, turns, run.rotor.delta0, in_contact=mode != FLIGHT)
         change, kind = _change_in(motion, spinning, mode)
         first = min(crossing, change)
         if first <= until + slack:
@@ -344,12 +345,12 @@ def _follow_piece(
         end = first if event else min(motion.high, until)
         if state.size > SPEED:
             _check_speed(motion, rates, end)
-        for candidate in (turn, end):
+        for candidate in (*turns, end):
             if candidate <= end:
                 contact.pass_by(candidate, motion.at(candidate))
         if mode not in {FLIGHT, LOOSE} and run.rotor.contact_damping > 0.0:
             contact.feel(run.rotor, motion, end)
-        _record_step(run, spinning, motion, turn, end, mode)
+        _record_step(run, spinning, motion, turns, end, mode)
     run.evaluations += motion.evaluations
     state = motion.at(end).copy()
     if mode == ROLLING or event == ROLL:
@@ -494,14 +495,23 @@ def _check_speed(motion: Integration, rates: Rates, end: float) -> None:
         raise motion.failure(MESSAGES[RUNAWAY], end)
 
 
-def _turn_in(motion: Integration) -> float:
-    """Return when in the last step the radius has an extremum; infinity if never."""
-    if radial_rate_of(motion.before) * radial_rate_of(motion.after) < 0.0:
-        return motion.root(lambda _, state: radial_rate_of(state), motion.low, motion.high)
-    return math.inf
+def _turns_in(motion: Integration, looks: int) -> list[float]:
+    """Return when in the last step the radius has extrema, one at most between two looks.
+
+    A step of a drop through the centre may be as long as the drop.
+    """
+    places = np.linspace(motion.low, motion.high, looks + 1).tolist()
+    rates = [radial_rate_of(motion.at(place)) for place in places]
+    return [
+        motion.root(lambda _, state: radial_rate_of(state), low, high)
+        for (low, high), (rate, next_rate) in zip(pairwise(places), pairwise(rates), strict=True)
+        if rate * next_rate < 0.0
+    ]
 
 
-def _crossing_in(motion: Integration, turn: float, delta0: float, *, in_contact: bool) -> float:
+def _crossing_in(
+    motion: Integration, turns: list[float], delta0: float, *, in_contact: bool
+) -> float:
     """Return when in the last step the rotor first leaves its mode; infinity if never.
 
     A mode begins on the stator, up to rounding on either side: only a passage out of it counts.
@@ -514,8 +524,7 @@ def _crossing_in(motion: Integration, turn: float, delta0: float, *, in_contact:
         return side * (radius_of(state) - delta0)
 
     hidden = HIDDEN * delta0  # below this it is rounding, as for a rotor at rest on the stator
-    looked_at = [motion.low, turn, motion.high] if turn < math.inf else [motion.low, motion.high]
-    for low, high in pairwise(looked_at):
+    for low, high in pairwise((motion.low, *turns, motion.high)):
         if within(high, motion.at(high)) < -hidden:
             if within(low, motion.at(low)) > 0.0:
                 return motion.root(within, low, high)
@@ -524,7 +533,12 @@ def _crossing_in(motion: Integration, turn: float, delta0: float, *, in_contact:
 
 
 def _record_step(
-    run: _Run, spinning: SpinningRotor, motion: Integration, turn: float, end: float, mode: int
+    run: _Run,
+    spinning: SpinningRotor,
+    motion: Integration,
+    turns: list[float],
+    end: float,
+    mode: int,
 ) -> None:
     """Record the samples of the last step up to its end, and the extrema of the radius."""
 
@@ -534,9 +548,11 @@ def _record_step(
 
     while len(run.samples) < len(run.sample_times) and run.sample_times[len(run.samples)] <= end:
         run.samples.append(read(run.sample_times[len(run.samples)]))
-    if turn <= end:
-        kind = 1.0 if radial_rate_of(motion.before) > 0.0 else -1.0
-        run.turns.append((turn, kind, read(turn)))
+    rising = radial_rate_of(motion.before) > 0.0
+    for turn in turns:
+        if turn <= end:
+            run.turns.append((turn, 1.0 if rising else -1.0, read(turn)))
+        rising = not rising
 
 
 def _record_contact(run: _Run, contact: _Contact, leaving: float, end: Values) -> None:
@@ -545,9 +561,10 @@ def _record_contact(run: _Run, contact: _Contact, leaving: float, end: Values) -
     moment = float(peak[X] * peak[VY] - peak[Y] * peak[VX])
     depth = max(radius_of(peak) - run.rotor.delta0, 0.0)
     impulse = float(end[IMPULSE]) if math.isfinite(contact.entry + leaving) else math.nan
-    lost, heat = (float(end[each]) if end.size > each else 0.0 for each in (LOST, HEAT))
+    lost, heat, slid = (float(end[each]) if end.size > each else 0.0 for each in (LOST, HEAT, SLID))
+    peak_force = contact.force
     run.contacts.append(
-        (contact.entry, leaving, contact.time, depth, impulse, moment, lost, contact.force, heat)
+        (contact.entry, leaving, contact.time, depth, impulse, moment, lost, peak_force, heat, slid)
     )
 
 

@@ -21,7 +21,7 @@ from rotor_ida.core.runs import PIECE, SPIN, Rows
 
 # Positions in the state of a spinning rotor: the energy given by the drive less all losses; in that
 # of a driven rotor, angle and speed.
-GAINED, ANGLE, SPEED = 7, 8, 9
+GAINED, ANGLE, SPEED = 8, 9, 10
 
 
 @dataclass(frozen=True, slots=True)
