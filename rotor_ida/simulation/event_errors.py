@@ -12,8 +12,10 @@ even where nothing moves. On a steady whirl, or with heavy damping, CVODE takes 
 CVODE run is repeated by CVODE itself, at thirty times looser tolerances. The difference is then the
 error of the looser run and bounds that of the tighter one.
 
-A difference may vanish by chance, so each event takes the largest of its own difference and those
-of the few events before it. ``docs/events.md`` shows how well this covers the reference cases.
+A difference of times may vanish by chance, while the states at the event differ. Each error is
+therefore at least that of the states, as far as the event's guard may feel it, over the guard's
+rate. Where rounding is all that differs both may vanish, so each event takes the largest of its own
+error and those of the few events before it. ``docs/events.md`` shows how well this covers the reference cases.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.model.modes import Moment, accelerations
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
-from rotor_ida.simulation.orbit import PRESS, REVERSE, ROLL, ROLLS, SLIP, Orbit
+from rotor_ida.simulation.orbit import ENTRY, PRESS, REVERSE, ROLL, ROLLS, SLIP, Orbit
 from rotor_ida.simulation.run import run
 
 Event = tuple[int, float, float]
@@ -111,11 +113,8 @@ def estimate_event_errors(
     except SimulationError as error:
         return EventErrors(np.full(orbit.event_times.size, np.inf), error.time)
     partners = _partners(orbit, other)
-    differences = np.full(orbit.event_times.size, np.nan)
-    found = partners >= 0
-    differences[found] = np.abs(orbit.event_times[found] - other.event_times[partners[found]])
-    errors = widening * _remembered(differences) + of_rounding * _rounding(orbit)
-    errors[~found] = np.inf
+    rates, rounded = _rates_and_rounding(orbit)
+    errors = _differences(orbit, other, partners, rates, widening) + of_rounding * rounded
     horizon = _horizon(thinned, other, partners)
     if horizon < orbit.duration:
         errors[orbit.event_times > horizon] = np.inf
@@ -194,19 +193,57 @@ def _is_same(own: list[Event], mine: int, others: list[Event], theirs: int) -> b
     return kind == other_kind and abs(time - other_time) <= min(reach, other_reach)
 
 
-def _remembered(differences: Values) -> Values:
-    """Return the largest of each difference and the few before it."""
-    known = np.where(np.isfinite(differences), differences, 0.0)
-    largest = known.copy()
+def _differences(
+    orbit: Orbit, other: Orbit, partners: npt.NDArray[np.intp], rates: Values, widening: float
+) -> Values:
+    """Return the error of each event by the other orbit; infinite where that has no such event."""
+    found = partners >= 0
+    times, apart = np.full(found.size, np.inf), np.zeros_like(orbit.event_states)
+    times[found] = np.abs(orbit.event_times[found] - other.event_times[partners[found]])
+    apart[found] = orbit.event_states[found] - other.event_states[partners[found]]
+    with np.errstate(divide="ignore", invalid="ignore"):  # 0/0 where the states agree
+        by_states = np.nan_to_num(_guards_apart(orbit, apart) / rates, nan=0.0, posinf=np.inf)
+    return _remembered(np.maximum(widening * times, by_states))
+
+
+def _remembered(errors: Values) -> Values:
+    """Return the largest of each error and the finite ones of the few events before it."""
+    finite, largest = np.where(np.isfinite(errors), errors, 0.0), errors.copy()
     for back in range(1, MEMORY):
-        np.maximum(largest[back:], known[:-back], out=largest[back:])
+        np.maximum(largest[back:], finite[:-back], out=largest[back:])
     return largest
 
 
-def _rounding(orbit: Orbit) -> Values:
-    """Return the rounding errors: of the time, and of the radius over its rate.
+def _guards_apart(orbit: Orbit, apart: Values) -> Values:
+    """Return by how much the guard of each event may differ between two orbits.
 
-    An event's time is a sum of rounded spans, one for each event up to it.
+    `apart` are the differences of the states at the events. They bound the difference of the
+    guards by its derivatives: of the radius at an entry or exit, the radial velocity at a press or
+    release, the slip speed or the grip at an event of friction. The error of the radius is also
+    what the error of the velocity makes of it within a radian.
+    """
+    rotor, (x, y, vx, vy) = orbit.rotor, orbit.event_states.T
+    kinds, radius, speed = orbit.event_kinds, np.hypot(x, y), np.hypot(vx, vy)
+    by_place = np.where(np.abs(kinds) == ENTRY, 1.0, speed / radius)
+    by_velocity = np.where(np.abs(kinds) == ENTRY, 1.0 / np.maximum(orbit.event_speeds, 1.0), 1.0)
+    if rotor.friction > 0.0:
+        n, slips = rotor.contact_exponent, kinds == SLIP
+        depth = np.maximum(radius - rotor.delta0, 0.0)
+        rim = (rotor.disc_radius or 0.0) * orbit.event_speeds
+        damped = rotor.friction * rotor.contact_damping
+        stiffness = rotor.friction * n * depth ** (n - 1.0) + damped * depth**n * speed / radius
+        drive = (orbit.event_speeds**2 + rotor.load + rim * speed / radius) / radius
+        by_place = np.where(slips, stiffness + drive, by_place)
+        by_velocity = np.where(slips, damped * depth**n + rim / radius, by_velocity)
+    displaced, faster = np.hypot(*apart[:, :2].T), np.hypot(*apart[:, 2:].T)
+    return np.asarray(by_place * displaced + by_velocity * faster)
+
+
+def _rates_and_rounding(orbit: Orbit) -> tuple[Values, Values]:
+    """Return the rates of the guards, and the rounding errors of the times.
+
+    These are that of the time itself, a sum of rounded spans, one for each event up to it; and that
+    of the guard over its rate.
     """
     x, y, vx, vy = orbit.event_states.T
     delta0 = orbit.rotor.delta0
@@ -224,7 +261,7 @@ def _rounding(orbit: Orbit) -> Values:
         rate[of_friction] = rates[of_friction]
     spans = np.sqrt(1.0 + np.arange(orbit.event_times.size))
     with np.errstate(divide="ignore"):
-        return np.asarray(4.0 * np.spacing(orbit.event_times) * spans + radius / rate)
+        return rate, np.asarray(4.0 * np.spacing(orbit.event_times) * spans + radius / rate)
 
 
 def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:

@@ -47,6 +47,49 @@ def test_stated_errors_cover_the_true_ones(rtol):
     assert np.median(ratios) < 100.0
 
 
+def machine_of(rng):
+    given = {
+        "omega": rng.uniform(0.3, 4.0), "zeta": 10.0 ** rng.uniform(-2.0, -0.5),
+        "delta0": rng.uniform(0.2, 3.0), "shaft_stiffness": rng.uniform(0.0, 1.0),
+        "load": rng.uniform(0.0, 0.5), "friction": rng.uniform(0.02, 0.5),
+        "disc_radius": rng.uniform(0.0, 10.0), "contact_damping": rng.uniform(0.0, 0.5),
+    }  # fmt: skip
+    without = [name for name in ("shaft_stiffness", "load", "friction", "contact_damping")
+               if rng.random() < 0.5]  # fmt: skip
+    return Rotor(**{name: float(0.0 if name in without else each) for name, each in given.items()})
+
+
+def test_stated_errors_of_machines_of_every_kind_cover_the_true_ones():
+    """Also where the times of two runs agree by chance: then the states do not."""
+    rng, covered = np.random.default_rng(5), []
+    for _ in range(200):
+        rotor = machine_of(rng)
+        start = tuple((0.6 * rng.normal(size=4) * [rotor.delta0, rotor.delta0, 1.0, 1.0]).tolist())
+        given = {"start": start, "duration": 20.0, "samples": 65, "method": "taylor"}
+        best = simulate(rotor, **given, rtol=1e-14, atol=1e-17)
+        for rtol in (1e-4, 1e-6, 1e-9):
+            run = simulate(rotor, **given, rtol=rtol, atol=rtol / 100)
+            if run.event_kind.values.tolist() != best.event_kind.values.tolist():
+                continue
+            true = np.abs(run.event_time.values - best.event_time.values)
+            covered += (true <= run.event_time_error.values).tolist()
+    assert len(covered) > 2000
+    assert np.mean(covered) >= 0.9995
+
+
+def test_an_event_whose_times_agree_by_chance_takes_its_error_from_the_states():
+    """The true time is that of tighter runs and of another program, to the digits given."""
+    rotor = Rotor(
+        omega=2.5863261617193443, zeta=0.020628828643712138, delta0=1.6984806103918872,
+        shaft_stiffness=0.08119155801342097, load=0.320219056471074,
+        friction=0.45508197010848617, disc_radius=9.095511457441354,
+    )  # fmt: skip
+    start = (1.1485967285817444, -0.9087813188227201, 0.6136083169796814, -1.5687507748621725)
+    run = simulate(rotor, start=start, duration=4.0, method="taylor", rtol=1e-4)
+    missed = abs(run.event_time.values[1] - 1.84854114158)
+    assert missed <= run.event_time_error.values[1] < 1e-5
+
+
 @pytest.mark.parametrize(
     ("rotor", "duration", "witness"),
     [
