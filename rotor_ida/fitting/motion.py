@@ -163,7 +163,7 @@ def motion_of(
         )
 
     inside = slopes_of(machine, moments(nodes.ravel(), np.repeat(stretch, 3)), names)
-    shape = (*nodes.shape, 4)
+    shape = (*nodes.shape, 2)
     grown_to = grown(ends, *(each.reshape(*shape, -1) for each in inside))
     rates = tuple(
         _rates_at(slopes_of(machine, moments(ends[here], stretch, side), names), grown_to[here])
@@ -262,8 +262,8 @@ def _longest_panels(
 
 def _rates_at(slopes: tuple[Values, Values], grown_to: Values) -> Values:
     """Return the time derivatives of velocity differences, shape (p, 2, 4 + k)."""
-    rates = np.einsum("pij,pjc->pic", slopes[0][:, 2:], grown_to)
-    rates[:, :, 4:] += slopes[1][:, 2:]
+    rates = slopes[0] @ grown_to
+    rates[:, :, 4:] += slopes[1]
     return np.asarray(rates)
 
 
