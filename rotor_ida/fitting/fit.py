@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -10,16 +11,16 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
-from rotor_ida.checks import (
-    check_between,
-)
-from rotor_ida.errors import SimulationError
+from rotor_ida.arrays import Stop, Values
+from rotor_ida.checks import check_between, check_positive, check_progress
+from rotor_ida.errors import RotorError
 from rotor_ida.fitting.arguments import problem_of
-from rotor_ida.fitting.problem import FitProblem
+from rotor_ida.fitting.problem import MOST_TRIALS, FitProblem, SearchEnded
 from rotor_ida.fitting.records import noise_of
 from rotor_ida.fitting.result import dataset_of
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.parallel import Progress
+from rotor_ida.parallel.interruptible import interruptible
 
 MOST_EVALUATIONS = 100
 TOLERANCE = 1e-10
@@ -48,6 +49,8 @@ def fit(
     time_error: float | None = None,
     noise: float | None = None,
     confidence: float = 0.95,
+    limit: float | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Fit parameters of a machine to its signals, with their errors.
 
@@ -82,6 +85,10 @@ def fit(
         estimated from the residual of the windows after all orders.
     confidence : float
         Probability that an interval contains the true value [1].
+    limit : float, optional
+        Longest time to search [s]. A trial that has begun is ended, and the best one is returned.
+    progress : callable, optional
+        Called with the number of trials simulated and the largest possible number.
 
     Returns
     -------
@@ -93,9 +100,10 @@ def fit(
         as in `rotor_ida.orders`, and fitted ``fitted_forward_whirl_amplitude`` and so on;
         ``record``, ``t``, ``speed``. On ``touch``, where contact times are compared,
         ``measured_time``, ``fitted_time``, ``event_kind``, ``compared``. ``chi_square``,
-        ``degrees_of_freedom`` and ``noise``. The attributes ``identifiability``, ``remainder`` and
-        ``contact_times`` state in words how well each unknown is identified, whether the residuals
-        are noise, and which contact times are left out.
+        ``degrees_of_freedom`` and ``noise``. The attributes ``search``, ``identifiability``,
+        ``remainder`` and ``contact_times`` state in words how the search ended (``converged``, or
+        why not, with the best trial as the estimate), how well each unknown is identified, whether
+        the residuals are noise, and which contact times are left out.
 
     Raises
     ------
@@ -103,10 +111,13 @@ def fit(
         If an argument is invalid, the units do not match, the signals contain no angle, there are
         more unknowns than numbers to compare, or the motion is chaotic or rolls on the stator.
     SimulationError
-        If no solution was found.
+        If the first guess cannot be simulated.
 
     Notes
     -----
+    A trial that fails, or takes more than 20 times the work of the first guess, is a poor one. The
+    search ends after 300 trials at the latest.
+
     If the residuals exceed the noise, all errors are scaled by
     ``sqrt(chi_square/degrees_of_freedom)``. The motion is integrated along the measured speed, so
     run-ups need not be slow. Measured and computed motion pass through the same least squares of
@@ -132,32 +143,69 @@ def fit(
     array([0.1, 1.5, 1. ])
     """
     level = check_between("confidence", confidence, 0.5, 1.0 - 1e-9)
+    check_progress(progress)
+    end = math.inf if limit is None else time.monotonic() + check_positive("limit", limit)
     problem = problem_of(
         signals, machine, unknown,
         orders=orders, revolutions=revolutions, start=start, entries=entries,
         exits=exits, time_error=time_error, noise=noise,
     )  # fmt: skip
-    return dataset_of(problem, machine, _solved(problem, noise), level)
+    problem.deadline = end
+
+    def work(stop: Stop) -> tuple[Values, str]:
+        problem.stop = stop
+        return _solved(problem, noise)
+
+    def told() -> None:
+        if progress is not None:
+            progress(problem.evaluations, MOST_TRIALS)
+
+    solution, how = interruptible(work, told=told)
+    problem.stop = None
+    return dataset_of(problem, machine, solution, how, level)
 
 
-def _solved(problem: FitProblem, noise: float | None) -> Values:
-    """Return the solution; estimate the noise from its residuals if none is given."""
+def _solved(problem: FitProblem, noise: float | None) -> tuple[Values, str]:
+    """Return the solution, or the best trial, and in words how the search ended."""
     time_error = problem.time_error
     problem.time_error = math.inf
-    first = problem.first()
-    problem.at(first)  # raises if the first guess cannot be followed
-    solution = _searched(problem, first)
+    first = problem.begin()
+    try:
+        solution, converged = _refined(problem, _searched(problem, first), noise, time_error)
+        how = "converged" if converged else f"not converged in {problem.evaluations} trials"
+    except SearchEnded as ended:
+        how, converged = str(ended), False
+        problem.renew(part=1.0, time_error=time_error)
+        solution = problem.best
+        _weigh(problem, solution, noise)
+    if not converged:
+        same = np.array_equal(solution, first)
+        found = "no trial is better than the first guess" if same else "this is the best trial"
+        how = f"{how}: {found}, and its errors hold only near a minimum"
+    return solution, how
+
+
+def _refined(
+    problem: FitProblem, solution: Values, noise: float | None, time_error: float
+) -> tuple[Values, bool]:
+    """Return the solution with contact times, and with the noise if that is not given."""
     problem.renew(time_error=time_error)
     for _ in range(MOST_ROUNDS):
-        motions, before, clear = problem.motions(solution), problem.noise, problem.clear
-        if noise is None:
-            problem.renew(noise=noise_of(problem.records, [each.z for each in motions]))
-        problem.renew(clear=problem.clear_in(motions))
-        solution = _least(problem, solution)
+        before, clear = problem.noise, problem.clear
+        _weigh(problem, solution, noise)
+        solution, converged = _least(problem, solution)
         same = all(np.array_equal(each, clear.get(key, [])) for key, each in problem.clear.items())
         if same and abs(problem.noise - before) <= SETTLED * before:
             break
-    return solution
+    return solution, converged
+
+
+def _weigh(problem: FitProblem, solution: Values, noise: float | None) -> None:
+    """Estimate the noise from the residuals if none is given; leave out times near a graze."""
+    motions = problem.motions(solution)
+    if noise is None:
+        problem.renew(noise=noise_of(problem.records, [each.z for each in motions]))
+    problem.renew(clear=problem.clear_in(motions))
 
 
 def _with_clearance(problem: FitProblem, sought: Values) -> Values:
@@ -202,24 +250,24 @@ def _searched(problem: FitProblem, first: Values) -> Values:
     """
     guess = _with_clearance(problem, first)
     found: list[tuple[float, Values]] = []
-    failure = SimulationError("no least-squares solution", time=0.0, state=(0.0, 0.0, 0.0, 0.0))
     for begin, parts in _ways(problem, first, guess, found):
-        solution = begin
+        solution, converged = begin, True
         try:
             for part in parts:
                 problem.renew(part=part)
-                solution = _least(problem, solution)
-        except SimulationError as error:
-            failure = error
-            problem.renew(part=1.0)
+                solution, converged = _least(problem, solution)
+                if not converged:
+                    break
+        except RotorError:  # this beginning cannot be followed
+            converged = False
+        problem.renew(part=1.0)
+        if not converged:
             continue
         left = problem.at(solution)[0]
         found.append((float((left**2).sum()), solution))
         if found[-1][0] <= NEAR * left.size:
             break
-    if not found:
-        raise failure
-    return min(found, key=lambda each: each[0])[1]
+    return min(found, key=lambda each: each[0])[1] if found else problem.best
 
 
 def _ways(
@@ -237,8 +285,8 @@ def _ways(
         yield each, whole
 
 
-def _least(problem: FitProblem, first: Values) -> Values:
-    """Return the least-squares solution near a guess."""
+def _least(problem: FitProblem, first: Values) -> tuple[Values, bool]:
+    """Return the least-squares solution near a guess, and whether it has converged."""
     from scipy.optimize import least_squares  # noqa: PLC0415 - takes long to import
 
     problem.at(first)
@@ -246,12 +294,5 @@ def _least(problem: FitProblem, first: Values) -> Values:
         problem.left, first, problem.slopes, problem.bounds(), method="trf", x_scale="jac",
         ftol=TOLERANCE, xtol=TOLERANCE, gtol=TOLERANCE, max_nfev=MOST_EVALUATIONS,
     )  # fmt: skip
-    if not found.success:
-        state = tuple(found.x[len(problem.unknown) :][:4].tolist()) or (0.0, 0.0, 0.0, 0.0)
-        raise SimulationError(
-            f"no least-squares solution in {MOST_EVALUATIONS} evaluations: start nearer to it, or "
-            "fit fewer unknowns or a shorter part",
-            time=0.0, state=state,
-        )  # fmt: skip
     solution: Values = found.x
-    return solution
+    return solution, bool(found.success)

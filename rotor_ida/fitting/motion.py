@@ -9,14 +9,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import ComplexValues, Values
-from rotor_ida.errors import InputError
+from rotor_ida.arrays import ComplexValues, Stop, Values
+from rotor_ida.errors import BudgetError, InputError
 from rotor_ida.fitting.variation import (
     LONGEST,
     Moments,
     between,
     grown,
     nodes_of,
+    panel_count,
     panels_of,
     slopes_of,
 )
@@ -37,8 +38,26 @@ from rotor_ida.simulation.spin import Ramp, SpeedProfile
 OPTIONS = Options(rtol=1e-11, atol=1e-13, method="taylor")
 # Above this growth a motion is chaotic for a fit: rounding has replaced its start.
 LARGEST_GROWTH = 1e6
-# Limits on a motion and its panels: some seconds.
-MOST_PANELS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Work:
+    """What a motion takes, or may take.
+
+    Parameters
+    ----------
+    steps : int
+        Steps of the simulation.
+    panels : int
+        Panels of the equations of its derivatives.
+    """
+
+    steps: int
+    panels: int
+
+
+# What any motion may take: some seconds.
+ANY_WORK = Work(steps=10_000_000, panels=1_000_000)
 
 
 @dataclass(frozen=True)
@@ -99,6 +118,8 @@ class Motion:
         Largest factor by which a small change of the initial state has grown.
     lost : float
         Time at which that first exceeds a million, or infinity [s].
+    work : Work
+        What it took.
     """
 
     z: ComplexValues
@@ -109,6 +130,7 @@ class Motion:
     exit_slopes: Values
     growth: float
     lost: float
+    work: Work
 
 
 def motion_of(
@@ -118,6 +140,8 @@ def motion_of(
     times: Values,
     names: Sequence[str],
     ahead: float = 0.0,
+    budget: Work = ANY_WORK,
+    stop: Stop | None = None,
 ) -> Motion:
     """Compute a motion, and its derivatives by its initial state and by parameters.
 
@@ -135,6 +159,10 @@ def motion_of(
         Parameters by which it is differentiated.
     ahead : float
         Angle of the unbalance ahead of the mark [rad].
+    budget : Work
+        What it may take.
+    stop : ndarray, shape (1,), optional
+        Stops the simulation as soon as it is not 0.
 
     Raises
     ------
@@ -142,16 +170,22 @@ def motion_of(
         If the machine cannot be simulated, or rolls or slips the other way on the stator.
     SimulationError
         If the simulation failed.
+    BudgetError
+        If it takes more than its budget.
     """
-    bare = _follow(machine, turning, start, np.empty(0), ahead)
+    bare = _follow(machine, turning, start, np.empty(0), ahead, budget, stop)
     stretches = _stretches_of(bare, machine, turning)
-    ends, stretch = panels_of(
-        stretches.ends, stretches.pushes, _longest_panels(bare, machine, turning),
-        hertz=machine.contact_exponent > 1.0,
-    )  # fmt: skip
+    hertz = machine.contact_exponent > 1.0
+    longest = _longest_panels(bare, machine, turning)
+    count = panel_count(stretches.ends, stretches.pushes, longest, hertz=hertz)
+    if count > budget.panels:
+        raise BudgetError(
+            f"{count:.3g} steps of the variational equations are more than {budget.panels}"
+        )
+    ends, stretch = panels_of(stretches.ends, stretches.pushes, longest, hertz=hertz)
     nodes = nodes_of(ends)
     seen = np.sort(np.concatenate([times, nodes.ravel(), ends]))
-    orbit = _follow(machine, turning, start, seen, ahead)
+    orbit = _follow(machine, turning, start, seen, ahead, budget, stop)
     z, v = _displacements(orbit, machine)
 
     def moments(at: Values, stretch: npt.NDArray[np.intp], side: str = "right") -> Moments:
@@ -177,6 +211,7 @@ def motion_of(
         between(ends, grown_to, (rates[0], rates[1]), times),
         touches[0][0], touches[1][0], touches[0][1], touches[1][1],
         float(growth.max()), float(ends[lost.argmax()]) if lost.any() else math.inf,
+        Work(bare.steps, stretch.size),
     )  # fmt: skip
 
 
@@ -187,7 +222,13 @@ def _scaled(grown_to: Values, turning: Turning) -> Values:
 
 
 def _follow(
-    machine: DimensionalRotor, turning: Turning, start: Values, times: Values, ahead: float
+    machine: DimensionalRotor,
+    turning: Turning,
+    start: Values,
+    times: Values,
+    ahead: float,
+    budget: Work,
+    stop: Stop | None,
 ) -> Orbit:
     """Return the dimensionless orbit."""
     rotor, frequency = _simulated(machine.rotor()), machine.reference_frequency
@@ -196,7 +237,10 @@ def _follow(
     check_can_be_followed(rotor, (x, y, vx, vy))
     course = turning.course(frequency, ahead)
     sampled = np.minimum(times * frequency, course.ends[-1])
-    return run(rotor, (x, y, vx, vy), course.ends[-1], sampled, OPTIONS, profile=course)
+    return run(
+        rotor, (x, y, vx, vy), course.ends[-1], sampled, OPTIONS,
+        profile=course, most_steps=budget.steps, stop=stop,
+    )  # fmt: skip
 
 
 def _simulated(rotor: Rotor) -> Rotor:
@@ -251,12 +295,6 @@ def _longest_panels(
     exponent = machine.contact_exponent
     stiff = machine.contact_stiffness * exponent * deepest ** (exponent - 1.0)
     contact = flight + math.sqrt(stiff / machine.mass)
-    panels = turning.ends[-1] * contact / LONGEST + 2.0 * orbit.event_times.size
-    if panels > MOST_PANELS:
-        raise InputError(
-            f"signals must be shorter, or the machine softer: {panels:.3g} steps of the equations "
-            f"are more than {MOST_PANELS}"
-        )
     return LONGEST / flight, LONGEST / contact
 
 

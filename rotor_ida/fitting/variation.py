@@ -180,6 +180,14 @@ def panels_of(
     return np.concatenate(parts), np.concatenate(stretch)
 
 
+def panel_count(
+    ends: Values, pushes: Values, longest: tuple[float, float], *, hertz: bool
+) -> float:
+    """Return how many panels `panels_of` makes, nearly."""
+    counts = np.maximum(np.diff(ends) / np.where(pushes, longest[1], longest[0]), 2.0)
+    return float(counts.sum() + 2.0 * HALVINGS * hertz * pushes.sum())
+
+
 def nodes_of(ends: Values) -> Values:
     """Return the nodes in panels, shape (panels, 3)."""
     return np.asarray(ends[:-1, None] + np.diff(ends)[:, None] * NODES)
