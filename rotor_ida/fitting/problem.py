@@ -14,9 +14,10 @@ import numpy.typing as npt
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.errors import BudgetError, InputError, RotorError
 from rotor_ida.fitting.identifiability import ANGLE
-from rotor_ida.fitting.motion import ANY_WORK, LARGEST_GROWTH, Motion, Work, motion_of
+from rotor_ida.fitting.motion import ANY_WORK, LARGEST_GROWTH, Motion, MotionRequest, Work
 from rotor_ida.fitting.records import Measured
 from rotor_ida.model.rotor import DimensionalRotor
+from rotor_ida.simulation.orbit import ENTRY, EXIT
 
 Mask: TypeAlias = npt.NDArray[np.bool_]
 
@@ -142,8 +143,8 @@ class FitProblem:
                 f"signals must be shorter, or the machine softer, for a fit: {error.reason}"
             ) from error
         self.budget = Work(
-            max(LEAST_BUDGET.steps, MOST_WORK * max(each.work.steps for each in motions)),
-            max(LEAST_BUDGET.panels, MOST_WORK * max(each.work.panels for each in motions)),
+            max(LEAST_BUDGET.steps, MOST_WORK * max(each.orbit.steps for each in motions)),
+            max(LEAST_BUDGET.panels, MOST_WORK * max(each.derivatives.panels for each in motions)),
         )
         return first
 
@@ -231,7 +232,6 @@ class FitProblem:
         machine, ahead = self.machine_of(sought)
         motions = [self._motion(number, machine, ahead, sought) for number in range(self.count)]
         self._last = Trial(sought.copy(), motions)
-        self._keep_better(self._last)
         return self._last
 
     @property
@@ -257,35 +257,42 @@ class FitProblem:
         self, number: int, machine: DimensionalRotor, ahead: float, sought: Values
     ) -> Motion:
         """Return the motion of a machine for one record."""
-        each, start = self.records[number], self.start(sought, number)
-        names = [unknown.field for unknown in self.unknown]
-        motion = motion_of(
-            machine, each.turning, start, each.times, names, ahead, self.budget, self.stop
-        )
-        if not motion.growth <= LARGEST_GROWTH:
-            raise InputError(
-                "signals must show a motion that its start determines, but by "
-                f"{motion.lost:.6g} after the start small changes "
-                f"have grown by {LARGEST_GROWTH:g}: fit a part of them"
-            )
-        return motion
+        each, names = self.records[number], [unknown.field for unknown in self.unknown]
+        start = self.start(sought, number)
+        request = MotionRequest(machine, each.turning, start, ahead, self.budget, self.stop)
+        return request.motion(each.times, names)
 
     def at(self, sought: Values) -> tuple[Values, Values, list[Motion]]:
-        """Return the residuals, their derivatives, and the motions."""
+        """Return the residuals, their derivatives, and the motions; raises as `trial` does.
+
+        Raises
+        ------
+        InputError
+            If the motion is chaotic, or the disc rolls or slips the other way on the stator.
+        """
         trial, key = self.trial(sought), sought.tobytes()
         if self._residuals is None or self._residuals[0] != key:
+            for motion in trial.motions:
+                _check_growth(motion)
             left, kept = self._left(trial), self._kept()
+            self._keep_better(trial)
             self._largest = max(self._largest, float(np.abs(left).max()))
             self._residuals = (key, left * kept, self._slopes(trial) * kept[:, None])
         return *self._residuals[1:], trial.motions
 
     def left(self, sought: Values) -> Values:
-        """Return the residuals; large where the simulation fails or takes too long."""
+        """Return the residuals; large where the simulation fails or takes too long.
+
+        A trial that least squares would accept must have derivatives too.
+        """
         try:
-            return self.at(sought)[0]
+            left = self._left(self.trial(sought)) * self._kept()
+            if self._residuals is None or left @ left < self._residuals[1] @ self._residuals[1]:
+                self.at(sought)
         except RotorError:
             size = sum(sum(self._sizes(number)) for number in range(self.count))
             return np.full(size, FAR_OFF * (1.0 + self._largest))
+        return left
 
     def slopes(self, sought: Values) -> Values:
         """Return the derivatives of the residuals."""
@@ -340,10 +347,13 @@ class FitProblem:
         """Return the derivatives of these residuals by all that is sought."""
         slopes, count = [], len(self.unknown)
         for number, (each, motion) in enumerate(zip(self.records, trial.motions, strict=True)):
-            own = [each.tracks.weighed(motion.slopes) / self.noise]
+            own = [each.tracks.weighed(motion.derivatives.slopes) / self.noise]
             if self.starts is None:
                 own.append(np.hstack([np.diag(1.0 / each.spread), np.zeros((4, count))]))
-            own += [t.slopes / self.time_error for t in self.touches(number, motion).values()]
+            own += [
+                found.slopes(motion, kind) / self.time_error
+                for kind, found in self.touches(number, motion).items()
+            ]
             slopes.append(self._by_sought(np.concatenate(own), number))
         return np.concatenate(slopes)
 
@@ -365,6 +375,17 @@ class FitProblem:
         return found
 
 
+def _check_growth(motion: Motion) -> None:
+    """Raise `InputError` for a chaotic motion."""
+    found = motion.derivatives
+    if not found.growth <= LARGEST_GROWTH:
+        raise InputError(
+            "signals must show a motion that its start determines, but by "
+            f"{found.lost:.6g} after the start small changes "
+            f"have grown by {LARGEST_GROWTH:g}: fit a part of them"
+        )
+
+
 @dataclass(frozen=True)
 class Touches:
     """Residuals of the contact times of one kind in a record.
@@ -375,8 +396,8 @@ class Touches:
         The measured times [s].
     apart : ndarray, shape (n,)
         Difference between the nearest computed time and each [s].
-    slopes : ndarray, shape (n, c)
-        Derivatives of that difference.
+    nearest : ndarray of int, shape (n,)
+        Number of that computed time; none if there is none.
     gaps : ndarray, shape (n,)
         Time between the nearest computed event and its neighbour [s].
     compared : ndarray of bool, shape (n,)
@@ -385,22 +406,24 @@ class Touches:
 
     times: Values
     apart: Values
-    slopes: Values
+    nearest: npt.NDArray[np.intp]
     gaps: Values
     compared: Mask
 
     def only(self, clear: Mask | None) -> Touches:
         """Return them without those that are not clear."""
-        return (
-            self
-            if clear is None
-            else replace(
-                self,
-                apart=np.where(clear, self.apart, 0.0),
-                slopes=np.where(clear[:, None], self.slopes, 0.0),
-                compared=self.compared & clear,
-            )
-        )
+        if clear is None:
+            return self
+        apart = np.where(clear, self.apart, 0.0)
+        return replace(self, apart=apart, compared=self.compared & clear)
+
+    def slopes(self, motion: Motion, kind: int) -> Values:
+        """Return the derivatives of the differences, 0 where they are not compared."""
+        found = motion.derivatives
+        by = found.entry_slopes if kind > 0 else found.exit_slopes
+        slopes = np.zeros((self.times.size, by.shape[1]))
+        slopes[self.compared] = by[self.nearest[self.compared]]
+        return slopes
 
 
 def matched(times: Values, motion: Motion, kind: int) -> Touches:
@@ -409,26 +432,25 @@ def matched(times: Values, motion: Motion, kind: int) -> Touches:
     Two match if each is the nearest of the other, no farther away than half the usual gap.
     A measured time without a match has a constant residual, whatever the unknowns.
     """
-    found, slopes = (
-        (motion.entries, motion.entry_slopes) if kind > 0 else (motion.exits, motion.exit_slopes)
-    )
+    found, rise = motion.touches(kind)
     reach = 0.5 * float(np.median(np.diff(times))) if times.size > 1 else math.inf
+    none = np.zeros(times.size)
     if not found.size:
-        missed, none = np.full(times.size, min(reach, float(times[-1]))), np.zeros(times.size)
-        still = np.zeros((times.size, slopes.shape[1]))
-        return Touches(times, missed, still, none + math.inf, none.astype(bool))
+        missed = none + min(reach, float(times[-1]))
+        return Touches(times, missed, none.astype(np.intp), none + math.inf, none.astype(bool))
     distances = np.abs(found[:, None] - times)
     nearest = distances.argmin(axis=0)
-    apart, by = found[nearest] - times, slopes[nearest]
-    alone = (np.abs(apart) >= reach) | ~np.isfinite(by).all(axis=1)
+    apart = found[nearest] - times
+    alone = (np.abs(apart) >= reach) | (rise[nearest] == 0.0)
     alone |= distances.argmin(axis=1)[nearest] != np.arange(times.size)
-    events = np.sort(np.concatenate([[-math.inf], motion.entries, motion.exits, [math.inf]]))
+    both = [motion.touches(each)[0] for each in (ENTRY, EXIT)]
+    events = np.sort(np.concatenate([[-math.inf], *both, [math.inf]]))
     gaps = np.diff(events)
     place = np.searchsorted(events, found[nearest])
     return Touches(
         times,
         np.where(alone, np.clip(apart, -reach, reach), apart),
-        np.where(alone[:, None], 0.0, by),
+        nearest,
         np.minimum(gaps[place - 1], gaps[place]),
         ~alone,
     )
