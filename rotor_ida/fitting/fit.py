@@ -23,7 +23,8 @@ from rotor_ida.parallel import Progress
 from rotor_ida.parallel.interruptible import interruptible
 
 MOST_EVALUATIONS = 100
-TOLERANCE = 1e-10
+# A search may end far from its minimum, as its solution is refined to the second of these.
+SEARCH_TOLERANCE, TOLERANCE = 1e-6, 1e-10
 # Noise that is estimated from residuals is estimated again until it changes by less than this.
 SETTLED, MOST_ROUNDS = 1e-3, 5
 # Parts of the windows that are fitted in turn when a fit of all of them goes astray.
@@ -116,7 +117,7 @@ def fit(
     Notes
     -----
     A trial that fails, or takes more than 20 times the work of the first guess, is a poor one. The
-    search ends after 300 trials at the latest.
+    search ends after 200 trials at the latest.
 
     If the residuals exceed the noise, all errors are scaled by
     ``sqrt(chi_square/degrees_of_freedom)``. The motion is integrated along the measured speed, so
@@ -193,7 +194,7 @@ def _refined(
     for _ in range(MOST_ROUNDS):
         before, clear = problem.noise, problem.clear
         _weigh(problem, solution, noise)
-        solution, converged = _least(problem, solution)
+        solution, converged = _least(problem, solution, TOLERANCE)
         same = all(np.array_equal(each, clear.get(key, [])) for key, each in problem.clear.items())
         if same and abs(problem.noise - before) <= SETTLED * before:
             break
@@ -255,7 +256,7 @@ def _searched(problem: FitProblem, first: Values) -> Values:
         try:
             for part in parts:
                 problem.renew(part=part)
-                solution, converged = _least(problem, solution)
+                solution, converged = _least(problem, solution, SEARCH_TOLERANCE)
                 if not converged:
                     break
         except RotorError:  # this beginning cannot be followed
@@ -281,18 +282,19 @@ def _ways(
     yield guess, GROWING
     less_damped = [first, *_scaled(problem, first, "damping")]
     guesses = [each for guess in less_damped for each in _scaled(problem, guess, "clearance")]
-    for each in _best_first(problem, guesses)[:MOST_BEGINNINGS]:
+    others = [each for each in guesses if not np.array_equal(each, guess)]
+    for each in _best_first(problem, others)[:MOST_BEGINNINGS]:
         yield each, whole
 
 
-def _least(problem: FitProblem, first: Values) -> tuple[Values, bool]:
+def _least(problem: FitProblem, first: Values, tolerance: float) -> tuple[Values, bool]:
     """Return the least-squares solution near a guess, and whether it has converged."""
     from scipy.optimize import least_squares  # noqa: PLC0415 - takes long to import
 
     problem.at(first)
     found = least_squares(
         problem.left, first, problem.slopes, problem.bounds(), method="trf", x_scale="jac",
-        ftol=TOLERANCE, xtol=TOLERANCE, gtol=TOLERANCE, max_nfev=MOST_EVALUATIONS,
+        ftol=tolerance, xtol=tolerance, gtol=tolerance, max_nfev=MOST_EVALUATIONS,
     )  # fmt: skip
     solution: Values = found.x
     return solution, bool(found.success)

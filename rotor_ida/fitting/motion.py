@@ -252,11 +252,13 @@ def _derivatives_of(motion: Motion) -> Derivatives:
     inside = slopes_of(machine, moments(nodes.ravel(), np.repeat(stretch, 3)), motion.names)
     shape = (*nodes.shape, 2)
     grown_to = grown(ends, *(each.reshape(*shape, -1) for each in inside))
-    first, last = (
-        _rates_at(
-            slopes_of(machine, moments(ends[here], stretch, side), motion.names), grown_to[here]
-        )
-        for here, side in ((slice(None, -1), "right"), (slice(1, None), "left"))
+    first = _rates_at(slopes_of(machine, moments(ends[:-1], stretch), motion.names), grown_to[:-1])
+    # rates go on from panel to panel, but not where a stretch ends
+    last = np.roll(first, -1, axis=0)
+    end = np.flatnonzero(np.diff(stretch, append=-1))
+    last[end] = _rates_at(
+        slopes_of(machine, moments(ends[end + 1], stretch[end], "left"), motion.names),
+        grown_to[end + 1],
     )
     growth = np.linalg.norm(_scaled(grown_to[:, :, :4], turning), axis=(1, 2))
     lost = ~(growth <= LARGEST_GROWTH)
@@ -360,7 +362,8 @@ def _slopes_of_times(kind: int, motion: Motion, ends: Values, grown_to: Values) 
     From ``|z(t)| = d``: ``r' dt = d(clearance) - (z/|z|) . dz``.
     """
     times, rise = motion.touches(kind)
-    place = np.abs(ends[:, None] - times).argmin(axis=0) if times.size else np.empty(0, int)
+    # events are ends of panels, but for rounding
+    place = np.searchsorted(0.5 * (ends[1:] + ends[:-1]), times)
     x, y = motion.orbit.event_states[motion.orbit.event_kinds == kind].T[:2]
     here, names = grown_to[place], list(motion.names)
     outwards = -(x[:, None] * here[:, 0] + y[:, None] * here[:, 1]) / np.hypot(x, y)[:, None]

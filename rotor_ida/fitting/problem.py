@@ -28,7 +28,7 @@ FAR_OFF = 1e3
 # A trial may take so many times the work of the first guess, and always so much; a search may take
 # so many trials.
 MOST_WORK, LEAST_BUDGET = 20, Work(steps=100_000, panels=20_000)
-MOST_TRIALS = 300
+MOST_TRIALS = 200
 # Contact times count if no other event is nearer than this many of their standard errors. At a
 # graze two events merge, and their times no longer change linearly.
 APART = 10.0
