@@ -35,6 +35,10 @@ NEAR = 2.0
 # decides whether a rotor reaches the stator, so less damping is tried last.
 PARTS = {"clearance": (0.2, 0.35, 0.5, 0.7, 0.85, 0.95), "damping": (0.4, 0.16)}
 MOST_BEGINNINGS = 4
+# A machine that never touches the stator fits as well if its sum of squares, over the mean square,
+# is larger by less than this: two standard errors. It is not tried where a linear estimate of that
+# is more than the second.
+SAME, MUCH_MORE = 4.0, 100.0
 
 
 def fit(
@@ -174,6 +178,7 @@ def _solved(problem: FitProblem, noise: float | None) -> tuple[Values, str]:
     try:
         solution, converged = _refined(problem, _searched(problem, first), noise, time_error)
         how = "converged" if converged else f"not converged in {problem.evaluations} trials"
+        solution = _without_contact(problem, solution)
     except SearchEnded as ended:
         how, converged = str(ended), False
         problem.renew(part=1.0, time_error=time_error)
@@ -199,6 +204,36 @@ def _refined(
         if same and abs(problem.noise - before) <= SETTLED * before:
             break
     return solution, converged
+
+
+def _without_contact(problem: FitProblem, solution: Values) -> Values:
+    """Return the solution, or one that never touches the stator if that fits as well.
+
+    Slight touches may be fitted to noise, and then seem to determine the clearance.
+    """
+    names = [each.field for each in problem.unknown]
+    best, _, motions = problem.at(solution)
+    if "clearance" not in names or not any(each.orbit.contacts.size for each in motions):
+        return solution
+    place = names.index("clearance")
+    farthest = max(float(np.abs(each.z).max()) for each in motions)
+    free = solution.copy()
+    free[place] = 2.0 * farthest / problem.unknown[place].factor
+
+    def more(left: Values) -> float:
+        return float((left @ left / (best @ best) - 1.0) * left.size)
+
+    try:
+        left, slopes, _ = problem.at(free)
+        sizes = np.linalg.norm(slopes, axis=0)
+        slopes = slopes / np.where(sizes > 0.0, sizes, 1.0)
+        nearest = left - slopes @ np.linalg.lstsq(slopes, left)[0]
+        if more(nearest) > MUCH_MORE:
+            return solution
+        free, _ = _least(problem, free, SEARCH_TOLERANCE)
+        return free if more(problem.at(free)[0]) < SAME else solution
+    except (RotorError, SearchEnded):
+        return solution
 
 
 def _weigh(problem: FitProblem, solution: Values, noise: float | None) -> None:
