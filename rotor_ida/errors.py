@@ -49,6 +49,10 @@ class InvariantError(SimulationError):
     """A result that contradicts the mechanics, raised instead of returned."""
 
 
+class BudgetError(SimulationError):
+    """A simulation that takes more steps than its caller allows."""
+
+
 class ArchiveError(RotorError, OSError):
     """A file that cannot be read or written as an archive of this package."""
 

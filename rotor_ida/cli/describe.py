@@ -444,7 +444,7 @@ def show_fit(dataset: xr.Dataset, most: int | None) -> Description:
     record, parts = tabled(dataset, most, FITTED)
     told = [f"{each}." for each in str(dataset.attrs["identifiability"]).split("; ")]
     summary: Record = {"machine": dataset.attrs["machine"], "windows": dataset.sizes["window"]}
-    last = ("remainder", "contact_times", "columns", "notes")
+    last = ("search", "remainder", "contact_times", "columns", "notes")
     summary |= {name: record[name] for name in (*OF_FIT, *last) if name in record}
     record |= summary | {"identifiability": told}
     return record, [pairs("Fit", summary), *parts, *told]

@@ -382,11 +382,22 @@ Unknowns = Annotated[
         negative=(),
     ),
 ]
-EntryTimes = Annotated[list[float] | None, _numbers("Measured times at which contacts begin.")]
-ExitTimes = Annotated[list[float] | None, _numbers("Measured times at which contacts end.")]
-TimeError = Annotated[float | None, _number("Standard error of these times.")]
+EntryTimes = Annotated[
+    list[float] | None,
+    _numbers("Measured times at which contacts begin, in the unit of the signals or as 20ms.", "s"),
+]
+ExitTimes = Annotated[list[float] | None, _numbers("The same, at which contacts end.", "s")]
+TimeError = Annotated[float | None, _quantity("Standard error of these times.", "s")]
 NoiseLevel = Annotated[
-    float | None, _number("Standard deviation of the noise. Default: that of the residuals.")
+    float | None,
+    _quantity(
+        "Standard deviation of the noise, in the unit of the probes or as 2um. Default: that of "
+        "the residuals.",
+        "m",
+    ),
+]
+SearchLimit = Annotated[
+    float | None, _number("Longest time to search, in s. The best trial is reported then.")
 ]
 Results = Annotated[Path, _path("Folder for archives and figures."), IN_OUTPUT]
 Direction = Annotated[

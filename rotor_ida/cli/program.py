@@ -76,6 +76,11 @@ COMMANDS: dict[str, dict[Callable[..., object], str]] = {
     "Archives and studies": {show: "", compare: "", verify: "", status: "", resume: ""},
     "Program": {reproduce: "", doctor: ""},
 }
+# Usage of commands whose files cyclopts does not name.
+USAGE: dict[Callable[..., object], str] = {
+    fit: "Usage: rotor-ida fit --unknown NAME [OPTIONS] FILE...",
+    explore: "Usage: rotor-ida explore [OPTIONS] [FILE]",
+}
 # Groups whose commands compute studies.
 COMPUTING = ("Simulate", "Exact whirls", "Limit cycles", "Explore")
 DONE, BAD_INPUT, PIPE_CLOSED = 0, 2, 141
@@ -139,6 +144,7 @@ def application(console: Console) -> App:
                 group=groups[name],
                 sort_key=place,
                 alias=short or None,
+                usage=USAGE.get(command),
                 group_parameters=options.STUDY if name in COMPUTING else options.OPTIONS,
             )
     app.register_install_completion_command(

@@ -157,8 +157,10 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
     int idle = 0;
     double start[MOST_VALUES];
     copy_values(motion, begun, start);
-    for (int64_t steps = 1; !asked_to_stop(run->stop); steps++) {
-        int status = motion->advance(motion);
+    for (int64_t steps = 1;; steps++) {
+        int status = allow_step(run);
+        if (status == DONE)
+            status = motion->advance(motion);
         if (status != DONE)
             return status;
         double end = end_of_step(run, motion, reached, left);
@@ -200,5 +202,4 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
         if (status != DONE)
             return status;
     }
-    return STOPPED;
 }

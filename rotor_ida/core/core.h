@@ -36,7 +36,8 @@ enum status {
     UNBALANCED = 1008,  /* the energy of a contact does not balance */
     STALLED = 1009,     /* the speed fell through 0, where the torque turns the rotor no more */
     RUNAWAY = 1010,     /* the torque lets the speed run away */
-    SINGULAR = 1011     /* of a system: no forces are determined that let its contacts roll */
+    SINGULAR = 1011,    /* of a system: no forces are determined that let its contacts roll */
+    SPENT = 1012        /* the run has taken as many steps as its caller allows */
 };
 
 /* How a speed changes up to a time. At its beginning a prescribed one is `speed`. */
@@ -142,9 +143,10 @@ struct run {
     struct extremum *extrema;
     int64_t extremum_room, extremum_count;
     int64_t evaluations;
-    int32_t way_began;  /* with friction: how it moved at its start: written */
-    int32_t flattened;  /* whether rolling has taken a dimension from the bundle: written */
-    double volume_lost; /* logarithm of what reversals have left of its volume: written */
+    int64_t steps, most_steps; /* of the solver, and flights in closed form; 0 for any number */
+    int32_t way_began;         /* with friction: how it moved at its start: written */
+    int32_t flattened;         /* whether rolling has taken a dimension from the bundle: written */
+    double volume_lost;        /* logarithm of what reversals have left of its volume: written */
 
     /* Where the speed changes, and looked at there alone: in which piece it is, the angle of the
      * unbalance, and tables of angle and speed at samples and events. */

@@ -198,6 +198,9 @@ static int fly_exactly(struct run *run, int *touched)
 {
     const double left = time_left(run), limit = left + run->slack;
     struct flight flight = {where_it_is(run), left};
+    const int status = allow_step(run);
+    if (status != DONE)
+        return status;
     const double touch = first_touch(flight.start, &run->rotor, limit, run->stop);
     if (asked_to_stop(run->stop))
         return STOPPED;

@@ -12,6 +12,15 @@ static const double LEAST_RISE = 1e-13;
 /* Most points of a step at which a largest force, or a least margin, is sought. */
 enum { MOST_NARROWING = 60 };
 
+/* Asked before each step: whether the caller stops the run, or its steps are spent. */
+static inline int allow_step(struct run *run)
+{
+    if (asked_to_stop(run->stop))
+        return STOPPED;
+    run->steps++;
+    return run->most_steps > 0 && run->steps > run->most_steps ? SPENT : DONE;
+}
+
 /* The two integrations of a run: of contacts, and of displacement and velocity. CVODE's must not
  * move. */
 struct motions {

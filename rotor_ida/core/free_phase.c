@@ -113,7 +113,9 @@ int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int
     double end = 0.0;
     int over = 0, status = motion->restart(motion, start, atol);
     while (status == DONE && !over) {
-        status = asked_to_stop(run->stop) ? STOPPED : motion->advance(motion);
+        status = allow_step(run);
+        if (status == DONE)
+            status = motion->advance(motion);
         if (status != DONE)
             break;
         const double touch = run->rotor.delta0 > 0.0 ? touch_in_step(motion, run->rotor.delta0)

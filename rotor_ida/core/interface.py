@@ -22,7 +22,7 @@ from rotor_ida.model.spinning import OF_DRIVE
 # How a call ended; the flags of SUNDIALS are negative.
 DONE = 0
 NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER, FULL_INSIDE, UNBALANCED = range(1001, 1009)
-STALLED, RUNAWAY, SINGULAR = 1009, 1010, 1011
+STALLED, RUNAWAY, SINGULAR, SPENT = range(1009, 1013)
 MESSAGES = {
     NOT_FINITE: "the state is no longer finite",
     NO_ROOT: "a step contains no root",
@@ -33,6 +33,7 @@ MESSAGES = {
     STALLED: "the speed fell through 0: the torque no longer turns the rotor",
     SINGULAR: "more contacts roll than the system has modes: their forces are not determined",
     RUNAWAY: "the speed passed 1e+06: the torque lets it run away",
+    SPENT: "the run needs more steps than it may take",
     -1: "Could not reach endpoint after 'max_num_steps'.",
     -2: "Could not satisfy demanded accuracy for an internal step.",
     -3: "Error tests failed too many times, or reached min step size.",
@@ -104,7 +105,7 @@ class RunStruct(Structure):
         ("extrema", c_void_p),
         ("extremum_room", c_int64),
         ("extremum_count", c_int64),
-        ("evaluations", c_int64),
+        *((name, c_int64) for name in ("evaluations", "steps", "most_steps")),
         ("way_began", c_int32),
         ("flattened", c_int32),
         ("volume_lost", c_double),

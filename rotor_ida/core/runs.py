@@ -100,6 +100,9 @@ class RunRequest:
         Flight is then integrated by Taylor series.
     angle : float
         Angle of the unbalance at time 0, if the speed changes [1].
+    most_steps : int
+        The run may take no more steps than this, where a flight in closed form is one; 0 for any
+        number.
     stop : ndarray of uint8, shape (1,)
         Stops the run as soon as it is not 0.
     watch : list of callable, optional
@@ -122,6 +125,7 @@ class RunRequest:
     whole: bool = False
     pieces: Rows | None = None
     angle: float = 0.0
+    most_steps: int = 0
     stop: Stop | None = None
     watch: Watch | None = None
 
@@ -157,6 +161,8 @@ class RunResult:
         The extrema of the radius [1].
     evaluations : int
         Evaluations of the right-hand side, or orders expanded.
+    steps : int
+        Steps taken.
     end_spin : ndarray of `SPIN`, shape ()
         Angle and speed at the end, if the speed changes [1].
     sample_spins, event_spins : ndarray of `SPIN`
@@ -176,6 +182,7 @@ class RunResult:
     contacts: Rows
     extrema: Rows
     evaluations: int
+    steps: int
     end_spin: Rows
     sample_spins: Rows
     event_spins: Rows
@@ -256,6 +263,7 @@ class _Tables:
             self.contacts[: run.contact_count],
             self.extrema[: run.extremum_count],
             run.evaluations,
+            run.steps,
             np.array((run.angle, run.rotor.omega), SPIN),
             self.sample_spins[: run.sampled],
             self.event_spins[: run.events],
@@ -314,8 +322,8 @@ def stretch(request: RunRequest, spans: int) -> tuple[Values, RunResult]:
     x, y, vx, vy = run.state
     result = RunResult(
         status, run.time, (x, y, vx, vy), run.began, run.where, _NO_STATES, _NO_TIMES, _NO_KINDS,
-        _NO_STATES, None, _NO_CONTACTS, _NO_EXTREMA, run.evaluations, np.zeros((), SPIN),
-        _NO_SPINS, _NO_SPINS,
+        _NO_STATES, None, _NO_CONTACTS, _NO_EXTREMA, run.evaluations, run.steps,
+        np.zeros((), SPIN), _NO_SPINS, _NO_SPINS,
     )  # fmt: skip
     return stretches[: done.value], result
 
@@ -332,6 +340,7 @@ def _struct_of(request: RunRequest) -> RunStruct:
         method=METHODS[request.method],
         fixed_axes=request.fixed_axes,
         exact_flight=request.exact_flight,
+        most_steps=request.most_steps,
         stop=pointer(NO_STOP if request.stop is None else request.stop, np.uint8),
         where=UNDECIDED,
     )

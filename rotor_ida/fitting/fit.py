@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -10,19 +11,20 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
-from rotor_ida.checks import (
-    check_between,
-)
-from rotor_ida.errors import SimulationError
+from rotor_ida.arrays import Stop, Values
+from rotor_ida.checks import check_between, check_positive, check_progress
+from rotor_ida.errors import RotorError
 from rotor_ida.fitting.arguments import problem_of
-from rotor_ida.fitting.problem import FitProblem
+from rotor_ida.fitting.problem import MOST_TRIALS, FitProblem, SearchEnded
 from rotor_ida.fitting.records import noise_of
 from rotor_ida.fitting.result import dataset_of
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.parallel import Progress
+from rotor_ida.parallel.interruptible import interruptible
 
 MOST_EVALUATIONS = 100
-TOLERANCE = 1e-10
+# A search may end far from its minimum, as its solution is refined to the second of these.
+SEARCH_TOLERANCE, TOLERANCE = 1e-6, 1e-10
 # Noise that is estimated from residuals is estimated again until it changes by less than this.
 SETTLED, MOST_ROUNDS = 1e-3, 5
 # Parts of the windows that are fitted in turn when a fit of all of them goes astray.
@@ -33,6 +35,10 @@ NEAR = 2.0
 # decides whether a rotor reaches the stator, so less damping is tried last.
 PARTS = {"clearance": (0.2, 0.35, 0.5, 0.7, 0.85, 0.95), "damping": (0.4, 0.16)}
 MOST_BEGINNINGS = 4
+# A machine that never touches the stator fits as well if its sum of squares, over the mean square,
+# is larger by less than this: two standard errors. It is not tried where a linear estimate of that
+# is more than the second.
+SAME, MUCH_MORE = 4.0, 100.0
 
 
 def fit(
@@ -48,6 +54,8 @@ def fit(
     time_error: float | None = None,
     noise: float | None = None,
     confidence: float = 0.95,
+    limit: float | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Fit parameters of a machine to its signals, with their errors.
 
@@ -82,6 +90,10 @@ def fit(
         estimated from the residual of the windows after all orders.
     confidence : float
         Probability that an interval contains the true value [1].
+    limit : float, optional
+        Longest time to search [s]. A trial that has begun is ended, and the best one is returned.
+    progress : callable, optional
+        Called with the number of trials simulated and the largest possible number.
 
     Returns
     -------
@@ -93,9 +105,10 @@ def fit(
         as in `rotor_ida.orders`, and fitted ``fitted_forward_whirl_amplitude`` and so on;
         ``record``, ``t``, ``speed``. On ``touch``, where contact times are compared,
         ``measured_time``, ``fitted_time``, ``event_kind``, ``compared``. ``chi_square``,
-        ``degrees_of_freedom`` and ``noise``. The attributes ``identifiability``, ``remainder`` and
-        ``contact_times`` state in words how well each unknown is identified, whether the residuals
-        are noise, and which contact times are left out.
+        ``degrees_of_freedom`` and ``noise``. The attributes ``search``, ``identifiability``,
+        ``remainder`` and ``contact_times`` state in words how the search ended (``converged``, or
+        why not, with the best trial as the estimate), how well each unknown is identified, whether
+        the residuals are noise, and which contact times are left out.
 
     Raises
     ------
@@ -103,10 +116,13 @@ def fit(
         If an argument is invalid, the units do not match, the signals contain no angle, there are
         more unknowns than numbers to compare, or the motion is chaotic or rolls on the stator.
     SimulationError
-        If no solution was found.
+        If the first guess cannot be simulated.
 
     Notes
     -----
+    A trial that fails, or takes more than 20 times the work of the first guess, is a poor one. The
+    search ends after 200 trials at the latest.
+
     If the residuals exceed the noise, all errors are scaled by
     ``sqrt(chi_square/degrees_of_freedom)``. The motion is integrated along the measured speed, so
     run-ups need not be slow. Measured and computed motion pass through the same least squares of
@@ -132,32 +148,100 @@ def fit(
     array([0.1, 1.5, 1. ])
     """
     level = check_between("confidence", confidence, 0.5, 1.0 - 1e-9)
+    check_progress(progress)
+    end = math.inf if limit is None else time.monotonic() + check_positive("limit", limit)
     problem = problem_of(
         signals, machine, unknown,
         orders=orders, revolutions=revolutions, start=start, entries=entries,
         exits=exits, time_error=time_error, noise=noise,
     )  # fmt: skip
-    return dataset_of(problem, machine, _solved(problem, noise), level)
+    problem.deadline = end
+
+    def work(stop: Stop) -> tuple[Values, str]:
+        problem.stop = stop
+        return _solved(problem, noise)
+
+    def told() -> None:
+        if progress is not None:
+            progress(problem.evaluations, MOST_TRIALS)
+
+    solution, how = interruptible(work, told=told)
+    problem.stop = None
+    return dataset_of(problem, machine, solution, how, level)
 
 
-def _solved(problem: FitProblem, noise: float | None) -> Values:
-    """Return the solution; estimate the noise from its residuals if none is given."""
+def _solved(problem: FitProblem, noise: float | None) -> tuple[Values, str]:
+    """Return the solution, or the best trial, and in words how the search ended."""
     time_error = problem.time_error
     problem.time_error = math.inf
-    first = problem.first()
-    problem.at(first)  # raises if the first guess cannot be followed
-    solution = _searched(problem, first)
+    first = problem.begin()
+    try:
+        solution, converged = _refined(problem, _searched(problem, first), noise, time_error)
+        how = "converged" if converged else f"not converged in {problem.evaluations} trials"
+        solution = _without_contact(problem, solution)
+    except SearchEnded as ended:
+        how, converged = str(ended), False
+        problem.renew(part=1.0, time_error=time_error)
+        solution = problem.best
+        _weigh(problem, solution, noise)
+    if not converged:
+        same = np.array_equal(solution, first)
+        found = "no trial is better than the first guess" if same else "this is the best trial"
+        how = f"{how}: {found}, and its errors hold only near a minimum"
+    return solution, how
+
+
+def _refined(
+    problem: FitProblem, solution: Values, noise: float | None, time_error: float
+) -> tuple[Values, bool]:
+    """Return the solution with contact times, and with the noise if that is not given."""
     problem.renew(time_error=time_error)
     for _ in range(MOST_ROUNDS):
-        motions, before, clear = problem.motions(solution), problem.noise, problem.clear
-        if noise is None:
-            problem.renew(noise=noise_of(problem.records, [each.z for each in motions]))
-        problem.renew(clear=problem.clear_in(motions))
-        solution = _least(problem, solution)
+        before, clear = problem.noise, problem.clear
+        _weigh(problem, solution, noise)
+        solution, converged = _least(problem, solution, TOLERANCE)
         same = all(np.array_equal(each, clear.get(key, [])) for key, each in problem.clear.items())
         if same and abs(problem.noise - before) <= SETTLED * before:
             break
-    return solution
+    return solution, converged
+
+
+def _without_contact(problem: FitProblem, solution: Values) -> Values:
+    """Return the solution, or one that never touches the stator if that fits as well.
+
+    Slight touches may be fitted to noise, and then seem to determine the clearance.
+    """
+    names = [each.field for each in problem.unknown]
+    best, _, motions = problem.at(solution)
+    if "clearance" not in names or not any(each.orbit.contacts.size for each in motions):
+        return solution
+    place = names.index("clearance")
+    farthest = max(float(np.abs(each.z).max()) for each in motions)
+    free = solution.copy()
+    free[place] = 2.0 * farthest / problem.unknown[place].factor
+
+    def more(left: Values) -> float:
+        return float((left @ left / (best @ best) - 1.0) * left.size)
+
+    try:
+        left, slopes, _ = problem.at(free)
+        sizes = np.linalg.norm(slopes, axis=0)
+        slopes = slopes / np.where(sizes > 0.0, sizes, 1.0)
+        nearest = left - slopes @ np.linalg.lstsq(slopes, left)[0]
+        if more(nearest) > MUCH_MORE:
+            return solution
+        free, _ = _least(problem, free, SEARCH_TOLERANCE)
+        return free if more(problem.at(free)[0]) < SAME else solution
+    except (RotorError, SearchEnded):
+        return solution
+
+
+def _weigh(problem: FitProblem, solution: Values, noise: float | None) -> None:
+    """Estimate the noise from the residuals if none is given; leave out times near a graze."""
+    motions = problem.motions(solution)
+    if noise is None:
+        problem.renew(noise=noise_of(problem.records, [each.z for each in motions]))
+    problem.renew(clear=problem.clear_in(motions))
 
 
 def _with_clearance(problem: FitProblem, sought: Values) -> Values:
@@ -202,24 +286,24 @@ def _searched(problem: FitProblem, first: Values) -> Values:
     """
     guess = _with_clearance(problem, first)
     found: list[tuple[float, Values]] = []
-    failure = SimulationError("no least-squares solution", time=0.0, state=(0.0, 0.0, 0.0, 0.0))
     for begin, parts in _ways(problem, first, guess, found):
-        solution = begin
+        solution, converged = begin, True
         try:
             for part in parts:
                 problem.renew(part=part)
-                solution = _least(problem, solution)
-        except SimulationError as error:
-            failure = error
-            problem.renew(part=1.0)
+                solution, converged = _least(problem, solution, SEARCH_TOLERANCE)
+                if not converged:
+                    break
+        except RotorError:  # this beginning cannot be followed
+            converged = False
+        problem.renew(part=1.0)
+        if not converged:
             continue
         left = problem.at(solution)[0]
         found.append((float((left**2).sum()), solution))
         if found[-1][0] <= NEAR * left.size:
             break
-    if not found:
-        raise failure
-    return min(found, key=lambda each: each[0])[1]
+    return min(found, key=lambda each: each[0])[1] if found else problem.best
 
 
 def _ways(
@@ -233,25 +317,19 @@ def _ways(
     yield guess, GROWING
     less_damped = [first, *_scaled(problem, first, "damping")]
     guesses = [each for guess in less_damped for each in _scaled(problem, guess, "clearance")]
-    for each in _best_first(problem, guesses)[:MOST_BEGINNINGS]:
+    others = [each for each in guesses if not np.array_equal(each, guess)]
+    for each in _best_first(problem, others)[:MOST_BEGINNINGS]:
         yield each, whole
 
 
-def _least(problem: FitProblem, first: Values) -> Values:
-    """Return the least-squares solution near a guess."""
+def _least(problem: FitProblem, first: Values, tolerance: float) -> tuple[Values, bool]:
+    """Return the least-squares solution near a guess, and whether it has converged."""
     from scipy.optimize import least_squares  # noqa: PLC0415 - takes long to import
 
     problem.at(first)
     found = least_squares(
         problem.left, first, problem.slopes, problem.bounds(), method="trf", x_scale="jac",
-        ftol=TOLERANCE, xtol=TOLERANCE, gtol=TOLERANCE, max_nfev=MOST_EVALUATIONS,
+        ftol=tolerance, xtol=tolerance, gtol=tolerance, max_nfev=MOST_EVALUATIONS,
     )  # fmt: skip
-    if not found.success:
-        state = tuple(found.x[len(problem.unknown) :][:4].tolist()) or (0.0, 0.0, 0.0, 0.0)
-        raise SimulationError(
-            f"no least-squares solution in {MOST_EVALUATIONS} evaluations: start nearer to it, or "
-            "fit fewer unknowns or a shorter part",
-            time=0.0, state=state,
-        )  # fmt: skip
     solution: Values = found.x
-    return solution
+    return solution, bool(found.success)

@@ -5,18 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import ComplexValues, Values
-from rotor_ida.errors import InputError
+from rotor_ida.arrays import ComplexValues, Stop, Values
+from rotor_ida.errors import BudgetError, InputError
 from rotor_ida.fitting.variation import (
     LONGEST,
     Moments,
     between,
     grown,
     nodes_of,
+    panel_count,
     panels_of,
     slopes_of,
 )
@@ -37,8 +39,26 @@ from rotor_ida.simulation.spin import Ramp, SpeedProfile
 OPTIONS = Options(rtol=1e-11, atol=1e-13, method="taylor")
 # Above this growth a motion is chaotic for a fit: rounding has replaced its start.
 LARGEST_GROWTH = 1e6
-# Limits on a motion and its panels: some seconds.
-MOST_PANELS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Work:
+    """What a motion takes, or may take.
+
+    Parameters
+    ----------
+    steps : int
+        Steps of the simulation.
+    panels : int
+        Panels of the equations of its derivatives.
+    """
+
+    steps: int
+    panels: int
+
+
+# What any motion may take: some seconds.
+ANY_WORK = Work(steps=10_000_000, panels=1_000_000)
 
 
 @dataclass(frozen=True)
@@ -82,44 +102,83 @@ class Turning:
 
 
 @dataclass(frozen=True)
-class Motion:
-    """A motion at the times of a record, and its derivatives.
+class Derivatives:
+    """Derivatives of a motion by its initial state and by each unknown.
 
     Parameters
     ----------
-    z : ndarray of complex, shape (n,)
-        Displacement ``x + i y`` at the samples [m].
     slopes : ndarray of complex, shape (n, 4 + k)
-        Its derivatives by the initial state and by each unknown.
-    entries, exits : ndarray, shape (m,)
-        Times at which contacts begin and end [s].
+        Those of the displacement at the samples.
     entry_slopes, exit_slopes : ndarray, shape (m, 4 + k)
-        Their derivatives.
+        Those of the times at which contacts begin and end.
     growth : float
         Largest factor by which a small change of the initial state has grown.
     lost : float
         Time at which that first exceeds a million, or infinity [s].
+    panels : int
+        Panels in which they were computed.
     """
 
-    z: ComplexValues
     slopes: ComplexValues
-    entries: Values
-    exits: Values
     entry_slopes: Values
     exit_slopes: Values
     growth: float
     lost: float
+    panels: int
 
 
-def motion_of(
-    machine: DimensionalRotor,
-    turning: Turning,
-    start: Values,
-    times: Values,
-    names: Sequence[str],
-    ahead: float = 0.0,
-) -> Motion:
-    """Compute a motion, and its derivatives by its initial state and by parameters.
+@dataclass(frozen=True)
+class Motion:
+    """A motion at the times of a record.
+
+    Parameters
+    ----------
+    request : MotionRequest
+        What was simulated.
+    times : ndarray, shape (n,)
+        Times of the samples [s].
+    orbit : Orbit
+        The dimensionless orbit.
+    names : sequence of str
+        Parameters by which it is differentiated.
+    """
+
+    request: MotionRequest
+    times: Values
+    orbit: Orbit
+    names: Sequence[str]
+
+    @cached_property
+    def z(self) -> ComplexValues:
+        """Displacement ``x + i y`` at the samples [m], shape (n,)."""
+        return _displacements(self.orbit, self.request.machine)[0]
+
+    def touches(self, kind: int) -> tuple[Values, Values]:
+        """Return when contacts begin (1) or end (-1), and the radial velocities [s, m/s]."""
+        # the end of a loose contact is an exit too
+        chosen = self.orbit.event_kinds == kind
+        machine = self.request.machine
+        x, y, vx, vy = self.orbit.event_states[chosen].T
+        rise = (x * vx + y * vy) / np.hypot(x, y) * machine.velocity_scale
+        return self.orbit.event_times[chosen] / machine.reference_frequency, rise
+
+    @cached_property
+    def derivatives(self) -> Derivatives:
+        """The derivatives, computed when they are first used.
+
+        Raises
+        ------
+        InputError
+            If the disc rolls or slips the other way on the stator.
+        BudgetError
+            If they take more than the budget.
+        """
+        return _derivatives_of(self)
+
+
+@dataclass(frozen=True)
+class MotionRequest:
+    """A motion to simulate.
 
     Parameters
     ----------
@@ -129,74 +188,97 @@ def motion_of(
         The measured angle.
     start : ndarray, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [m, m/s].
-    times : ndarray, shape (n,)
-        Times of the samples, from 0 to the end of the measured angle [s].
-    names : sequence of str
-        Parameters by which it is differentiated.
     ahead : float
         Angle of the unbalance ahead of the mark [rad].
-
-    Raises
-    ------
-    InputError
-        If the machine cannot be simulated, or rolls or slips the other way on the stator.
-    SimulationError
-        If the simulation failed.
+    budget : Work
+        What it may take.
+    stop : ndarray, shape (1,), optional
+        Stops the simulation as soon as it is not 0.
     """
-    bare = _follow(machine, turning, start, np.empty(0), ahead)
-    stretches = _stretches_of(bare, machine, turning)
-    ends, stretch = panels_of(
-        stretches.ends, stretches.pushes, _longest_panels(bare, machine, turning),
-        hertz=machine.contact_exponent > 1.0,
-    )  # fmt: skip
+
+    machine: DimensionalRotor
+    turning: Turning
+    start: Values
+    ahead: float = 0.0
+    budget: Work = ANY_WORK
+    stop: Stop | None = None
+
+    def motion(self, times: Values, names: Sequence[str]) -> Motion:
+        """Simulate the motion at times from 0 to the end of the measured angle [s].
+
+        Raises
+        ------
+        InputError
+            If the machine cannot be simulated.
+        SimulationError
+            If the simulation failed.
+        BudgetError
+            If it takes more than its budget.
+        """
+        return Motion(self, times, self.orbit(times), names)
+
+    def orbit(self, times: Values) -> Orbit:
+        """Return the dimensionless orbit."""
+        machine = self.machine
+        rotor, frequency = _simulated(machine.rotor()), machine.reference_frequency
+        scale = np.repeat([machine.length_scale, machine.velocity_scale], 2)
+        x, y, vx, vy = (self.start / scale).tolist()
+        check_can_be_followed(rotor, (x, y, vx, vy))
+        profile = self.turning.course(frequency, self.ahead)
+        sampled = np.minimum(times * frequency, profile.ends[-1])
+        return run(
+            rotor, (x, y, vx, vy), profile.ends[-1], sampled, OPTIONS,
+            profile=profile, most_steps=self.budget.steps, stop=self.stop,
+        )  # fmt: skip
+
+
+def _derivatives_of(motion: Motion) -> Derivatives:
+    """Return the derivatives of a motion."""
+    request, machine, turning = motion.request, motion.request.machine, motion.request.turning
+    stretches = _stretches_of(motion.orbit, machine, turning)
+    ends, stretch = _panels_of(motion, stretches)
     nodes = nodes_of(ends)
-    seen = np.sort(np.concatenate([times, nodes.ravel(), ends]))
-    orbit = _follow(machine, turning, start, seen, ahead)
-    z, v = _displacements(orbit, machine)
+    seen = np.sort(np.concatenate([nodes.ravel(), ends]))
+    z, v = _displacements(request.orbit(seen), machine)
 
     def moments(at: Values, stretch: npt.NDArray[np.intp], side: str = "right") -> Moments:
         place = np.searchsorted(seen, at)
         angle, speed, rate = turning.at(at, side)
-        pull = (speed**2 - 1j * rate) * np.exp(1j * (angle + ahead))
+        pull = (speed**2 - 1j * rate) * np.exp(1j * (angle + request.ahead))
         return Moments(
             z[place], v[place], pull, stretches.pushes[stretch], stretches.slides[stretch]
         )
 
-    inside = slopes_of(machine, moments(nodes.ravel(), np.repeat(stretch, 3)), names)
-    shape = (*nodes.shape, 4)
+    inside = slopes_of(machine, moments(nodes.ravel(), np.repeat(stretch, 3)), motion.names)
+    shape = (*nodes.shape, 2)
     grown_to = grown(ends, *(each.reshape(*shape, -1) for each in inside))
-    rates = tuple(
-        _rates_at(slopes_of(machine, moments(ends[here], stretch, side), names), grown_to[here])
-        for here, side in ((slice(None, -1), "right"), (slice(1, None), "left"))
+    first = _rates_at(slopes_of(machine, moments(ends[:-1], stretch), motion.names), grown_to[:-1])
+    # rates go on from panel to panel, but not where a stretch ends
+    last = np.roll(first, -1, axis=0)
+    end = np.flatnonzero(np.diff(stretch, append=-1))
+    last[end] = _rates_at(
+        slopes_of(machine, moments(ends[end + 1], stretch[end], "left"), motion.names),
+        grown_to[end + 1],
     )
     growth = np.linalg.norm(_scaled(grown_to[:, :, :4], turning), axis=(1, 2))
     lost = ~(growth <= LARGEST_GROWTH)
-    touches = [_times_of(kind, bare, machine, ends, grown_to, names) for kind in (ENTRY, EXIT)]
-    return Motion(
-        z[np.searchsorted(seen, times)],
-        between(ends, grown_to, (rates[0], rates[1]), times),
-        touches[0][0], touches[1][0], touches[0][1], touches[1][1],
-        float(growth.max()), float(ends[lost.argmax()]) if lost.any() else math.inf,
-    )  # fmt: skip
+    entry_slopes, exit_slopes = (
+        _slopes_of_times(kind, motion, ends, grown_to) for kind in (ENTRY, EXIT)
+    )
+    return Derivatives(
+        slopes=between(ends, grown_to, (first, last), motion.times),
+        entry_slopes=entry_slopes,
+        exit_slopes=exit_slopes,
+        growth=float(growth.max()),
+        lost=float(ends[lost.argmax()]) if lost.any() else math.inf,
+        panels=stretch.size,
+    )
 
 
 def _scaled(grown_to: Values, turning: Turning) -> Values:
     """Return derivatives by the initial state, with velocities relative to the speed."""
     scale = np.array([1.0, 1.0, *2 * [float(turning.speeds.max())]])
     return np.asarray(grown_to / scale[:, None] * scale)
-
-
-def _follow(
-    machine: DimensionalRotor, turning: Turning, start: Values, times: Values, ahead: float
-) -> Orbit:
-    """Return the dimensionless orbit."""
-    rotor, frequency = _simulated(machine.rotor()), machine.reference_frequency
-    scale = np.repeat([machine.length_scale, machine.velocity_scale], 2)
-    x, y, vx, vy = (start / scale).tolist()
-    check_can_be_followed(rotor, (x, y, vx, vy))
-    course = turning.course(frequency, ahead)
-    sampled = np.minimum(times * frequency, course.ends[-1])
-    return run(rotor, (x, y, vx, vy), course.ends[-1], sampled, OPTIONS, profile=course)
 
 
 def _simulated(rotor: Rotor) -> Rotor:
@@ -238,6 +320,19 @@ def _stretches_of(orbit: Orbit, machine: DimensionalRotor, turning: Turning) -> 
     return _Stretches(whole, presses[number], slides[number] * presses[number])
 
 
+def _panels_of(motion: Motion, stretches: _Stretches) -> tuple[Values, npt.NDArray[np.intp]]:
+    """Return the ends of panels, and the stretch in which each lies."""
+    request = motion.request
+    hertz = request.machine.contact_exponent > 1.0
+    longest = _longest_panels(motion.orbit, request.machine, request.turning)
+    count = panel_count(stretches.ends, stretches.pushes, longest, hertz=hertz)
+    if count > request.budget.panels:
+        raise BudgetError(
+            f"{count:.3g} steps of the variational equations are more than {request.budget.panels}"
+        )
+    return panels_of(stretches.ends, stretches.pushes, longest, hertz=hertz)
+
+
 def _longest_panels(
     orbit: Orbit, machine: DimensionalRotor, turning: Turning
 ) -> tuple[float, float]:
@@ -251,45 +346,28 @@ def _longest_panels(
     exponent = machine.contact_exponent
     stiff = machine.contact_stiffness * exponent * deepest ** (exponent - 1.0)
     contact = flight + math.sqrt(stiff / machine.mass)
-    panels = turning.ends[-1] * contact / LONGEST + 2.0 * orbit.event_times.size
-    if panels > MOST_PANELS:
-        raise InputError(
-            f"signals must be shorter, or the machine softer: {panels:.3g} steps of the equations "
-            f"are more than {MOST_PANELS}"
-        )
     return LONGEST / flight, LONGEST / contact
 
 
 def _rates_at(slopes: tuple[Values, Values], grown_to: Values) -> Values:
     """Return the time derivatives of velocity differences, shape (p, 2, 4 + k)."""
-    rates = np.einsum("pij,pjc->pic", slopes[0][:, 2:], grown_to)
-    rates[:, :, 4:] += slopes[1][:, 2:]
+    rates = slopes[0] @ grown_to
+    rates[:, :, 4:] += slopes[1]
     return np.asarray(rates)
 
 
-def _times_of(
-    kind: int,
-    orbit: Orbit,
-    machine: DimensionalRotor,
-    ends: Values,
-    grown_to: Values,
-    names: Sequence[str],
-) -> tuple[Values, Values]:
-    """Return the times at which contacts begin, or end, and their derivatives.
+def _slopes_of_times(kind: int, motion: Motion, ends: Values, grown_to: Values) -> Values:
+    """Return the derivatives of the times at which contacts begin, or end.
 
     From ``|z(t)| = d``: ``r' dt = d(clearance) - (z/|z|) . dz``.
     """
-    # the end of a loose contact is an exit too
-    chosen = orbit.event_kinds == kind
-    times = orbit.event_times[chosen] / machine.reference_frequency
-    place = np.abs(ends[:, None] - times).argmin(axis=0) if times.size else np.empty(0, int)
-    x, y, vx, vy = orbit.event_states[chosen].T
-    radius = np.hypot(x, y)
-    rise = (x * vx + y * vy) / radius * machine.velocity_scale
-    here = grown_to[place]
-    outwards = -(x[:, None] * here[:, 0] + y[:, None] * here[:, 1]) / radius[:, None]
+    times, rise = motion.touches(kind)
+    # events are ends of panels, but for rounding
+    place = np.searchsorted(0.5 * (ends[1:] + ends[:-1]), times)
+    x, y = motion.orbit.event_states[motion.orbit.event_kinds == kind].T[:2]
+    here, names = grown_to[place], list(motion.names)
+    outwards = -(x[:, None] * here[:, 0] + y[:, None] * here[:, 1]) / np.hypot(x, y)[:, None]
     if "clearance" in names:
-        outwards[:, 4 + list(names).index("clearance")] += 1.0
+        outwards[:, 4 + names.index("clearance")] += 1.0
     with np.errstate(divide="ignore", invalid="ignore"):
-        slopes = outwards / rise[:, None]
-    return times, slopes
+        return np.asarray(outwards / rise[:, None])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
@@ -10,19 +11,24 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Values
-from rotor_ida.errors import InputError, RotorError
+from rotor_ida.arrays import Stop, Values
+from rotor_ida.errors import BudgetError, InputError, RotorError
 from rotor_ida.fitting.identifiability import ANGLE
-from rotor_ida.fitting.motion import LARGEST_GROWTH, Motion, motion_of
+from rotor_ida.fitting.motion import ANY_WORK, LARGEST_GROWTH, Motion, MotionRequest, Work
 from rotor_ida.fitting.records import Measured
 from rotor_ida.model.rotor import DimensionalRotor
+from rotor_ida.simulation.orbit import ENTRY, EXIT
 
 Mask: TypeAlias = npt.NDArray[np.bool_]
 
 # Singular values below this part of the largest are rounding.
 RANK = 1e-10
-# A failed simulation counts as this many times the residuals of the first guess.
+# A failed trial counts as this many times the largest residual of any other.
 FAR_OFF = 1e3
+# A trial may take so many times the work of the first guess, and always so much; a search may take
+# so many trials.
+MOST_WORK, LEAST_BUDGET = 20, Work(steps=100_000, panels=20_000)
+MOST_TRIALS = 200
 # Contact times count if no other event is nearer than this many of their standard errors. At a
 # graze two events merge, and their times no longer change linearly.
 APART = 10.0
@@ -49,6 +55,29 @@ class Unknown:
     least: float
 
 
+class SearchEnded(Exception):  # noqa: N818 - no error: the search ends with its best trial
+    """The search was stopped, or has taken all the time or trials that it may: says which."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A simulated trial.
+
+    Parameters
+    ----------
+    sought : ndarray
+        The unknowns, then the initial states.
+    motions : list of Motion
+        The motion for each record.
+    cost : float
+        Sum of squared residuals over all windows.
+    """
+
+    sought: Values
+    motions: list[Motion]
+    cost: float = math.inf
+
+
 @dataclass
 class FitProblem:
     """The residuals to minimise.
@@ -68,7 +97,13 @@ class FitProblem:
     starts : list of ndarray, optional
         The initial states, if they are known; otherwise they are fitted too.
     evaluations : int
-        Number of times that motions have been simulated.
+        Number of trials, of which the motions have been simulated.
+    budget : Work
+        What a trial may take for each record.
+    deadline : float
+        When the search must end, as `time.monotonic` has it [s].
+    stop : ndarray, shape (1,), optional
+        Ends the search as soon as it is not 0.
     part : float
         Fraction of the windows, from the first, that the search uses: 1 is all.
     clear : dict
@@ -81,16 +116,57 @@ class FitProblem:
     noise: float
     time_error: float = math.inf
     starts: list[Values] | None = None
-    _last: tuple[bytes, Values, Values, list[Motion]] | None = field(default=None, repr=False)
     evaluations: int = 0
+    budget: Work = ANY_WORK
+    deadline: float = math.inf
+    stop: Stop | None = None
     part: float = 1.0
     clear: dict[tuple[int, int], Mask] = field(default_factory=dict)
+    _last: Trial | None = field(default=None, repr=False)
+    _best: Trial | None = field(default=None, repr=False)
+    _residuals: tuple[bytes, Values, Values] | None = field(default=None, repr=False)
+    _largest: float = 0.0
+
+    def begin(self) -> Values:
+        """Return the first guess, and let its work limit that of all trials.
+
+        Raises
+        ------
+        InputError, SimulationError
+            If it cannot be simulated.
+        """
+        first = self.first()
+        try:
+            motions = self.at(first)[2]
+        except BudgetError as error:
+            raise InputError(
+                f"signals must be shorter, or the machine softer, for a fit: {error.reason}"
+            ) from error
+        self.budget = Work(
+            max(LEAST_BUDGET.steps, MOST_WORK * max(each.orbit.steps for each in motions)),
+            max(LEAST_BUDGET.panels, MOST_WORK * max(each.derivatives.panels for each in motions)),
+        )
+        return first
 
     def renew(self, **known: object) -> None:
         """Set the noise, the error of contact times or the part, which changes the weights."""
         for name, value in known.items():
             setattr(self, name, value)
-        self._last = None
+        self._residuals = None
+        best, self._best = self._best, None
+        if best is not None:
+            self._keep_better(best)
+
+    @property
+    def best(self) -> Values:
+        """The best trial so far, over all windows; at first the first guess."""
+        return self.first() if self._best is None else self._best.sought
+
+    def _keep_better(self, trial: Trial) -> None:
+        """Keep a trial if it is the best so far."""
+        trial = replace(trial, cost=float((self._left(trial) ** 2).sum()))
+        if self._best is None or trial.cost < self._best.cost:
+            self._best = trial
 
     def touches(self, number: int, motion: Motion) -> dict[int, Touches]:
         """Return the residuals of the contact times of one record, by kind."""
@@ -135,49 +211,103 @@ class FitProblem:
         return replace(self.machine, **values), ahead
 
     def motions(self, sought: Values) -> list[Motion]:
-        """Return the motion for each record."""
+        """Return the motion for each record; raises as `trial` does."""
+        return self.trial(sought).motions
+
+    def trial(self, sought: Values) -> Trial:
+        """Return a trial; the last one and the best one are known.
+
+        Raises
+        ------
+        RotorError
+            If it cannot be simulated, or takes more than its budget.
+        SearchEnded
+            If there must be no other trial.
+        """
+        for known in (self._last, self._best):
+            if known is not None and np.array_equal(known.sought, sought):
+                return known
+        self._check_end()
+        self.evaluations += 1
         machine, ahead = self.machine_of(sought)
-        names = [each.field for each in self.unknown]
-        count = len(names)
-        found = []
-        for number, each in enumerate(self.records):
-            start = (
-                sought[count + 4 * number : count + 4 * number + 4]
-                if self.starts is None
-                else self.starts[number]
-            )
-            found.append(motion_of(machine, each.turning, start, each.times, names, ahead))
-            if not found[-1].growth <= LARGEST_GROWTH:
-                raise InputError(
-                    "signals must show a motion that its start determines, but by "
-                    f"{found[-1].lost:.6g} after the start small changes "
-                    f"have grown by {LARGEST_GROWTH:g}: fit a part of them"
-                )
-        return found
+        motions = [self._motion(number, machine, ahead, sought) for number in range(self.count)]
+        self._last = Trial(sought.copy(), motions)
+        return self._last
+
+    @property
+    def count(self) -> int:
+        """Number of records."""
+        return len(self.records)
+
+    def _check_end(self) -> None:
+        """Raise `SearchEnded` if there must be no other trial."""
+        if self.stop is not None and self.stop[0]:
+            raise SearchEnded("interrupted")
+        if self.evaluations > 0 and time.monotonic() > self.deadline:
+            raise SearchEnded("stopped by its limit")
+        if self.evaluations >= MOST_TRIALS:
+            raise SearchEnded(f"stopped after {MOST_TRIALS} trials")
+
+    def start(self, sought: Values, number: int) -> Values:
+        """Return the initial state for a record."""
+        place = len(self.unknown) + 4 * number
+        return sought[place : place + 4] if self.starts is None else self.starts[number]
+
+    def _motion(
+        self, number: int, machine: DimensionalRotor, ahead: float, sought: Values
+    ) -> Motion:
+        """Return the motion of a machine for one record."""
+        each, names = self.records[number], [unknown.field for unknown in self.unknown]
+        start = self.start(sought, number)
+        request = MotionRequest(machine, each.turning, start, ahead, self.budget, self.stop)
+        return request.motion(each.times, names)
 
     def at(self, sought: Values) -> tuple[Values, Values, list[Motion]]:
-        """Return the residuals, their derivatives, and the motions."""
-        key = sought.tobytes()
-        if self._last is None or self._last[0] != key:
-            self.evaluations += 1
-            motions = self.motions(sought)
-            parts = [self._compared(n, motion, sought) for n, motion in enumerate(motions)]
-            left, slopes = (np.concatenate(each) for each in zip(*parts, strict=True))
-            self._last = (key, left, slopes, motions)
-        return self._last[1:]
+        """Return the residuals, their derivatives, and the motions; raises as `trial` does.
+
+        Raises
+        ------
+        InputError
+            If the motion is chaotic, or the disc rolls or slips the other way on the stator.
+        """
+        trial, key = self.trial(sought), sought.tobytes()
+        if self._residuals is None or self._residuals[0] != key:
+            for motion in trial.motions:
+                _check_growth(motion)
+            left, kept = self._left(trial), self._kept()
+            self._keep_better(trial)
+            self._largest = max(self._largest, float(np.abs(left).max()))
+            self._residuals = (key, left * kept, self._slopes(trial) * kept[:, None])
+        return *self._residuals[1:], trial.motions
 
     def left(self, sought: Values) -> Values:
-        """Return the residuals; large where the simulation fails."""
+        """Return the residuals; large where the simulation fails or takes too long.
+
+        A trial that least squares would accept must have derivatives too.
+        """
         try:
-            return self.at(sought)[0]
+            left = self._left(self.trial(sought)) * self._kept()
+            if self._residuals is None or left @ left < self._residuals[1] @ self._residuals[1]:
+                self.at(sought)
         except RotorError:
-            if self._last is None:
-                raise
-            return np.full(self._last[1].size, FAR_OFF * (1.0 + np.abs(self._last[1]).max()))
+            size = sum(sum(self._sizes(number)) for number in range(self.count))
+            return np.full(size, FAR_OFF * (1.0 + self._largest))
+        return left
 
     def slopes(self, sought: Values) -> Values:
         """Return the derivatives of the residuals."""
         return self.at(sought)[1]
+
+    def _sizes(self, number: int) -> tuple[int, int, int]:
+        """Return the numbers of residuals of a record: of tracks, of its start, of contacts."""
+        each = self.records[number]
+        return (
+            2 * each.tracks.orders.size * each.tracks.windows.times.size,
+            4 if self.starts is None else 0,
+            sum(times.size for times in each.touches.values())
+            if math.isfinite(self.time_error)
+            else 0,
+        )
 
     def freedom(self, sought: Values) -> int:
         """Return the degrees of freedom: numbers compared less unknowns that they determine.
@@ -187,13 +317,10 @@ class FitProblem:
         _, slopes, motions = self.at(sought)
         measured = np.ones(len(slopes), dtype=bool)
         row = 0
-        for each in self.records:
-            row += 2 * each.tracks.orders.size * each.tracks.windows.times.size
-            if self.starts is None:
-                measured[row : row + 4] = False
-                row += 4
-            if math.isfinite(self.time_error):
-                row += sum(times.size for times in each.touches.values())
+        for number in range(self.count):
+            tracks, start, touches = self._sizes(number)
+            measured[row + tracks : row + tracks + start] = False
+            row += tracks + start + touches
         sizes = np.linalg.norm(slopes, axis=0)
         basis = np.linalg.svd(slopes / np.where(sizes > 0.0, sizes, 1.0), full_matrices=False)
         kept = basis[0][:, basis[1] > RANK * basis[1].max(initial=0.0)]
@@ -205,21 +332,38 @@ class FitProblem:
         )
         return int(measured.sum()) - lost - round(used)
 
-    def _compared(self, number: int, motion: Motion, sought: Values) -> tuple[Values, Values]:
-        """Return the residuals of one record, and their derivatives by all unknowns."""
-        each, count = self.records[number], len(self.unknown)
-        tracks = each.tracks
-        kept = tracks.first(self.part) / self.noise
-        left = [tracks.weighed((motion.z - each.record.z)[:, None])[:, 0] * kept]
-        slopes = [tracks.weighed(motion.slopes) * kept[:, None]]
-        if self.starts is None:
-            start = sought[count + 4 * number : count + 4 * number + 4]
-            left.append((start - each.start) / each.spread)
-            slopes.append(np.hstack([np.diag(1.0 / each.spread), np.zeros((4, count))]))
-        for found in self.touches(number, motion).values():
-            left.append(found.apart / self.time_error)
-            slopes.append(found.slopes / self.time_error)
-        return np.concatenate(left), self._by_sought(np.concatenate(slopes), number)
+    def _left(self, trial: Trial) -> Values:
+        """Return the residuals of a trial, over all windows."""
+        left = []
+        for number, (each, motion) in enumerate(zip(self.records, trial.motions, strict=True)):
+            apart = each.tracks.weighed((motion.z - each.record.z)[:, None])[:, 0]
+            left.append(apart / self.noise)
+            if self.starts is None:
+                left.append((self.start(trial.sought, number) - each.start) / each.spread)
+            left += [t.apart / self.time_error for t in self.touches(number, motion).values()]
+        return np.concatenate(left)
+
+    def _slopes(self, trial: Trial) -> Values:
+        """Return the derivatives of these residuals by all that is sought."""
+        slopes, count = [], len(self.unknown)
+        for number, (each, motion) in enumerate(zip(self.records, trial.motions, strict=True)):
+            own = [each.tracks.weighed(motion.derivatives.slopes) / self.noise]
+            if self.starts is None:
+                own.append(np.hstack([np.diag(1.0 / each.spread), np.zeros((4, count))]))
+            own += [
+                found.slopes(motion, kind) / self.time_error
+                for kind, found in self.touches(number, motion).items()
+            ]
+            slopes.append(self._by_sought(np.concatenate(own), number))
+        return np.concatenate(slopes)
+
+    def _kept(self) -> Values:
+        """Return 1 for each residual in the part of the windows that is searched, else 0."""
+        kept = []
+        for number, each in enumerate(self.records):
+            others = sum(self._sizes(number)[1:])
+            kept += [each.tracks.first(self.part), np.ones(others)]
+        return np.concatenate(kept)
 
     def _by_sought(self, slopes: Values, number: int) -> Values:
         """Return derivatives by all unknowns from those by one initial state and the parameters."""
@@ -229,6 +373,17 @@ class FitProblem:
         if self.starts is None:
             found[:, count + 4 * number : count + 4 * number + 4] = slopes[:, :4]
         return found
+
+
+def _check_growth(motion: Motion) -> None:
+    """Raise `InputError` for a chaotic motion."""
+    found = motion.derivatives
+    if not found.growth <= LARGEST_GROWTH:
+        raise InputError(
+            "signals must show a motion that its start determines, but by "
+            f"{found.lost:.6g} after the start small changes "
+            f"have grown by {LARGEST_GROWTH:g}: fit a part of them"
+        )
 
 
 @dataclass(frozen=True)
@@ -241,8 +396,8 @@ class Touches:
         The measured times [s].
     apart : ndarray, shape (n,)
         Difference between the nearest computed time and each [s].
-    slopes : ndarray, shape (n, c)
-        Derivatives of that difference.
+    nearest : ndarray of int, shape (n,)
+        Number of that computed time; none if there is none.
     gaps : ndarray, shape (n,)
         Time between the nearest computed event and its neighbour [s].
     compared : ndarray of bool, shape (n,)
@@ -251,22 +406,24 @@ class Touches:
 
     times: Values
     apart: Values
-    slopes: Values
+    nearest: npt.NDArray[np.intp]
     gaps: Values
     compared: Mask
 
     def only(self, clear: Mask | None) -> Touches:
         """Return them without those that are not clear."""
-        return (
-            self
-            if clear is None
-            else replace(
-                self,
-                apart=np.where(clear, self.apart, 0.0),
-                slopes=np.where(clear[:, None], self.slopes, 0.0),
-                compared=self.compared & clear,
-            )
-        )
+        if clear is None:
+            return self
+        apart = np.where(clear, self.apart, 0.0)
+        return replace(self, apart=apart, compared=self.compared & clear)
+
+    def slopes(self, motion: Motion, kind: int) -> Values:
+        """Return the derivatives of the differences, 0 where they are not compared."""
+        found = motion.derivatives
+        by = found.entry_slopes if kind > 0 else found.exit_slopes
+        slopes = np.zeros((self.times.size, by.shape[1]))
+        slopes[self.compared] = by[self.nearest[self.compared]]
+        return slopes
 
 
 def matched(times: Values, motion: Motion, kind: int) -> Touches:
@@ -275,26 +432,25 @@ def matched(times: Values, motion: Motion, kind: int) -> Touches:
     Two match if each is the nearest of the other, no farther away than half the usual gap.
     A measured time without a match has a constant residual, whatever the unknowns.
     """
-    found, slopes = (
-        (motion.entries, motion.entry_slopes) if kind > 0 else (motion.exits, motion.exit_slopes)
-    )
+    found, rise = motion.touches(kind)
     reach = 0.5 * float(np.median(np.diff(times))) if times.size > 1 else math.inf
+    none = np.zeros(times.size)
     if not found.size:
-        missed, none = np.full(times.size, min(reach, float(times[-1]))), np.zeros(times.size)
-        still = np.zeros((times.size, slopes.shape[1]))
-        return Touches(times, missed, still, none + math.inf, none.astype(bool))
+        missed = none + min(reach, float(times[-1]))
+        return Touches(times, missed, none.astype(np.intp), none + math.inf, none.astype(bool))
     distances = np.abs(found[:, None] - times)
     nearest = distances.argmin(axis=0)
-    apart, by = found[nearest] - times, slopes[nearest]
-    alone = (np.abs(apart) >= reach) | ~np.isfinite(by).all(axis=1)
+    apart = found[nearest] - times
+    alone = (np.abs(apart) >= reach) | (rise[nearest] == 0.0)
     alone |= distances.argmin(axis=1)[nearest] != np.arange(times.size)
-    events = np.sort(np.concatenate([[-math.inf], motion.entries, motion.exits, [math.inf]]))
+    both = [motion.touches(each)[0] for each in (ENTRY, EXIT)]
+    events = np.sort(np.concatenate([[-math.inf], *both, [math.inf]]))
     gaps = np.diff(events)
     place = np.searchsorted(events, found[nearest])
     return Touches(
         times,
         np.where(alone, np.clip(apart, -reach, reach), apart),
-        np.where(alone[:, None], 0.0, by),
+        nearest,
         np.minimum(gaps[place - 1], gaps[place]),
         ~alone,
     )

@@ -26,9 +26,13 @@ from rotor_ida.schema import Column
 
 
 def dataset_of(
-    problem: FitProblem, machine: Rotor | DimensionalRotor, solution: Values, level: float
+    problem: FitProblem,
+    machine: Rotor | DimensionalRotor,
+    solution: Values,
+    search: str,
+    level: float,
 ) -> xr.Dataset:
-    """Return the solution as a dataset, with confidence intervals."""
+    """Return the solution as a dataset, with confidence intervals, and how its search ended."""
     _, slopes, motions = problem.at(solution)
     chi_square, freedom = _left_over(problem, solution, motions), problem.freedom(solution)
     slopes = slopes / widening(chi_square, freedom)
@@ -52,6 +56,7 @@ def dataset_of(
     attributes = provenance({"method": "taylor"}) | {
         "machine": type(machine).__name__,
         **{f"given_{name}": value for name, value in machine.given.items()},
+        "search": search,
         "identifiability": "; ".join(words),
         "remainder": left_in_words(chi_square, freedom),
         "confidence": level,

@@ -51,6 +51,9 @@ COEFFICIENTS = np.array(
         [5.0 / 36.0 + _ROOT / 30.0, 2.0 / 9.0 + _ROOT / 15.0, 5.0 / 36.0],
     ]
 )
+# The same twice, as the rates of displacements are velocities; and the weights of both.
+SQUARED = COEFFICIENTS @ COEFFICIENTS
+MEANS = np.array([WEIGHTS @ COEFFICIENTS, WEIGHTS])
 # Radians of the fastest motion in a panel; and how often those beside an event are halved.
 LONGEST = 0.35
 HALVINGS = 14
@@ -84,22 +87,22 @@ class Moments:
 def slopes_of(
     machine: DimensionalRotor, at: Moments, names: Sequence[str]
 ) -> tuple[Values, Values]:
-    """Return the derivatives of the right-hand side by the state and by parameters.
+    """Return the derivatives of the accelerations by the state and by parameters.
 
     Returns
     -------
-    by_state : ndarray, shape (n, 4, 4)
-        Derivatives of ``(vx, vy, ax, ay)`` by ``(x, y, vx, vy)``.
-    by_parameter : ndarray, shape (n, 4, k)
+    by_state : ndarray, shape (n, 2, 4)
+        Derivatives of ``(ax, ay)`` by ``(x, y, vx, vy)``.
+    by_parameter : ndarray, shape (n, 2, k)
         Derivatives by each of the names: parameters of the machine, or ``unbalance_angle``.
     """
     columns = 4 + len(names)
-    slopes = np.zeros((at.z.size, 4, columns))
-    slopes[:, 0, 2] = slopes[:, 1, 3] = 1.0
-    for row, acceleration in enumerate(_accelerations_of(machine, at, names), 2):
-        for column, part in enumerate(acceleration.parts):
-            slopes[:, row, column] = part
-    return slopes[:, :, :4], slopes[:, :, 4:]
+    slopes = np.empty((2, columns, at.z.size))
+    for row, acceleration in zip(slopes, _accelerations_of(machine, at, names), strict=True):
+        for column, part in zip(row, acceleration.parts, strict=True):
+            column[:] = part
+    turned = np.ascontiguousarray(np.moveaxis(slopes, -1, 0))
+    return turned[:, :, :4], turned[:, :, 4:]
 
 
 def _accelerations_of(
@@ -177,6 +180,14 @@ def panels_of(
     return np.concatenate(parts), np.concatenate(stretch)
 
 
+def panel_count(
+    ends: Values, pushes: Values, longest: tuple[float, float], *, hertz: bool
+) -> float:
+    """Return how many panels `panels_of` makes, nearly."""
+    counts = np.maximum(np.diff(ends) / np.where(pushes, longest[1], longest[0]), 2.0)
+    return float(counts.sum() + 2.0 * HALVINGS * hertz * pushes.sum())
+
+
 def nodes_of(ends: Values) -> Values:
     """Return the nodes in panels, shape (panels, 3)."""
     return np.asarray(ends[:-1, None] + np.diff(ends)[:, None] * NODES)
@@ -189,7 +200,7 @@ def grown(ends: Values, by_state: Values, added: Values) -> Values:
     ----------
     ends : ndarray, shape (p + 1,)
         Ends of the panels [s].
-    by_state, added : ndarray, shape (p, 3, 4, 4) and (p, 3, 4, k)
+    by_state, added : ndarray, shape (p, 3, 2, 4) and (p, 3, 2, k)
         Derivatives from `slopes_of` at the nodes.
 
     Returns
@@ -198,28 +209,48 @@ def grown(ends: Values, by_state: Values, added: Values) -> Values:
         Derivatives by the state at the first end, and by each parameter.
     """
     panels, columns = len(by_state), 4 + added.shape[-1]
-    found = np.zeros((panels + 1, 4, columns))
-    found[0, :, :4] = np.eye(4)
+    # neighbouring panels in blocks: all blocks grow from their first ends at once, then in turn
+    length = math.isqrt(panels - 1) + 1
+    blocks = -(-panels // length)
+    across = np.zeros((blocks * length, 4, columns))
     steps = np.diff(ends)
     for first in range(0, panels, AT_ONCE):
         part = slice(first, min(first + AT_ONCE, panels))
-        across = _across(steps[part], by_state[part], added[part])
-        now = found[first]
-        for number, step in enumerate(across, first + 1):
-            now = now + step[:, :4] @ now
-            now[:, 4:] += step[:, 4:]
-            found[number] = now
-    return found
+        across[part] = _across(steps[part], by_state[part], added[part])
+    across = across.reshape(blocks, length, 4, columns)
+    inside, now = np.empty_like(across), np.eye(4, columns)[None]
+    for number in range(length):
+        now = now + across[:, number, :, :4] @ now
+        now[:, :, 4:] += across[:, number, :, 4:]
+        inside[:, number] = now
+    found = np.empty((blocks * length + 1, 4, columns))
+    found[0] = begin = np.eye(4, columns)
+    for each, block in zip(inside, found[1:].reshape(inside.shape), strict=True):
+        np.matmul(each[:, :, :4], begin, out=block)
+        block[:, :, 4:] += each[:, :, 4:]
+        begin = block[-1]
+    return found[: panels + 1]
 
 
 def _across(steps: Values, by_state: Values, added: Values) -> Values:
-    """Return the change of a difference over each panel, and its forcing: (p, 4, 4 + k)."""
-    panels = steps.size
-    matrix = -np.einsum("p,ij,pikl->pikjl", steps, COEFFICIENTS, by_state)
-    matrix = matrix.reshape(panels, 12, 12) + np.eye(12)
-    right = np.concatenate([by_state, added], axis=-1).reshape(panels, 12, -1)
-    rates = np.linalg.solve(matrix, right).reshape(panels, 3, 4, -1)
-    return np.asarray(np.einsum("p,i,pikc->pkc", steps, WEIGHTS, rates), dtype=np.float64)
+    """Return the change of a difference over each panel, and its forcing: (p, 4, 4 + k).
+
+    The rates of the displacements are velocities, so only those of the velocities are solved for.
+    """
+    h = steps[:, None, None, None, None]
+    by_place, by_speed = by_state[:, :, :, :2], by_state[:, :, :, 2:]
+    matrix = np.eye(6).reshape(3, 2, 3, 2) - h * (
+        h * SQUARED[:, None, :, None] * by_place[:, :, :, None]
+        + COEFFICIENTS[:, None, :, None] * by_speed[:, :, :, None]
+    )
+    later = h[..., 0] * NODES[:, None, None] * by_place + by_speed
+    right = np.concatenate([by_place, later, added], axis=-1)
+    rates = np.linalg.solve(matrix.reshape(-1, 6, 6), right.reshape(steps.size, 6, -1))
+    change = MEANS @ rates.reshape(steps.size, 3, -1) * h[..., 0, 0]
+    change = change.reshape(steps.size, 4, -1)
+    change[:, :2] *= h[..., 0, 0]
+    change[:, [0, 1], [2, 3]] += steps[:, None]
+    return np.asarray(change)
 
 
 def between(

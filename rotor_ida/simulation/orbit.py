@@ -90,6 +90,8 @@ class Orbit:
         State at the end, fixed frame [1].
     evaluations : int
         Evaluations of the right-hand side.
+    steps : int
+        Steps of compiled code, where a flight in closed form is one.
     ways : ndarray, shape (m + 1,), optional
         With friction, the mode from the start, and from each event on: flight (0),
         sliding forwards (1) or backwards (-1), rolling (2) or loose (3).
@@ -111,6 +113,7 @@ class Orbit:
     contacts: Rows
     end: Values
     evaluations: int
+    steps: int
     ways: npt.NDArray[np.int8] | None = None
     extrema: Rows | None = None
     speed_record: SpeedRecord | None = None

@@ -599,6 +599,7 @@ def _orbit_of(run: _Run, start: State, end: Values, *, began: bool) -> Orbit:
         contacts=np.array(run.contacts, ORBIT_CONTACT),
         end=end[:IMPULSE],
         evaluations=run.evaluations,
+        steps=0,
         ways=np.array(run.ways, np.int8) if run.rotor.friction > 0.0 else None,
         extrema=extrema,
         speed_record=record,

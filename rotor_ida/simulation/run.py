@@ -9,14 +9,17 @@ import numpy as np
 
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import State
-from rotor_ida.core.interface import DONE, IN_CONTACT, UNBALANCED, message_of
+from rotor_ida.core.interface import DONE, IN_CONTACT, SPENT, UNBALANCED, message_of
 from rotor_ida.core.runs import Rows, RunRequest, RunResult, follow_run
-from rotor_ida.errors import InstallationError, InvariantError, SimulationError
+from rotor_ida.errors import BudgetError, InstallationError, InvariantError, SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ORBIT_CONTACT, Orbit, SpeedRecord, check_orbit
 from rotor_ida.simulation.spin import SpeedProfile
+
+# Ends of a run in the core that are more than a failure of its solver.
+OF_STATUS = {UNBALANCED: InvariantError, SPENT: BudgetError}
 
 
 def run(
@@ -29,6 +32,7 @@ def run(
     slack: float = 0.0,
     scale: float = 1.0,
     extrema: bool = False,
+    most_steps: int = 0,
     stop: Stop | None = None,
     profile: SpeedProfile | None = None,
     watch: Watch | None = None,
@@ -54,6 +58,9 @@ def run(
         Factor on both tolerances.
     extrema : bool
         Whether the extrema of the radius are recorded; the reference records none.
+    most_steps : int
+        Number of steps that a run in compiled code may take, where a flight in closed form is one;
+        0 for any number.
     stop : ndarray, shape (1,), optional
         Stops a run in compiled code as soon as it is not 0.
     profile : SpeedProfile, optional
@@ -65,6 +72,8 @@ def run(
     ------
     SimulationError
         If the solver gives up, or the run was stopped.
+    BudgetError
+        If it needs more than `most_steps`.
     InvariantError
         If the result contradicts the mechanics.
     """
@@ -91,6 +100,7 @@ def run(
         angle=0.0 if profile is None else profile.angle,
         events=True,
         extrema=extrema,
+        most_steps=most_steps,
         stop=stop,
         watch=watch,
     )
@@ -124,7 +134,7 @@ def _compiled(
     """Return the orbit computed by the compiled core."""
     result = follow_run(request)
     if result.status != DONE:
-        kind = InvariantError if result.status == UNBALANCED else SimulationError
+        kind = OF_STATUS.get(result.status, SimulationError)
         state = (
             result.state
             if profile is None
@@ -152,6 +162,7 @@ def _compiled(
         contacts=_contacts_of(result.contacts, request.rotor),
         end=np.array(result.state),
         evaluations=result.evaluations,
+        steps=result.steps,
         ways=result.ways,
         extrema=result.extrema if request.extrema else None,
         speed_record=record,

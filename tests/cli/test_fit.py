@@ -88,6 +88,36 @@ def test_contact_times_are_taken(program: Program, folder: Path):
     assert "1 of 1 are compared" in answer.out
 
 
+def test_a_search_that_is_stopped_says_so(program: Program, folder: Path):
+    answer = program("fit", folder / "run_up.nc", *GUESS, *SOUGHT, "--limit", "1e-9")
+    assert (answer.status, answer.err) == (0, "")
+    assert "stopped by its limit" in answer.out
+
+
+def test_times_and_noise_have_units(program: Program, folder: Path):
+    """As numbers they are in the units of the signals, s and um."""
+    machine = ("--mass", "4", "--contact-stiffness", "3.2e7", "--damping", "89.1",
+               "--eccentricity", "1.2e-5", "--clearance", "2.5e-5", "--shaft-stiffness", "5e4",
+               "--units", "t=s", "x=um", "y=um", "--unknown", "eccentricity", "--json")  # fmt: skip
+    answers = [
+        program("fit", folder / "probes.csv", *machine, "--entries", entry, "--time-error", error,
+                "--noise", noise)
+        for entry, error, noise in (("2.5", "0.01", "0.3"), ("2500ms", "10ms", "300nm"))
+    ]  # fmt: skip
+    plain, named = (json.loads(answer.out) for answer in answers)
+    assert plain["unknown"] == named["unknown"]
+    assert plain["noise"] == named["noise"] == 0.3
+    assert "compared" in plain["contact_times"]
+
+
+def test_the_usage_names_the_files(program: Program):
+    assert program("fit", "--help").out.startswith(
+        "Usage: rotor-ida fit --unknown NAME [OPTIONS] FILE...\n"
+    )
+    answer = program("fit", *GUESS, *SOUGHT)
+    assert (answer.status, answer.err) == (2, f"rotor-ida: FILE must be given{os.linesep}")
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -96,6 +126,8 @@ def test_contact_times_are_taken(program: Program, folder: Path):
         (("--unknown", "zeta", "--entries", "20"), "time_error must be given with entries"),
         (("--unknown", "zeta", "--time-error", "0.1"), "entries or exits must be given"),
         (("--unknown", "zeta", "--noise", "-1"), "noise must be positive, got -1"),
+        (("--unknown", "zeta", "--noise", "2um"), "noise must have no unit"),
+        (("--unknown", "zeta", "--limit", "0"), "limit must be positive, got 0"),
         (("--unknown", "zeta", "--orders", "0"), "orders must be 0 or positive"),
         (("--unknown", "friction"), "machine must have a disc_radius"),
         (("--unknown", "zeta", "--times", "0", "5"), "signals must"),

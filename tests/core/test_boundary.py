@@ -29,12 +29,14 @@ from rotor_ida.core.interface import (
     MESSAGES,
     NO_SOLVER,
     NOT_FINITE,
+    SPENT,
     STOPPED,
     RotorStruct,
     RunStruct,
 )
 from rotor_ida.core.runs import RunRequest
 from rotor_ida.core.systems import EPISODE, LAW, TOUCH, SystemRunStruct
+from rotor_ida.errors import BudgetError
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 
@@ -315,6 +317,36 @@ def test_a_long_run_stops_within_a_second(name):
     with stopping_after(0.3, stop):
         seen = runs.follow_run(RunRequest(rotor=BOUNCING, start=REST, stop=stop, **LONG[name]))
     assert seen.status == STOPPED
+
+
+RAMP = np.array([(20.0, 0.05, 0.0, 0.0, 0.0, 1.0)], runs.PIECE)
+BUDGETED = {
+    **{method: {"method": method} for method in ("taylor", "adams", "bdf")},
+    "integrated flight": {"method": "adams", "exact_flight": False},
+    "any rotor": {"whole": True},
+    "changing speed": {"pieces": RAMP},
+    "without clearance": {"rotor": replace(BOUNCING, delta0=0.0)},
+}
+
+
+@pytest.mark.parametrize("name", BUDGETED)
+def test_a_run_ends_where_its_steps_are_spent(name):
+    """Exactly as many as it needs change nothing; one less ends it before its end."""
+    asked = {"rotor": BOUNCING, "start": REST, "duration": 20.0, "rtol": 1e-8, "atol": 1e-10,
+             "events": True, **BUDGETED[name]}  # fmt: skip
+    free = runs.follow_run(RunRequest(**asked))
+    enough = runs.follow_run(RunRequest(**asked, most_steps=free.steps))
+    short = runs.follow_run(RunRequest(**asked, most_steps=free.steps - 1))
+    assert free.status == enough.status == DONE
+    assert enough.state == free.state
+    np.testing.assert_array_equal(enough.event_times, free.event_times)
+    assert (short.status, short.steps) == (SPENT, free.steps)
+    assert short.time < 20.0
+
+
+def test_spent_steps_are_an_error_of_their_own():
+    with pytest.raises(BudgetError, match="needs more steps than it may take"):
+        run(BOUNCING, REST, 1e9, np.empty(0), Options(method="taylor"), most_steps=1000)
 
 
 def test_a_flight_of_many_turns_stops_within_a_second():

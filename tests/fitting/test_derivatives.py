@@ -11,8 +11,9 @@ from rotor_ida import DimensionalRotor, InputError, Rotor
 from rotor_ida.core.runs import COLUMNS
 from rotor_ida.fitting.arguments import UNITS
 from rotor_ida.fitting.identifiability import ANGLE
-from rotor_ida.fitting.motion import Turning, motion_of
+from rotor_ida.fitting.motion import MotionRequest, Turning
 from rotor_ida.simulation.neighbours import shoot
+from rotor_ida.simulation.orbit import ENTRY
 
 # Runs up at one rate, then at another, through contacts that end and that do not.
 TURNING = Turning(
@@ -34,7 +35,7 @@ PARTS = {"contact_damping": 3e-3, "load": 1e-4}
 
 
 def moved(machine, start, ahead):
-    return motion_of(machine, TURNING, start, TIMES, [], ahead)
+    return MotionRequest(machine, TURNING, start, ahead).motion(TIMES, [])
 
 
 def difference(machine, name, step):
@@ -49,10 +50,11 @@ def difference(machine, name, step):
         else:
             one = replace(machine, **{name: getattr(machine, name) + way * step})
         both.append(moved(one, start, ahead))
-    assert both[0].entries.size == both[1].entries.size > 0
+    entries = [each.touches(ENTRY)[0] for each in both]
+    assert entries[0].size == entries[1].size > 0
     return (
         (both[0].z - both[1].z) / (2.0 * step),
-        (both[0].entries - both[1].entries) / (2.0 * step),
+        (entries[0] - entries[1]) / (2.0 * step),
     )
 
 
@@ -60,18 +62,18 @@ def difference(machine, name, step):
 def test_derivatives_are_those_of_the_motion(machine):
     """A difference of two motions has an error of its step squared, and of rounding over it."""
     names = list(UNITS)
-    motion = motion_of(machine, TURNING, START, TIMES, names, AHEAD)
-    assert motion.growth < 1e3
+    found = MotionRequest(machine, TURNING, START, AHEAD).motion(TIMES, names).derivatives
+    assert found.growth < 1e3
     steps = dict(enumerate([1e-10, 1e-10, 1e-7, 1e-7])) | {
         name: 1e-6 if name == ANGLE else PARTS.get(name, 1e-6) * getattr(machine, name)
         for name in names
     }
     for column, (name, step) in enumerate(steps.items()):
         by_z, by_time = difference(machine, name, step)
-        error = np.abs(motion.slopes[:, column] - by_z).max() / np.abs(by_z).max()
+        error = np.abs(found.slopes[:, column] - by_z).max() / np.abs(by_z).max()
         assert error < 1e-4, name
         scale = np.abs(by_time).max()
-        assert np.abs(motion.entry_slopes[:, column] - by_time).max() / scale < 1e-4, name
+        assert np.abs(found.entry_slopes[:, column] - by_time).max() / scale < 1e-4, name
 
 
 def test_derivatives_are_those_of_the_core_at_one_speed():
@@ -86,22 +88,23 @@ def test_derivatives_are_those_of_the_core_at_one_speed():
     )  # fmt: skip
     turning = Turning(np.array([0.0, end]), np.zeros(1), np.array([1.7]), np.zeros(1))
     names = ("damping", "clearance", "shaft_stiffness", "contact_damping", "load")
-    motion = motion_of(machine, turning, start, np.array([0.0, end]), names)
+    motion = MotionRequest(machine, turning, start).motion(np.array([0.0, end]), names)
+    slopes = motion.derivatives.slopes
     turned = np.exp(1.7j * end)
     exact = {name: shot.by_parameter[:, n] for n, name in enumerate(COLUMNS)}
     exact |= {"damping": 0.5 * exact["zeta"], "clearance": exact["delta0"]}
     by_start = (shot.monodromy[0] + 1j * shot.monodromy[1]) * turned
     size = np.abs(by_start).max()
-    np.testing.assert_allclose(motion.slopes[-1, :4], by_start, rtol=0, atol=2e-7 * size)
+    np.testing.assert_allclose(slopes[-1, :4], by_start, rtol=0, atol=2e-7 * size)
     for column, name in enumerate(names, 4):
         expected = (exact[name][0] + 1j * exact[name][1]) * turned
-        size = np.abs(motion.slopes[:, column]).max()
-        assert abs(motion.slopes[-1, column] - expected) < 2e-7 * max(size, 1.0), name
-    assert motion.entries.size > 2
+        size = np.abs(slopes[:, column]).max()
+        assert abs(slopes[-1, column] - expected) < 2e-7 * max(size, 1.0), name
+    assert motion.touches(ENTRY)[0].size > 2
 
 
 def test_a_disc_that_rolls_is_refused():
     """Where sliding ends derivatives jump; a small disc in firm contact comes to roll."""
     small = replace(MACHINE, friction=0.5, disc_radius=2e-6, load=0.0)
     with pytest.raises(InputError, match=r"machine must slide one way on the stator.* fit without"):
-        motion_of(small, TURNING, START, TIMES, [])
+        _ = MotionRequest(small, TURNING, START).motion(TIMES, []).derivatives

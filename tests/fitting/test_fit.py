@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
+from runpy import run_path
 
 import numpy as np
 import pytest
@@ -21,6 +23,9 @@ from rotor_ida import (
     signals_of,
     simulate,
 )
+from rotor_ida.errors import BudgetError
+from rotor_ida.fitting.arguments import problem_of
+from rotor_ida.fitting.problem import MOST_TRIALS
 
 TRUE = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
 GUESS = Rotor(omega=0.3, zeta=0.08, delta0=1.8, shaft_stiffness=0.9)
@@ -243,6 +248,67 @@ def test_chaos_is_refused():
         fit(run, rotor, ["zeta"])
 
 
+SIX = ("mass", "damping", "eccentricity", "clearance", "shaft_stiffness", "contact_stiffness")
+COSTLY = {"mass": 1e-9, "contact_stiffness": 1e9, "damping": 1e3}
+
+
+@pytest.fixture(scope="module")
+def six():
+    """Six unknowns of a run-up in SI units, whose first guess has been simulated."""
+    problem = problem_of(
+        signals_of(in_si(MACHINE)), MACHINE, SIX, orders=(1,), revolutions=None, start=None,
+        entries=None, exits=None, time_error=None, noise=1.0,
+    )  # fmt: skip
+    problem.begin()
+    return problem
+
+
+@pytest.mark.parametrize("name", COSTLY)
+def test_a_costly_trial_is_a_poor_one(six, name):
+    """Such trials of a search took minutes, in the simulation or in the derivatives."""
+    good = six.left(six.first())
+    sought = six.first()
+    sought[SIX.index(name)] *= COSTLY[name]
+    with pytest.raises(BudgetError, match=r"needs more steps|variational equations"):
+        six.at(sought)
+    assert (six.left(sought) ** 2).sum() > 100.0 * (good**2).sum()
+
+
+def test_what_cannot_be_simulated_is_a_poor_trial(six):
+    sought = six.first()
+    sought[SIX.index("shaft_stiffness")] *= 1e9
+    with pytest.raises(InputError, match="shaft_stiffness must be"):
+        six.at(sought)
+    assert np.ptp(six.left(sought)) == 0.0
+
+
+def test_a_search_that_must_end_returns_its_best_trial(up, monkeypatch):
+    """By the clock, by the number of trials, or by itself: and says which."""
+    seen, counts = noisy(signals_of(up), np.random.default_rng(1)), []
+    whole = fit(seen, GUESS, SOUGHT, progress=lambda *told: counts.append(told))
+    assert whole.attrs["search"] == "converged"
+    assert all(done <= total == MOST_TRIALS for done, total in counts)
+    late = fit(seen, GUESS, SOUGHT, limit=1e-9)
+    assert late.attrs["search"].startswith(
+        "stopped by its limit: no trial is better than the first guess"
+    )
+    assert late.attrs["evaluations"] == 1
+    np.testing.assert_array_equal(late.estimate, late.first_guess)
+    monkeypatch.setattr("rotor_ida.fitting.problem.MOST_TRIALS", 12)
+    short = fit(seen, GUESS, SOUGHT, noise=NOISE)
+    assert short.attrs["search"].startswith("stopped after 12 trials: this is the best trial")
+    assert float(whole.chi_square) < float(short.chi_square)
+    first = fit(seen, GUESS, SOUGHT, noise=NOISE, limit=1e-9)
+    assert float(short.chi_square) < float(first.chi_square)
+
+
+@pytest.mark.parametrize("seed", [6, 15, 29])
+def test_guesses_a_fifth_off_end_right(seed):
+    """Three of the 200 fits of benchmarks/fit_guesses.py."""
+    script = Path(__file__).parents[2] / "benchmarks" / "fit_guesses.py"
+    assert run_path(str(script))["trial"](seed)[0] == "right"
+
+
 REFUSED = {
     "names": ({"unknown": ["omega"]}, r"unknown must be of zeta, delta0, .* got 'omega'"),
     "none": ({"unknown": []}, r"unknown must be of .*, got \[\]"),
@@ -258,6 +324,8 @@ REFUSED = {
     "outside": ({"entries": [-5.0], "time_error": 1.0}, r"entries must lie within the signals"),
     "start": ({"start": [1, 2]}, r"start must be four numbers"),
     "noise": ({"noise": -1}, r"noise must be positive, got -1.0"),
+    "limit": ({"limit": 0}, r"limit must be positive, got 0.0"),
+    "progress": ({"progress": 3}, r"progress must be a function or None, got 3"),
     "confidence": ({"confidence": 2}, r"confidence must lie from 0.5"),
     "too long": ({"revolutions": 500}, r"signals must have at least 500 whole revolutions"),
     "no machine": ({"machine": 3}, r"machine must be a Rotor or a DimensionalRotor, got 3"),

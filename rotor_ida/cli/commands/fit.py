@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 import rotor_ida
 from rotor_ida.cli import options
 from rotor_ida.cli.commands.plot import OF_FILE, signals_in
-from rotor_ida.cli.output import Output, answer
+from rotor_ida.cli.output import Output, answer, working
+from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import Report
+from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,6 +26,7 @@ def fit(
     exits: options.ExitTimes = None,
     time_error: options.TimeError = None,
     noise: options.NoiseLevel = None,
+    limit: options.SearchLimit = None,
     times: options.Times = None,
     reading: options.ReadingOptions = options.ReadingOptions(),
     output: Output = Output(),
@@ -42,6 +45,8 @@ def fit(
             --shaft-stiffness 500N/mm --eccentricity 1um \
             --unknown eccentricity unbalance_angle
     """
+    if not files:
+        raise InputError("FILE must be given")
     output.check()
     given = rotor.given  # the speed is measured; this one is not used
     known = {
@@ -51,18 +56,27 @@ def fit(
     }
     chosen = rotor.chosen(known)
     signals: list[xr.Dataset] = [signals_in(each, reading, times) for each in files]
-    found = rotor_ida.fit(
-        signals,
-        chosen,
-        unknown,
-        orders=(1.0,) if orders is None else orders,
-        start=start,
-        entries=entries,
-        exits=exits,
-        time_error=time_error,
-        noise=noise,
-    )
+    length, time = (str(signals[0][name].attrs.get("units", "1")) for name in "xt")
+    with working("trials") as progress:
+        found = rotor_ida.fit(
+            signals,
+            chosen,
+            unknown,
+            orders=(1.0,) if orders is None else orders,
+            start=start,
+            entries=_all_in("entries", entries, time),
+            exits=_all_in("exits", exits, time),
+            time_error=None if time_error is None else in_unit("time_error", time_error, time),
+            noise=None if noise is None else in_unit("noise", noise, length),
+            limit=limit,
+            progress=progress,
+        )
     for name in OF_FILE:
         if told := dict.fromkeys(str(each.attrs[name]) for each in signals if name in each.attrs):
             found.attrs[name] = "; ".join(told)
     return answer(found, output)
+
+
+def _all_in(name: str, values: list[float] | None, unit: str) -> list[float] | None:
+    """Return values in the unit of the signals."""
+    return None if values is None else [in_unit(name, each, unit) for each in values]
