@@ -13,10 +13,10 @@ CVODE run is repeated by CVODE itself, at thirty times looser tolerances. The di
 error of the looser run and bounds that of the tighter one.
 
 A difference of times may vanish by chance, while the states at the event differ. Each error is
-therefore at least a part of that of the states, as far as the event's guard may feel it, over the guard's
-rate. Where rounding is all that differs both may vanish, so each event takes the largest of its own
-error and those of the few events before it. ``docs/events.md`` shows how well this covers the
-reference cases.
+therefore at least a part of that of the states, as far as the event's guard may feel it, over the
+guard's rate. Where rounding is all that differs both may vanish, so each event takes the largest of
+its own error and those of the few events before it. ``docs/events.md`` shows how well this covers
+the reference cases.
 """
 
 from __future__ import annotations
