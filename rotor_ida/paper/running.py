@@ -10,13 +10,14 @@ import time
 from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from multiprocessing import get_all_start_methods, get_context
+from multiprocessing import get_all_start_methods, get_context, resource_tracker
 from multiprocessing.connection import wait
 from multiprocessing.context import ForkServerContext, SpawnContext
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from rotor_ida.paper import freshness
+from rotor_ida.parallel.pools import deaf_to_interrupts
 
 # Imports take longer than many scripts compute: a server imports once, and each script starts in
 # a copy of it.
@@ -78,6 +79,7 @@ def run_scripts(
     interrupts, running scripts are ended.
     """
     context = _context()
+    resource_tracker.ensure_running()  # as it starts, it lets interrupts in that are kept out
     waiting = iter(scripts.items())
     running: list[_Running] = []
     with tempfile.TemporaryDirectory() as aside:
@@ -90,8 +92,9 @@ def run_scripts(
                     freshness.begin(root / name)
                     given = (script, options, Path.cwd(), printed)
                     process = context.Process(target=_run, args=given)
-                    process.start()
-                    running.append(_Running(name, process, printed, time.monotonic()))
+                    with deaf_to_interrupts():  # else one is left that nobody ends
+                        process.start()
+                        running.append(_Running(name, process, printed, time.monotonic()))
                 if not running:
                     return
                 wait([each.process.sentinel for each in running])

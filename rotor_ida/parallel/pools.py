@@ -88,12 +88,25 @@ def _as_they_end(
 
 @contextmanager
 def deaf_to_interrupts() -> Iterator[None]:
-    """Start workers that ignore keyboard interrupts, which the waiting process handles."""
+    """Start workers that ignore keyboard interrupts, which the waiting process handles after that.
+
+    They inherit the mask of this thread. Another thread may take the interrupt meanwhile, and this
+    one must not break off between the start of a worker and the note that it has begun.
+    """
     if not hasattr(signal, "pthread_sigmask"):  # not on Windows
         yield
         return
+    came: list[int] = []
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    handler = signal.getsignal(signal.SIGINT)
+    defers = callable(handler) and threading.current_thread() is threading.main_thread()
+    if defers:
+        signal.signal(signal.SIGINT, lambda number, _: came.append(number))
     try:
         yield
     finally:
+        if defers:
+            signal.signal(signal.SIGINT, handler)
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if came:
+            signal.raise_signal(signal.SIGINT)

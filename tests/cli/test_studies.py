@@ -86,6 +86,20 @@ def test_an_interrupt_before_it_begins_is_one_line(monkeypatch: Any, capsys: Any
     assert capsys.readouterr().err == "rotor-ida: interrupted\n"
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_an_interrupt_after_the_result_comes_too_late():
+    code = (
+        "import atexit, os, signal, sys\n"
+        "from rotor_ida.cli import main\n"
+        "atexit.register(os.kill, os.getpid(), signal.SIGINT)\n"
+        "sys.exit(main())"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", code, "simulate", "--help"], capture_output=True, check=False
+    )
+    assert (ended.returncode, ended.stderr) == (0, b"")
+
+
 def test_an_interrupt_while_the_result_is_written_says_how_to_go_on(
     program: Program, monkeypatch: Any
 ):
