@@ -241,7 +241,12 @@ def check_array(name: str, values: object, *, largest: float = math.inf) -> Valu
     if given.dtype.kind not in "iuf" or not np.isfinite(given).all():
         listed = [check_real(name, number) for number in given.ravel()]
         given = np.array(listed).reshape(given.shape)
-    numbers = given.astype(np.float64)
+    with np.errstate(over="ignore"):  # of longer floats
+        numbers = given.astype(np.float64)
+    if not np.isfinite(numbers).all():
+        raise InputError(
+            f"{name} must be a finite real number, got {given[~np.isfinite(numbers)].flat[0]!r}"
+        )
     outside = numbers[np.abs(numbers) > largest]
     if outside.size:
         raise InputError(f"{name} must lie within {largest:g} of zero, got {float(outside[0])!r}")

@@ -209,3 +209,12 @@ def test_numbers_are_counted_along_every_axis_before_they_are_read():
     wide = np.broadcast_to(0.5, (2, 1_000_000_000))
     with pytest.raises(InputError, match="speeds must contain at most 10000000 numbers, got"):
         check_array("speeds", wide)
+
+
+def test_longer_floats_beyond_doubles_are_refused_without_a_warning():
+    if np.finfo(np.longdouble).max > np.finfo(float).max:
+        values = np.array([1.0, np.finfo(np.longdouble).max], dtype=np.longdouble)
+        with pytest.raises(InputError, match="omega must be a finite real number, got"):
+            check_array("omega", values)
+    exact = check_array("omega", np.array([2.0], dtype=np.longdouble))
+    assert (exact.dtype, exact.tolist()) == (np.dtype(np.float64), [2.0])

@@ -41,7 +41,11 @@ def check_path(name: str, path: object, *, kind: str = "file") -> Path:
     if not isinstance(text, str) or "\0" in text or not text:
         raise InputError(f"{name} must be the path of a {kind}, got {shown(path)}")
     try:
+        # netCDF takes no other names; the folder need not have been named
+        os.path.realpath(text).encode()
         os.lstat(text)
+    except UnicodeEncodeError as error:
+        raise InputError(f"{name} must be a path in valid Unicode, got {shown(text)}") from error
     except OSError as error:
         if error.errno == errno.ENAMETOOLONG:
             raise InputError(f"{name} must be a shorter path, got {shown(text)}") from error

@@ -36,6 +36,13 @@ def test_a_path_that_no_system_takes_is_refused_in_a_short_line() -> None:
     assert len(str(caught.value)) < 250
 
 
+@pytest.mark.parametrize("path", ["a\udcff.nc", "b\ud800/c.nc"])
+def test_a_path_that_is_no_unicode_is_refused_in_one_line(path: str) -> None:
+    """A name of bytes that are no UTF-8, which netCDF cannot write; and half a pair."""
+    with pytest.raises(InputError, match="path must be a path in valid Unicode, got '[ab]"):
+        check_path("path", path)
+
+
 def test_target_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
     there = tmp_path / "there.txt"
     there.write_text("before")
