@@ -39,7 +39,7 @@ def test_a_path_that_no_system_takes_is_refused_in_a_short_line() -> None:
 @pytest.mark.parametrize("path", ["a\udcff.nc", "b\ud800/c.nc"])
 def test_a_path_that_is_no_unicode_is_refused_in_one_line(path: str) -> None:
     """A name of bytes that are no UTF-8, which netCDF cannot write; and half a pair."""
-    with pytest.raises(InputError, match="path must be a path in valid Unicode, got '[ab]"):
+    with pytest.raises(InputError, match=r"path must be a path in valid Unicode, got '[ab]"):
         check_path("path", path)
 
 
