@@ -184,8 +184,9 @@ def status(folder: str | os.PathLike[str]) -> dict[str, object]:
     place = check_path("study", folder, kind="folder")
     with reading(place) as connection:
         design, points = begun_with(connection, place)
-        done, failed = connection.execute(
-            "SELECT coalesce(sum(points), 0), coalesce(sum(failed), 0) FROM pieces"
+        done, failed, wrong = connection.execute(
+            "SELECT coalesce(sum(points), 0), coalesce(sum(failed), 0), "
+            "count(*) FILTER (WHERE failed < 0 OR failed > points) FROM pieces"
         ).fetchone()
         reasons = connection.execute(
             "SELECT DISTINCT reason FROM pieces WHERE failed > 0 ORDER BY number LIMIT ?",
@@ -194,7 +195,7 @@ def status(folder: str | os.PathLike[str]) -> dict[str, object]:
         session = connection.execute(
             "SELECT began, seen, points FROM sessions ORDER BY rowid DESC LIMIT 1"
         ).fetchone()
-    if not (isinstance(done, int) and isinstance(failed, int)):
+    if not (isinstance(done, int) and isinstance(failed, int)) or wrong or done > points:
         raise damaged(place, "the number of points of a piece")
     rate = _rate(session)
     return {

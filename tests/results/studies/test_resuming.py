@@ -22,7 +22,7 @@ from rotor_ida import (
     save,
     sweep,
 )
-from rotor_ida.errors import InputError
+from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.results.studies import status
 from rotor_ida.results.studies.database import FILE, _as_text, _digest
 from rotor_ida.steady import follow
@@ -209,6 +209,15 @@ def test_a_fault_of_the_program_is_raised_and_what_was_done_is_kept(tmp_path, mo
     told = status(tmp_path)
     assert (told["done"], told["failed"], told["left"]) == (1, 0, 2)
     xr.testing.assert_identical(sweep(**given, study=tmp_path), sweep(**given))
+
+
+@pytest.mark.parametrize("forged", ["points = -5", "points = 7", "failed = 2", "failed = -1"])
+def test_counts_that_cannot_be_are_told_by_status(forged, tmp_path):
+    sweep(omega=[1.0, 2.0], zeta=0.5, delta0=0.5, executor="serial", study=tmp_path)
+    with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
+        connection.execute(f"UPDATE pieces SET {forged}")
+    with pytest.raises(ArchiveError, match="damaged: the number of points of a piece"):
+        status(tmp_path)
 
 
 @pytest.mark.parametrize("kind", KINDS)
