@@ -18,7 +18,7 @@ from rotor_ida.simulation.mechanics import (
     SpinningRotor,
     rates_of,
 )
-from rotor_ida.simulation.spin import Driven, Ramp
+from rotor_ida.simulation.spin import SPEED, Driven, Ramp
 from tests.model.symbolic import value_of
 
 MODES = {mode.name: mode for mode in RUN_UP.modes}
@@ -97,14 +97,14 @@ def test_accelerations_are_those_on_fixed_axes(name, spin, rotor):
     given = replace(rotor, disc_radius=rotor.disc_radius or 0.0)
     for seed in range(20):
         z, v = drawn(name, seed)
-        state = np.array([z.real, z.imag, v.real, v.imag, 0.0, 0.0, 0.0, 0.0, 0.0, rotor.omega])
-        rate = np.empty(10)
+        state, rate = np.zeros(SPEED + 1), np.empty(SPEED + 1)
+        state[:4], state[SPEED] = (z.real, z.imag, v.real, v.imag), rotor.omega
         rates_of(machine, WAYS[name])(0.0, state, rate)
         core = as_core(given, SPINS[spin], name)
         own = of_core(name, z, v, rotor.omega, given)
         found, quick = moved(name, own, MODES[name].rates(own, core), given)
         assert found == pytest.approx(complex(*rate[2:4]), rel=1e-12, abs=1e-12)
-        expected = rate[9] if spin == "torque" else SPINS[spin].rate
+        expected = rate[SPEED] if spin == "torque" else SPINS[spin].rate
         assert quick == pytest.approx(expected, rel=1e-12, abs=1e-13)
 
 
