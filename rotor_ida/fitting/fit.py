@@ -230,7 +230,9 @@ def _without_contact(problem: FitProblem, solution: Values) -> Values:
         nearest = left - slopes @ np.linalg.lstsq(slopes, left)[0]
         if more(nearest) > MUCH_MORE:
             return solution
+        wide = free[place]
         free, _ = _least(problem, free, SEARCH_TOLERANCE)
+        free[place] = wide  # where it changes nothing
         return free if more(problem.at(free)[0]) < SAME else solution
     except (RotorError, SearchEnded):
         return solution

@@ -192,6 +192,19 @@ def test_a_clearance_that_is_never_touched_is_not_identifiable():
     assert np.isinf(found.standard_error.sel(unknown="delta0"))
 
 
+@pytest.mark.parametrize("seed", [0, 2, 3])
+def test_touches_that_only_follow_the_noise_do_not_tell_the_clearance(seed):
+    """A guess near the largest radius found 3.40 +- 0.02 here, of a clearance of 50."""
+    wide = Rotor(omega=0.3, zeta=0.15, delta0=50.0, shaft_stiffness=1.0)
+    run = run_up(wide, start=(0, 0, 0, 0), to=2.0, rate=0.02, samples=2001)
+    near = 0.98 * float(np.hypot(run.x, run.y).max())
+    seen = noisy(signals_of(run), np.random.default_rng(seed))
+    found = fit(seen, replace(wide, delta0=near), SOUGHT)
+    np.testing.assert_array_equal(found.told, [1, 0, 1])
+    assert float(found.estimate[1]) > near
+    assert "delta0 is not identifiable" in found.attrs["identifiability"]
+
+
 def test_what_is_known_only_together_is_said():
     """Without contact mass, damping and stiffness move a rotor by their ratios alone."""
     wide = DimensionalRotor(**{**MACHINE.given, "clearance": 1e-3})
