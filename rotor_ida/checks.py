@@ -243,10 +243,8 @@ def check_array(name: str, values: object, *, largest: float = math.inf) -> Valu
         given = np.array(listed).reshape(given.shape)
     with np.errstate(over="ignore"):  # of longer floats
         numbers = given.astype(np.float64)
-    if not np.isfinite(numbers).all():
-        raise InputError(
-            f"{name} must be a finite real number, got {given[~np.isfinite(numbers)].flat[0]!r}"
-        )
+    for number in given[~np.isfinite(numbers)]:
+        check_real(name, number)
     outside = numbers[np.abs(numbers) > largest]
     if outside.size:
         raise InputError(f"{name} must lie within {largest:g} of zero, got {float(outside[0])!r}")

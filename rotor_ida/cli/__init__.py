@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
+import threading
 from collections.abc import Sequence
 
 __all__ = ["main"]
@@ -15,7 +16,8 @@ def main(words: Sequence[str] | None = None) -> int:
         from rotor_ida.cli import program  # noqa: PLC0415 - takes a moment
 
         status = program.main(words)
-        if words is None:  # of a process: its work is done, so an interrupt comes too late
+        if words is None and threading.current_thread() is threading.main_thread():
+            # the work of the process is done, so an interrupt comes too late
             signal.signal(signal.SIGINT, signal.SIG_IGN)
         return status
     except KeyboardInterrupt:

@@ -25,8 +25,8 @@ Mask: TypeAlias = npt.NDArray[np.bool_]
 RANK = 1e-10
 # A failed trial counts as this many times the largest residual of any other.
 FAR_OFF = 1e3
-# A trial may take so many times the work of the first guess, and always so much; a search may take
-# so many trials.
+# The largest work of a trial, in works of the first guess; the least that any trial is allowed;
+# and the largest number of trials in a search.
 MOST_WORK, LEAST_BUDGET = 20, Work(steps=100_000, panels=20_000)
 MOST_TRIALS = 200
 # Contact times count if no other event is nearer than this many of their standard errors. At a

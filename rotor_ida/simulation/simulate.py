@@ -76,8 +76,8 @@ def simulate(
         event_vx event_vy`` on ``event``; on ``contact`` ``entry_time exit_time peak_time
         peak_indentation peak_force contact_duration impulse entry_speed entry_angle
         energy_lost whirl_direction``, and with friction ``heat slip_distance rolling_time``; NaN
-        where the run began or ended inside the contact. Scalars
-        ``starts_in_contact`` and ``horizon``; coordinates ``omega zeta delta0``.
+        where the run began or ended inside the contact. Scalars ``starts_in_contact`` and
+        ``horizon``; coordinates ``omega zeta delta0``.
         With friction also ``mode``, ``slip_speed`` and ``normal_force`` on ``t``, and three more
         kinds of event: ``roll``, ``slip`` and ``reverse``.
 

@@ -863,7 +863,7 @@ def test_the_page_is_recorded_at_the_press_of_a_button(page):
 
 
 def hovered(page, panel, value):
-    """Move the pointer to values in a plot; return what is told of the place.
+    """Move the pointer to values in a plot; return what the readout says.
 
     The plot may be drawn anew, or the page move under the pointer, until the cursor is there.
     """
