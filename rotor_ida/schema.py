@@ -164,6 +164,16 @@ QUANTITIES: dict[str, Quantity] = {
     "node": Quantity("node of a rotor system", ""),
     "contact_node": Quantity("node of a contact", ""),
     "clearance": Quantity("radial clearance of a contact", scale="length"),
+    "contact_stator": Quantity("stator of a contact, empty for the ground", ""),
+    **{
+        f"{of}_{axis}": Quantity(f"{word} {noun}", scale="length")
+        for axis, word in (("x", "horizontal"), ("y", "vertical"))
+        for of, noun in (
+            ("centre", "offset of the centre of a stator from the place of rest"),
+            ("contact", "displacement at a contact from the centre of its stator"),
+            ("event_contact", "displacement at the contact of an event from the centre"),
+        )
+    },
     "event_contact": Quantity("number of the contact of an event"),
     "event_state": Quantity("displacement and velocity of all coordinates at an event"),
     "final_state": Quantity(

@@ -12,6 +12,7 @@ from matplotlib.axis import Axis
 from rotor_ida.checks import listed, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, OPTIONAL
+from rotor_ida.results.run import refuse_system
 from rotor_ida.results.si_units import in_suitable_units, scale_of
 from rotor_ida.schema import QUANTITIES
 
@@ -25,6 +26,7 @@ def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Datas
         raise InputError(f"{name} has variables named by text, got {shown(chosen)}")
     missing = [variable for variable in needed if variable not in dataset.variables]
     if missing:
+        refuse_system(name, dataset)
         raise InputError(f"{name} must contain {', '.join(needed)}; it lacks {', '.join(missing)}")
     return in_suitable_units(dataset)
 

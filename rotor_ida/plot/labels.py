@@ -215,6 +215,26 @@ def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMET
     return in_lines(text)
 
 
+def title_of_node(dataset: xr.Dataset) -> str:
+    """Return the node of signals of a rotor system, and the speed if it is constant."""
+    return SEPARATOR.join([f"node {dataset['node'].values!s}", *_speed_of_system(dataset)])
+
+
+def title_of_system(run: xr.Dataset) -> str:
+    """Return the speed of a run of a rotor system; the first and the last if it changes."""
+    return "".join(_speed_of_system(run))
+
+
+def _speed_of_system(dataset: xr.Dataset) -> list[str]:
+    speeds = [dataset.attrs["speed"]] if "speed" in dataset.attrs else []
+    units = dataset.attrs.get("speed_units", "1")
+    if "event_speed" in dataset.variables:
+        speeds, units = dataset["speed"].values[[0, -1]].tolist(), units_in(dataset["speed"])
+    turns = in_rpm(xr.DataArray(speeds, attrs={"units": units}))
+    words = " to ".join(f"{each:.4g}" for each in (speeds if turns is None else turns))
+    return [f"speed {words}" if turns is None else f"{words} rpm"] if words else []
+
+
 def text_of(dataset: xr.Dataset, values: Mapping[str, float]) -> str:
     """Return parameters as a title: dimensionless, or in SI units if the dataset has a machine."""
     if machine_of(dataset) is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
@@ -39,9 +40,30 @@ def samples_in(
     return check_samples(f"{variable} of {name}", found.values)
 
 
+def is_of_system(dataset: xr.Dataset) -> bool:
+    """Return whether a dataset is a run of a rotor system."""
+    return "contact_node" in dataset.variables
+
+
+def nodes_in(run: xr.Dataset) -> list[str]:
+    """Return the names of the nodes in a run of a rotor system, or in a part of one."""
+    return [str(node) for node in np.atleast_1d(run["node"].values)] if "node" in run.coords else []
+
+
+def refuse_system(name: str, dataset: xr.Dataset) -> None:
+    """Raise `InputError` for a run of a rotor system."""
+    if is_of_system(dataset):
+        nodes = listed([repr(node) for node in nodes_in(dataset)] or ["no node"], "or")
+        raise InputError(
+            f"{name} must be of one disc, got a run of a rotor system: "
+            f"signals_of(run, node=...) gives signals of {nodes}"
+        )
+
+
 def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
     """Return `run` if it is a dimensionless run of one rotor with the required variables."""
     run = check_instance("run", run, xr.Dataset)
+    refuse_system("run", run)
     missing = [name for name in (*PARAMETERS, *needed) if name not in run.variables]
     if missing:
         raise InputError(f"run must be a run of simulate; it lacks {', '.join(missing)}")

@@ -14,9 +14,10 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import check_increasing, check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS
-from rotor_ida.results.run import samples_in
+from rotor_ida.results.run import is_of_system, refuse_system, samples_in
 from rotor_ida.schema import QUANTITIES, Column, labelled, labelled_dataset, origin_of
 from rotor_ida.signals.keyphasor import angles_by_pulses, check_per_revolution
+from rotor_ida.signals.nodes import OF_NODE, at_node
 from rotor_ida.signals.sampling import check_sampling, run_angles, velocities_of
 
 FEWEST_SAMPLES = 16
@@ -39,7 +40,7 @@ class Record:
     length, time : str
         Units of displacements and times.
     coordinates : mapping
-        The given parameters of the rotor.
+        The given parameters of the rotor; of a rotor system the node and its clearance.
     attributes : mapping
         Attributes that results inherit.
     """
@@ -129,30 +130,37 @@ def equal_step(times: Values, name: str, unequal: float) -> float:
     return mean
 
 
-def signals_of(run: xr.Dataset) -> xr.Dataset:
+def signals_of(run: xr.Dataset, *, node: str | None = None) -> xr.Dataset:
     """Return the signals that two probes and a keyphasor would measure in a run.
 
     Parameters
     ----------
     run : Dataset
         A run of `rotor_ida.simulate` or `rotor_ida.run_up`, or part of one, also in SI units.
+    node : str, optional
+        Node at which the probes look at the shaft of a rotor system; required there.
 
     Returns
     -------
     Dataset
         Displacements ``x y`` and ``angle``, that of the unbalance [rad], on ``t``; the parameters
         of the rotor as scalars. `rotor_ida.read_signals` returns the same, possibly with pulse
-        times, ``keyphasor`` on ``pulse``, instead of ``angle``.
+        times, ``keyphasor`` on ``pulse``, instead of ``angle``. Of a rotor system the scalars are
+        the name of the ``node`` and its ``clearance``, if one contact on the ground stands
+        centrally around it.
 
     Raises
     ------
     InputError
-        If the dataset has no displacements over time, or no angle.
+        If the dataset has no displacements over time, or no angle; or if the node is missing or
+        unknown.
 
     Notes
     -----
     At a constant speed the angle is ``omega t``; otherwise it is the ``angle`` of the run. The
-    functions that take signals take runs as they are, too.
+    functions that take signals take runs of one disc as they are, too. In a rotor system an
+    unbalance of phase 0 is at that angle, and displacements are those in space, also inside a
+    stator that moves.
 
     Examples
     --------
@@ -162,6 +170,11 @@ def signals_of(run: xr.Dataset) -> xr.Dataset:
     >>> sorted(seen.data_vars), seen.angle[-1].item()
     (['angle', 'x', 'y'], 72.0)
     """
+    check_instance("run", run, xr.Dataset)
+    if is_of_system(run):
+        run = at_node(run, node)
+    elif node is not None:
+        raise InputError(f"node must be left out for a run of one disc, got {shown(node)}")
     record = record_of(run, "run")
     columns: dict[str, Column] = {
         "x": ("t", record.z.real),
@@ -176,6 +189,7 @@ def signals_of(run: xr.Dataset) -> xr.Dataset:
 def record_of(signals: object, name: str = "signals") -> Record:
     """Return signals, or a run, as arrays; with a keyphasor, the part between its pulses."""
     given = check_instance(name, signals, xr.Dataset)
+    refuse_system(name, given)
     missing = [each for each in ("t", "x", "y") if each not in given.variables]
     if missing:
         raise InputError(f"{name} must contain t, x and y; it lacks {', '.join(missing)}")
@@ -201,7 +215,7 @@ def record_of(signals: object, name: str = "signals") -> Record:
         _unit_of(name, given["t"]),
         {
             each: given[each].variable.to_base_variable()
-            for each in ALL_PARAMETERS
+            for each in (*ALL_PARAMETERS, *OF_NODE)
             if each in given.variables and not given[each].ndim
         },
         origin_of(given),

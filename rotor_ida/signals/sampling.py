@@ -17,7 +17,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.results.run import samples_in
+from rotor_ida.results.run import refuse_system, samples_in
 from rotor_ida.results.si_units import scale_of
 
 # Samples per revolution, and per turn of the whirl. Measured signals have passed a filter;
@@ -87,6 +87,7 @@ def check_sampling(
 
 def check_run_sampling(run: xr.Dataset) -> None:
     """Refuse a run that is sampled too coarsely to be drawn; see `check_sampling`."""
+    refuse_system("run", run)
     times = check_increasing("t", samples_in("run", run, "t"))
     z = samples_in("run", run, "x") + 1j * samples_in("run", run, "y")
     check_sampling("run", times, z, velocities_of(run), run_angles(run, times))

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Values
@@ -51,6 +53,8 @@ def system_dataset(
         "final_state": ("component", np.concatenate([found.to_q(result.state).ravel(), races])),
         "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
         "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
+        **_stators(assembly),
+        **_relative(assembly, q, event_q[:, 0], result.event_contacts),
         **_forces(followed),
         **_episodes(followed),
     }  # fmt: skip
@@ -70,6 +74,35 @@ def system_dataset(
         "Rotor system: one simulated run", variables, coordinates, attributes, kind="system_run"
     )
     return _with_units(dataset, assembly)
+
+
+def _stators(assembly: Assembly) -> dict[str, Column]:
+    """Return the stator of each contact, "" for the ground, and where its centre is."""
+    names = [
+        each.stator if isinstance(each.stator, str)
+        else "" if each.stator is None
+        else f"stator {assembly.stators.index(each.stator)}"
+        for each in assembly.contacts
+    ]  # fmt: skip
+    centres = np.array([each.centre for each in assembly.contacts]).reshape(-1, 2)
+    return {
+        "contact_stator": ("contact", np.array(names, str)),
+        "centre_x": ("contact", centres[:, 0]), "centre_y": ("contact", centres[:, 1]),
+    }  # fmt: skip
+
+
+def _relative(
+    assembly: Assembly, q: Values, event_q: Values, contacts: npt.NDArray[np.integer[Any]]
+) -> dict[str, Column]:
+    """Return displacements from the centre of the stator: of each contact, and at its events."""
+    centres = np.array([each.centre for each in assembly.contacts]).reshape(-1, 2)
+    places = np.einsum("cjk,tk->jtc", assembly.rows, q) - centres.T[:, np.newaxis]
+    at_events = np.einsum("ejk,ek->je", assembly.rows[contacts], event_q) - centres[contacts].T
+    along = ("t", "contact")
+    return {
+        "contact_x": (along, places[0]), "contact_y": (along, places[1]),
+        "event_contact_x": ("event", at_events[0]), "event_contact_y": ("event", at_events[1]),
+    }  # fmt: skip
 
 
 def _forces(followed: Followed) -> dict[str, Column]:
@@ -107,7 +140,10 @@ def _with_units(dataset: xr.Dataset, assembly: Assembly) -> xr.Dataset:
     flags = {**DAMPED_EVENT_KIND, **OF_FRICTION_EVENT_KIND}
     kind = Quantity(QUANTITIES["event_kind"].long_name, flags=flags)
     dataset["event_kind"].attrs = kind.attributes()
-    if assembly.system.units == "SI":
+    in_si = assembly.system.units == "SI"
+    if "speed" in dataset.attrs:
+        dataset.attrs["speed_units"] = UNITS["speed"] if in_si else "1"
+    if in_si:
         for name, variable in dataset.variables.items():
             scale = QUANTITIES[str(name)].scale
             if scale:
