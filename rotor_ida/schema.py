@@ -162,6 +162,7 @@ QUANTITIES: dict[str, Quantity] = {
     "event_kind": Quantity("kind of contact event", flags=EVENT_KIND),
     # a rotor system
     "node": Quantity("node of a rotor system", ""),
+    "axial_position": Quantity("position of a node along the axis", scale="length"),
     "contact_node": Quantity("node of a contact", ""),
     "clearance": Quantity("radial clearance of a contact", scale="length"),
     "contact_stator": Quantity("stator of a contact, empty for the ground", ""),

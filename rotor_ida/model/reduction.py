@@ -115,7 +115,7 @@ def in_basis(system: RotorSystem, basis: Values) -> RotorSystem:
         gyroscopic=gyroscopic, stiffness_rate=small(system.stiffness_rate),
         nodes={name: system.rows(name) @ basis for name in system.nodes},
         translations=translations, static_force=None if force is None else basis.T @ force,
-        units=system.units,
+        positions=system.positions, units=system.units,
     )  # fmt: skip
 
 

@@ -45,6 +45,8 @@ class RotorSystem:
         have mass; or what the rows of the nodes determine.
     static_force : array_like, shape (n,), optional
         A constant force.
+    positions : mapping of str to float, optional
+        Axial position of each node, for pictures of the deflected shape.
     units : {"SI", "1"}
         Units of results: SI, or none where all numbers are dimensionless.
 
@@ -65,6 +67,7 @@ class RotorSystem:
     nodes: Mapping[str, Node] = field(default_factory=dict)
     translations: Values | None = None
     static_force: Values | None = None
+    positions: Mapping[str, float] | None = None
     units: Literal["SI", "1"] = "SI"
 
     def __post_init__(self) -> None:
@@ -92,6 +95,8 @@ class RotorSystem:
             values.setflags(write=False)
             object.__setattr__(self, name, values)
         object.__setattr__(self, "nodes", _nodes(self.nodes, size))
+        if self.positions is not None:
+            object.__setattr__(self, "positions", _positions(self.positions, self.nodes))
 
     def __repr__(self) -> str:
         names = list(self.nodes)
@@ -171,7 +176,10 @@ class RotorSystem:
             matrices["stiffness_rate"] = rotor.Ksdt()
         count = len(matrices["mass"]) // per_node
         nodes = {str(i): (per_node * i, per_node * i + 1) for i in range(count)}
-        return cls(**matrices, nodes=nodes)
+        along = list(getattr(rotor, "nodes_pos", []))
+        # links have nodes of their own
+        positions = dict(zip(nodes, along, strict=True)) if len(along) == count else None
+        return cls(**matrices, nodes=nodes, positions=positions)
 
     @classmethod
     def from_file(cls, path: str | Path) -> RotorSystem:
@@ -255,3 +263,10 @@ def _nodes(given: object, size: int) -> Mapping[str, Node]:
                 f"got shape {values.shape}"
             )
     return nodes
+
+
+def _positions(given: object, nodes: Mapping[str, Node]) -> Mapping[str, float]:
+    """Return the axial positions of all nodes."""
+    if not isinstance(given, Mapping) or set(given) != set(nodes):
+        raise InputError(f"positions must map each name of a node to a number, got {shown(given)}")
+    return {name: check_real(f"position of node {name!r}", given[name]) for name in nodes}

@@ -62,6 +62,13 @@ from rotor_ida.plot.signals import (
     plot_spectrum,
     plot_trace,
 )
+from rotor_ida.plot.systems import (
+    plot_contact_forces,
+    plot_node_history,
+    plot_node_orbits,
+    plot_shape,
+    system_figure,
+)
 from rotor_ida.plot.whirls import (
     plot_backbone,
     plot_backward_whirl,
@@ -91,6 +98,7 @@ __all__ = [
     "plot_by_damping",
     "plot_cascade",
     "plot_centre_line",
+    "plot_contact_forces",
     "plot_curves",
     "plot_cusp",
     "plot_cuts",
@@ -111,6 +119,8 @@ __all__ = [
     "plot_lines",
     "plot_machine",
     "plot_multipliers",
+    "plot_node_history",
+    "plot_node_orbits",
     "plot_orbit",
     "plot_orders",
     "plot_over_clearance",
@@ -121,6 +131,7 @@ __all__ = [
     "plot_rotating_orbit",
     "plot_run",
     "plot_section",
+    "plot_shape",
     "plot_solutions",
     "plot_spectrogram",
     "plot_spectrum",
@@ -130,5 +141,6 @@ __all__ = [
     "save_figure",
     "shared_legend",
     "style",
+    "system_figure",
     "with_error",
 ]

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.layout_engine import LayoutEngine
 from matplotlib.legend import Legend
 from matplotlib.transforms import ScaledTranslation
@@ -235,7 +235,7 @@ def _letter(axes: Sequence[Axes]) -> None:
 
 
 def shared_legend(
-    figure: Figure, axes: Sequence[Axes], *, columns: int = 4, outer: bool = True
+    figure: Figure | SubFigure, axes: Sequence[Axes], *, columns: int = 4, outer: bool = True
 ) -> Legend:
     """Put one legend, without duplicates, under the panels.
 
@@ -268,7 +268,7 @@ def shared_legend(
     return legend
 
 
-def _fitting_legend(figure: Figure, axes: Sequence[Axes], columns: int) -> Legend:
+def _fitting_legend(figure: Figure | SubFigure, axes: Sequence[Axes], columns: int) -> Legend:
     """Return a legend under the panels with as many columns as fit."""
     for number in range(columns, 0, -1):
         legend = figure.legend(

@@ -37,6 +37,8 @@ _QUANTITIES: dict[str, tuple[str, ...]] = {
     "y": ("displacement", "$y$", "$Y$"),
     "vx": ("velocity", "$x$′", "$X$′"),
     "vy": ("velocity", "$y$′", "$Y$′"),
+    "displacement": ("displacement", "$z$", "$Z$"),
+    "axial_position": ("axial position", "$s$"),
     "deviation": ("distance from the simulated", "$z$", "$Z$"),
     "x_alone": ("", "$x$", "$X$"),
     "y_alone": ("", "$y$", "$Y$"),

@@ -287,7 +287,7 @@ def draw_orbit(ax: Axes, run: xr.Dataset, path: Path) -> None:
     """Draw the orbit of a run along a path, with the stator, the events and the start."""
     draw_ring(ax, clearance_of(run))
     draw_motion(ax, path, path.x, path.y, width=_line_width(run), heavier=1.2)
-    _mark_events(ax, run, run["event_x"].values, run["event_y"].values)
+    mark_events(ax, run, run["event_x"].values, run["event_y"].values)
     draw_marks(ax, path.x[0], path.y[0], "s", INK, size=4.5, label="start", level=3.1)
     ax.set_aspect("equal", adjustable="datalim")
     ax.autoscale_view()
@@ -340,7 +340,7 @@ def _draw_histories(history: Sequence[Axes], run: xr.Dataset, path: Path) -> Non
         ax.set_ylabel(_row_label(name, run["x"]))
     radius = np.hypot(run["event_x"].values, run["event_y"].values)
     on_ring = np.isin(run["event_kind"].values, (1, -1))
-    _mark_events(history[2], run, run["event_time"].values, np.where(on_ring, clearance, radius))
+    mark_events(history[2], run, run["event_time"].values, np.where(on_ring, clearance, radius))
 
 
 def _draw_radius(ax: Axes, path: Path, clearance: float, width: float) -> None:
@@ -353,7 +353,7 @@ def _draw_radius(ax: Axes, path: Path, clearance: float, width: float) -> None:
     ax.set_ylim(bottom=0.0)
 
 
-def _mark_events(ax: Axes, run: xr.Dataset, across: Values, up: Values) -> None:
+def mark_events(ax: Axes, run: xr.Dataset, across: Values, up: Values) -> None:
     """Mark events on the orbit, unless they are too many."""
     kinds, flags = run["event_kind"].values, flags_of(run["event_kind"])
     if kinds.size > MANY_EVENTS:

@@ -34,6 +34,8 @@ INPUTS = (*COMPONENTS, *(f"start_{name}" for name in COMPONENTS), "to", "rate")
 LONGEST_INPUT = 4096
 # A dimensionless 1 below and above these has the prefixes m and k in figures and summaries.
 SMALL, LARGE = 0.1, 1000.0
+# Not small: the rim of the disc is far faster than its centre, and a shaft is long.
+LARGE_ONES = ("slip_speed", "axial_position")
 # Dimensionless ones in some unit; that of a moment of inertia is a product of two.
 SCALES = (1e-200, 1e200)
 # Speeds that are relative to the reference frequency, also in SI units.
@@ -231,8 +233,7 @@ def in_suitable_units(dataset: xr.Dataset) -> xr.Dataset:
     converted = {}
     for name, variable in dataset.variables.items():
         kind = QUANTITIES[str(name)].scale if str(name) in QUANTITIES else ""
-        # the rim of the disc is far faster than its centre
-        plain = str(variable.attrs.get("units")) == UNITS.get(kind) and name != "slip_speed"
+        plain = str(variable.attrs.get("units")) == UNITS.get(kind) and name not in LARGE_ONES
         if plain and prefixes.get(kind):
             parts, unit = PREFIXES[prefixes[kind]], f"{prefixes[kind]}{UNITS[kind]}"
             attributes = {**variable.attrs, "units": unit}

@@ -69,6 +69,8 @@ def system_dataset(
         "t": ("t", times),
         "node": ("node", np.array(list(system.nodes), str)),
     }
+    if system.positions is not None:
+        coordinates["axial_position"] = ("node", np.array(list(system.positions.values())))
     attributes = provenance(told) | {f"energy_{n}": e for n, e in result.ledger.items()}
     dataset = labelled_dataset(
         "Rotor system: one simulated run", variables, coordinates, attributes, kind="system_run"

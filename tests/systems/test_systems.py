@@ -56,6 +56,8 @@ def test_matrices_are_copies_that_nobody_writes_into():
         ({"mass": np.full((4, 4), np.nan)}, "mass must"),
         ({"stiffness": np.eye(3)}, "stiffness must have the shape of mass"),
         ({"gyroscopic": np.eye(4)}, "gyroscopic must be skew-symmetric"),
+        ({"positions": {"disc": 0.1}}, "positions must map each name of a node to a number"),
+        ({"positions": {"disc": 0.1, "end": "b"}}, "position of node 'end' must be a real number"),
         ({"nodes": {"disc": (0, 9)}}, "node 'disc' must be two indices from 0 to 3"),
         ({"nodes": {"disc": np.ones((2, 3))}}, "node 'disc' must be two indices or an array"),
         ({"nodes": {3: (0, 1)}}, "names of nodes must be text"),
@@ -219,6 +221,12 @@ def test_a_rotor_of_ross_becomes_a_system():
     assert system.stiffness[0, 0] == 5.0
     assert dict(system.nodes) == {"0": (0, 1), "1": (4, 5)}
     assert system.stiffness_rate is None
+    assert system.positions is None
+    rotor = OfRoss()
+    rotor.nodes_pos = [0.0, 0.4]
+    assert RotorSystem.from_ross(rotor, speed=3.0).positions == {"0": 0.0, "1": 0.4}
+    rotor.nodes_pos = [0.0]  # as where a link adds a node
+    assert RotorSystem.from_ross(rotor, speed=3.0).positions is None
     with pytest.raises(InputError, match="rotor must be a rotor of ROSS"):
         RotorSystem.from_ross(3, speed=1.0)
 
