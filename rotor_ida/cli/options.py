@@ -305,7 +305,7 @@ Csv = Annotated[
 ]
 KindOfPlot = Literal[
     "bode", "polar", "orders", "orbit", "full-spectrum", "cascade", "spectrogram", "centreline",
-    "trace",
+    "trace", "orbits", "forces", "history", "shape",
 ]  # fmt: skip
 # Other names of these.
 PLOTS_ALSO_CALLED: dict[str, KindOfPlot] = {
@@ -318,6 +318,8 @@ PLOTS_ALSO_CALLED: dict[str, KindOfPlot] = {
     "shaft-centerline": "centreline",
     "timebase": "trace",
     "waveform": "trace",
+    "mode-shape": "shape",
+    "deflected-shape": "shape",
 }
 
 
@@ -341,6 +343,17 @@ PlotKind = Annotated[
         "cascade, spectrum for full-spectrum, campbell for spectrogram.",
         converter=parsing.converter(_kind_of_plot),
     ),
+]
+Node = Annotated[
+    str | None,
+    Parameter(help="Node of a rotor system at which probes look at the shaft.", metavar="NAME"),
+]
+OneContact = Annotated[
+    int | None, _whole_number("Contact whose forces are drawn, counted from 0.", 0, MOST_NUMBERS)
+]
+Instant = Annotated[
+    float | None,
+    _quantity("Instant of a deflected shape. Default: the largest deflection.", "s"),
 ]
 Exact = Annotated[
     bool,

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
@@ -42,9 +40,8 @@ from rotor_ida.plot.labels import (
 )
 from rotor_ida.plot.runs import draw_motion, mark_events
 from rotor_ida.results.run import is_of_system, nodes_in
-from rotor_ida.schema import MODE, words_of
-from rotor_ida.signals.nodes import check_node
-from rotor_ida.signals.path import AFTER, Path
+from rotor_ida.schema import MODE
+from rotor_ida.signals.nodes import Ring, check_node, path_in, rings_of
 
 NEEDED = (
     *("t", "node", "x", "y", "contact_node", "contact_stator", "clearance"),
@@ -60,21 +57,6 @@ MOST_NAMES, MOST_CHARACTERS = 40, 60
 MOST_IN_A_LINE = 6
 # Size of a panel of an orbit, at most, and height of one of forces or displacements [inch].
 WIDTH, SIDE, ROW = 7.2, 3.0, 1.5
-
-
-class Ring(NamedTuple):
-    """A node in one stator: the name of the stator, empty for the ground, and its contacts."""
-
-    node: str
-    stator: str
-    contacts: list[int]
-
-    @property
-    def title(self) -> str:
-        """The title of its panel."""
-        # a number alone says little
-        name = f"node {self.node}" if self.node.isdecimal() else self.node
-        return f"{name} in {self.stator}" if self.stator else name
 
 
 def system_figure(run: xr.Dataset) -> Figure:
@@ -103,7 +85,7 @@ def system_figure(run: xr.Dataset) -> Figure:
     if len(names) > FEW_NODES:
         touched = set(run["contact_node"].values.tolist())
         names = [name for name in names if name in touched] or names[:FEW_NODES]
-    rings = _rings_of(run, names)
+    rings = rings_of(run, names)
     contacts = list(range(run.sizes["contact"]))
     heights = _height_of_orbits(rings), 0.7 + 0.8 * ROW * max(len(contacts), 1)
     with style():
@@ -143,7 +125,7 @@ def plot_node_orbits(run: xr.Dataset, *, nodes: Sequence[str] | None = None) -> 
     if isinstance(nodes, str) or not isinstance(nodes, Sequence | None):
         raise InputError(f"nodes must be a list of names of nodes, got {shown(nodes)}")
     names = nodes_in(run) if nodes is None else [check_node(run, node) for node in nodes]
-    rings = _rings_of(run, names)
+    rings = rings_of(run, names)
     if not 0 < len(rings) <= MOST_ORBITS:
         raise InputError(f"nodes must have 1 to {MOST_ORBITS} orbits, got {len(rings)}")
     with style():
@@ -218,7 +200,7 @@ def plot_node_history(run: xr.Dataset, *, node: str) -> Figure:
     name = check_node(run, node)
     rings = [
         Ring(name, ring.stator, [number])
-        for ring in _rings_of(run, [name])
+        for ring in rings_of(run, [name])
         for number in ring.contacts
     ]
     alone = Ring(name, "", [])
@@ -294,52 +276,6 @@ def _checked(run: object) -> xr.Dataset:
     return found.isel(event=(events >= first) & (events <= last))
 
 
-def _rings_of(run: xr.Dataset, names: Sequence[str]) -> list[Ring]:
-    """Return the panels of some nodes: one in space, or one for each stator that moves."""
-    nodes, stators = (run[f"contact_{each}"].values.tolist() for each in ("node", "stator"))
-    rings: list[Ring] = []
-    for name in names:
-        here = [number for number, node in enumerate(nodes) if node == name]
-        around = list(dict.fromkeys(stators[number] for number in here)) or [""]
-        rings += [Ring(name, each, [k for k in here if stators[k] == each]) for each in around]
-    return rings
-
-
-def _path_of(run: xr.Dataset, ring: Ring) -> Path:
-    """Return the orbit of a node, in space or in a stator that moves, through its events."""
-    x, y = (run[each].sel(node=ring.node).values for each in ("x", "y"))
-    centres = np.stack([run["centre_x"].values, run["centre_y"].values])
-    if ring.stator:
-        first = ring.contacts[0]
-        x = run["contact_x"].values[:, first] + centres[0, first]
-        y = run["contact_y"].values[:, first] + centres[1, first]
-    here = np.isin(run["event_contact"].values, ring.contacts)
-    offsets = centres[:, run["event_contact"].values[here]]
-    time = np.append(run["t"].values, run["event_time"].values[here])
-    x = np.append(x, run["event_contact_x"].values[here] + offsets[0])
-    y = np.append(y, run["event_contact_y"].values[here] + offsets[1])
-    time, order = np.unique(time, return_index=True)
-    flight = np.zeros((1, time.size), np.int8)
-    ways = np.concatenate([flight, *(_modes(run, each, time)[None] for each in ring.contacts)])
-    mode = ways[(ways != MODE["flight"]).argmax(axis=0), np.arange(time.size)]
-    rubs = bool((run["tangential_force"].values[:, ring.contacts] != 0.0).any())
-    return Path(time, x[order], y[order], mode != MODE["flight"], mode=mode if rubs else None)
-
-
-def _modes(run: xr.Dataset, contact: int, time: Values) -> npt.NDArray[np.int8]:
-    """Return the mode of a contact from each time on."""
-    part = run.isel(event=run["event_contact"].values == contact)
-    events, modes = part["event_time"].values, run["mode"].values[:, contact]
-    # between two events without a sample in between, what the first of them tells
-    told = [MODE[AFTER.get(word, "slipping_forward")] for word in words_of(part["event_kind"])]
-    between = np.array([modes[0], *told], dtype=np.int8)
-    sampled, first = np.unique(
-        np.searchsorted(events, run["t"].values, side="right"), return_index=True
-    )
-    between[sampled] = modes[first]
-    return between[np.searchsorted(events, time, side="right")]
-
-
 def _height_of_orbits(rings: Sequence[Ring]) -> float:
     """Return the height of the panels of orbits, with title and legend [inch]."""
     columns = min(len(rings), COLUMNS) or 1
@@ -352,7 +288,7 @@ def _draw_orbits(figure: Figure | SubFigure, run: xr.Dataset, rings: Sequence[Ri
     rows = math.ceil(len(rings) / columns) or 1
     axes = figure.subplots(rows, columns, squeeze=False).ravel().tolist()
     for place, (ax, ring) in enumerate(zip(axes, rings, strict=False)):
-        path = _path_of(run, ring)
+        path = path_in(run, ring)
         for number in ring.contacts:
             part = run.isel(contact=number)
             x, y = circle(float(part["clearance"]))
@@ -416,7 +352,7 @@ def _draw_displacements(ax: Axes, run: xr.Dataset, ring: Ring) -> None:
 
 def _draw_radius(ax: Axes, run: xr.Dataset, ring: Ring) -> None:
     """Draw the distance of a node from the centre of a contact over time, with its events."""
-    path = _path_of(run, ring)
+    path = path_in(run, ring)
     centre = 0.0j
     for number in ring.contacts:
         part = run.isel(contact=number, event=run["event_contact"].values == number)

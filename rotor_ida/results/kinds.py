@@ -82,7 +82,7 @@ KINDS = {
     for kind in (
         Kind(
             name="system_run", meaning="run of a rotor system", variables=("x", "event_contact"),
-            dims=("t", "node"),
+            dims=("t", "node"), drawn="rotor_ida.plot:system_figure",
         ),
         Kind(
             name="comparison", meaning="comparison", variables=("matched_branch",),

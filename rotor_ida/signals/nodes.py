@@ -1,18 +1,38 @@
-"""The motion of one node in a run of a rotor system, as that of one disc."""
+"""The motion of one node in a run of a rotor system, in space or in a stator that moves."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_nonnegative, did_you_mean, listed, shown
 from rotor_ida.errors import InputError
 from rotor_ida.results.run import nodes_in, samples_in
-from rotor_ida.schema import labelled, origin_of
+from rotor_ida.schema import MODE, labelled, origin_of, words_of
+from rotor_ida.signals.path import AFTER, Path
 
 # What signals keep of a node, besides its motion.
 OF_NODE = ("node", "clearance")
+
+
+class Ring(NamedTuple):
+    """A node in one stator: the name of the stator, empty for the ground, and its contacts."""
+
+    node: str
+    stator: str
+    contacts: list[int]
+
+    @property
+    def title(self) -> str:
+        """What it is called in a figure."""
+        # a number alone says little
+        name = f"node {self.node}" if self.node.isdecimal() else self.node
+        return f"{name} in {self.stator}" if self.stator else name
 
 
 def at_node(run: xr.Dataset, node: object) -> xr.Dataset:
@@ -64,3 +84,49 @@ def _clearance(run: xr.Dataset, node: str) -> xr.Variable | None:
     moves = str(contact["contact_stator"].values) != ""
     aside = bool(contact["centre_x"] != 0.0) or bool(contact["centre_y"] != 0.0)
     return None if moves or aside else contact["clearance"].variable
+
+
+def rings_of(run: xr.Dataset, names: Sequence[str]) -> list[Ring]:
+    """Return where some nodes are seen: in space, or in each stator that moves round them."""
+    nodes, stators = (run[f"contact_{each}"].values.tolist() for each in ("node", "stator"))
+    rings: list[Ring] = []
+    for name in names:
+        here = [number for number, node in enumerate(nodes) if node == name]
+        around = list(dict.fromkeys(stators[number] for number in here)) or [""]
+        rings += [Ring(name, each, [k for k in here if stators[k] == each]) for each in around]
+    return rings
+
+
+def path_in(run: xr.Dataset, ring: Ring) -> Path:
+    """Return the orbit of a node, in space or in a stator that moves, through its events."""
+    x, y = (run[each].sel(node=ring.node).values for each in ("x", "y"))
+    centres = np.stack([run["centre_x"].values, run["centre_y"].values])
+    if ring.stator:
+        first = ring.contacts[0]
+        x = run["contact_x"].values[:, first] + centres[0, first]
+        y = run["contact_y"].values[:, first] + centres[1, first]
+    here = np.isin(run["event_contact"].values, ring.contacts)
+    offsets = centres[:, run["event_contact"].values[here]]
+    time = np.append(run["t"].values, run["event_time"].values[here])
+    x = np.append(x, run["event_contact_x"].values[here] + offsets[0])
+    y = np.append(y, run["event_contact_y"].values[here] + offsets[1])
+    time, order = np.unique(time, return_index=True)
+    flight = np.zeros((1, time.size), np.int8)
+    ways = np.concatenate([flight, *(_modes(run, each, time)[None] for each in ring.contacts)])
+    mode = ways[(ways != MODE["flight"]).argmax(axis=0), np.arange(time.size)]
+    rubs = bool((run["tangential_force"].values[:, ring.contacts] != 0.0).any())
+    return Path(time, x[order], y[order], mode != MODE["flight"], mode=mode if rubs else None)
+
+
+def _modes(run: xr.Dataset, contact: int, time: Values) -> npt.NDArray[np.int8]:
+    """Return the mode of a contact from each time on."""
+    part = run.isel(event=run["event_contact"].values == contact)
+    events, modes = part["event_time"].values, run["mode"].values[:, contact]
+    # between two events without a sample in between, what the first of them tells
+    told = [MODE[AFTER.get(word, "slipping_forward")] for word in words_of(part["event_kind"])]
+    between = np.array([modes[0], *told], dtype=np.int8)
+    sampled, first = np.unique(
+        np.searchsorted(events, run["t"].values, side="right"), return_index=True
+    )
+    between[sampled] = modes[first]
+    return between[np.searchsorted(events, time, side="right")]

@@ -174,7 +174,9 @@ def signals_of(run: xr.Dataset, *, node: str | None = None) -> xr.Dataset:
     if is_of_system(run):
         run = at_node(run, node)
     elif node is not None:
-        raise InputError(f"node must be left out for a run of one disc, got {shown(node)}")
+        raise InputError(
+            f"node must be left out but for a run of a rotor system, got {shown(node)}"
+        )
     record = record_of(run, "run")
     columns: dict[str, Column] = {
         "x": ("t", record.z.real),

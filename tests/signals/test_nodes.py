@@ -140,7 +140,7 @@ def test_a_node_is_named_and_known(clear, node, words):
 
 def test_a_node_is_not_named_of_one_disc():
     run = simulate(ROTOR, start=REST, duration=10.0)
-    with pytest.raises(InputError, match="node must be left out for a run of one disc, got 'a'"):
+    with pytest.raises(InputError, match="node must be left out but for a run of a rotor system"):
         signals_of(run, node="a")
 
 

@@ -33,6 +33,14 @@ FUNCTIONS = {
     "centreline": "plot_centre_line",
     "trace": "plot_trace",
 }
+# Those of a whole rotor system, and the option for an argument by another name.
+OF_SYSTEM = {
+    "orbits": "plot_node_orbits",
+    "forces": "plot_contact_forces",
+    "history": "plot_node_history",
+    "shape": "plot_shape",
+}
+OPTIONS = {"t": "at"}
 
 
 def plot(
@@ -49,6 +57,9 @@ def plot(
     span: options.Span = None,
     segment: options.Segment = None,
     clearance: options.ShownClearance = None,
+    node: options.Node = None,
+    contact: options.OneContact = None,
+    at: options.Instant = None,
     times: options.Times = None,
     reading: options.ReadingOptions = options.ReadingOptions(),
     as_json: options.AsJson = False,
@@ -74,25 +85,34 @@ def plot(
 
         rotor-ida plot probes.csv --kind orbit --figure named \
             --columns x=A y=B --units x=um y=um
+
+    A run of a rotor system, its deflected shape at an instant, and the motion at a node:
+
+        rotor-ida plot system.nc --kind shape --at 0.1
+
+        rotor-ida plot system.nc --kind full-spectrum --node seal --figure seal
     """
-    given = {
+    given: dict[str, Any] = {
         "order": order, "orders": orders, "sense": sense, "over": over, "span": span,
-        "segment": segment, "clearance": clearance,
+        "segment": segment, "clearance": clearance, "contact": contact, "t": at,
     }  # fmt: skip
     chosen = {name: value for name, value in given.items() if value is not None}
     if kind is not None:
-        _check_options(kind, chosen)
+        _check_options(kind, chosen, exact=exact, node=node)
     elif chosen or exact:
-        raise InputError(f"kind must be given with {next(iter(chosen), 'exact')}")
+        name = next(iter(chosen), "exact")
+        raise InputError(f"kind must be given with {OPTIONS.get(name, name)}")
     if figure is None:
         figure = file.with_name(f"{file.stem}_{kind}.png" if kind else f"{file.stem}.png")
     Output(figure=figure, force=force).check()
-    if kind is None:
-        dataset = _dataset_in(file, reading) if times is None else signals_in(file, reading, times)
-        drawn = _suiting(dataset)
-    else:
-        dataset = signals_in(file, reading, times)
-        drawn = _of_kind(kind, dataset, chosen, exact=exact)
+    whole = kind is None and times is None and node is None
+    dataset = _dataset_in(file, reading) if whole else signals_in(file, reading, times)
+    if kind in OF_SYSTEM:
+        if kind == "history":
+            chosen["node"] = node
+    elif kind is not None or node is not None:
+        dataset = _at_node(dataset, node)
+    drawn = _suiting(dataset) if kind is None else _of_kind(kind, dataset, chosen, exact=exact)
     return _written(file, dataset, drawn, figure, kind=kind, as_json=as_json, force=force)
 
 
@@ -112,6 +132,8 @@ def _of_kind(
     if "clearance" in chosen:
         unit = str(dataset["x"].attrs.get("units", "1"))
         chosen["clearance"] = in_unit("clearance", chosen["clearance"], unit)
+    if "t" in chosen:
+        chosen["t"] = in_unit("at", chosen["t"], str(dataset["t"].attrs.get("units", "1")))
     if exact:
         from rotor_ida.cli.exact import exact_beneath  # noqa: PLC0415 - heavy, and not for --help
 
@@ -119,7 +141,9 @@ def _of_kind(
     from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
 
     with without_pyplot():
-        drawn = getattr(plots, FUNCTIONS[kind])(dataset, **chosen)
+        drawn = getattr(plots, (FUNCTIONS | OF_SYSTEM)[kind])(dataset, **chosen)
+    if kind in OF_SYSTEM:
+        return cast("Figure", drawn)
     ax: Axes = drawn[0] if isinstance(drawn, list) else drawn
     return cast("Figure", ax.figure)
 
@@ -155,14 +179,28 @@ def _written(
     )
 
 
-def _check_options(kind: options.KindOfPlot, chosen: Iterable[str]) -> None:
+def _check_options(
+    kind: options.KindOfPlot, chosen: Iterable[str], *, exact: bool, node: str | None
+) -> None:
     """Raise `InputError` for an option that does not apply to a kind of plot."""
     from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
 
-    known = inspect.signature(getattr(plots, FUNCTIONS[kind])).parameters
-    for name in chosen:
+    known = {*inspect.signature(getattr(plots, (FUNCTIONS | OF_SYSTEM)[kind])).parameters}
+    if kind in FUNCTIONS:
+        known |= {"exact", "node"}
+    others = {"exact": exact, "node": node is not None}
+    for name in (*chosen, *(each for each, is_given in others.items() if is_given)):
         if name not in known:
-            raise InputError(f"{name} must be left out with --kind {kind}")
+            raise InputError(f"{OPTIONS.get(name, name)} must be left out with --kind {kind}")
+
+
+def _at_node(dataset: xr.Dataset, node: str | None) -> xr.Dataset:
+    """Return signals at a node of a rotor system; of anything else the dataset, without a node."""
+    from rotor_ida.results.run import is_of_system  # noqa: PLC0415
+
+    if node is None and not is_of_system(dataset):
+        return dataset
+    return rotor_ida.signals_of(dataset, node=node)
 
 
 def signals_in(

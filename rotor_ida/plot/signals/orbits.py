@@ -303,6 +303,8 @@ def _ring_of(given: xr.Dataset, clearance: float | None) -> float | None:
     """Return the clearance in the unit of the signals, if it is known."""
     if clearance is not None:
         return check_nonnegative("clearance", clearance)
+    if "clearance" in given.variables and not given["clearance"].ndim:  # at a node of a system
+        return float(given["clearance"])
     if "delta0" in given.variables and not given["delta0"].ndim:
         return clearance_of(given)
     return None
