@@ -210,11 +210,16 @@ def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMET
         return in_lines(text_of(dataset, values))
     if (speeds := in_rpm(dataset["speed"])) is not None:  # omega is only the first
         del values["omega"]
-        turns = (f"{each:.4g}" if each < 1e3 else f"{each:.0f}" for each in speeds[[0, -1]])
-        return _wrapped(["{} to {} rpm".format(*turns), *_in_si(dataset, values)])
+        turns = " to ".join(map(_short, speeds[[0, -1]]))
+        return _wrapped([f"{turns} rpm", *_in_si(dataset, values)])
     last = float(dataset["speed"][-1]) / scale_of(dataset, "speed")
     text = text_of(dataset, values).replace("$,", rf" \ldots {last:.4g}$,", 1)
     return in_lines(text)
+
+
+def _short(speed: float) -> str:
+    """Return a speed with four digits, or whole."""
+    return f"{speed:.4g}" if abs(speed) < 1e3 else f"{speed:.0f}"
 
 
 def title_of_node(dataset: xr.Dataset) -> str:
@@ -233,7 +238,7 @@ def _speed_of_system(dataset: xr.Dataset) -> list[str]:
     if "event_speed" in dataset.variables:
         speeds, units = dataset["speed"].values[[0, -1]].tolist(), units_in(dataset["speed"])
     turns = in_rpm(xr.DataArray(speeds, attrs={"units": units}))
-    words = " to ".join(f"{each:.4g}" for each in (speeds if turns is None else turns))
+    words = " to ".join(map(_short, speeds if turns is None else turns))
     return [f"speed {words}" if turns is None else f"{words} rpm"] if words else []
 
 

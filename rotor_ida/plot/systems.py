@@ -53,6 +53,10 @@ NEEDED = (
 COLUMNS, FEW_NODES, MOST_ORBITS = 4, 12, 100
 # Along an axis: the most names of nodes, and the most characters that are not turned.
 MOST_NAMES, MOST_CHARACTERS = 40, 60
+# Between two clearances at one node, of the length of the axis.
+BESIDE = 0.01
+# A peak of the force is on the curve of its samples from this part of it on.
+ON_CURVE = 0.98
 # Entries of a legend in one line.
 MOST_IN_A_LINE = 6
 # Size of a panel of an orbit, at most, and height of one of forces or displacements [inch].
@@ -297,8 +301,10 @@ def _draw_orbits(figure: Figure | SubFigure, run: xr.Dataset, rings: Sequence[Ri
         draw_motion(ax, path, path.x, path.y, width=_line_width(run))
         ax.set_title(ring.title)
         ax.set_aspect("equal", adjustable="datalim")
+        ax.set_box_aspect(1.0)
+        ax.tick_params(labelsize=8.0)
         for axis in (ax.xaxis, ax.yaxis):
-            axis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
+            axis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
         if place // columns == rows - 1:
             label_axis(ax.xaxis, "x_alone", run["x"])
         if place % columns == 0:
@@ -322,10 +328,19 @@ def _draw_forces(figure: Figure | SubFigure, run: xr.Dataset, contacts: Sequence
         ):  # fmt: skip
             kept = kept_in_columns(time, values)
             ax.plot(time[kept], values[kept], color=colour, lw=0.9, label=name)
-        draw_marks(ax, *peaks_of(part), "o", RED, size=2.8, face="white", edge=0.8, label=PEAK)
+        draw_marks(
+            ax,
+            *_peaks_on(part, time, normal),
+            "o",
+            RED,
+            size=2.8,
+            face="white",
+            edge=0.8,
+            label=PEAK,
+        )
         if not normal.any() and not part.sizes["episode"]:
             say_in_middle(ax, "no contact")
-            ax.set_ylim(0.0, 1.0)
+            ax.set_yticks([])
         elif not tangential.min(initial=0.0) < 0.0:
             ax.set_ylim(bottom=0.0)
         words = "force" if rubs else None
@@ -335,7 +350,24 @@ def _draw_forces(figure: Figure | SubFigure, run: xr.Dataset, contacts: Sequence
         ax.set_title(f"contact {number} at {place.title}")
     if not contacts:
         say_in_middle(axes[0], "no contacts")
+        axes[0].set_yticks([])
     _finish_rows(figure, run, axes)
+
+
+def _peaks_on(part: xr.Dataset, time: Values, normal: Values) -> tuple[Values, Values]:
+    """Return times and forces of the peaks of a contact, on the curve of its force.
+
+    With contact damping the force peaks before the indentation, whose time is stored.
+    """
+    times, peaks = peaks_of(part)
+    for place in np.flatnonzero(np.interp(times, time, normal) < ON_CURVE * peaks):
+        of_episode = int(np.flatnonzero(part["peak_time"].values == times[place])[0])
+        begin, end = (part[f"{edge}_time"].values[of_episode] for edge in ("entry", "exit"))
+        # a comparison with NaN is false: a contact at the begin or the end of the run has no edge
+        inside = np.flatnonzero(~((time < begin) | (time > end)))
+        if inside.size:
+            times[place] = time[inside[np.argmax(normal[inside])]]
+    return times, peaks
 
 
 def _draw_displacements(ax: Axes, run: xr.Dataset, ring: Ring) -> None:
@@ -363,7 +395,7 @@ def _draw_radius(ax: Axes, run: xr.Dataset, ring: Ring) -> None:
         up = np.hypot(part["event_contact_x"].values, part["event_contact_y"].values)
         mark_events(ax, part, part["event_time"].values, up)
         if len(run["contact_node"]) > 1:
-            ax.set_title(f"contact {number}" + (f" in {ring.stator}" if ring.stator else ""))
+            ax.set_title(f"contact {number} at {ring.title}")
     radius = np.abs(path.x + 1j * path.y - centre)
     draw_motion(ax, path, path.time, radius, width=0.9)
     ax.set_ylim(bottom=0.0)
@@ -379,8 +411,11 @@ def _draw_shape(ax: Axes, now: xr.Dataset, name: str, across: Values) -> None:
     places = np.array([nodes.index(each) for each in now["contact_node"].values], dtype=int)
     if places.size:
         centres = up[places] - now[f"contact_{name}"].values
-        ax.errorbar(across[places], centres, now["clearance"].values, fmt="none", ecolor=INK,
-                    elinewidth=0.8, capsize=3.5, label="clearance")  # fmt: skip
+        # those of one node side by side
+        shared = np.array([(places[:k] == place).sum() for k, place in enumerate(places)])
+        aside = BESIDE * float(np.ptp(across)) * shared
+        ax.errorbar(across[places] + aside, centres, now["clearance"].values, fmt="none",
+                    ecolor=INK, elinewidth=0.8, capsize=3.5, label="clearance")  # fmt: skip
     touching = places[now["mode"].values != MODE["flight"]]
     if touching.size:
         draw_marks(ax, across[touching], up[touching], "o", RED, size=5.5, label="in contact",

@@ -31,8 +31,8 @@ class Ring(NamedTuple):
     def title(self) -> str:
         """What it is called in a figure."""
         # a number alone says little
-        name = f"node {self.node}" if self.node.isdecimal() else self.node
-        return f"{name} in {self.stator}" if self.stator else name
+        names = (f"node {each}" if each.isdecimal() else each for each in (self.node, self.stator))
+        return " in ".join(filter(None, names))
 
 
 def at_node(run: xr.Dataset, node: object) -> xr.Dataset:
@@ -114,7 +114,7 @@ def path_in(run: xr.Dataset, ring: Ring) -> Path:
     flight = np.zeros((1, time.size), np.int8)
     ways = np.concatenate([flight, *(_modes(run, each, time)[None] for each in ring.contacts)])
     mode = ways[(ways != MODE["flight"]).argmax(axis=0), np.arange(time.size)]
-    rubs = bool((run["tangential_force"].values[:, ring.contacts] != 0.0).any())
+    rubs = bool(run["tangential_force"].values.any())
     return Path(time, x[order], y[order], mode != MODE["flight"], mode=mode if rubs else None)
 
 
