@@ -328,16 +328,9 @@ def _draw_forces(figure: Figure | SubFigure, run: xr.Dataset, contacts: Sequence
         ):  # fmt: skip
             kept = kept_in_columns(time, values)
             ax.plot(time[kept], values[kept], color=colour, lw=0.9, label=name)
-        draw_marks(
-            ax,
-            *_peaks_on(part, time, normal),
-            "o",
-            RED,
-            size=2.8,
-            face="white",
-            edge=0.8,
-            label=PEAK,
-        )
+        peaks = _peaks_on(part, time, normal)
+        if peaks[0].size:
+            draw_marks(ax, *peaks, "o", RED, size=2.8, face="white", edge=0.8, label=PEAK)
         if not normal.any() and not part.sizes["episode"]:
             say_in_middle(ax, "no contact")
             ax.set_yticks([])

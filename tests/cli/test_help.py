@@ -129,10 +129,23 @@ def write_probes(path: Path) -> None:
                comments="")  # fmt: skip
 
 
+def write_run_of_system(path: Path) -> None:
+    """Write a run of a rotor with two discs that touches nothing."""
+    chain = np.kron(np.array([[8e6, -4e6], [-4e6, 6e6]]), np.eye(2))
+    system = rotor_ida.RotorSystem(
+        mass=10.0 * np.eye(4), stiffness=chain, nodes={"disc": (0, 1), "seal": (2, 3)}
+    )
+    far = rotor_ida.Contact(node="seal", clearance=1e-3, stiffness=1e7)
+    unbalance = [rotor_ida.Unbalance(node="disc", moment=1e-4)]
+    run = rotor_ida.simulate(system, contacts=[far], unbalance=unbalance, speed=300.0, duration=0.2)
+    rotor_ida.save(run, path)
+
+
 def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("rotor_ida.paper.reproduction.reproduce", lambda *_, **__: 0)
     monkeypatch.setattr("rotor_ida.explorer.explore.explore", lambda *_, **__: None)
     write_probes(Path("probes.csv"))
+    write_run_of_system(Path("system.nc"))
     for command in COMMANDS:
         for words in examples(program(command, "--help").out):
             answer = program(*words)

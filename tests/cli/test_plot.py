@@ -12,7 +12,7 @@ import pytest
 from scipy.io import savemat, wavfile
 
 import rotor_ida
-from rotor_ida.cli.commands.plot import FUNCTIONS
+from rotor_ida.cli.commands.plot import FUNCTIONS, OF_SYSTEM
 from rotor_ida.cli.exact import exact_beneath
 from rotor_ida.cli.options import PLOTS_ALSO_CALLED, KindOfPlot
 from rotor_ida.plot.figures import figure_of
@@ -157,10 +157,11 @@ def test_a_speed_that_changes_has_no_exact_lines(program: Program, folder: Path)
 
 
 def test_every_kind_of_plot_has_its_function():
-    assert set(get_args(KindOfPlot)) == set(FUNCTIONS)
-    assert set(PLOTS_ALSO_CALLED.values()) <= set(FUNCTIONS)
-    assert not PLOTS_ALSO_CALLED.keys() & set(FUNCTIONS)
-    assert all(hasattr(rotor_ida.plot, name) for name in FUNCTIONS.values())
+    known = FUNCTIONS | OF_SYSTEM
+    assert set(get_args(KindOfPlot)) == set(known)
+    assert set(PLOTS_ALSO_CALLED.values()) <= set(known)
+    assert not PLOTS_ALSO_CALLED.keys() & set(known)
+    assert all(hasattr(rotor_ida.plot, name) for name in known.values())
 
 
 @pytest.mark.parametrize(("name", "kind"), [("run.nc", "run"), ("probes.csv", "signals")])
@@ -266,3 +267,85 @@ def test_columns_that_cannot_be_guessed_are_listed(program: Program):
     assert "must have a column for x and y; name them in columns, got 't, left, right'" in (
         answer.err
     )
+
+
+@pytest.fixture(scope="module")
+def systems(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a run and a run-up of a rotor system, in SI units."""
+    found = tmp_path_factory.mktemp("systems")
+    chain = np.array([[8e6, -4e6], [-4e6, 6e6]])
+    system = rotor_ida.RotorSystem(
+        mass=np.diag([12.0, 12.0, 8.0, 8.0]), stiffness=np.kron(chain, np.eye(2)),
+        damping=np.kron(1e-3 * chain, np.eye(2)), nodes={"disc": (0, 1), "seal": (2, 3)},
+    )  # fmt: skip
+    parts = {
+        "contacts": [rotor_ida.Contact(node="seal", clearance=5e-5, stiffness=5e7)],
+        "unbalance": [rotor_ida.Unbalance(node="disc", moment=1e-3)],
+    }
+    run = rotor_ida.simulate(system, speed=450.0, duration=0.3, samples=3001, **parts)
+    rotor_ida.save(run, found / "run.nc")
+    up = rotor_ida.run_up(system, speed=100.0, to=500.0, rate=500.0, samples=8001, **parts)
+    rotor_ida.save(up, found / "up.nc")
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("run.nc", []),
+        ("run.nc", ["--node", "disc"]),
+        ("run.nc", ["--times", "0.1", "200ms"]),
+        ("run.nc", ["--kind", "orbits"]),
+        ("run.nc", ["--kind", "forces", "--contact", "0", "--times", "0s", "0.1s"]),
+        ("run.nc", ["--kind", "history", "--node", "seal"]),
+        ("run.nc", ["--kind", "shape", "--at", "100ms"]),
+        *(("up.nc", ["--kind", kind, "--node", "seal"]) for kind in FUNCTIONS),
+    ],
+)
+def test_a_run_of_a_system_is_drawn_whole_or_at_a_node(
+    program: Program, systems: Path, name: str, words: list[str]
+):
+    answer = program("plot", systems / name, *words, "--figure", "drawn.png")
+    assert (answer.status, answer.err) == (0, "")
+    assert {path.name for path in Path().iterdir()} == {"drawn.png", "drawn.svg"}
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--kind", "bode"], "node must be 'disc' or 'seal', got None"),
+        (["--kind", "bode", "--node", "sael"], "got 'sael'; did you mean 'seal'?"),
+        (["--kind", "history"], "node must be 'disc' or 'seal', got None"),
+        (["--kind", "forces", "--contact", "4"], "contact must be at most 0, got 4"),
+        (["--kind", "orbit", "--node", "seal", "--contact", "0"], "contact must be left out with"),
+        (["--kind", "orbits", "--node", "seal"], "node must be left out with --kind orbits"),
+        (["--kind", "orbits", "--exact"], "exact must be left out with --kind orbits"),
+        (["--kind", "shape", "--at", "3"], "t must lie from 0 to 0.3, got 3.0"),
+        (["--kind", "shape", "--at", "3kg"], "at must"),
+        (["--at", "0.1"], "kind must be given with at"),
+    ],
+)
+def test_what_a_run_of_a_system_does_not_have_is_refused_in_one_line(
+    program: Program, systems: Path, words: list[str], message: str
+):
+    answer = program("plot", systems / "run.nc", *words, "--figure", "drawn")
+    assert (answer.status, answer.out) == (2, "")
+    assert message in answer.err
+    assert answer.err.count("\n") == 1
+    assert not list(Path().iterdir())
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--kind", "orbits"], "run must be of a rotor system, got"),
+        (["--kind", "orbit", "--node", "a"], "node must be left out but for a run of a rotor"),
+    ],
+)
+def test_one_disc_and_measured_signals_have_no_nodes(
+    program: Program, folder: Path, words: list[str], message: str
+):
+    for name in ("run.nc", "probes.csv"):
+        answer = program("plot", folder / name, *words, "--figure", "drawn")
+        assert (answer.status, answer.out) == (2, "")
+        assert message in answer.err
