@@ -22,6 +22,8 @@ from rotor_ida.plot.decimation import COLUMNS
 from rotor_ida.plot.labels import LABELS, label_axis
 
 PEAK = "peak of a contact"
+# A peak of the force is on the curve of its samples from this part of it on.
+ON_CURVE = 0.98
 
 
 def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -142,3 +144,19 @@ def peaks_on(dataset: xr.Dataset, time: Values, force: Values) -> tuple[Values, 
         for one, other in zip(first.tolist(), last.tolist(), strict=True)
     ]
     return time[np.minimum(places, time.size - 1).astype(int)], peaks
+
+
+def peaks_on_curve(part: xr.Dataset, time: Values, normal: Values) -> tuple[Values, Values]:
+    """Return times and forces of the peaks of one contact of a rotor system, on its curve.
+
+    With contact damping the force peaks before the indentation, whose time is stored.
+    """
+    times, peaks = peaks_of(part)
+    for place in np.flatnonzero(np.interp(times, time, normal) < ON_CURVE * peaks):
+        of_episode = int(np.flatnonzero(part["peak_time"].values == times[place])[0])
+        begin, end = (part[f"{edge}_time"].values[of_episode] for edge in ("entry", "exit"))
+        # a comparison with NaN is false: a contact at the begin or the end of the run has no edge
+        inside = np.flatnonzero(~((time < begin) | (time > end)))
+        if inside.size:
+            times[place] = time[inside[np.argmax(normal[inside])]]
+    return times, peaks

@@ -30,7 +30,7 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.datasets import check_dataset, table_of
 from rotor_ida.plot.decimation import kept_in_columns
-from rotor_ida.plot.forces import PEAK, peaks_of, shade_contacts
+from rotor_ida.plot.forces import PEAK, peaks_on_curve, shade_contacts
 from rotor_ida.plot.labels import (
     SEPARATOR,
     label_axis,
@@ -55,8 +55,6 @@ COLUMNS, FEW_NODES, MOST_ORBITS = 4, 12, 100
 MOST_NAMES, MOST_CHARACTERS = 40, 60
 # Between two clearances at one node, of the length of the axis.
 BESIDE = 0.01
-# A peak of the force is on the curve of its samples from this part of it on.
-ON_CURVE = 0.98
 # Entries of a legend in one line.
 MOST_IN_A_LINE = 6
 # Size of a panel of an orbit, at most, and height of one of forces or displacements [inch].
@@ -328,7 +326,7 @@ def _draw_forces(figure: Figure | SubFigure, run: xr.Dataset, contacts: Sequence
         ):  # fmt: skip
             kept = kept_in_columns(time, values)
             ax.plot(time[kept], values[kept], color=colour, lw=0.9, label=name)
-        peaks = _peaks_on(part, time, normal)
+        peaks = peaks_on_curve(part, time, normal)
         if peaks[0].size:
             draw_marks(ax, *peaks, "o", RED, size=2.8, face="white", edge=0.8, label=PEAK)
         if not normal.any() and not part.sizes["episode"]:
@@ -345,22 +343,6 @@ def _draw_forces(figure: Figure | SubFigure, run: xr.Dataset, contacts: Sequence
         say_in_middle(axes[0], "no contacts")
         axes[0].set_yticks([])
     _finish_rows(figure, run, axes)
-
-
-def _peaks_on(part: xr.Dataset, time: Values, normal: Values) -> tuple[Values, Values]:
-    """Return times and forces of the peaks of a contact, on the curve of its force.
-
-    With contact damping the force peaks before the indentation, whose time is stored.
-    """
-    times, peaks = peaks_of(part)
-    for place in np.flatnonzero(np.interp(times, time, normal) < ON_CURVE * peaks):
-        of_episode = int(np.flatnonzero(part["peak_time"].values == times[place])[0])
-        begin, end = (part[f"{edge}_time"].values[of_episode] for edge in ("entry", "exit"))
-        # a comparison with NaN is false: a contact at the begin or the end of the run has no edge
-        inside = np.flatnonzero(~((time < begin) | (time > end)))
-        if inside.size:
-            times[place] = time[inside[np.argmax(normal[inside])]]
-    return times, peaks
 
 
 def _draw_displacements(ax: Axes, run: xr.Dataset, ring: Ring) -> None:

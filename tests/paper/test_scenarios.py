@@ -12,7 +12,7 @@ from tests.scenarios import scenario
 # Those with sweeps take longer, and are run by hand and by `rotor-ida reproduce`.
 QUICK = ["dimensional_example", "drop", "event_time_convergence", "fig02_03_force_potential",
          "fig04_05_free_vibration", "fig06_jumps", "fig07_basins", "fig08_09_whirls",
-         "fitted_machine",
+         "finite_elements", "fitted_machine",
          "general_solution", "how_slow", "plots", "random_starts", "restitution", "rub",
          "run_up", "shaft", "signatures", "way_to_whip", "whip_map"]  # fmt: skip
 
