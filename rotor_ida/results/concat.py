@@ -104,8 +104,16 @@ def _joined(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
         for each in datasets
     ]
     fills = {name: _missing(variable) for name, variable in datasets[0].data_vars.items()}
+    # a scalar in which the results differ as well, such as the clearance at each node
+    differing = [
+        str(name)
+        for name, first in datasets[0].coords.items()
+        if not first.ndim and name != dim
+        and all(name in each.coords for each in datasets)
+        and not all(first.variable.equals(each[name].variable) for each in datasets)
+    ]  # fmt: skip
     return xr.concat(
-        numbered, dim, join="outer", coords="minimal", compat="override", data_vars="all",
+        numbered, dim, join="outer", coords=differing, compat="override", data_vars="all",
         combine_attrs="drop_conflicts", fill_value=fills,
     ).drop_vars(uneven)  # fmt: skip
 

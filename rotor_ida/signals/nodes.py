@@ -47,9 +47,7 @@ def at_node(run: xr.Dataset, node: object) -> xr.Dataset:
         raise InputError(f"run must be a run of simulate; it lacks {', '.join(missing)}")
     part = run if alone else run.sel(node=name)
     coordinates = {each: part[each].variable for each in ("t", "node")}
-    clearance = _clearance(run, name)
-    if clearance is not None:
-        coordinates["clearance"] = clearance
+    coordinates["clearance"] = _clearance(run, name)
     columns = {each: part[each].variable for each in COMPONENTS}
     columns["angle"] = labelled("angle", "t", angles_of_system(run))
     return xr.Dataset(columns, coordinates, origin_of(run))
@@ -75,15 +73,16 @@ def angles_of_system(run: xr.Dataset) -> Values:
     return speed * samples_in("run", run, "t")
 
 
-def _clearance(run: xr.Dataset, node: str) -> xr.Variable | None:
-    """Return the clearance at a node, if it is a circle about the place of rest."""
+def _clearance(run: xr.Dataset, node: str) -> xr.Variable:
+    """Return the clearance at a node, if it is a circle about the place of rest; else NaN."""
     here = np.flatnonzero(run["contact_node"].values == node)
-    if here.size != 1:
-        return None
-    contact = run.isel(contact=int(here[0]))
-    moves = str(contact["contact_stator"].values) != ""
-    aside = bool(contact["centre_x"] != 0.0) or bool(contact["centre_y"] != 0.0)
-    return None if moves or aside else contact["clearance"].variable
+    found = run["clearance"].variable
+    if here.size == 1:
+        contact = run.isel(contact=int(here[0]))
+        aside = bool(contact["centre_x"] != 0.0) or bool(contact["centre_y"] != 0.0)
+        if not aside and not str(contact["contact_stator"].values):
+            return contact["clearance"].variable
+    return xr.Variable((), np.nan, found.attrs)
 
 
 def rings_of(run: xr.Dataset, names: Sequence[str]) -> list[Ring]:

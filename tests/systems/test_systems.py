@@ -57,7 +57,10 @@ def test_matrices_are_copies_that_nobody_writes_into():
         ({"stiffness": np.eye(3)}, "stiffness must have the shape of mass"),
         ({"gyroscopic": np.eye(4)}, "gyroscopic must be skew-symmetric"),
         ({"positions": {"disc": 0.1}}, "positions must map each name of a node to a number"),
-        ({"positions": {"disc": 0.1, "end": "b"}}, "position of node 'end' must be a real number"),
+        (
+            {"positions": {"disc": 0.1, "end": "b"}},
+            "position of node 'end' must be a finite real number",
+        ),
         ({"nodes": {"disc": (0, 9)}}, "node 'disc' must be two indices from 0 to 3"),
         ({"nodes": {"disc": np.ones((2, 3))}}, "node 'disc' must be two indices or an array"),
         ({"nodes": {3: (0, 1)}}, "names of nodes must be text"),

@@ -304,7 +304,7 @@ def _ring_of(given: xr.Dataset, clearance: float | None) -> float | None:
     if clearance is not None:
         return check_nonnegative("clearance", clearance)
     if "clearance" in given.variables and not given["clearance"].ndim:  # at a node of a system
-        return float(given["clearance"])
+        return float(given["clearance"].fillna(0.0))
     if "delta0" in given.variables and not given["delta0"].ndim:
         return clearance_of(given)
     return None
