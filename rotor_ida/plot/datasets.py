@@ -26,8 +26,7 @@ def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Datas
         raise InputError(f"{name} has variables named by text, got {shown(chosen)}")
     missing = [variable for variable in needed if variable not in dataset.variables]
     if missing:
-        if "node" not in needed:
-            refuse_system(name, dataset)
+        refuse_system(name, dataset)
         raise InputError(f"{name} must contain {', '.join(needed)}; it lacks {', '.join(missing)}")
     return in_suitable_units(dataset)
 

@@ -28,7 +28,6 @@ from rotor_ida.plot.appearance import (
     shared_legend,
     style,
 )
-from rotor_ida.plot.datasets import check_dataset, table_of
 from rotor_ida.plot.decimation import kept_in_columns
 from rotor_ida.plot.forces import PEAK, peaks_on_curve, shade_contacts
 from rotor_ida.plot.labels import (
@@ -39,16 +38,11 @@ from rotor_ida.plot.labels import (
     unit_of,
 )
 from rotor_ida.plot.runs import draw_motion, mark_events
-from rotor_ida.results.run import is_of_system, nodes_in
+from rotor_ida.results.run import check_system_run, nodes_in
+from rotor_ida.results.si_units import in_suitable_units
 from rotor_ida.schema import MODE
 from rotor_ida.signals.nodes import Ring, check_node, path_in, rings_of
 
-NEEDED = (
-    *("t", "node", "x", "y", "contact_node", "contact_stator", "clearance"),
-    *("centre_x", "centre_y", "contact_x", "contact_y", "normal_force", "tangential_force"),
-    *("mode", "event_time", "event_kind", "event_contact", "event_contact_x", "event_contact_y"),
-    *("episode_contact", "entry_time", "exit_time", "peak_time", "peak_force"),
-)
 # Panels in a row, nodes of the figure of a run that shows all of them, and panels of one figure.
 COLUMNS, FEW_NODES, MOST_ORBITS = 4, 12, 100
 # Along an axis: the most names of nodes, and the most characters that are not turned.
@@ -265,17 +259,11 @@ def plot_shape(run: xr.Dataset, *, t: float | None = None) -> Figure:
     return figure
 
 
-def _checked(run: object) -> xr.Dataset:
+def _checked(run: xr.Dataset) -> xr.Dataset:
     """Return a run of a system in suitable units, with the events between its samples."""
-    if isinstance(run, xr.Dataset) and not is_of_system(run):
-        title = run.attrs.get("title", "another dataset")
-        raise InputError(f"run must be of a rotor system, got {shown(title)}")
-    found = check_dataset("run", run, NEEDED)
-    for name in ("x", "y"):
-        table_of("run", found, name, ("t", "node"))
-    first, last = found["t"].values[[0, -1]]
-    events = found["event_time"].values
-    return found.isel(event=(events >= first) & (events <= last))
+    found = in_suitable_units(check_system_run(run))
+    times, events = found["t"].values, found["event_time"].values
+    return found.isel(event=(events >= times[0]) & (events <= times[-1]))
 
 
 def _height_of_orbits(rings: Sequence[Ring]) -> float:
@@ -380,6 +368,7 @@ def _draw_radius(ax: Axes, run: xr.Dataset, ring: Ring) -> None:
 def _draw_shape(ax: Axes, now: xr.Dataset, name: str, across: Values) -> None:
     """Draw one displacement of all nodes at an instant, with the room in the stators."""
     up, nodes = now[name].values, nodes_in(now)
+    now = now.isel(contact=np.isin(now["contact_node"].values, nodes))
     order = np.argsort(across, kind="stable")
     ax.axhline(0.0, color=GREY, lw=0.7)
     ax.plot(across[order], up[order], color=BLUE, marker="o", ms=3.2, label="shaft", zorder=2.8)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_instance, check_samples, listed
+from rotor_ida.checks import check_increasing, check_instance, check_samples, listed, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
@@ -25,6 +25,24 @@ from rotor_ida.schema import (
 
 # A run that begins or ends in a contact does not have all of these.
 PARTLY_KNOWN = ("entry_time", "exit_time", "peak_time", "peak_force")
+
+# The variables of a run of a rotor system: along which dimensions, and kinds of their numbers.
+_TEXT, _WHOLE, _REAL = "UO", "iu", "iuf"
+OF_SYSTEM: dict[str, tuple[tuple[str, ...], str]] = {
+    "node": (("node",), _TEXT),
+    **dict.fromkeys(("contact_node", "contact_stator"), (("contact",), _TEXT)),
+    **dict.fromkeys(("clearance", "centre_x", "centre_y"), (("contact",), _REAL)),
+    **dict.fromkeys(("x", "y"), (("t", "node"), _REAL)),
+    **dict.fromkeys(
+        ("contact_x", "contact_y", "normal_force", "tangential_force"), (("t", "contact"), _REAL)
+    ),
+    "mode": (("t", "contact"), _WHOLE),
+    **dict.fromkeys(("event_time", "event_contact_x", "event_contact_y"), (("event",), _REAL)),
+    **dict.fromkeys(("event_kind", "event_contact"), (("event",), _WHOLE)),
+    "episode_contact": (("episode",), _WHOLE),
+    **dict.fromkeys(("entry_time", "exit_time", "peak_time", "peak_force"), (("episode",), _REAL)),
+}
+_WORDS = {_TEXT: "text", _WHOLE: "whole numbers", _REAL: "real numbers"}
 
 
 def samples_in(
@@ -75,6 +93,41 @@ def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
     check_dimensionless("run", run)
     check_columns(run, needed)
     return run
+
+
+def check_system_run(run: object, needed: Sequence[str] = tuple(OF_SYSTEM)) -> xr.Dataset:
+    """Return `run` if it is a run of a rotor system with the required variables, time first."""
+    run = check_instance("run", run, xr.Dataset)
+    if not is_of_system(run):
+        title = run.attrs.get("title", "another dataset")
+        raise InputError(f"run must be of a rotor system, got {shown(title)}")
+    missing = [name for name in ("t", *needed) if name not in run.variables]
+    if missing:
+        raise InputError(f"run must be a run of simulate; it lacks {', '.join(missing)}")
+    check_increasing("t", samples_in("run", run, "t"))
+    run = run.transpose("t", "node", ..., missing_dims="ignore")
+    for name in needed:
+        _check_column(run[name], *OF_SYSTEM[name])
+        if name.endswith("_contact"):
+            contacts, numbers = run.sizes["contact"], run[name].values
+            wrong = numbers[(numbers < 0) | (numbers >= contacts)]
+            if wrong.size:
+                raise InputError(
+                    f"{name} of run must be below its number of contacts, {contacts}, got "
+                    f"{wrong[0]}"
+                )
+    return run
+
+
+def _check_column(column: xr.DataArray, dims: tuple[str, ...], kinds: str) -> None:
+    """Refuse a variable of a run along other dimensions, of another kind, or not finite."""
+    if column.dims != dims:
+        along = listed([str(dim) for dim in column.dims]) if column.dims else "no dimension"
+        raise InputError(f"{column.name} of run must be along {listed(dims)}, got it on {along}")
+    if column.dtype.kind not in kinds:
+        raise InputError(f"{column.name} of run must be {_WORDS[kinds]}, got {column.dtype}")
+    if "t" in dims:
+        check_samples(f"{column.name} of run", column.values)
 
 
 def check_columns(run: xr.Dataset, names: Sequence[str]) -> None:

@@ -12,11 +12,12 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_nonnegative, did_you_mean, listed, shown
 from rotor_ida.errors import InputError
-from rotor_ida.results.run import nodes_in, samples_in
+from rotor_ida.results.run import check_system_run, nodes_in, samples_in
 from rotor_ida.schema import MODE, labelled, origin_of, words_of
 from rotor_ida.signals.path import AFTER, Path
 
-# What signals keep of a node, besides its motion.
+# What is needed of the contacts, and what signals keep of a node besides its motion.
+OF_CONTACTS = ("contact_node", "contact_stator", "clearance", "centre_x", "centre_y")
 OF_NODE = ("node", "clearance")
 
 
@@ -40,9 +41,10 @@ def at_node(run: xr.Dataset, node: object) -> xr.Dataset:
 
     Where a part of the run has one node alone, that is the default.
     """
+    run = check_system_run(run, OF_CONTACTS)
     alone = "node" in run.coords and not run["node"].ndim
     name = nodes_in(run)[0] if node is None and alone else check_node(run, node)
-    missing = [each for each in ("t", *COMPONENTS) if each not in run.variables]
+    missing = [each for each in COMPONENTS if each not in run.variables]
     if missing:
         raise InputError(f"run must be a run of simulate; it lacks {', '.join(missing)}")
     part = run if alone else run.sel(node=name)

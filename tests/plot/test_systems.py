@@ -265,18 +265,44 @@ def test_a_part_of_a_run_has_its_own_samples_and_events_only(run, draw):
 @every_plot
 def test_what_is_no_run_of_a_system_is_refused(run, draw):
     for given, words in (
-        (3, "run must be a Dataset, got int"),
+        (3, "run must be a Dataset, got 3"),
         (
             signals_of(run, node="disc"),
             "run must be of a rotor system, got 'Signals of two probes'",
         ),
-        (run.sel(node="disc"), "run must contain x along t and node, got t: 1001"),
+        (run.sel(node="disc"), "node of run must be along node, got it on no dimension"),
         (run.drop_vars("contact_x"), "it lacks contact_x"),
     ):
         with pytest.raises(InputError) as caught:
             draw(given)
         assert words in str(caught.value)
         assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "column", "words"),
+    [
+        ("normal_force", ("q", [0.0]), "normal_force of run must be along t and contact"),
+        ("event_contact", 1.5, "event_contact of run must be whole numbers, got float64"),
+        ("event_contact", 7, "must be below its number of contacts, 3, got 7"),
+        ("peak_force", "a", "peak_force of run must be real numbers, got <U1"),
+        ("contact_x", np.nan, "contact_x of run must be finite"),
+        ("contact_node", 3, "contact_node of run must be text, got int64"),
+    ],
+)
+def test_a_damaged_run_is_refused(run, name, column, words):
+    if not isinstance(column, tuple):
+        column = (run[name].dims, np.full(run[name].shape, column))
+    with pytest.raises(InputError, match=words):
+        system_figure(run.drop_vars(name).assign({name: column}))
+
+
+def test_a_part_with_some_nodes_is_drawn(run):
+    part = run.sel(node=["left", "seal"]).transpose()
+    assert [ax.get_title() for ax in plot_node_orbits(part).axes] == ["left", "seal in stator 0"]
+    x, _ = plot_shape(part, t=0.1).axes
+    now = run.sel(node=["left", "seal"]).sel(t=0.1, method="nearest")
+    np.testing.assert_allclose(lines_of(x, BLUE)[0].get_ydata(), 1e6 * now.x, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
