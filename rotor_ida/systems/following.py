@@ -68,7 +68,7 @@ def request_of(
             law["race_radius"], law["inverse_race_inertia"] = race.radius, 1.0 / race.inertia
             law["race_drag"] = race.drag
     speeds = [0.0 if race is None else race.speed for race in assembly.races]
-    displacement, velocity, fastest = scales_of(assembly, found, fastest_speed)
+    displacement, velocity, fastest = scales_of(assembly, found, fastest_speed, start)
     return SystemRequest(
         stiffness=found.stiffness, damping=found.damping, gyroscopic=found.gyroscopic,
         stiffness_rate=found.stiffness_rate, rows=found.rows, unbalance=found.unbalance,
@@ -80,11 +80,12 @@ def request_of(
 
 
 def scales_of(
-    assembly: Assembly, found: Canonical, fastest_speed: float
+    assembly: Assembly, found: Canonical, fastest_speed: float, start: Values
 ) -> tuple[float, float, float]:
     """Return the displacement and velocity by which errors are measured, and the largest rate.
 
-    The displacement is the smallest clearance in the coordinates y. The velocity belongs to it at
+    The displacement is the smallest clearance in the coordinates y, or without contacts the size of
+    the motion. The velocity belongs to it at
     the largest speed, or at the slowest vibration if that is faster.
     """
     size = assembly.size
@@ -101,6 +102,11 @@ def scales_of(
         slow.append(each.stiffness * mobility * (each.clearance**0.5 if hertz else 1.0))
     rate = max(abs(fastest_speed), float(np.sqrt(min(slow, default=1.0))))
     displacement = assembly.smallest_clearance / np.sqrt(mobilities.max(initial=1.0))
+    if not assembly.contacts:
+        force = np.abs(found.force) + fastest_speed**2 * np.abs(found.unbalance).sum(axis=0)
+        deflection = np.linalg.lstsq(found.stiffness, force)[0]
+        sizes = [np.abs(each).max() for each in (start[0], start[1] / rate, deflection)]
+        displacement = max(sizes) or displacement
     return float(displacement), float(displacement * rate), max(fastest, rate)
 
 

@@ -5,6 +5,7 @@ import pickle
 import numpy as np
 import pytest
 import scipy.io
+import scipy.linalg
 import scipy.sparse
 
 from rotor_ida import (
@@ -295,3 +296,26 @@ def test_what_is_sampled_does_not_change_the_run():
     runs = [simulate(system, speed=1.1, duration=10.0, samples=n, **around) for n in (2, 1000)]
     for name in ("event_time", "impulse", "slip_distance", "heat", "final_state"):
         np.testing.assert_array_equal(runs[0][name], runs[1][name])
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-9])
+def test_without_contacts_the_motion_is_exact_at_any_scale(scale):
+    """Errors are measured by the motion: in metres that of a rotor is tiny."""
+    chain = np.array([[8e6, -4e6], [-4e6, 6e6]])
+    system = RotorSystem(
+        mass=np.diag([12.0, 12.0, 8.0, 8.0]), stiffness=np.kron(chain, np.eye(2)),
+        damping=np.kron(2e-3 * chain, np.eye(2)), nodes={"disc": (0, 1), "seal": (2, 3)},
+    )  # fmt: skip
+    run = simulate(
+        system, unbalance=[Unbalance(node="disc", moment=scale)], speed=450.0, duration=0.5,
+        samples=[0.01, 0.5],
+    )  # fmt: skip
+    # from rest: the whirl, and the free vibration that cancels it at first
+    inverse = np.diag([1.0 / 12.0, 1.0 / 8.0])
+    whirl = np.linalg.solve(chain * (1.0 + 0.9j) - 450.0**2 * np.diag([12.0, 8.0]),
+                            [scale * 450.0**2, 0.0])  # fmt: skip
+    free = np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ chain, -2e-3 * inverse @ chain]])
+    left = scipy.linalg.expm(0.01 * free) @ -np.append(whirl, 450j * whirl)
+    now = run.sel(t=0.01)
+    exact = whirl * np.exp(4.5j) + left[:2]
+    np.testing.assert_allclose(now.x + 1j * now.y, exact, rtol=0, atol=1e-9 * np.abs(whirl).max())
