@@ -40,6 +40,11 @@ def drop():
     return scenario("drop")
 
 
+@pytest.fixture
+def finite_elements():
+    return scenario("finite_elements")
+
+
 def curve_of(shaft, stiffness, exponent):
     return response_curve(
         zeta=shaft.ZETA, delta0=shaft.DELTA0, limits=shaft.LIMITS, shaft_stiffness=stiffness,
@@ -300,3 +305,26 @@ def test_elastic_fall_without_unbalance_bears_the_force_of_its_energy(drop):
     run = simulate(rotor, start=(0.0, 0.0, 0.0, 0.0), duration=0.02 / machine.time_scale)
     force = run.peak_force.values[0] * machine.force_scale
     assert force == pytest.approx(drop.elastic_force(0.3e-3), rel=1e-9)
+
+
+def test_beam_elements_have_the_frequencies_of_a_beam_on_knife_edges(finite_elements, monkeypatch):
+    """They are ``(n pi/L)**2 sqrt(EI/(rho A))``."""
+    monkeypatch.setattr(finite_elements, "DISCS", {})
+    monkeypatch.setattr(finite_elements, "BEARING", (1e13, 0.0))
+    system = finite_elements.rotor()
+    found = np.sqrt(np.linalg.eigvals(np.linalg.solve(system.mass, system.stiffness)).real)
+    length = finite_elements.LENGTH * finite_elements.ELEMENTS
+    # of a round rod sqrt(I/A) is a quarter of the diameter
+    wave = math.sqrt(finite_elements.YOUNG / finite_elements.DENSITY) * finite_elements.DIAMETER / 4
+    exact = [(n * math.pi / length) ** 2 * wave for n in (1, 1, 2, 2, 3, 3)]
+    np.testing.assert_allclose(np.sort(found)[:6], exact, rtol=1e-3)
+
+
+def test_a_forward_whirl_resonates_at_the_critical_speed(finite_elements):
+    system = finite_elements.rotor()
+    speed = finite_elements.critical_speed(system)
+    undamped = system.stiffness - speed**2 * system.mass + 1j * speed**2 * system.gyroscopic
+    _, sizes, shapes = np.linalg.svd(undamped)
+    assert sizes[-1] < 1e-9 * sizes[0]
+    x, y = np.split(shapes[-1].conj(), 2)
+    np.testing.assert_allclose(y, -1j * x, atol=1e-6)
