@@ -25,6 +25,7 @@ from rotor_ida.checks import (
 from rotor_ida.cli import machines, parsing
 from rotor_ida.cli.machines import Units
 from rotor_ida.errors import InputError
+from rotor_ida.model.data_sheet import units_of
 from rotor_ida.model.parameters import (
     MACHINE_PARAMETERS,
     OPTIONAL,
@@ -425,15 +426,11 @@ AsJson = Annotated[bool, _flag("Print JSON instead of tables.", name="--json"), 
 Force = Annotated[bool, _flag("Overwrite existing files."), IN_OUTPUT]
 
 
-# The stiffness of a linear contact is in N/m.
-OTHER_UNITS = {"contact_stiffness": ("N m-1",)}
-
-
 def _units_of(parameter: Quantity) -> tuple[str, ...]:
     """Return the allowed units of an option for a parameter of a machine."""
     if parameter.unit == "1":
         return ()
-    return parameter.unit, *OTHER_UNITS.get(parameter.name, ())
+    return units_of(parameter.name)
 
 
 # For one rotor or several, dimensionless or in SI units, or in an archive.

@@ -153,6 +153,7 @@ def run_up_system(
     speed: float | None = None,
     to: float | None = None,
     rate: float | None = None,
+    ramp_time: float | None = None,
     speeds: Sequence[tuple[float, float]] | npt.ArrayLike | None = None,
     torque: tuple[float, float] | None = None,
     inertia: float | None = None,
@@ -179,6 +180,8 @@ def run_up_system(
     to, rate : float
         A ramp from `speed` to another speed at a constant rate; without `to`, for all of the
         `duration`.
+    ramp_time : float
+        Duration of a ramp, instead of its rate.
     speeds : sequence of (float, float)
         Pairs of time and speed, linear in between; instead of `speed`.
     torque : (float, float)
@@ -212,12 +215,24 @@ def run_up_system(
     >>> run.speed.values.round(3)
     array([0.2 , 0.85, 1.5 ])
     """
+    if ramp_time is not None:
+        rate = _rate_of(speed, to, rate, ramp_time)
     profile, first, change = _profile(speed, to, rate, speeds, torque, inertia, duration)
     return _simulate(
         system, profile, contacts=contacts, unbalance=unbalance, gravity=gravity,
         static_force=static_force, start=start, samples=samples, modes=modes, rtol=rtol,
         method=method, speed=first, change=change,
     )  # fmt: skip
+
+
+def _rate_of(speed: object, to: object, rate: object, ramp_time: object) -> float:
+    """Return the rate of a ramp of a given duration."""
+    if rate is not None:
+        raise InputError(f"rate must be left out with ramp_time, got {shown(rate)}")
+    if to is None:
+        raise InputError("to must be given with ramp_time, got None")
+    span = check_positive("ramp_time", ramp_time)
+    return (check_real("to", to) - check_real("speed", speed)) / span
 
 
 def _profile(
