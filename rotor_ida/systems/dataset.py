@@ -20,12 +20,23 @@ from rotor_ida.schema import (
 from rotor_ida.systems.assembly import Assembly, Canonical
 from rotor_ida.systems.following import Followed
 
+# Units that no scale of a machine has.
+OTHER_UNITS = {
+    "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
+    "stator_stiffness": "N m-1", "stator_damping": "N s m-1", "unbalance_moment": "kg m",
+}  # fmt: skip
+# Units of the attributes of a changing speed, as `rotor_ida.dimensional` names them.
+UNITS_OF_CHANGE = {
+    "to": "s-1", "rate": "s-2", "speeds": "s, s-1", "torque": "N m, N m s", "inertia": "kg m2",
+}  # fmt: skip
+
 
 def system_dataset(
     assembly: Assembly,
     found: Canonical,
     followed: Followed,
     times: Values,
+    problem: Mapping[str, Column],
     told: Mapping[str, object],
     *,
     change_speed: bool,
@@ -49,8 +60,8 @@ def system_dataset(
         "event_state": (("event", "coordinate"), event_q.reshape(len(kinds), 2 * assembly.size)),
         "horizon": ((), followed.horizon),
         "final_state": ("component", np.concatenate([found.to_q(result.state).ravel(), races])),
-        "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
-        "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
+        "excursion": ("contact", _excursions(assembly, q, followed)),
+        **problem,
         **_forces(followed),
         **_episodes(followed),
     }  # fmt: skip
@@ -70,6 +81,18 @@ def system_dataset(
         "Rotor system: one simulated run", variables, coordinates, attributes, kind="system_run"
     )
     return _with_units(dataset, assembly)
+
+
+def _excursions(assembly: Assembly, q: Values, followed: Followed) -> Values:
+    """Return the largest displacement of each contact over its clearance, at samples and peaks."""
+    found = np.empty(len(assembly.contacts))
+    table = followed.result.episodes
+    for number, contact in enumerate(assembly.contacts):
+        places = q @ assembly.rows[number].T - contact.centre
+        peaks = table["peak_root"][table["contact"] == number] ** 2  # CVODE finds none
+        radius = np.hypot(*places.T).max()
+        found[number] = np.fmax.reduce([radius, *(contact.clearance + peaks)]) / contact.clearance
+    return found
 
 
 def _forces(followed: Followed) -> dict[str, Column]:
@@ -110,6 +133,9 @@ def _with_units(dataset: xr.Dataset, assembly: Assembly) -> xr.Dataset:
     if assembly.system.units == "SI":
         for name, variable in dataset.variables.items():
             scale = QUANTITIES[str(name)].scale
-            if scale:
-                variable.attrs["units"] = UNITS[scale]
+            if scale or name in OTHER_UNITS:
+                variable.attrs["units"] = UNITS[scale] if scale else OTHER_UNITS[str(name)]
+        for name, unit in UNITS_OF_CHANGE.items():
+            if name in dataset.attrs:
+                dataset.attrs[f"{name}_units"] = unit
     return dataset
