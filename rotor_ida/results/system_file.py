@@ -420,6 +420,8 @@ def _change(table: _Table) -> dict[str, Any]:
     if "torque" in table.entries:
         found["torque"] = table.pair("torque", "N m", "N m s")
     begin = found.pop("from", None)
-    if begin is not None or "speeds" not in found:
+    if "speeds" not in found:
         found["speed"] = begin or 0.0
+    elif begin is not None:
+        raise InputError("run_up.from must be left out with speeds, which begin at time 0")
     return found
