@@ -60,6 +60,9 @@ TOP = ("units", "speed", "gravity", "static_force", "start", "modes", "system", 
        "contacts", "unbalance", "run_up")  # fmt: skip
 OF_SYSTEM = (*MATRICES, "translations", "nodes")
 OF_CONTACT = {"clearance": "m", "damping": "s m-1", "friction": "1", "radius": "m"}
+KEYS_OF_CONTACT = (
+    "node", "stiffness", *OF_CONTACT, "exponent", "centre", "stator", "race",
+)  # fmt: skip
 OF_STATOR = {"mass": "kg", "stiffness": OF_LINEAR, "damping": "N s m-1"}
 OF_RACE = {"radius": "m", "inertia": "kg m2", "drag": "N m s", "speed": "rad s-1"}
 OF_UNBALANCE = {"moment": "kg m", "phase": "rad"}
@@ -336,10 +339,7 @@ def _contacts(
     """Yield the contacts, whose nodes and stators must be known."""
     used: set[str] = set()
     for table in file.tables("contacts"):
-        table.check(
-            ("node", "stiffness", *OF_CONTACT, "exponent", "centre", "stator", "race"),
-            needed=("node", "clearance", "stiffness"),
-        )
+        table.check(KEYS_OF_CONTACT, needed=("node", "clearance", "stiffness"))
         entries = table.entries
         found: dict[str, Any] = dict(table.numbers(OF_CONTACT))
         found["stiffness"] = table.number("stiffness", *units_of("contact_stiffness"))
