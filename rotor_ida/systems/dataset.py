@@ -88,7 +88,7 @@ def _excursions(assembly: Assembly, q: Values, followed: Followed) -> Values:
     found = np.empty(len(assembly.contacts))
     table = followed.result.episodes
     for number, contact in enumerate(assembly.contacts):
-        places = q @ assembly.rows[number].T - contact.centre
+        places = np.einsum("jk,tk->tj", assembly.rows[number], q) - contact.centre
         peaks = table["peak_root"][table["contact"] == number] ** 2  # CVODE finds none
         radius = np.hypot(*places.T).max()
         found[number] = np.fmax.reduce([radius, *(contact.clearance + peaks)]) / contact.clearance

@@ -192,7 +192,8 @@ def _system_run(dataset: xr.Dataset, _workers: int | None, progress: Progress | 
     try:
         system, around = problem_of(dataset)
     except (KeyError, IndexError, ValueError) as error:
-        raise InputError(f"this run of a system cannot be verified: {error}") from error
+        reason = f"it lacks {error}" if isinstance(error, KeyError) else str(error)
+        raise InputError(f"this run of a system cannot be verified: {reason}") from error
     given = dataset.attrs
     how: dict[str, Any] = {name: given[name] for name in ("duration", "rtol", "method")}
     how |= around | {"samples": dataset["t"].values, "progress": progress}
