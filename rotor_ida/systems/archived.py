@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Column, Values
+from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
 from rotor_ida.systems.assembly import Assembly
@@ -28,6 +29,8 @@ NEEDED = (
     *(f"race_{name}" for name in OF_RACE),
     *("stator_damping", "unbalance_moment", "unbalance_phase"),
 )
+
+NAMES = ("node", "contact_node", "contact_stator", "unbalance_node")
 
 
 def problem_variables(
@@ -101,6 +104,11 @@ def _contacts(assembly: Assembly) -> dict[str, Column]:
 def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
     """Return the system of a run, and the arguments for what stands around it.
 
+    Raises
+    ------
+    InputError
+        If a part of it is missing.
+
     Examples
     --------
     >>> from rotor_ida.systems.simulate import simulate_system
@@ -111,6 +119,10 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
     >>> simulate_system(again, **around, **given).equals(run)
     True
     """
+    missing = [name for name in (*NEEDED, *NAMES) if name not in run.variables]
+    missing += [dim for dim in ("contact", "node") if dim not in run.sizes]
+    if missing:
+        raise InputError(f"a run of a rotor system must have {', '.join(missing)}, got none")
     matrices = {name: run[f"{name}_matrix"].values for name in MATRICES if f"{name}_matrix" in run}
     nodes = dict(zip(run["node"].values.tolist(), run["node_rows"].values, strict=True))
     si = run["t"].attrs.get("units") == "s"

@@ -191,9 +191,8 @@ def _run(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) 
 def _system_run(dataset: xr.Dataset, _workers: int | None, progress: Progress | None) -> xr.Dataset:
     try:
         system, around = problem_of(dataset)
-    except (KeyError, IndexError, ValueError) as error:
-        reason = f"it lacks {error}" if isinstance(error, KeyError) else str(error)
-        raise InputError(f"this run of a system cannot be verified: {reason}") from error
+    except (IndexError, ValueError) as error:
+        raise InputError(f"this run of a system cannot be verified: {error}") from error
     given = dataset.attrs
     how: dict[str, Any] = {name: given[name] for name in ("duration", "rtol", "method")}
     how |= around | {"samples": dataset["t"].values, "progress": progress}
