@@ -17,9 +17,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import check_array, check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
-
-MOST_CONTACTS = 16
+from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance, check_contacts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,8 +127,7 @@ def assemble(
             raise InputError(f"{name} must be a list of {kind.__name__}, got {shown(given)}")
         for each in given:
             check_instance(name, each, kind)
-    if len(contacts) > MOST_CONTACTS:
-        raise InputError(f"contacts must be at most {MOST_CONTACTS}, got {len(contacts)}")
+    check_contacts(contacts)
     stators = tuple({id(each.stator): each.stator for each in contacts
                      if isinstance(each.stator, Stator)}.values())  # fmt: skip
     size = system.size + 2 * len(stators)
@@ -142,7 +139,6 @@ def assemble(
         elif each.stator is not None:
             place = system.size + 2 * stators.index(each.stator)
             rows[number, :, place : place + 2] = -np.eye(2)
-    _check_contacts(contacts)
     mass, stiffness = (_joined(system, stators, name) for name in ("mass", "stiffness"))
     assert mass is not None
     assert stiffness is not None
@@ -184,20 +180,6 @@ def canonical(assembly: Assembly) -> Canonical:
         unbalance=forwards(assembly.unbalance.T).T,
         force=forwards(assembly.force),
     )
-
-
-def _check_contacts(contacts: Sequence[Contact]) -> None:
-    """Refuse two contacts between the same bodies with the same centre."""
-    seen: dict[tuple[object, ...], int] = {}
-    for number, each in enumerate(contacts):
-        place = (each.node, each.centre, each.clearance,
-                 each.stator if isinstance(each.stator, str) else id(each.stator))  # fmt: skip
-        if place in seen:
-            raise InputError(
-                f"contacts must not overlap, got contacts {seen[place]} and {number} at node "
-                f"{each.node!r} with the same stator, centre and clearance {each.clearance!r}"
-            )
-        seen[place] = number
 
 
 def _joined(system: RotorSystem, stators: Sequence[Stator], name: str) -> Values | None:

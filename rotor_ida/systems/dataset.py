@@ -22,12 +22,24 @@ from rotor_ida.schema import (
 from rotor_ida.systems.assembly import Assembly, Canonical
 from rotor_ida.systems.following import Followed
 
+# Units that no scale of a machine has.
+OTHER_UNITS = {
+    "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
+    "stator_stiffness": "N m-1", "stator_damping": "N s m-1", "unbalance_moment": "kg m",
+}  # fmt: skip
+# Units of the attributes of a changing speed, as `rotor_ida.dimensional` names them.
+UNITS_OF_CHANGE = {
+    "speed": "s-1", "to": "s-1", "rate": "s-2", "speeds": "s, s-1", "torque": "N m, N m s",
+    "inertia": "kg m2",
+}  # fmt: skip
+
 
 def system_dataset(
     assembly: Assembly,
     found: Canonical,
     followed: Followed,
     times: Values,
+    problem: Mapping[str, Column],
     told: Mapping[str, object],
     *,
     change_speed: bool,
@@ -57,6 +69,8 @@ def system_dataset(
         **_relative(assembly, q, event_q[:, 0], result.event_contacts),
         **_forces(followed),
         **_episodes(followed),
+        "excursion": ("contact", _excursions(assembly, q, followed)),
+        **problem,
     }  # fmt: skip
     if any(with_race):
         variables["event_race_speed"] = (("event", "contact"), result.event_races)
@@ -117,6 +131,18 @@ def _forces(followed: Followed) -> dict[str, Column]:
     }  # fmt: skip
 
 
+def _excursions(assembly: Assembly, q: Values, followed: Followed) -> Values:
+    """Return the largest displacement of each contact over its clearance, at samples and peaks."""
+    found = np.empty(len(assembly.contacts))
+    table = followed.result.episodes
+    for number, contact in enumerate(assembly.contacts):
+        places = np.einsum("jk,tk->tj", assembly.rows[number], q) - contact.centre
+        peaks = table["peak_root"][table["contact"] == number] ** 2  # CVODE finds none
+        radius = np.hypot(*places.T).max()
+        found[number] = np.fmax.reduce([radius, *(contact.clearance + peaks)]) / contact.clearance
+    return found
+
+
 def _episodes(followed: Followed) -> dict[str, Column]:
     """Return the table of contacts: one row from each entry to its exit, by time of entry."""
     table = followed.result.episodes
@@ -142,12 +168,12 @@ def _with_units(dataset: xr.Dataset, assembly: Assembly) -> xr.Dataset:
     flags = {**DAMPED_EVENT_KIND, **OF_FRICTION_EVENT_KIND}
     kind = Quantity(QUANTITIES["event_kind"].long_name, flags=flags)
     dataset["event_kind"].attrs = kind.attributes()
-    in_si = assembly.system.units == "SI"
-    if "speed" in dataset.attrs:
-        dataset.attrs["speed_units"] = UNITS["speed"] if in_si else "1"
-    if in_si:
+    if assembly.system.units == "SI":
         for name, variable in dataset.variables.items():
             scale = QUANTITIES[str(name)].scale
-            if scale:
-                variable.attrs["units"] = UNITS[scale]
+            if scale or name in OTHER_UNITS:
+                variable.attrs["units"] = UNITS[scale] if scale else OTHER_UNITS[str(name)]
+        for name, unit in UNITS_OF_CHANGE.items():
+            if name in dataset.attrs:
+                dataset.attrs[f"{name}_units"] = unit
     return dataset
