@@ -249,6 +249,9 @@ QUANTITIES: dict[str, Quantity] = {
     "backward_amplitude_error": Quantity(
         "standard error of the amplitude of the backward whirl", scale="length"
     ),
+    "filter_error": Quantity(
+        "standard error of a displacement filtered to one order", scale="length"
+    ),
     "whirl_phase": Quantity("phase of the whirl at the time 0", "radian"),
     "offset_x": Quantity("mean horizontal displacement", scale="length"),
     "offset_y": Quantity("mean vertical displacement", scale="length"),
