@@ -93,9 +93,11 @@ SPECIAL = {
     "torus": 5,
     "sliding": 6,
     "hopf": 7,
+    "discontinuous": 8,
 }
 END = {
     "not_found": -1, "none": 0, "fold": 1, "period_doubling": 2, "touch": 3, "hopf": 4, "torus": 5,
+    "discontinuous": 6,
 }  # fmt: skip
 # Parameters whose range of existence is computed for attractors, where they are not 0.
 WITH_EXTENTS = ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "friction")
