@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from xarray.backends import BackendArray
+from xarray.core.indexing import ExplicitIndexer, LazilyIndexedArray
 
 from rotor_ida.checks import check_flag, shown
 from rotor_ida.errors import ArchiveError, InputError
@@ -92,7 +94,8 @@ def open_archive(path: str | os.PathLike[str], *, check: bool = True) -> xr.Data
     -------
     xr.Dataset
         As from `load`, with texts and coordinates of dimensions in memory. Use it in a ``with``
-        statement or call its ``close``.
+        statement or call its ``close``. Without a check an `ArchiveError` tells of damaged numbers
+        when they are read, as far as they cannot be decompressed.
 
     Raises
     ------
@@ -167,9 +170,13 @@ def _load(source: Path) -> xr.Dataset:
 def _open(source: Path, *, check: bool) -> xr.Dataset:
     _refuse_unsound(source, check=check)
     stored = xr.open_dataset(source, engine="netcdf4", decode_cf=False, cache=False)
+
+    def lazily(variable: xr.Variable) -> LazilyIndexedArray:
+        return LazilyIndexedArray(_Unread(variable, source))
+
     try:
         with LOCK:
-            dataset = _read(source, lambda name, _: stored.variables[name]._data)  # unread
+            dataset = _read(source, lambda name, _: lazily(stored.variables[name]))
         dataset.set_close(stored.close)
         if check:
             _check_content(dataset, source)
@@ -177,6 +184,21 @@ def _open(source: Path, *, check: bool) -> xr.Dataset:
         stored.close()
         raise
     return dataset
+
+
+class _Unread(BackendArray):
+    """Numbers in a file, whose damage is reported when they are read."""
+
+    def __init__(self, stored: xr.Variable, source: Path) -> None:
+        self.inner: Any = stored._data
+        while not isinstance(self.inner, BackendArray):  # xarray's wrappers of what reads the file
+            self.inner = self.inner.array
+        self.source = source
+        self.shape, self.dtype = stored.shape, stored.dtype
+
+    def __getitem__(self, key: ExplicitIndexer) -> object:
+        with _reported(self.source):
+            return self.inner[key]
 
 
 def _refuse_unsound(source: Path, *, check: bool) -> None:
