@@ -170,13 +170,9 @@ def _load(source: Path) -> xr.Dataset:
 def _open(source: Path, *, check: bool) -> xr.Dataset:
     _refuse_unsound(source, check=check)
     stored = xr.open_dataset(source, engine="netcdf4", decode_cf=False, cache=False)
-
-    def lazily(variable: xr.Variable) -> LazilyIndexedArray:
-        return LazilyIndexedArray(_Unread(variable, source))
-
     try:
         with LOCK:
-            dataset = _read(source, lambda name, _: lazily(stored.variables[name]))
+            dataset = _read(source, lambda name, _: _unread(stored.variables[name], source))
         dataset.set_close(stored.close)
         if check:
             _check_content(dataset, source)
@@ -189,16 +185,23 @@ def _open(source: Path, *, check: bool) -> xr.Dataset:
 class _Unread(BackendArray):
     """Numbers in a file, whose damage is reported when they are read."""
 
-    def __init__(self, stored: xr.Variable, source: Path) -> None:
-        self.inner: Any = stored._data
-        while not isinstance(self.inner, BackendArray):  # xarray's wrappers of what reads the file
-            self.inner = self.inner.array
-        self.source = source
-        self.shape, self.dtype = stored.shape, stored.dtype
+    def __init__(self, inner: Any, source: Path) -> None:
+        self.inner, self.source = inner, source
+        self.shape, self.dtype = inner.shape, inner.dtype
 
     def __getitem__(self, key: ExplicitIndexer) -> object:
         with _reported(self.source):
             return self.inner[key]
+
+
+def _unread(stored: xr.Variable, source: Path) -> object:
+    """Return the numbers of a variable, which are in memory for a coordinate of a dimension."""
+    inner: Any = stored._data
+    while not isinstance(inner, BackendArray):  # xarray's wrappers of what reads the file
+        if not hasattr(inner, "array"):
+            return stored._data
+        inner = inner.array
+    return LazilyIndexedArray(_Unread(inner, source))
 
 
 def _refuse_unsound(source: Path, *, check: bool) -> None:
