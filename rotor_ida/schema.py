@@ -164,6 +164,12 @@ QUANTITIES: dict[str, Quantity] = {
     "node": Quantity("node of a rotor system", ""),
     "contact_node": Quantity("node of a contact", ""),
     "clearance": Quantity("radial clearance of a contact", scale="length"),
+    "contact_stator": Quantity("stator of a contact, empty for the ground", ""),
+    **{
+        f"{of}_{axis}": Quantity(f"{word} {noun}", scale="length")
+        for axis, word in (("x", "horizontal"), ("y", "vertical"))
+        for of, noun in (("centre", "offset of the centre of a stator from the place of rest"),)
+    },
     "event_contact": Quantity("number of the contact of an event"),
     "event_state": Quantity("displacement and velocity of all coordinates at an event"),
     "final_state": Quantity(
@@ -184,10 +190,7 @@ QUANTITIES: dict[str, Quantity] = {
     "node_rows": Quantity("displacement of a node by a unit of a coordinate"),
     "constant_force": Quantity("constant force on each coordinate of rotor and stators"),
     "start_state": Quantity("displacement and velocity of all coordinates at time 0"),
-    "contact_stator": Quantity("stator of a contact, empty for the ground", ""),
     "stator_number": Quantity("number of the moving stator of a contact, -1 if it has none"),
-    "centre_x": Quantity("horizontal offset of the centre of a stator", scale="length"),
-    "centre_y": Quantity("vertical offset of the centre of a stator", scale="length"),
     "law_stiffness": Quantity("contact stiffness: force over indentation to the exponent"),
     "law_exponent": Quantity("exponent of the contact force"),
     "law_damping": Quantity("contact damping: relative increase of force per approach speed"),

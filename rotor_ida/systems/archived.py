@@ -36,7 +36,7 @@ NAMES = ("node", "contact_node", "contact_stator", "unbalance_node")
 def problem_variables(
     assembly: Assembly, unbalance: Sequence[Unbalance], start: Values
 ) -> dict[str, Column]:
-    """Return all that a run is computed from, but for the course of its speed.
+    """Return what a run is computed from, but for its speed and the places of its contacts.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def problem_variables(
 
 
 def _contacts(assembly: Assembly) -> dict[str, Column]:
-    """Return the contacts: their places, laws, stators and races."""
+    """Return the laws, stators and races of the contacts."""
     contacts = assembly.contacts
 
     def column(values: Sequence[Any]) -> Column:
@@ -80,22 +80,13 @@ def _contacts(assembly: Assembly) -> dict[str, Column]:
         assembly.stators.index(each.stator) if isinstance(each.stator, Stator) else -1
         for each in contacts
     ]
-    names = [
-        each.stator if isinstance(each.stator, str) else f"stator {number}" if number >= 0 else ""
-        for each, number in zip(contacts, numbers, strict=True)
-    ]
     nothing = dict.fromkeys(OF_RACE, np.nan)
     races = [
         nothing if race is None else {name: getattr(race, name) for name in OF_RACE}
         for race in assembly.races
     ]
     return {
-        "contact_node": ("contact", np.array([each.node for each in contacts], str)),
-        "contact_stator": ("contact", np.array(names, str)),
         "stator_number": ("contact", np.array(numbers, np.int16)),
-        "clearance": column([each.clearance for each in contacts]),
-        "centre_x": column([each.centre[0] for each in contacts]),
-        "centre_y": column([each.centre[1] for each in contacts]),
         **{f"law_{name}": column([getattr(each, name) for each in contacts]) for name in LAW},
         **{f"race_{name}": column([race[name] for race in races]) for name in OF_RACE},
     }

@@ -60,10 +60,13 @@ def system_dataset(
         "event_state": (("event", "coordinate"), event_q.reshape(len(kinds), 2 * assembly.size)),
         "horizon": ((), followed.horizon),
         "final_state": ("component", np.concatenate([found.to_q(result.state).ravel(), races])),
-        "excursion": ("contact", _excursions(assembly, q, followed)),
-        **problem,
+        "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
+        "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
+        **_stators(assembly),
         **_forces(followed),
         **_episodes(followed),
+        "excursion": ("contact", _excursions(assembly, q, followed)),
+        **problem,
     }  # fmt: skip
     if any(with_race):
         variables["event_race_speed"] = (("event", "contact"), result.event_races)
@@ -83,16 +86,19 @@ def system_dataset(
     return _with_units(dataset, assembly)
 
 
-def _excursions(assembly: Assembly, q: Values, followed: Followed) -> Values:
-    """Return the largest displacement of each contact over its clearance, at samples and peaks."""
-    found = np.empty(len(assembly.contacts))
-    table = followed.result.episodes
-    for number, contact in enumerate(assembly.contacts):
-        places = np.einsum("jk,tk->tj", assembly.rows[number], q) - contact.centre
-        peaks = table["peak_root"][table["contact"] == number] ** 2  # CVODE finds none
-        radius = np.hypot(*places.T).max()
-        found[number] = np.fmax.reduce([radius, *(contact.clearance + peaks)]) / contact.clearance
-    return found
+def _stators(assembly: Assembly) -> dict[str, Column]:
+    """Return the stator of each contact, "" for the ground, and where its centre is."""
+    names = [
+        each.stator if isinstance(each.stator, str)
+        else "" if each.stator is None
+        else f"stator {assembly.stators.index(each.stator)}"
+        for each in assembly.contacts
+    ]  # fmt: skip
+    centres = np.array([each.centre for each in assembly.contacts]).reshape(-1, 2)
+    return {
+        "contact_stator": ("contact", np.array(names, str)),
+        "centre_x": ("contact", centres[:, 0]), "centre_y": ("contact", centres[:, 1]),
+    }  # fmt: skip
 
 
 def _forces(followed: Followed) -> dict[str, Column]:
@@ -103,6 +109,18 @@ def _forces(followed: Followed) -> dict[str, Column]:
         "normal_force": (along, forces[:, :, 0]), "tangential_force": (along, forces[:, :, 1]),
         "slip_speed": (along, forces[:, :, 2]), "mode": (along, forces[:, :, 3].astype(np.int8)),
     }  # fmt: skip
+
+
+def _excursions(assembly: Assembly, q: Values, followed: Followed) -> Values:
+    """Return the largest displacement of each contact over its clearance, at samples and peaks."""
+    found = np.empty(len(assembly.contacts))
+    table = followed.result.episodes
+    for number, contact in enumerate(assembly.contacts):
+        places = np.einsum("jk,tk->tj", assembly.rows[number], q) - contact.centre
+        peaks = table["peak_root"][table["contact"] == number] ** 2  # CVODE finds none
+        radius = np.hypot(*places.T).max()
+        found[number] = np.fmax.reduce([radius, *(contact.clearance + peaks)]) / contact.clearance
+    return found
 
 
 def _episodes(followed: Followed) -> dict[str, Column]:
