@@ -35,6 +35,7 @@ from .results.machine_file import load_machine as load_machine
 from .results.machine_file import save_machine as save_machine
 from .results.si_units import dimensional as dimensional
 from .results.studies import status as status
+from .results.system_file import load_system as load_system
 from .schema import decode_flags as decode_flags
 from .signals.filtering import filtered_orbit as filtered_orbit
 from .signals.forces import contact_forces as contact_forces

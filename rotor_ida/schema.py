@@ -166,6 +166,12 @@ QUANTITIES: dict[str, Quantity] = {
     "node": Quantity("node of a rotor system", ""),
     "contact_node": Quantity("node of a contact", ""),
     "clearance": Quantity("radial clearance of a contact", scale="length"),
+    "contact_stator": Quantity("stator of a contact, empty for the ground", ""),
+    **{
+        f"{of}_{axis}": Quantity(f"{word} {noun}", scale="length")
+        for axis, word in (("x", "horizontal"), ("y", "vertical"))
+        for of, noun in (("centre", "offset of the centre of a stator from the place of rest"),)
+    },
     "event_contact": Quantity("number of the contact of an event"),
     "event_state": Quantity("displacement and velocity of all coordinates at an event"),
     "final_state": Quantity(
@@ -173,6 +179,35 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "event_race_speed": Quantity("speed of the race of a contact at an event", scale="speed"),
     "episode_contact": Quantity("number of the contact that an episode is of"),
+    **{
+        f"{name}_matrix": Quantity(f"{words} matrix of the rotor, in the units of its coordinates")
+        for name, words in {
+            "mass": "mass",
+            "damping": "damping",
+            "gyroscopic": "gyroscopic",
+            "stiffness": "stiffness",
+            "stiffness_rate": "stiffness, by the rate of the speed,",
+        }.items()
+    },
+    "node_rows": Quantity("displacement of a node by a unit of a coordinate"),
+    "constant_force": Quantity("constant force on each coordinate of rotor and stators"),
+    "start_state": Quantity("displacement and velocity of all coordinates at time 0"),
+    "stator_number": Quantity("number of the moving stator of a contact, -1 if it has none"),
+    "law_stiffness": Quantity("contact stiffness: force over indentation to the exponent"),
+    "law_exponent": Quantity("exponent of the contact force"),
+    "law_damping": Quantity("contact damping: relative increase of force per approach speed"),
+    "law_friction": Quantity("friction coefficient of the contact"),
+    "law_radius": Quantity("radius of the surface of the rotor in a contact", scale="length"),
+    "race_radius": Quantity("radius of the surface of a race", scale="length"),
+    "race_inertia": Quantity("moment of inertia of a race"),
+    "race_drag": Quantity("drag torque of a race over its speed"),
+    "race_speed": Quantity("speed of a race at time 0", scale="speed"),
+    "stator_mass": Quantity("mass of a moving stator"),
+    "stator_stiffness": Quantity("stiffness of the mount of a moving stator"),
+    "stator_damping": Quantity("damping of the mount of a moving stator"),
+    "unbalance_node": Quantity("node of an unbalance", ""),
+    "unbalance_moment": Quantity("unbalance: mass times eccentricity"),
+    "unbalance_phase": Quantity("angle of an unbalance from the x axis at time 0", "radian"),
     "event_time_error": Quantity("estimated error of the event time", scale="time"),
     "horizon": Quantity("time up to which the start determines the orbit", scale="time"),
     "entry_time": Quantity("time at which the contact begins", scale="time"),

@@ -35,6 +35,25 @@ def a_run_with_more() -> xr.Dataset:
     return rotor_ida.simulate(rotor, start=REST, duration=20.0, samples=41)
 
 
+def a_system_run() -> xr.Dataset:
+    """Return a run-up of a rotor system with all that may stand around it."""
+    system = rotor_ida.RotorSystem(
+        mass=np.eye(4), stiffness=2.0 * np.eye(4), damping=0.1 * np.eye(4),
+        nodes={"disc": (0, 1), "end": (2, 3)},
+    )  # fmt: skip
+    stator = rotor_ida.Stator(mass=1.0, stiffness=2.0)
+    race = rotor_ida.Race(radius=1.0, inertia=2.0)
+    touch = {"node": "disc", "stiffness": 4.0, "friction": 0.1, "radius": 1.0}
+    contacts = [
+        rotor_ida.Contact(**touch, clearance=0.5, stator=stator),
+        rotor_ida.Contact(**touch, clearance=0.7, stator="end", race=race),
+    ]
+    unbalance = [rotor_ida.Unbalance(node="disc", moment=1.0)]
+    return rotor_ida.run_up(
+        system, contacts=contacts, unbalance=unbalance, speed=1.0, to=1.5, rate=0.05, samples=41
+    )
+
+
 def a_cycle() -> xr.Dataset:
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
     return rotor_ida.limit_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
@@ -61,6 +80,7 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "run_without_contact": lambda: a_run(delta0=9.0),
     "run_with_more": a_run_with_more,
     "run_without_times": lambda: a_run().drop_vars("t"),
+    "system_run": a_system_run,
     "runs_by_name": lambda: xr.concat([a_run(), a_run()], xr.Variable("machine", ["a", "b"])),
     "run_in_si_units": lambda: rotor_ida.dimensional(a_run(), MACHINE),
     "sweep": a_sweep,

@@ -281,6 +281,7 @@ GIVEN |= {
         "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)],
     },
     "run_up_system": lambda _: {"system": SYSTEM, "speed": 1.2, "to": 1.4, "rate": 0.1},
+    "load_system": lambda folder: {"path": system_in(folder)},
 }  # fmt: skip
 
 
@@ -299,6 +300,12 @@ def ramp() -> xr.Dataset:
 def machine_in(folder: Path) -> Path:
     path = folder / "machine.toml"
     return path if path.exists() else rotor_ida.save_machine(MACHINE, path)
+
+
+def system_in(folder: Path) -> Path:
+    path = folder / "system.toml"
+    path.write_text("system = { mass = [1, 1], stiffness = [1, 1], nodes = { disc = [0, 1] } }")
+    return path
 
 
 def archive_in(folder: Path) -> Path:

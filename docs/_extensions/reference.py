@@ -15,6 +15,9 @@ HERE = Path(__file__).parents[1]
 # The main functions by task. A public name that is in no list is shown under the last title.
 TASKS = {
     "Describe a rotor": ["Rotor", "DimensionalRotor", "dimensional"],
+    "Describe a rotor system": [
+        *("RotorSystem", "Contact", "Stator", "Race", "Unbalance", "load_system"),
+    ],
     "Simulate": ["simulate", "run_up", "run_ups", "contact_summary", "contact_forces", "rotating"],
     "Exact responses": [
         *("synchronous_response", "folds", "hopf_points", "backward_whirl", "impact", "rest"),

@@ -170,7 +170,7 @@ def show_run(dataset: xr.Dataset, most: int | None) -> Description:
     for name in ("heat", "rolling_time"):
         if name in dataset:
             summary[name] = float(dataset[name].sum())
-    told = with_units(dataset, summary) | _change_of_speed(dataset)
+    told = with_units(dataset, summary) | change_of_speed(dataset)
     return record, [pairs("Run", told), *parts]
 
 
@@ -188,7 +188,7 @@ def show_run_up_summary(dataset: xr.Dataset, _most: int | None) -> Description:
     return record, [sentence, pairs("Run-up", told)]
 
 
-def _change_of_speed(run: xr.Dataset) -> Record:
+def change_of_speed(run: xr.Dataset) -> Record:
     """Return the course of the speed during a run, by names with units."""
     if "speed" not in run:
         return {}

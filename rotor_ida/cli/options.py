@@ -25,6 +25,7 @@ from rotor_ida.checks import (
 from rotor_ida.cli import machines, parsing
 from rotor_ida.cli.machines import Units
 from rotor_ida.errors import InputError
+from rotor_ida.model.data_sheet import units_of
 from rotor_ida.model.parameters import (
     MACHINE_PARAMETERS,
     OPTIONAL,
@@ -241,6 +242,14 @@ Samples = Annotated[
 Rtol = Annotated[float, _number("Relative tolerance."), IN_SOLVER]
 Atol = Annotated[float, _number("Absolute tolerance."), IN_SOLVER]
 ContactMethod = Annotated[Method, Parameter(help="Solver of the contact phases."), IN_SOLVER]
+MethodOfAny = Annotated[
+    Method | None,
+    Parameter(
+        help="Solver of the contact phases. Default: adams; of a rotor system, taylor.",
+        show_default=False,
+    ),
+    IN_SOLVER,
+]
 SolverBackend = Annotated[Backend, Parameter(help="Code that runs the solver."), IN_SOLVER]
 RtolOrNone = Annotated[
     float | None, _number("Relative tolerance. Default: chosen automatically."), IN_SOLVER
@@ -257,6 +266,15 @@ Witness = Annotated[
     IN_SOLVER,
 ]
 
+System = Annotated[
+    Path | None,
+    Parameter(
+        name="SYSTEM",
+        help="Rotor system from a TOML file, instead of the options of one disc but --speed.",
+        converter=parsing.converter(parsing.system_file),
+    ),
+    IN_ROTOR,
+]
 File = Annotated[Path, _path("Archive written by rotor-ida (.nc).", name="FILE")]
 FileToExplore = Annotated[
     Path | None, _path("Archived run whose rotor and initial state are shown first.")
@@ -425,15 +443,11 @@ AsJson = Annotated[bool, _flag("Print JSON instead of tables.", name="--json"), 
 Force = Annotated[bool, _flag("Overwrite existing files."), IN_OUTPUT]
 
 
-# The stiffness of a linear contact is in N/m.
-OTHER_UNITS = {"contact_stiffness": ("N m-1",)}
-
-
 def _units_of(parameter: Quantity) -> tuple[str, ...]:
     """Return the allowed units of an option for a parameter of a machine."""
     if parameter.unit == "1":
         return ()
-    return parameter.unit, *OTHER_UNITS.get(parameter.name, ())
+    return units_of(parameter.name)
 
 
 # For one rotor or several, dimensionless or in SI units, or in an archive.
@@ -695,6 +709,28 @@ class RunUpSolverOptions:
     atol: Atol = 1e-12
     method: ContactMethod = "adams"
     backend: SolverBackend = "auto"
+
+
+@Parameter(name="*", group=SOLVER)
+@dataclass(frozen=True, kw_only=True)
+class AnySolverOptions(SolverOptions):
+    """Options for the computation of one motion, of one disc or a rotor system."""
+
+    method: MethodOfAny = None  # type: ignore[assignment]
+
+
+@Parameter(name="*", group=SOLVER)
+@dataclass(frozen=True, kw_only=True)
+class AnyRunUpSolverOptions(RunUpSolverOptions):
+    """Options for the computation of one motion at a changing speed, of either."""
+
+    method: MethodOfAny = None  # type: ignore[assignment]
+
+
+def of_disc(solver: SolverOptions | RunUpSolverOptions) -> dict[str, Any]:
+    """Return options of the solver for one disc, whose default method is not that of a system."""
+    chosen = asdict(solver)
+    return chosen | {"method": chosen["method"] or SolverOptions.method}
 
 
 @Parameter(name="*", group=SOLVER)

@@ -18,6 +18,7 @@ from rotor_ida import units
 from rotor_ida.checks import COMPONENTS, MOST_POINTS_OF_STUDY, State, check_real, shown
 from rotor_ida.errors import InputError
 
+SYSTEM_ENDING = ".toml"
 LARGEST_RANGE = 1_000_000
 MOST_POINTS = 5_000_000
 
@@ -352,6 +353,23 @@ def path(name: str, words: Sequence[str]) -> Path:
     """Return a word as a path."""
     if not words[0]:  # which pathlib reads as the current folder
         raise InputError(f"{name} must be a path, got ''")
+    return Path(words[0])
+
+
+def system_file(_name: str, words: Sequence[str]) -> Path:
+    """Return a word as the path of a system file.
+
+    Examples
+    --------
+    >>> system_file("path", ["2"])
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: unexpected argument '2'; a rotor system must be a .toml file
+    """
+    if not words[0].endswith(SYSTEM_ENDING):
+        raise InputError(
+            f"unexpected argument {shown(words[0])}; a rotor system must be a {SYSTEM_ENDING} file"
+        )
     return Path(words[0])
 
 

@@ -47,7 +47,7 @@ from rotor_ida.cli.commands.machine import machine
 from rotor_ida.cli.commands.plot import plot
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
 from rotor_ida.cli.machines import missing
-from rotor_ida.cli.parsing import as_given, readable, refuse_units
+from rotor_ida.cli.parsing import SYSTEM_ENDING, as_given, readable, refuse_units
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
 from rotor_ida.errors import InputError, RotorError
@@ -78,6 +78,8 @@ COMMANDS: dict[str, dict[Callable[..., object], str]] = {
 }
 # Usage of commands whose files cyclopts does not name.
 USAGE: dict[Callable[..., object], str] = {
+    simulate: "Usage: rotor-ida simulate [OPTIONS] [SYSTEM]",
+    run_up: "Usage: rotor-ida run-up [OPTIONS] [SYSTEM]",
     fit: "Usage: rotor-ida fit --unknown NAME [OPTIONS] FILE...",
     explore: "Usage: rotor-ida explore [OPTIONS] [FILE]",
 }
@@ -170,6 +172,8 @@ def _run(words: list[str], results: TextIO) -> int:
 
 def _refuse_units(arguments: Mapping[str, object]) -> None:
     """Refuse units of numbers anywhere if the rotor is dimensionless."""
+    if arguments.get("system") is not None:  # its file says whether it has units
+        return
     values: dict[str, object] = {}
     for name, value in arguments.items():
         values |= vars(value) if is_dataclass(value) else {name: value}
@@ -245,7 +249,8 @@ def _missing(error: MissingArgumentError, option: str) -> str:
         for each in known
         if each.required and each.name.startswith("--") and words.isdisjoint(each.names)
     ]
-    if "--machine" not in words and any("--zeta" in each.names for each in known):
+    of_file = any(word.endswith(SYSTEM_ENDING) for word in error.root_input_tokens or ())
+    if not of_file and "--machine" not in words and any("--zeta" in each.names for each in known):
         of_rotor = [word[2:].replace("-", "_") for word in words]
         lacking = [f"--{name.replace('_', '-')}" for name in missing(of_rotor)] + lacking
     return f"{listed(lacking if option in lacking else [option, *lacking])} must be given"

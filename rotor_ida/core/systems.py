@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Stop, Values
+from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.core import library as found
 from rotor_ida.core.interface import DONE, FULL, pointer
 from rotor_ida.core.runs import NO_STOP, PIECE, Rows
@@ -240,8 +240,10 @@ class _Tables:
         run.event_room = run.episode_room = self.room
 
 
-def follow_system(request: SystemRequest, stop: Stop = NO_STOP) -> SystemResult:
-    """Return the run of a rotor system."""
+def follow_system(
+    request: SystemRequest, stop: Stop = NO_STOP, watch: Watch | None = None
+) -> SystemResult:
+    """Return the run of a rotor system; `watch` gets a function that returns how far it is."""
     core, size = _library(), len(request.force)
     stride, count = -(-size // 4) * 4, len(request.laws)
     keep: list[npt.NDArray[Any]] = []
@@ -289,6 +291,8 @@ def follow_system(request: SystemRequest, stop: Stop = NO_STOP) -> SystemResult:
         room=given(np.zeros(core.core_system_room(size, count)), writeable=True),
     )  # fmt: skip
     tables.put(run)
+    if watch is not None:
+        watch.append(lambda: run.time)  # which the core updates
     while (status := core.core_system_run(byref(run))) == FULL:
         tables.grow()
         tables.put(run)

@@ -31,6 +31,8 @@ ALTERNATIVES = (
 )
 NEEDED = ("mass", "contact_stiffness", "clearance", "speed")
 MILLIMETRE = 1e-3
+# Unit of the stiffness of a linear contact.
+OF_LINEAR = "N m-1"
 # A number, and the text after it.
 _WORD = re.compile(
     r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\S.*?)?\s*"
@@ -126,11 +128,11 @@ def machine_from_data_sheet(
     """
     given = {name: value for name, value in locals().items() if value is not None}
     _check_once(given)
-    numbers = {name: in_si(name, value, KEYS[name]) for name, value in given.items()
+    numbers = {name: in_si(name, value, *units_of(name)) for name, value in given.items()
                if name not in {"balance_grade", "load", "contact_exponent"}}  # fmt: skip
     check_positive("mass", numbers["mass"])
     found = {name: numbers[name] for name in OF_MACHINE if name in numbers}
-    exponent = _exponent(given)
+    exponent = exponent_of(given["contact_stiffness"], given.get("contact_exponent"))
     stiffness = _shaft_stiffness(numbers)
     return DimensionalRotor(**{
         **found,
@@ -142,8 +144,8 @@ def machine_from_data_sheet(
     })  # fmt: skip
 
 
-def in_si(name: str, value: object, unit: str) -> float:
-    """Return a quantity in its SI unit, from a number in that unit or text with a unit.
+def in_si(name: str, value: object, *allowed: str) -> float:
+    """Return a quantity in its SI unit, from a number in that unit or text with an allowed unit.
 
     Examples
     --------
@@ -162,14 +164,46 @@ def in_si(name: str, value: object, unit: str) -> float:
     number, word = found["number"], found["unit"]
     if word is None:
         return check_real(name, float(number))
-    if word == "%" and unit == "1":
+    if word == "%" and "1" in allowed:
         return check_real(name, units.Unit(1.0, -2, units.ONE.dimension).in_si(number))
-    allowed = (unit, "N m-1") if name == "contact_stiffness" else (unit,)
     known = units.unit_of(word)
     if known is None or known.dimension not in map(units.dimension_of, allowed):
-        wanted = "left out" if unit == "1" else units.usual(*allowed)
+        wanted = "left out" if "1" in allowed else units.usual(*allowed)
         raise InputError(f"the unit of {name} must be {wanted}, got {shown(value)}")
     return check_real(name, known.in_si(number))
+
+
+def units_of(name: str) -> tuple[str, ...]:
+    """Return the units that a quantity of a data sheet may have."""
+    return (KEYS[name], OF_LINEAR) if name == "contact_stiffness" else (KEYS[name],)
+
+
+def exponent_of(
+    stiffness: object,
+    exponent: object,
+    names: tuple[str, str] = ("contact_stiffness", "contact_exponent"),
+) -> float:
+    """Return the exponent of the contact force that matches the unit of the stiffness.
+
+    Examples
+    --------
+    >>> exponent_of("1e8 N/m", None), exponent_of("1e8 N/m^1.5", None), exponent_of(1e8, None)
+    (1.0, 1.5, 1.5)
+    """
+    word = _WORD.fullmatch(stiffness) if isinstance(stiffness, str) else None
+    told = None
+    if word is not None and word["unit"]:
+        linear = units.dimension_of(word["unit"]) == units.dimension_of(OF_LINEAR)
+        told = 1.0 if linear else EXPONENTS[0]
+    if exponent is None:
+        return told or EXPONENTS[0]
+    number = in_si(names[1], exponent, "1")
+    if told is not None and number != told:
+        raise InputError(
+            f"the unit of {names[0]} must be {'N/m' if number == 1.0 else 'N/m^1.5'} with "
+            f"{names[1]} {number:g}, got {shown(stiffness)}"
+        )
+    return number
 
 
 def check_keys(given: Mapping[str, object], where: str) -> None:
@@ -263,25 +297,6 @@ def _check_once(given: Mapping[str, object]) -> None:
     if ("balance_grade" in given) != ("balance_speed" in given):
         one, other = ("balance_speed", "balance_grade")[:: 1 if "balance_grade" in given else -1]
         raise InputError(f"{one} must be given with {other}, got None")
-
-
-def _exponent(given: Mapping[str, Quantity]) -> float:
-    """Return the exponent of the contact force that matches the unit of the stiffness."""
-    stiffness, exponent = given["contact_stiffness"], given.get("contact_exponent")
-    word = _WORD.fullmatch(stiffness) if isinstance(stiffness, str) else None
-    told = None
-    if word is not None and word["unit"]:
-        linear = units.dimension_of(word["unit"]) == units.dimension_of("N/m")
-        told = 1.0 if linear else EXPONENTS[0]
-    if exponent is None:
-        return told or EXPONENTS[0]
-    number = in_si("contact_exponent", exponent, "1")
-    if told is not None and number != told:
-        raise InputError(
-            f"the unit of contact_stiffness must be {'N/m' if number == 1.0 else 'N/m^1.5'} with "
-            f"contact_exponent {number:g}, got {shown(stiffness)}"
-        )
-    return number
 
 
 def _shaft_stiffness(numbers: Mapping[str, float]) -> float:

@@ -82,7 +82,8 @@ KINDS = {
     for kind in (
         Kind(
             name="system_run", meaning="run of a rotor system", variables=("x", "event_contact"),
-            dims=("t", "node"),
+            dims=("t", "node"), shown="rotor_ida.cli.describe_systems:show_system_run",
+            verified=f"{_VERIFIED}:SYSTEM_RUN",
         ),
         Kind(
             name="comparison", meaning="comparison", variables=("matched_branch",),

@@ -78,18 +78,23 @@ def load_machine(path: str | os.PathLike[str]) -> DimensionalRotor:
 
 def read_data_sheet(path: str | os.PathLike[str]) -> dict[str, object]:
     """Return the quantities in a machine file as they are written there."""
-    place = check_path("machine", path)
+    return read_toml("machine", path)
+
+
+def read_toml(name: str, path: str | os.PathLike[str]) -> dict[str, object]:
+    """Return what a small TOML file, given as the argument `name`, contains."""
+    place = check_path(name, path)
     try:
         with place.open("rb") as file:
             text = file.read(MOST_BYTES + 1)
         if len(text) > MOST_BYTES:
-            raise InputError(f"machine must be a small TOML file, got {shown(place)}")
+            raise InputError(f"{name} must be a small TOML file, got {shown(place)}")
         return tomllib.loads(text.decode())
     except OSError as error:
         raise InputError(f"cannot read {shown(place)}: {error.strerror or error}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         first, *_ = str(error).splitlines()
-        raise InputError(f"machine must be a TOML file, got {shown(place)}: {first}") from error
+        raise InputError(f"{name} must be a TOML file, got {shown(place)}: {first}") from error
 
 
 def save_machine(

@@ -20,12 +20,23 @@ from rotor_ida.schema import (
 from rotor_ida.systems.assembly import Assembly, Canonical
 from rotor_ida.systems.following import Followed
 
+# Units that no scale of a machine has.
+OTHER_UNITS = {
+    "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
+    "stator_stiffness": "N m-1", "stator_damping": "N s m-1", "unbalance_moment": "kg m",
+}  # fmt: skip
+# Units of the attributes of a changing speed, as `rotor_ida.dimensional` names them.
+UNITS_OF_CHANGE = {
+    "to": "s-1", "rate": "s-2", "speeds": "s, s-1", "torque": "N m, N m s", "inertia": "kg m2",
+}  # fmt: skip
+
 
 def system_dataset(
     assembly: Assembly,
     found: Canonical,
     followed: Followed,
     times: Values,
+    problem: Mapping[str, Column],
     told: Mapping[str, object],
     *,
     change_speed: bool,
@@ -51,8 +62,11 @@ def system_dataset(
         "final_state": ("component", np.concatenate([found.to_q(result.state).ravel(), races])),
         "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
         "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
+        **_stators(assembly),
         **_forces(followed),
         **_episodes(followed),
+        "excursion": ("contact", _excursions(assembly, q, followed)),
+        **problem,
     }  # fmt: skip
     if any(with_race):
         variables["event_race_speed"] = (("event", "contact"), result.event_races)
@@ -72,6 +86,21 @@ def system_dataset(
     return _with_units(dataset, assembly)
 
 
+def _stators(assembly: Assembly) -> dict[str, Column]:
+    """Return the stator of each contact, "" for the ground, and where its centre is."""
+    names = [
+        each.stator if isinstance(each.stator, str)
+        else "" if each.stator is None
+        else f"stator {assembly.stators.index(each.stator)}"
+        for each in assembly.contacts
+    ]  # fmt: skip
+    centres = np.array([each.centre for each in assembly.contacts]).reshape(-1, 2)
+    return {
+        "contact_stator": ("contact", np.array(names, str)),
+        "centre_x": ("contact", centres[:, 0]), "centre_y": ("contact", centres[:, 1]),
+    }  # fmt: skip
+
+
 def _forces(followed: Followed) -> dict[str, Column]:
     """Return the forces of each contact at samples."""
     forces = followed.result.forces
@@ -80,6 +109,18 @@ def _forces(followed: Followed) -> dict[str, Column]:
         "normal_force": (along, forces[:, :, 0]), "tangential_force": (along, forces[:, :, 1]),
         "slip_speed": (along, forces[:, :, 2]), "mode": (along, forces[:, :, 3].astype(np.int8)),
     }  # fmt: skip
+
+
+def _excursions(assembly: Assembly, q: Values, followed: Followed) -> Values:
+    """Return the largest displacement of each contact over its clearance, at samples and peaks."""
+    found = np.empty(len(assembly.contacts))
+    table = followed.result.episodes
+    for number, contact in enumerate(assembly.contacts):
+        places = np.einsum("jk,tk->tj", assembly.rows[number], q) - contact.centre
+        peaks = table["peak_root"][table["contact"] == number] ** 2  # CVODE finds none
+        radius = np.hypot(*places.T).max()
+        found[number] = np.fmax.reduce([radius, *(contact.clearance + peaks)]) / contact.clearance
+    return found
 
 
 def _episodes(followed: Followed) -> dict[str, Column]:
@@ -110,6 +151,9 @@ def _with_units(dataset: xr.Dataset, assembly: Assembly) -> xr.Dataset:
     if assembly.system.units == "SI":
         for name, variable in dataset.variables.items():
             scale = QUANTITIES[str(name)].scale
-            if scale:
-                variable.attrs["units"] = UNITS[scale]
+            if scale or name in OTHER_UNITS:
+                variable.attrs["units"] = UNITS[scale] if scale else OTHER_UNITS[str(name)]
+        for name, unit in UNITS_OF_CHANGE.items():
+            if name in dataset.attrs:
+                dataset.attrs[f"{name}_units"] = unit
     return dataset

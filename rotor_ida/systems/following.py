@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rotor_ida.arrays import Stop, Values
+from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.core.systems import LAW, SystemRequest, SystemResult, follow_system
@@ -104,20 +104,24 @@ def scales_of(
     return float(displacement), float(displacement * rate), max(fastest, rate)
 
 
-def follow_twice(request: SystemRequest, stop: Stop = NO_STOP) -> Followed:
+def follow_twice(
+    request: SystemRequest, stop: Stop = NO_STOP, watch: Watch | None = None
+) -> Followed:
     """Return a run and the errors of its events."""
-    result = follow_system_again(request, stop)
+    result = follow_system_again(request, stop, watch)
     tighter = replace(
         request, rtol=max(request.rtol / APART, TIGHTEST / APART), order=ORDERS[1],
         times=request.times[[-1]],
     )  # fmt: skip
-    other = follow_system_again(tighter, stop)
+    other = follow_system_again(tighter, stop, watch)
     return Followed(result, *errors_of(result, other, len(request.laws), request.duration))
 
 
-def follow_system_again(request: SystemRequest, stop: Stop = NO_STOP) -> SystemResult:
+def follow_system_again(
+    request: SystemRequest, stop: Stop = NO_STOP, watch: Watch | None = None
+) -> SystemResult:
     """Return a run by Taylor series that has reached its end."""
-    result = follow_system(request, stop)
+    result = follow_system(request, stop, watch)
     check_status(result)
     return result
 

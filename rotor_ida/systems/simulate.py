@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Stop, Values
+from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import (
     SAMPLES_A_REVOLUTION,
     check_array,
@@ -20,6 +21,7 @@ from rotor_ida.checks import (
     check_count,
     check_increasing,
     check_positive,
+    check_progress,
     check_real,
     is_scalar,
     shown,
@@ -28,9 +30,10 @@ from rotor_ida.core.systems import SystemResult
 from rotor_ida.errors import InputError, InvariantError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
-from rotor_ida.parallel import interruptible
+from rotor_ida.parallel import Progress, interruptible
 from rotor_ida.simulation.orbit import ENTRY
 from rotor_ida.simulation.spin import Ramp, SpeedProfile, driven, steady, through
+from rotor_ida.systems.archived import problem_variables
 from rotor_ida.systems.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.systems.dataset import system_dataset
 from rotor_ida.systems.following import (
@@ -71,6 +74,7 @@ def simulate_system(
     modes: int | None = None,
     rtol: float = 1e-10,
     method: SystemMethod = "taylor",
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Simulate a rotor system and locate every event of every contact by root finding.
 
@@ -104,6 +108,8 @@ def simulate_system(
     method : {"taylor", "adams", "bdf"}
         Taylor series by the compiled core, or CVODE in plain Python, an independent and much
         slower check.
+    progress : callable, optional
+        Called from time to time with the percentage completed, and 100.
 
     Returns
     -------
@@ -142,7 +148,7 @@ def simulate_system(
     return _simulate(
         system, steady(omega, end), contacts=contacts, unbalance=unbalance, gravity=gravity,
         static_force=static_force, start=start, samples=samples, modes=modes, rtol=rtol,
-        method=method, speed=omega, change={"speed": omega},
+        method=method, progress=progress, speed=omega, change={"speed": omega},
     )  # fmt: skip
 
 
@@ -153,6 +159,7 @@ def run_up_system(
     speed: float | None = None,
     to: float | None = None,
     rate: float | None = None,
+    ramp_time: float | None = None,
     speeds: Sequence[tuple[float, float]] | npt.ArrayLike | None = None,
     torque: tuple[float, float] | None = None,
     inertia: float | None = None,
@@ -165,6 +172,7 @@ def run_up_system(
     modes: int | None = None,
     rtol: float = 1e-10,
     method: SystemMethod = "taylor",
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Simulate a rotor system whose speed changes.
 
@@ -172,13 +180,15 @@ def run_up_system(
     ----------
     system : RotorSystem
         The rotor.
-    contacts, unbalance, gravity, static_force, start, samples, modes, rtol, method
+    contacts, unbalance, gravity, static_force, start, samples, modes, rtol, method, progress
         As in `simulate_system`.
     speed : float
         Speed at time 0.
     to, rate : float
         A ramp from `speed` to another speed at a constant rate; without `to`, for all of the
         `duration`.
+    ramp_time : float
+        Duration of a ramp, instead of its rate.
     speeds : sequence of (float, float)
         Pairs of time and speed, linear in between; instead of `speed`.
     torque : (float, float)
@@ -212,12 +222,24 @@ def run_up_system(
     >>> run.speed.values.round(3)
     array([0.2 , 0.85, 1.5 ])
     """
+    if ramp_time is not None:
+        rate = _rate_of(speed, to, rate, ramp_time)
     profile, first, change = _profile(speed, to, rate, speeds, torque, inertia, duration)
     return _simulate(
         system, profile, contacts=contacts, unbalance=unbalance, gravity=gravity,
         static_force=static_force, start=start, samples=samples, modes=modes, rtol=rtol,
-        method=method, speed=first, change=change,
+        method=method, progress=progress, speed=first, change=change,
     )  # fmt: skip
+
+
+def _rate_of(speed: object, to: object, rate: object, ramp_time: object) -> float:
+    """Return the rate of a ramp of a given duration."""
+    if rate is not None:
+        raise InputError(f"rate must be left out with ramp_time, got {shown(rate)}")
+    if to is None:
+        raise InputError("to must be given with ramp_time, got None")
+    span = check_positive("ramp_time", ramp_time)
+    return (check_real("to", to) - check_real("speed", speed)) / span
 
 
 def _profile(
@@ -247,13 +269,14 @@ def _profile(
         if end is None:
             raise InputError("to or duration must be given with rate, got neither")
         profile = SpeedProfile((end,), (Ramp(0.0, 0.0, first, slope),))
-        return profile, first, {"rate": slope}
+        return profile, first, {"start_speed": first, "rate": slope}
     last = check_real("to", to)
     if slope == 0.0 or (last - first) * slope <= 0.0:
         raise InputError(f"rate must lead from speed {first!r} to {last!r}, got {slope!r}")
     span = check_positive("the time of the ramp", (last - first) / slope)
     points = [(0.0, first), (span, last)]
-    return through(points, _end_after(span, end)), first, {"to": last, "rate": slope}
+    told: dict[str, object] = {"start_speed": first, "to": last, "rate": slope}
+    return through(points, _end_after(span, end)), first, told
 
 
 def _piece_by_piece(
@@ -303,7 +326,7 @@ def _by_torque(
             f"speed of up to {reached:.3g}"
         )
     profile = driven((tau0, slope), moment, end)
-    return profile, speed, {"torque": pair, "inertia": moment}
+    return profile, speed, {"start_speed": speed, "torque": pair, "inertia": moment}
 
 
 def _simulate(
@@ -319,11 +342,13 @@ def _simulate(
     modes: int | None,
     rtol: float,
     method: SystemMethod,
+    progress: Progress | None,
     speed: float,
     change: dict[str, object],
 ) -> xr.Dataset:
     """Return the run of a system along a course of its speed."""
     check_choice("method", method, METHODS)
+    check_progress(progress)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     if modes is not None:
         held = [each.node for each in contacts]
@@ -334,7 +359,8 @@ def _simulate(
     end = profile.ends[-1]
     fastest = _fastest(profile, speed)
     times = _times(samples, end, fastest)
-    first = np.array([found.to_y(each) for each in _start(assembly, start, speed)])
+    begun = _start(assembly, start, speed)
+    first = np.array([found.to_y(each) for each in begun])
     request = request_of(
         assembly, found, profile, first, times, end, rtol=tolerance, speed=speed,
         fastest_speed=fastest, inertia=_inertia(found, profile),
@@ -346,16 +372,26 @@ def _simulate(
             f"{request.fastest:.4g} rad per unit of time, got {end!r}; fewer modes lower that"
         )
 
+    watch: Watch = []
+
     def follow(stop: Stop) -> Followed:
         if method == "taylor":
-            return follow_twice(request, stop)
-        return follow_by_cvode(request, profile, tolerance, method, stop)
+            return follow_twice(request, stop, watch)
+        return follow_by_cvode(request, profile, tolerance, method, stop, watch)
 
-    followed = interruptible(follow)
+    def tell(progress: Progress) -> None:
+        progress(int(50.0 * sum(done() for done in watch) / end), 100)
+
+    followed = interruptible(follow, told=None if progress is None else partial(tell, progress))
+    if progress is not None:
+        progress(100, 100)
     _check(assembly, found, request.start, followed, ROUNDED + OF_TOLERANCE * tolerance)
     told = {"method": method, "rtol": tolerance, "duration": end, **change}
+    if modes is not None:
+        told["modes"] = modes
+    problem = problem_variables(assembly, unbalance, begun)
     return system_dataset(
-        assembly, found, followed, times, told, change_speed="speed" not in change
+        assembly, found, followed, times, problem, told, change_speed="speed" not in change
     )
 
 

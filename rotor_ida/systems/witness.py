@@ -12,7 +12,7 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from rotor_ida.arrays import Stop, Values
+from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.core.interface import DONE, STOPPED
 from rotor_ida.core.systems import EPISODE, FORCES, LEDGER, TOUCH, SystemRequest, SystemResult
 from rotor_ida.errors import SimulationError
@@ -68,6 +68,7 @@ class _Run:
     profile: SpeedProfile
     ways: list[int]
     piece: int = 0
+    reached: float = 0.0
     times: list[float] = field(default_factory=list)
     kinds: list[int] = field(default_factory=list)
     numbers: list[int] = field(default_factory=list)
@@ -349,8 +350,9 @@ def _sample(run: _Run, motion: Integration, until: float) -> None:
 
 
 def run_by_cvode(
-    request: SystemRequest, profile: SpeedProfile, rtol: float, method: str, stop: Stop
-) -> SystemResult:
+    request: SystemRequest, profile: SpeedProfile, rtol: float, method: str, stop: Stop,
+    watch: Watch,
+) -> SystemResult:  # fmt: skip
     """Return the run of a rotor system by CVODE."""
     n, contacts = len(request.force), len(request.laws)
     run = _Run(request, profile, [FLIES] * contacts)
@@ -360,6 +362,7 @@ def run_by_cvode(
     ])  # fmt: skip
     state = np.concatenate([request.start.ravel(), request.races, [profile.angle, request.speed]])
     _begin(run, state)
+    watch.append(lambda: run.reached)
     time, last = 0.0, len(profile.ends) - 1
 
     def scaled(at: float, values: Values, out: Values) -> None:
@@ -379,6 +382,7 @@ def run_by_cvode(
             found = _first_crossing(run, motion, limit)
             until = found[0] if found else min(motion.high, limit)
             _sample(run, motion, until)
+            run.reached = until
             if found or motion.high >= limit or stop[0]:
                 break
         time, state = until, motion.at(until)
@@ -432,10 +436,11 @@ def _result(run: _Run, status: int, time: float, state: Values) -> SystemResult:
 
 
 def follow_by_cvode(
-    request: SystemRequest, profile: SpeedProfile, rtol: float, method: str, stop: Stop
-) -> Followed:
+    request: SystemRequest, profile: SpeedProfile, rtol: float, method: str, stop: Stop,
+    watch: Watch,
+) -> Followed:  # fmt: skip
     """Return a run by CVODE; its errors are its differences from a run by Taylor series."""
-    result = run_by_cvode(request, profile, rtol, method, stop)
+    result = run_by_cvode(request, profile, rtol, method, stop, watch)
     check_status(result)
-    other = follow_system_again(replace(request, times=request.times[[-1]]), stop)
+    other = follow_system_again(replace(request, times=request.times[[-1]]), stop, watch)
     return Followed(result, *errors_of(result, other, len(request.laws), request.duration))

@@ -36,6 +36,8 @@ from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady.response import BOUNCING, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
 from rotor_ida.steady.run_ups import run_ups
 from rotor_ida.steady.sweep import DIRECTIONS, sweep
+from rotor_ida.systems.archived import NEEDED, problem_of
+from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.testing import assert_events_close
 
 HOW = ("rtol", "atol", "method", "flight")
@@ -84,9 +86,9 @@ def rerun(
     Parameters
     ----------
     dataset : Dataset
-        A result of `simulate`, `run_up`, `sweep`, `run_ups`, `basin`, `basin_fractions`,
-        `continue_attractors`, `limit_cycle`, `continue_cycle` or `bifurcation_curve`, for example
-        one loaded from an archive.
+        A result of `simulate` or `run_up`, also of a rotor system, of `sweep`, `run_ups`, `basin`,
+        `basin_fractions`, `continue_attractors`, `limit_cycle`, `continue_cycle` or
+        `bifurcation_curve`, for example one loaded from an archive.
     method : {"adams", "bdf", "ida", "taylor"}, optional
         Another solver for the contacts of a run, sweep or run-up: an independent check that shares
         no step with the first.
@@ -184,6 +186,24 @@ def _run(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) 
             changes["speeds"] = np.reshape(changes["speeds"], (-1, 2))
         return run_up(_rotor(dataset), samples=dataset["t"].values, **how, **changes)
     return simulate(_rotor(dataset), samples=dataset["t"].values, **how)
+
+
+def _system_run(dataset: xr.Dataset, _workers: int | None, progress: Progress | None) -> xr.Dataset:
+    try:
+        system, around = problem_of(dataset)
+    except (IndexError, ValueError) as error:
+        raise InputError(f"this run of a system cannot be verified: {error}") from error
+    given = dataset.attrs
+    how: dict[str, Any] = {name: given[name] for name in ("duration", "rtol", "method")}
+    how |= around | {"samples": dataset["t"].values, "progress": progress}
+    if "event_speed" not in dataset:
+        return simulate_system(system, **how, speed=given.get("speed"))  # type: ignore[arg-type]
+    changes = {name: given[name] for name in CHANGES if name in given}
+    if "speeds" in changes:
+        changes["speeds"] = np.reshape(changes["speeds"], (-1, 2))
+    else:
+        changes["speed"] = given.get("start_speed")
+    return run_up_system(system, **how, **changes)
 
 
 def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
@@ -296,6 +316,21 @@ def _events(again: xr.Dataset, archived: xr.Dataset) -> Verdict:
         "largest_difference": float(np.abs(apart).max(initial=0.0)),
         "largest_stated_error": float(stated.max(initial=0.0)),
     }, trouble
+
+
+def _events_of_contacts(again: xr.Dataset, archived: xr.Dataset) -> Verdict:
+    """Compare the events of two runs of a rotor system, those of each contact apart.
+
+    Events of several contacts at one instant have no order.
+    """
+    counts: dict[str, object] = dict(_events(again, archived)[0])
+    troubles, largest = [], 0.0
+    for number in range(archived.sizes["contact"]):
+        own = [run.isel(event=run["event_contact"].values == number) for run in (again, archived)]
+        found, trouble = _events(*own)
+        largest = max(largest, float(str(found["largest_difference"])))
+        troubles += [f"contact {number}: {trouble}"] if trouble else []
+    return counts | {"largest_difference": largest}, "; ".join(troubles)
 
 
 def _points(name: str, again: xr.Dataset, archived: xr.Dataset) -> Verdict:
@@ -422,6 +457,12 @@ RUN = Verification(
     (*PARAMETERS, "start", "duration", *HOW),
     _run,
     _events,
+)
+SYSTEM_RUN = Verification(
+    ("event_time", "event_time_error", "event_contact", "t", *NEEDED),
+    ("duration", "rtol", "method"),
+    _system_run,
+    _events_of_contacts,
 )
 SWEEP = Verification(
     ("event_count", "response", "direction", *_STARTS, *PARAMETERS, *_NUMBERS),

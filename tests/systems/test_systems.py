@@ -133,6 +133,9 @@ def test_a_run_that_cannot_be_is_refused(change, words):
         ({"speeds": [(0, 1), (5, 2)], "duration": 2.0}, "duration must be at least 5.0"),
         ({"to": 2.0, "rate": 0.1, "duration": 2.0}, "duration must be at least 10.0"),
         ({"rate": 0.1}, "to or duration must be given with rate"),
+        ({"to": 2.0, "rate": 0.1, "ramp_time": 3.0}, "rate must be left out with ramp_time"),
+        ({"ramp_time": 3.0}, "to must be given with ramp_time"),
+        ({"to": 2.0, "ramp_time": -3.0}, "ramp_time must be positive"),
     ],
 )
 def test_a_run_up_that_cannot_be_is_refused(change, words):
@@ -183,6 +186,27 @@ def test_a_ramp_needs_no_end_but_a_duration():
     one, other = (run_up(system, speed=0.5, rate=0.1, samples=11, **around, **w) for w in ways)
     np.testing.assert_array_equal(one.event_time, other.event_time)
     assert other.speed[-1] == pytest.approx(1.5)
+
+
+def test_a_ramp_may_have_a_duration_instead_of_a_rate():
+    system, around = random_system(2)
+    ways = ({"rate": (1.5 - 0.5) / 10.0}, {"ramp_time": 10.0})
+    one, other = (
+        run_up(system, speed=0.5, to=1.5, samples=11, **around, **way) for way in ways
+    )  # fmt: skip
+    assert one.sizes["event"] > 0
+    assert one.equals(other)
+
+
+@pytest.mark.parametrize("method", ["taylor", "bdf"])
+def test_progress_rises_to_a_hundred(method):
+    told = []
+    simulate(
+        beam(2), unbalance=[Unbalance(node="1", moment=1.0)], speed=0.7, duration=5.0, samples=2,
+        method=method, progress=lambda done, whole: told.append((done, whole)),
+    )  # fmt: skip
+    assert told == sorted(told)
+    assert told[-1] == (100, 100)
 
 
 def test_gravity_acts_by_the_nodes_or_is_refused():

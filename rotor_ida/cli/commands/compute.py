@@ -12,6 +12,7 @@ from rotor_ida.cli.machines import Units
 from rotor_ida.cli.output import Output, answer, answer_whole, summarised, working
 from rotor_ida.cli.parsing import MOST_POINTS, check_points
 from rotor_ida.cli.report import FIRST_ROWS, Report
+from rotor_ida.cli.systems import run_up_file, simulate_file
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 
@@ -20,12 +21,14 @@ MOST_ROWS = 1000
 
 
 def simulate(
+    system: options.System = None,
+    /,
     *,
     rotor: options.RotorOptions = options.RotorOptions(),
     duration: options.Duration,
-    start: options.Start = AT_REST,
+    start: options.StartOrNone = None,
     samples: options.Samples = None,
-    solver: options.SolverOptions = options.SolverOptions(),
+    solver: options.AnySolverOptions = options.AnySolverOptions(),
     output: Output = Output(),
 ) -> Report:
     r"""Simulate a rotor at constant speed, with every contact entry and exit.
@@ -39,26 +42,35 @@ def simulate(
 
         rotor-ida simulate --omega 1.2 --zeta 0.07 --delta0 0.5 --duration 20 \
             --start 3 0 0 -1 --figure motion
+
+    A rotor of any size with several contacts, from a system file:
+
+        rotor-ida simulate rotor.toml --speed 4300rpm --duration 0.2s --out rub.nc
     """
+    if system is not None:
+        given = {"duration": duration, "samples": samples}
+        return simulate_file(system, rotor, start, solver, output, given)
     chosen, units = rotor.rotor_and_units()
     output.check()
     run = rotor_ida.simulate(
         chosen,
-        start=units.start(start),
+        start=units.start(start or AT_REST),
         duration=units.time(duration),
         samples=samples,
-        **asdict(solver),
+        **options.of_disc(solver),
     )
     return answer(units.shown(run), output, most=FIRST_ROWS)
 
 
 def run_up(
+    system: options.System = None,
+    /,
     *,
     rotor: options.RotorOptions = options.RotorOptions(),
     change: options.ChangeOptions = options.ChangeOptions(),
-    start: options.Start = AT_REST,
+    start: options.StartOrNone = None,
     samples: options.Samples = None,
-    solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),
+    solver: options.AnyRunUpSolverOptions = options.AnyRunUpSolverOptions(),
     output: Output = Output(),
 ) -> Report:
     r"""Simulate a rotor whose speed changes: a ramp, a speed profile, or a drive torque.
@@ -83,17 +95,23 @@ def run_up(
         rotor-ida run-up --mass 4kg --contact-stiffness 3.2e7 --damping 89.1Ns/m \
             --eccentricity 10um --clearance 20um --speed 300rpm --to 3000rpm \
             --rate 9000rpm/s
+
+    A rotor of any size, from a system file:
+
+        rotor-ida run-up rotor.toml --from 600rpm --to 900rpm --in 0.5s
     """
+    if system is not None:
+        return run_up_file(system, rotor, change, start, solver, output, {"samples": samples})
     chosen = change.beginning(rotor)
     units = Units.of(chosen)
     output.check()
     with working("run-up [%]") as progress:
         run = rotor_ida.run_up(
             chosen if isinstance(chosen, Rotor) else chosen.rotor(),
-            start=units.start(start),
+            start=units.start(start or AT_REST),
             **change.of(chosen),
             samples=samples,
-            **asdict(solver),
+            **options.of_disc(solver),
             progress=progress,
         )
         shown = units.shown(run)

@@ -1,0 +1,114 @@
+"""Simulate the rotor system of a file: its file says most, options change its speed and solver."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import rotor_ida
+from rotor_ida.checks import State, shown
+from rotor_ida.cli import options
+from rotor_ida.cli.output import Output, answer, working
+from rotor_ida.cli.parsing import refuse_units
+from rotor_ida.cli.report import FIRST_ROWS, Report
+from rotor_ida.errors import InputError
+
+if TYPE_CHECKING:
+    from rotor_ida.results.system_file import SystemFile
+
+# Options of one disc that also apply to a system.
+SPEED = "speed"
+OF_SYSTEM = ("rtol", "method")
+
+
+def simulate_file(
+    file: Path,
+    rotor: options.RotorOptions,
+    start: State | None,
+    solver: options.SolverOptions | options.RunUpSolverOptions,
+    output: Output,
+    given: Mapping[str, Any],
+) -> Report:
+    """Simulate the system of a file at a constant speed."""
+    how = _checked(rotor, start, solver, output)
+    case = _case(file, rotor, given)
+    speed = rotor.given.get(SPEED, case.speed)
+    if speed is None:
+        raise InputError(f"speed must be given with --speed or in {file}")
+    with working("simulate [%]") as progress:
+        run = rotor_ida.simulate_system(
+            case.system, **case.around, **given, **how, speed=speed, progress=progress
+        )
+    return answer(run, output, most=FIRST_ROWS)
+
+
+def run_up_file(
+    file: Path,
+    rotor: options.RotorOptions,
+    change: options.ChangeOptions,
+    start: State | None,
+    solver: options.SolverOptions | options.RunUpSolverOptions,
+    output: Output,
+    given: Mapping[str, Any],
+) -> Report:
+    """Simulate the system of a file at a changing speed."""
+    how = _checked(rotor, start, solver, output)
+    of_change = {name: each for name, each in asdict(change).items() if each is not None}
+    case = _case(file, rotor, {**given, **of_change})
+    with working("run-up [%]") as progress:
+        run = rotor_ida.run_up_system(
+            case.system, **case.around, **given, **how, **_change(case, rotor, of_change),
+            progress=progress,
+        )  # fmt: skip
+    return answer(run, output, most=FIRST_ROWS)
+
+
+def _checked(
+    rotor: options.RotorOptions,
+    start: State | None,
+    solver: options.SolverOptions | options.RunUpSolverOptions,
+    output: Output,
+) -> dict[str, Any]:
+    """Return the options of the solver; refuse what is of one disc only, and bad paths."""
+    of_disc: dict[str, object] = {**rotor.given, "machine": rotor.machine, "start": start}
+    of_disc.pop(SPEED, None)
+    chosen, usual = asdict(solver), asdict(type(solver)())
+    of_disc |= {name: each for name, each in chosen.items()
+                if name not in OF_SYSTEM and each != usual[name]}  # fmt: skip
+    for name, value in of_disc.items():
+        if value is not None:
+            raise InputError(f"{name} must be left out with a rotor system, got {shown(value)}")
+    output.check()
+    if output.figure is not None:
+        from rotor_ida.results.kinds import KINDS  # noqa: PLC0415 - heavy, and not for --help
+
+        if not KINDS["system_run"].drawn:
+            raise InputError("figure must be of one disc: there is none of a rotor system yet")
+    return {name: chosen[name] for name in OF_SYSTEM if chosen[name] is not None}
+
+
+def _case(file: Path, rotor: options.RotorOptions, given: Mapping[str, Any]) -> SystemFile:
+    """Return what a file says; units are for one in SI units."""
+    case = rotor_ida.load_system(file)
+    if case.system.units != "SI":
+        refuse_units({**rotor.given, **given})
+    return case
+
+
+def _change(
+    case: SystemFile, rotor: options.RotorOptions, given: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return the change of speed: that of the file, unless options give another."""
+    begins = [each for each in (given.get("begin"), rotor.given.get(SPEED)) if each is not None]
+    if len(begins) > 1:
+        raise InputError("speed must be left out with --from, got both")
+    ways = {name: each for name, each in given.items() if name != "begin"}
+    replaces = bool(ways.keys() - {"duration"})
+    found = {**({} if replaces else case.change), **ways}
+    if "speeds" not in found:
+        found[SPEED] = begins[0] if begins else case.change.get(SPEED, 0.0)
+    elif begins:
+        raise InputError(f"from must be left out with speeds, got {shown(begins[0])}")
+    return found

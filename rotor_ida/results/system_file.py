@@ -1,0 +1,427 @@
+"""System files: a rotor system with what stands around it, as TOML.
+
+    speed = "4300 rpm"
+    gravity = ["0", "-9.81 m/s2"]
+
+    [system]                          # or file = "rotor.npz", from the folder of this file
+    mass = [12, 12, 8, 8]             # a list of numbers is a diagonal
+    damping = [[1600, 0, -800, 0], [0, 1600, 0, -800], [-800, 0, 1200, 0], [0, -800, 0, 1200]]
+    stiffness = [[8e6, 0, -4e6, 0], [0, 8e6, 0, -4e6], [-4e6, 0, 6e6, 0], [0, -4e6, 0, 6e6]]
+
+    [system.nodes]
+    disc = [0, 1]                     # the indices of x and y, from 0
+    seal = [2, 3]
+
+    [[contacts]]
+    node = "seal"
+    clearance = "150 um"
+    stiffness = "5e7 N/m"             # in N/m a linear contact, in N/m^1.5 one by Hertz
+    friction = 0.1
+    radius = "50 mm"
+    stator = { mass = "20 kg", stiffness = "1e7 N/m", damping = "2000 N s/m" }
+
+    [[unbalance]]
+    node = "disc"
+    moment = "1200 g mm"
+    phase = "90 deg"
+
+    [run_up]                          # for run_up alone
+    from = "600 rpm"
+    to = "6000 rpm"
+    ramp_time = "5 s"
+
+A quantity is a number in its SI unit, or a text with a unit. Matrices are numbers. With
+``units = "1"`` all is dimensionless, and no unit is allowed.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_array, check_choice, check_count, did_you_mean, listed, shown
+from rotor_ida.errors import InputError
+from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, in_si, units_of
+from rotor_ida.model.rotor_system import UNITS, RotorSystem
+from rotor_ida.model.system_files import read_system
+from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
+from rotor_ida.results.machine_file import read_toml
+
+MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate")
+# What may stand in each table of a file; with units where it is a number.
+TOP = ("units", "speed", "gravity", "static_force", "start", "modes", "system", "stators",
+       "contacts", "unbalance", "run_up")  # fmt: skip
+OF_SYSTEM = (*MATRICES, "translations", "nodes")
+OF_CONTACT = {"clearance": "m", "damping": "s m-1", "friction": "1", "radius": "m"}
+KEYS_OF_CONTACT = (
+    "node", "stiffness", *OF_CONTACT, "exponent", "centre", "stator", "race",
+)  # fmt: skip
+OF_STATOR = {"mass": "kg", "stiffness": OF_LINEAR, "damping": "N s m-1"}
+OF_RACE = {"radius": "m", "inertia": "kg m2", "drag": "N m s", "speed": "rad s-1"}
+OF_UNBALANCE = {"moment": "kg m", "phase": "rad"}
+OF_RUN_UP = {
+    "from": "rad s-1", "to": "rad s-1", "rate": "rad s-2", "ramp_time": "s", "inertia": "kg m2",
+    "duration": "s",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SystemFile:
+    """What a system file says.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The rotor, with the static force.
+    contacts : tuple of Contact
+        Its contacts.
+    unbalance : tuple of Unbalance
+        Its unbalance.
+    gravity : (float, float), optional
+        Acceleration of gravity along x and y.
+    start : (q, velocity) or "settled", optional
+        State at time 0.
+    modes : int, optional
+        Number of modes to which the system is reduced.
+    speed : float, optional
+        Running speed.
+    change : dict
+        The arguments of `run_up` for the change of speed.
+    """
+
+    system: RotorSystem
+    contacts: tuple[Contact, ...] = ()
+    unbalance: tuple[Unbalance, ...] = ()
+    gravity: tuple[float, float] | None = None
+    start: Any = None
+    modes: int | None = None
+    speed: float | None = None
+    change: Mapping[str, Any]
+
+    @property
+    def around(self) -> dict[str, Any]:
+        """What stands around the system: arguments of both `simulate` and `run_up`."""
+        names = ("contacts", "unbalance", "gravity", "start", "modes")
+        return {name: getattr(self, name) for name in names}
+
+
+def load_system(path: str | os.PathLike[str]) -> SystemFile:
+    """Read a rotor system and what stands around it from a TOML file.
+
+    Parameters
+    ----------
+    path : path-like
+        The file. Matrices in other files are sought from its folder.
+
+    Returns
+    -------
+    SystemFile
+        ``system``, ``around`` (contacts, unbalance, gravity, start, modes), ``speed`` and
+        ``change``: ``simulate(case.system, **case.around, speed=case.speed, duration=...)`` and
+        ``run_up(case.system, **case.around, **case.change)``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, has an unknown key, or does not describe a system.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from rotor_ida import simulate
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "disc.toml")
+    ...     _ = path.write_text('''
+    ...         speed = "2000 rpm"
+    ...         system = { mass = [4, 4], stiffness = [1e5, 1e5], nodes = { disc = [0, 1] } }
+    ...         contacts = [ { node = "disc", clearance = "60 um", stiffness = "1e7 N/m" } ]
+    ...         unbalance = [ { node = "disc", moment = "100 g mm" } ]
+    ...     ''')
+    ...     case = load_system(path)
+    >>> case.system, case.contacts[0].clearance, case.contacts[0].exponent
+    (RotorSystem(2 degrees of freedom, node disc), 6e-05, 1.0)
+    >>> run = simulate(case.system, **case.around, speed=case.speed, duration=0.1)
+    >>> float(run.event_time[0].round(6))
+    0.022638
+    """
+    table = read_toml("system", path)
+    try:
+        return _system_file(table, Path(path).parent)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:
+    units = entries.get("units", UNITS[0])
+    check_choice("units", units, UNITS)
+    file = _Table("", entries, units == UNITS[0])
+    if "system" not in entries and entries and entries.keys() <= KEYS.keys():
+        raise InputError("system must be given, got the file of a machine: give it with --machine")
+    file.check(TOP, needed=("system",))
+    system = _system(file, folder)
+    stators = _stators(file)
+    change = _change(file.table("run_up"))
+    return SystemFile(
+        system=_loaded(system, file),
+        contacts=tuple(_contacts(file, stators, system)),
+        unbalance=tuple(_unbalance(file, system)),
+        gravity=file.pair("gravity", "m s-2") if "gravity" in entries else None,
+        start=_start(file),
+        modes=check_count("modes", entries["modes"], minimum=0) if "modes" in entries else None,
+        speed=file.number("speed", "rad s-1") if "speed" in entries else None,
+        change=change,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Table:
+    """A table of a file: its place there, its entries, and whether they are in SI units."""
+
+    place: str
+    entries: Mapping[str, object]
+    si: bool
+
+    def name(self, key: str) -> str:
+        """Return the name of an entry in the whole file."""
+        return f"{self.place}.{key}" if self.place else key
+
+    def check(self, allowed: tuple[str, ...], needed: tuple[str, ...] = ()) -> None:
+        """Refuse an unknown key, or a missing one."""
+        for key in self.entries:
+            if key not in allowed:
+                where = self.place or "a system file"
+                hint = did_you_mean(key, allowed)
+                raise InputError(
+                    f"{where} must have entries named {listed(allowed, 'or')}, got {shown(key)}"
+                    f"{hint}"
+                )
+        missing = [self.name(key) for key in needed if key not in self.entries]
+        if missing:
+            raise InputError(f"{listed(missing)} must be given")
+
+    def number(self, key: str, *units: str) -> float:
+        """Return an entry in SI units."""
+        return self.one(self.name(key), self.entries[key], *units)
+
+    def one(self, name: str, value: object, *units: str) -> float:
+        """Return a value in SI units."""
+        return in_si(name, value, *(units if self.si else ("1",)))
+
+    def numbers(self, units: Mapping[str, str]) -> dict[str, float]:
+        """Return the entries that are there, in SI units."""
+        return {key: self.number(key, unit) for key, unit in units.items() if key in self.entries}
+
+    def pair(self, key: str, *units: str) -> tuple[float, float]:
+        """Return an entry of two numbers in SI units."""
+        return self.two(self.name(key), self.entries[key], *units)
+
+    def two(self, name: str, value: object, unit: str, other: str = "") -> tuple[float, float]:
+        """Return two numbers in SI units, the second by another unit if one is named."""
+        if not isinstance(value, list) or len(value) != 2:
+            raise InputError(f"{name} must be two numbers, got {shown(value)}")
+        return self.one(name, value[0], unit), self.one(name, value[1], other or unit)
+
+    def table(self, key: str) -> _Table:
+        """Return a table within it; an empty one if it is not there."""
+        value = self.entries.get(key, {})
+        if not isinstance(value, Mapping):
+            raise InputError(f"{self.name(key)} must be a table, got {shown(value)}")
+        return _Table(self.name(key), value, self.si)
+
+    def tables(self, key: str) -> list[_Table]:
+        """Return the tables of a list."""
+        value = self.entries.get(key, [])
+        if not isinstance(value, list) or not all(isinstance(each, Mapping) for each in value):
+            raise InputError(f"{self.name(key)} must be tables [[{key}]], got {shown(value)}")
+        return [_Table(f"{key}[{place}]", each, self.si) for place, each in enumerate(value)]
+
+
+@contextmanager
+def _naming(place: str) -> Iterator[None]:
+    """Name the table in the message of an error."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{place}: {error}") from error
+
+
+def _system(file: _Table, folder: Path) -> RotorSystem:
+    """Return the rotor: from another file, or from matrices."""
+    given = file.table("system")
+    nodes = given.table("nodes").entries
+    if "file" in given.entries:
+        given.check(("file", "nodes"))
+        place = given.entries["file"]
+        if not isinstance(place, str) or not place:
+            raise InputError(f"system.file must be the path of a file, got {shown(place)}")
+        with _naming("system.file"):
+            found = read_system(folder / place)
+        twice = sorted(set(nodes) & set(found["nodes"]))
+        if twice:
+            raise InputError(f"system.nodes.{twice[0]} must be left out: the file has this node")
+        arguments = {**found, "nodes": {**found["nodes"], **nodes}}
+    else:
+        given.check(("file", *OF_SYSTEM), needed=("mass", "stiffness", "nodes"))
+        names = [name for name in MATRICES if name in given.entries]
+        arguments = {name: _matrix(given.name(name), given.entries[name]) for name in names}
+        arguments["nodes"] = nodes
+        if "translations" in given.entries:
+            arguments["translations"] = given.entries["translations"]
+    with _naming("system"):
+        return RotorSystem(**arguments, units="SI" if file.si else "1")
+
+
+def _matrix(name: str, given: object) -> Values:
+    """Return a matrix by its rows, or by the numbers of its diagonal."""
+    values = check_array(name, given)
+    return np.diag(values) if values.ndim == 1 else values
+
+
+def _loaded(system: RotorSystem, file: _Table) -> RotorSystem:
+    """Return the system with the static force of a file, given by coordinates or by nodes."""
+    given = file.entries.get("static_force")
+    if given is None:
+        return system
+    force = np.zeros(system.size) if system.static_force is None else system.static_force.copy()
+    if isinstance(given, Mapping):
+        table = file.table("static_force")
+        for node in given:
+            with _naming("static_force"):
+                rows = system.rows(node)
+            force += np.array(table.pair(node, "N")) @ rows
+    else:
+        values = check_array("static_force", given)
+        if values.shape != force.shape:
+            raise InputError(f"static_force must have the shape {force.shape}, got {values.shape}")
+        force += values
+    return replace(system, static_force=force)
+
+
+def _stators(file: _Table) -> dict[str, Stator]:
+    """Return the stators that contacts share, by name."""
+    given = file.table("stators")
+    return {name: _stator(given.table(name)) for name in given.entries}
+
+
+def _stator(table: _Table) -> Stator:
+    table.check((*OF_STATOR, "weight", "race"), needed=("mass", "stiffness"))
+    found: dict[str, Any] = {}
+    for key, unit in OF_STATOR.items():
+        if key in table.entries:
+            both = isinstance(table.entries[key], list) and key != "mass"
+            found[key] = table.pair(key, unit) if both else table.number(key, unit)
+    if "weight" in table.entries:
+        found["weight"] = table.entries["weight"]
+    with _naming(table.place):
+        return Stator(**found, race=_race(table))
+
+
+def _race(table: _Table) -> Race | None:
+    """Return the race of a contact or a stator."""
+    if "race" not in table.entries:
+        return None
+    race = table.table("race")
+    race.check(tuple(OF_RACE), needed=("radius", "inertia"))
+    with _naming(race.place):
+        return Race(**race.numbers(OF_RACE))
+
+
+def _contacts(
+    file: _Table, stators: Mapping[str, Stator], system: RotorSystem
+) -> Iterator[Contact]:
+    """Yield the contacts, whose nodes and stators must be known."""
+    used: set[str] = set()
+    for table in file.tables("contacts"):
+        table.check(KEYS_OF_CONTACT, needed=("node", "clearance", "stiffness"))
+        entries = table.entries
+        found: dict[str, Any] = dict(table.numbers(OF_CONTACT))
+        found["stiffness"] = table.number("stiffness", *units_of("contact_stiffness"))
+        names = (table.name("stiffness"), table.name("exponent"))
+        found["exponent"] = exponent_of(entries["stiffness"], entries.get("exponent"), names)
+        if "centre" in entries:
+            found["centre"] = table.pair("centre", "m")
+        stator = entries.get("stator")
+        if isinstance(stator, Mapping):
+            found["stator"] = _stator(table.table("stator"))
+        elif stator is not None:
+            found["stator"] = _named_stator(table.name("stator"), stator, stators, system)
+            used.add(str(stator))
+        race = _race(table)
+        with _naming(table.place):
+            yield Contact(node=_node(table, system), **found, race=race)
+    unused = [name for name in stators if name not in used]
+    if unused:
+        raise InputError(f"stators.{unused[0]} must be the stator of a contact, got none")
+
+
+def _node(table: _Table, system: RotorSystem) -> str:
+    """Return the name of a node of the system."""
+    node = table.entries["node"]
+    if not isinstance(node, str):
+        raise InputError(f"node must be the name of a node, got {shown(node)}")
+    system.rows(node)  # raises if it is unknown
+    return node
+
+
+def _named_stator(
+    name: str, given: object, stators: Mapping[str, Stator], system: RotorSystem
+) -> Stator | str:
+    """Return the stator that a word names: one of the file, or a node."""
+    known = [*stators, *system.nodes]
+    if not isinstance(given, str) or given not in known:
+        allowed = ", ".join(map(repr, known))
+        raise InputError(
+            f"{name} must be a table or one of {allowed}, got {shown(given)}"
+            f"{did_you_mean(given, known)}"
+        )
+    if given in stators and given in system.nodes:
+        raise InputError(f"{name} must name one thing, got {given!r}, a node and a stator")
+    return stators.get(given, given)
+
+
+def _unbalance(file: _Table, system: RotorSystem) -> Iterator[Unbalance]:
+    for table in file.tables("unbalance"):
+        table.check(("node", *OF_UNBALANCE), needed=("node", "moment"))
+        numbers = table.numbers(OF_UNBALANCE)
+        with _naming(table.place):
+            yield Unbalance(node=_node(table, system), **numbers)
+
+
+def _start(file: _Table) -> Any:
+    """Return the start: settled, or displacement and velocity of all coordinates."""
+    given = file.entries.get("start")
+    if isinstance(given, Mapping):
+        table = file.table("start")
+        table.check(("q", "velocity"), needed=("q", "velocity"))
+        return tuple(check_array(table.name(key), given[key]) for key in ("q", "velocity"))
+    if given is not None and given != "settled":
+        raise InputError(
+            f"start must be 'settled' or a table of q and velocity, got {shown(given)}"
+        )
+    return given
+
+
+def _change(table: _Table) -> dict[str, Any]:
+    """Return the arguments of `run_up` for a change of speed; it begins at 0 unless stated."""
+    table.check((*OF_RUN_UP, "speeds", "torque"))
+    found: dict[str, Any] = dict(table.numbers(OF_RUN_UP))
+    if "speeds" in table.entries:
+        given = table.entries["speeds"]
+        if not isinstance(given, list):
+            raise InputError(f"run_up.speeds must be pairs of time and speed, got {shown(given)}")
+        found["speeds"] = [table.two("run_up.speeds", each, "s", "rad s-1") for each in given]
+    if "torque" in table.entries:
+        found["torque"] = table.pair("torque", "N m", "N m s")
+    begin = found.pop("from", None)
+    if "speeds" not in found:
+        found["speed"] = begin or 0.0
+    elif begin is not None:
+        raise InputError("run_up.from must be left out with speeds, which begin at time 0")
+    return found

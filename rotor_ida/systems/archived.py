@@ -1,0 +1,157 @@
+"""What a run of a rotor system was computed from, as variables of its dataset, and back.
+
+The matrices are those that were integrated: of a reduced system, the reduced ones. Gravity is
+within the constant force. So a run can be computed again, to the bit, from its dataset alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.arrays import Column, Values
+from rotor_ida.errors import InputError
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
+from rotor_ida.systems.assembly import Assembly
+
+MATRICES = ("mass", "damping", "gyroscopic", "stiffness", "stiffness_rate")
+LAW = ("stiffness", "exponent", "damping", "friction", "radius")
+OF_RACE = ("radius", "inertia", "drag", "speed")
+OF_STATOR = {"mass": ("stator",), "stiffness": ("stator", "axis"), "damping": ("stator", "axis")}
+NEEDED = (
+    *("mass_matrix", "stiffness_matrix", "node_rows", "constant_force", "start_state"),
+    *("clearance", "stator_number", "centre_x", "centre_y", "stator_mass", "stator_stiffness"),
+    *(f"law_{name}" for name in LAW),
+    *(f"race_{name}" for name in OF_RACE),
+    *("stator_damping", "unbalance_moment", "unbalance_phase"),
+)
+
+NAMES = ("node", "contact_node", "contact_stator", "unbalance_node")
+
+
+def problem_variables(
+    assembly: Assembly, unbalance: Sequence[Unbalance], start: Values
+) -> dict[str, Column]:
+    """Return what a run is computed from, but for its speed and the places of its contacts.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The system with its stators, contacts and forces.
+    unbalance : sequence of Unbalance
+        Its unbalance.
+    start : ndarray, shape (2, n)
+        Displacement and velocity at time 0.
+    """
+    system = assembly.system
+    square = ("freedom", "freedom_too")
+    found: dict[str, Column] = {
+        f"{name}_matrix": (square, matrix)
+        for name in MATRICES
+        if (matrix := getattr(system, name)) is not None
+    }
+    rows = np.array([system.rows(name) for name in system.nodes]).reshape(-1, 2, system.size)
+    found["node_rows"] = (("node", "axis", "freedom"), rows)
+    found["constant_force"] = ("assembled_freedom", assembly.force)
+    found["start_state"] = ("coordinate", start.ravel())
+    found |= _contacts(assembly)
+    for name, dims in OF_STATOR.items():
+        values = np.array([getattr(each, name) for each in assembly.stators], float)
+        found[f"stator_{name}"] = (dims, values.reshape(-1, *(2,) * (len(dims) - 1)))
+    found["unbalance_node"] = ("unbalance", np.array([each.node for each in unbalance], str))
+    for name in ("moment", "phase"):
+        values = np.array([getattr(each, name) for each in unbalance], float)
+        found[f"unbalance_{name}"] = ("unbalance", values)
+    return found
+
+
+def _contacts(assembly: Assembly) -> dict[str, Column]:
+    """Return the laws, stators and races of the contacts."""
+    contacts = assembly.contacts
+
+    def column(values: Sequence[Any]) -> Column:
+        return "contact", np.array(values, float)
+
+    numbers = [
+        assembly.stators.index(each.stator) if isinstance(each.stator, Stator) else -1
+        for each in contacts
+    ]
+    nothing = dict.fromkeys(OF_RACE, np.nan)
+    races = [
+        nothing if race is None else {name: getattr(race, name) for name in OF_RACE}
+        for race in assembly.races
+    ]
+    return {
+        "stator_number": ("contact", np.array(numbers, np.int16)),
+        **{f"law_{name}": column([getattr(each, name) for each in contacts]) for name in LAW},
+        **{f"race_{name}": column([race[name] for race in races]) for name in OF_RACE},
+    }
+
+
+def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
+    """Return the system of a run, and the arguments for what stands around it.
+
+    Raises
+    ------
+    InputError
+        If a part of it is missing.
+
+    Examples
+    --------
+    >>> from rotor_ida.systems.simulate import simulate_system
+    >>> system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)}, units="1")
+    >>> given = {"speed": 0.9, "duration": 20.0, "samples": 3}
+    >>> run = simulate_system(system, unbalance=[Unbalance(node="disc", moment=1.0)], **given)
+    >>> again, around = problem_of(run)
+    >>> simulate_system(again, **around, **given).equals(run)
+    True
+    """
+    missing = [name for name in (*NEEDED, *NAMES) if name not in run.variables]
+    missing += [dim for dim in ("contact", "node") if dim not in run.sizes]
+    if missing:
+        raise InputError(f"a run of a rotor system must have {', '.join(missing)}, got none")
+    matrices = {name: run[f"{name}_matrix"].values for name in MATRICES if f"{name}_matrix" in run}
+    nodes = dict(zip(run["node"].values.tolist(), run["node_rows"].values, strict=True))
+    si = run["t"].attrs.get("units") == "s"
+    system = RotorSystem(**matrices, nodes=nodes, units="SI" if si else "1")
+    stators = [
+        Stator(mass=mass, stiffness=tuple(stiffness), damping=tuple(damping))
+        for mass, stiffness, damping in _rows(run, [f"stator_{name}" for name in OF_STATOR])
+    ]
+    unbalance = [
+        Unbalance(node=node, moment=moment, phase=phase)
+        for node, moment, phase in _rows(
+            run, [f"unbalance_{n}" for n in ("node", "moment", "phase")]
+        )
+    ]
+    around = {
+        "contacts": [_contact(run.isel(contact=i), stators) for i in range(run.sizes["contact"])],
+        "unbalance": unbalance,
+        "static_force": run["constant_force"].values,
+        "start": tuple(run["start_state"].values.reshape(2, -1)),
+    }
+    return system, around
+
+
+def _contact(row: xr.Dataset, stators: Sequence[Stator]) -> Contact:
+    """Return one contact of a run."""
+    numbers = {name: float(row[f"law_{name}"]) for name in LAW}
+    radius = numbers.pop("radius")
+    race = {name: float(row[f"race_{name}"]) for name in OF_RACE}
+    number, name = int(row["stator_number"]), str(row["contact_stator"].values)
+    return Contact(
+        node=str(row["contact_node"].values), clearance=float(row["clearance"]), **numbers,
+        radius=None if np.isnan(radius) else radius,
+        centre=(float(row["centre_x"]), float(row["centre_y"])),
+        stator=stators[number] if number >= 0 else name or None,
+        race=None if np.isnan(race["radius"]) else Race(**race),
+    )  # fmt: skip
+
+
+def _rows(run: xr.Dataset, names: Sequence[str]) -> list[tuple[Any, ...]]:
+    """Return variables along one dimension row by row."""
+    return list(zip(*(run[name].values.tolist() for name in names), strict=True))

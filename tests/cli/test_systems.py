@@ -1,0 +1,212 @@
+"""Rotor systems on the command line: their files, the answer, archives that verify."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rotor_ida
+from rotor_ida import Contact, Race, RotorSystem, Stator, Unbalance
+
+Program = Callable[..., Any]
+RPM = np.pi / 30.0
+
+# Two discs on a shaft: the seal touches a stator on a mount, the journal rolls in a bearing.
+SYSTEM = """
+speed = "4300 rpm"
+gravity = [0, "-9.81 m/s2"]
+
+[system]
+file = "rotor.npz"
+nodes = { disc = [0, 1], seal = [2, 3] }
+
+[[contacts]]
+node = "seal"
+clearance = "150 um"
+stiffness = "5e7 N/m"
+friction = 0.1
+radius = "50 mm"
+stator = { mass = "20 kg", stiffness = "1e7 N/m", damping = "2000 N s/m" }
+
+[[contacts]]
+node = "disc"
+clearance = "140 um"
+stiffness = "4e9 N/m^1.5"
+damping = "2 s/m"
+friction = 0.2
+radius = "40 mm"
+centre = ["10 um", 0]
+race = { radius = "42 mm", inertia = "1e-4 kg m2", drag = 1e-5 }
+
+[[unbalance]]
+node = "disc"
+moment = "1200 g mm"
+phase = "90 deg"
+
+[run_up]
+from = "3900 rpm"
+to = "4300 rpm"
+ramp_time = "100 ms"
+"""
+CHAIN = np.array([[8e6, -4e6], [-4e6, 6e6]])
+MATRICES = {"mass": np.diag([12.0, 12.0, 8.0, 8.0]), "stiffness": np.kron(CHAIN, np.eye(2)),
+            "damping": np.kron(2e-4 * CHAIN, np.eye(2))}  # fmt: skip
+SYSTEM_OF_PYTHON = RotorSystem(**MATRICES, nodes={"disc": (0, 1), "seal": (2, 3)})
+AROUND: dict[str, Any] = {
+    "contacts": [
+        Contact(node="seal", clearance=150e-6, stiffness=5e7, exponent=1.0, friction=0.1,
+                radius=0.05, stator=Stator(mass=20.0, stiffness=1e7, damping=2000.0)),
+        Contact(node="disc", clearance=140e-6, stiffness=4e9, damping=2.0, friction=0.2,
+                radius=0.04, centre=(1e-5, 0.0), race=Race(radius=0.042, inertia=1e-4, drag=1e-5)),
+    ],
+    "unbalance": [Unbalance(node="disc", moment=1.2e-3, phase=np.pi / 2)],
+    "gravity": (0.0, -9.81),
+}  # fmt: skip
+
+
+@pytest.fixture
+def rotor(program: Program) -> str:
+    """Return a system file in the folder of the program."""
+    np.savez("rotor.npz", **MATRICES)
+    Path("rotor.toml").write_text(SYSTEM)
+    return "rotor.toml"
+
+
+def test_a_file_runs_as_python_does_to_the_bit(program: Program, rotor: str):
+    answer = program("simulate", rotor, "--duration", "100ms", "--out", "run.nc")
+    assert (answer.status, answer.err) == (0, "")
+    run = rotor_ida.load("run.nc")
+    expected = rotor_ida.simulate(SYSTEM_OF_PYTHON, **AROUND, speed=4300 * RPM, duration=0.1)
+    assert set(run.event_contact.values.tolist()) == {0, 1}
+    assert run.equals(expected)
+
+
+def test_a_run_up_of_a_file_is_that_of_python(program: Program, rotor: str):
+    assert program("run-up", rotor, "--out", "run.nc").status == 0
+    rate = (4300 * RPM - 3900 * RPM) / 0.1
+    ramp = {"speed": 3900 * RPM, "to": 4300 * RPM, "rate": rate}
+    expected = rotor_ida.run_up(SYSTEM_OF_PYTHON, **AROUND, **ramp)
+    assert rotor_ida.load("run.nc").equals(expected)
+
+
+def test_options_replace_what_the_file_says(program: Program, rotor: str):
+    answer = program(
+        *("simulate", rotor, "--speed", "3000rpm", "--duration", 0.01, "--samples", 5),
+        *("--rtol", 1e-9, "--method", "bdf", "--out", "run.nc"),
+    )
+    assert (answer.status, answer.err) == (0, "")
+    run = rotor_ida.load("run.nc")
+    assert (run.attrs["method"], run.attrs["rtol"], run.sizes["t"]) == ("bdf", 1e-9, 5)
+    assert run.attrs["speed"] == 3000 * RPM
+    change = ("--speeds", "0:100", "20ms:110", "--samples", 2)
+    assert program("run-up", rotor, *change, "--out", "up.nc").status == 0
+    assert rotor_ida.load("up.nc").speed.values.tolist() == [100.0, 110.0]
+    drive = ("--from", 100, "--torque", 2, 0, "--inertia", 0.1, "--duration", 0.02)
+    assert program("run-up", rotor, *drive, "--out", "up.nc", "--force").status == 0
+    assert rotor_ida.load("up.nc").attrs["start_speed"] == 100.0
+
+
+def test_the_answer_begins_with_the_first_touch(program: Program, rotor: str):
+    answer = program("simulate", rotor, "--duration", 0.1)
+    run = rotor_ida.simulate(SYSTEM_OF_PYTHON, **AROUND, speed=4300 * RPM, duration=0.1)
+    first = float(run.event_time[0])
+    number = int(run.event_contact[0])
+    node = ("seal", "disc")[number]
+    sentence = f"First touch: contact {number} at node {node!r}, at {first:.8g} s."
+    assert answer.out.splitlines()[0] == sentence
+    told = json.loads(program("simulate", rotor, "--duration", 0.1, "--json").out)
+    assert told["first_touch"]["contact"] == number
+    for contact in told["contacts"]:
+        own = run.isel(episode=run.episode_contact.values == contact["contact"])
+        entries = (run.event_kind == 1) & (run.event_contact == contact["contact"])
+        assert contact["entries"] == int(entries.sum()) > 0
+        assert contact["first_touch"] == float(own.entry_time.min())
+        assert contact["largest_force"] == float(own.peak_force.max())
+        assert contact["rolling_time"] == float(own.rolling_time.sum())
+        deepest = float(own.peak_indentation.max()) / contact["clearance"]
+        assert contact["largest_r_over_clearance"] == pytest.approx(1.0 + deepest, rel=1e-12)
+    assert len(told["events"]) == run.sizes["event"]
+    still = program("simulate", rotor, "--duration", 0.001, "--json")
+    assert json.loads(still.out)["first_touch"] is None
+    assert program("simulate", rotor, "--duration", 0.001).out.startswith("No contact is touched.")
+
+
+@pytest.mark.parametrize("command", ["simulate", "run-up"])
+def test_an_archived_run_verifies_to_the_bit(program: Program, rotor: str, command: str):
+    """Stators, races, gravity, unbalance and matrices are all in the archive."""
+    options = ("--duration", 0.1) if command == "simulate" else ()
+    assert program(command, rotor, *options, "--out", "run.nc").status == 0
+    for name in ("rotor.npz", "rotor.toml"):
+        Path(name).unlink()
+    record = json.loads(program("verify", "run.nc", "--json").out)
+    assert (record["agrees"], record["largest_difference"]) == (True, 0.0)
+    assert record["events"] == record["archived_events"] > 3
+    assert program("show", "run.nc").out.count("First touch: contact") == 1
+
+
+def test_a_reduced_run_verifies_and_another_method_is_its_witness(program: Program, rotor: str):
+    text = Path(rotor).read_text()
+    Path(rotor).write_text("modes = 2\n" + text.replace("gravity", "start = 'settled'\ngravity"))
+    assert program("simulate", rotor, "--duration", 0.03, "--out", "run.nc").status == 0
+    assert rotor_ida.load("run.nc").attrs["modes"] == 2
+    record = json.loads(program("verify", "run.nc", "--json").out)
+    assert (record["agrees"], record["largest_difference"]) == (True, 0.0)
+    record = json.loads(program("verify", "run.nc", "--method", "adams", "--json").out)
+    assert record["agrees"]
+    assert record["events"] > 2
+    assert 0.0 < record["largest_difference"] < 1e-8
+
+
+def test_a_forged_run_does_not_verify(program: Program, rotor: str):
+    assert program("simulate", rotor, "--duration", 0.1, "--out", "run.nc").status == 0
+    run = rotor_ida.load("run.nc")
+    rotor_ida.save(run.assign(event_time=run.event_time + 1e-4), "forged.nc")
+    answer = program("verify", "forged.nc")
+    assert answer.status == 1
+    assert answer.err.startswith("rotor-ida: forged.nc does not verify: contact 0: Mismatched")
+    rotor_ida.save(run.drop_vars("unbalance_node"), "cut.nc")
+    answer = program("verify", "cut.nc")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "must have unbalance_node, got none" in answer.err
+
+
+MISTAKES = [
+    ("simulate gone.toml --duration 1", "cannot read 'gone.toml': No such file or directory"),
+    ("simulate rotor.npz --duration 1", "unexpected argument 'rotor.npz'; a rotor system must be"),
+    ("simulate rotor.toml", "--duration must be given"),
+    ("simulate rotor.toml --duration 0", "duration must be positive, got 0.0"),
+    ("simulate rotor.toml --duration 1 --omega 2", "omega must be left out with a rotor system"),
+    ("simulate rotor.toml --duration 1 --machine a.toml", "machine must be left out with a rotor"),
+    ("simulate rotor.toml --duration 1 --start 0 0 0 0", "start must be left out with a rotor"),
+    ("simulate rotor.toml --duration 1 --atol 1e-9", "atol must be left out with a rotor system"),
+    ("simulate rotor.toml --duration 1 --flight cvode", "flight must be left out with a rotor"),
+    ("simulate rotor.toml --duration 1 --method ida", "method must be one of 'taylor', 'adams'"),
+    ("simulate rotor.toml --duration 1 --out a.txt", "out must end in .nc"),
+    ("simulate wrong.toml --duration 1", "wrong.toml: contacts[0]: node must be one of 'disc', "
+     "'seal', got 'sael'; did you mean 'seal'?"),
+    ("simulate slow.toml --duration 1", "speed must be given with --speed or in slow.toml"),
+    ("simulate bare.toml --duration 20ms --speed 2", "duration must have no unit for a dimension"),
+    ("run-up bare.toml --to 60rpm --rate 1", "to must have no unit for a dimensionless rotor"),
+    ("run-up bare.toml", "a run-up must have one of rate, speeds and torque, got None"),
+    ("run-up rotor.toml --from 2 --speed 3", "speed must be left out with --from, got both"),
+    ("run-up rotor.toml --from 2 --speeds 0:1 1:2", "from must be left out with speeds, got 2.0"),
+    ("run-up rotor.toml --to 1 --rate 1 --in 2", "rate must be left out with ramp_time, got 1.0"),
+    ("run-up rotor.toml --backend python", "backend must be left out with a rotor system"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("line", "message"), MISTAKES)
+def test_a_mistake_gets_one_line(program: Program, rotor: str, line: str, message: str):
+    bare = 'units = "1"\nsystem = { mass = [1, 1], stiffness = [1, 1], nodes = { disc = [0, 1] } }'
+    Path("bare.toml").write_text(bare)
+    Path("wrong.toml").write_text(SYSTEM.replace('node = "seal"', 'node = "sael"'))
+    Path("slow.toml").write_text(SYSTEM.replace('speed = "4300 rpm"', "", 1))
+    answer = program(*line.split())
+    assert (answer.status, answer.out) == (2, "")
+    assert answer.err.startswith(f"rotor-ida: {message}")
+    assert answer.err.count("\n") == 1
