@@ -18,6 +18,9 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 
+# Words for where a run of a rotor system starts.
+STARTS = ("settled", "rest")
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Race:

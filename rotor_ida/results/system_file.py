@@ -51,7 +51,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, in_si, units_of
 from rotor_ida.model.rotor_system import UNITS, RotorSystem
 from rotor_ida.model.system_files import read_system
-from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
+from rotor_ida.model.system_parts import STARTS, Contact, Race, Stator, Unbalance
 from rotor_ida.results.machine_file import read_toml
 
 MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate")
@@ -86,7 +86,7 @@ class SystemFile:
         Its unbalance.
     gravity : (float, float), optional
         Acceleration of gravity along x and y.
-    start : (q, velocity) or "settled", optional
+    start : (q, velocity), "settled" or "rest", optional
         State at time 0.
     modes : int, optional
         Number of modes to which the system is reduced.
@@ -395,15 +395,15 @@ def _unbalance(file: _Table, system: RotorSystem) -> Iterator[Unbalance]:
 
 
 def _start(file: _Table) -> Any:
-    """Return the start: settled, or displacement and velocity of all coordinates."""
+    """Return the start: settled, at rest, or displacement and velocity of all coordinates."""
     given = file.entries.get("start")
     if isinstance(given, Mapping):
         table = file.table("start")
         table.check(("q", "velocity"), needed=("q", "velocity"))
         return tuple(check_array(table.name(key), given[key]) for key in ("q", "velocity"))
-    if given is not None and given != "settled":
+    if given is not None and given not in STARTS:
         raise InputError(
-            f"start must be 'settled' or a table of q and velocity, got {shown(given)}"
+            f"start must be 'settled', 'rest' or a table of q and velocity, got {shown(given)}"
         )
     return given
 

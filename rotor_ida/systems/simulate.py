@@ -43,11 +43,11 @@ from rotor_ida.systems.following import (
     request_of,
     size_of_energy,
 )
+from rotor_ida.systems.starts import Start, start_of
 from rotor_ida.systems.witness import follow_by_cvode
 
 SystemMethod = Literal["taylor", "adams", "bdf"]
 METHODS = ("taylor", "adams", "bdf")
-Start = Literal["settled"] | tuple[npt.ArrayLike, npt.ArrayLike] | None
 TIGHTEST_RTOL, LOOSEST_RTOL = 1e-14, 1e-4
 FEWEST_SAMPLES = 1001
 # Radians of the fastest motion of a system, and of its spin, in a run: a step covers about five.
@@ -92,9 +92,9 @@ def simulate_system(
         Acceleration of gravity along x and y.
     static_force : array_like, shape (n,), optional
         A constant force.
-    start : (q, velocity) or "settled", optional
-        State at time 0, of the rotor or of rotor and stators; or the steady whirl without contact.
-        Default: at rest at 0.
+    start : (q, velocity), "settled" or "rest", optional
+        State at time 0, of the rotor or of rotor and stators; or the steady whirl without contact;
+        or at rest in its supports and contacts under the constant forces. Default: at rest at 0.
     duration : float
         Time to simulate.
     samples : int or array_like, optional
@@ -359,7 +359,7 @@ def _simulate(
     end = profile.ends[-1]
     fastest = _fastest(profile, speed)
     times = _times(samples, end, fastest)
-    begun = _start(assembly, start, speed)
+    begun = start_of(assembly, start, speed)
     first = np.array([found.to_y(each) for each in begun])
     request = request_of(
         assembly, found, profile, first, times, end, rtol=tolerance, speed=speed,
@@ -429,45 +429,6 @@ def _times(samples: object, end: float, fastest: float) -> Values:
             f"samples must lie from 0 to the duration {end!r}, got {float(times[-1])!r}"
         )
     return times
-
-
-def _start(assembly: Assembly, start: Start, speed: float) -> Values:
-    """Return displacement and velocity at time 0, shape (2, n)."""
-    size, own = assembly.size, assembly.system.size
-    if start is None:
-        return np.zeros((2, size))
-    if isinstance(start, str):
-        check_choice("start", start, ("settled",))
-        return settled(assembly, speed)
-    if not isinstance(start, tuple | list) or len(start) != 2:
-        raise InputError(f'start must be (q, velocity) or "settled", got {shown(start)}')
-    state = np.zeros((2, size))
-    for row, given, name in zip(state, start, ("displacement", "velocity"), strict=True):
-        values = check_array(f"{name} of the start", given)
-        if values.shape not in {(own,), (size,)}:
-            raise InputError(
-                f"{name} of the start must have the shape {(own,)}, got {values.shape}"
-            )
-        row[: values.size] = values
-    return state
-
-
-def settled(assembly: Assembly, speed: float) -> Values:
-    """Return the steady state without contact at time 0: static deflection and whirl."""
-    size = assembly.size
-    resisted = np.zeros((size, size)) if assembly.damping is None else assembly.damping
-    if assembly.gyroscopic is not None:
-        resisted = resisted + speed * assembly.gyroscopic
-    dynamic = assembly.stiffness - speed**2 * assembly.mass + 1j * speed * resisted
-    force = speed**2 * (assembly.unbalance[0] - 1j * assembly.unbalance[1])
-    try:
-        whirl = np.linalg.solve(dynamic, force)
-        still = np.linalg.solve(assembly.stiffness, assembly.force)
-    except np.linalg.LinAlgError as error:
-        raise InputError(
-            "start cannot be settled, as the stiffness is singular at this speed"
-        ) from error
-    return np.array([still + whirl.real, (1j * speed * whirl).real])
 
 
 def _check(
