@@ -209,6 +209,7 @@ QUANTITIES: dict[str, Quantity] = {
     "unbalance_moment": Quantity("unbalance: mass times eccentricity"),
     "unbalance_phase": Quantity("angle of an unbalance from the x axis at time 0", "radian"),
     "event_time_error": Quantity("estimated error of the event time", scale="time"),
+    "event_time_shift": Quantity("how far the event moves with more modes", scale="time"),
     "horizon": Quantity("time up to which the start determines the orbit", scale="time"),
     "entry_time": Quantity("time at which the contact begins", scale="time"),
     "exit_time": Quantity("time at which the contact ends", scale="time"),

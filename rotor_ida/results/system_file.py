@@ -56,8 +56,8 @@ from rotor_ida.results.machine_file import read_toml
 
 MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate")
 # What may stand in each table of a file; with units where it is a number.
-TOP = ("units", "speed", "gravity", "static_force", "start", "modes", "system", "stators",
-       "contacts", "unbalance", "run_up")  # fmt: skip
+TOP = ("units", "speed", "gravity", "static_force", "start", "modes", "more_modes", "system",
+       "stators", "contacts", "unbalance", "run_up")  # fmt: skip
 OF_SYSTEM = (*MATRICES, "translations", "nodes")
 OF_CONTACT = {"clearance": "m", "damping": "s m-1", "friction": "1", "radius": "m"}
 KEYS_OF_CONTACT = (
@@ -90,6 +90,8 @@ class SystemFile:
         State at time 0.
     modes : int, optional
         Number of modes to which the system is reduced.
+    more_modes : int, optional
+        That of a second run, which shows how far events move.
     speed : float, optional
         Running speed.
     change : dict
@@ -102,13 +104,14 @@ class SystemFile:
     gravity: tuple[float, float] | None = None
     start: Any = None
     modes: int | None = None
+    more_modes: int | None = None
     speed: float | None = None
     change: Mapping[str, Any]
 
     @property
     def around(self) -> dict[str, Any]:
         """What stands around the system: arguments of both `simulate` and `run_up`."""
-        names = ("contacts", "unbalance", "gravity", "start", "modes")
+        names = ("contacts", "unbalance", "gravity", "start", "modes", "more_modes")
         return {name: getattr(self, name) for name in names}
 
 
@@ -123,8 +126,8 @@ def load_system(path: str | os.PathLike[str]) -> SystemFile:
     Returns
     -------
     SystemFile
-        ``system``, ``around`` (contacts, unbalance, gravity, start, modes), ``speed`` and
-        ``change``: ``simulate(case.system, **case.around, speed=case.speed, duration=...)`` and
+        ``system``, ``around`` (contacts, unbalance, gravity, start, modes, more_modes), ``speed``
+        and ``change``: ``simulate(case.system, **case.around, speed=case.speed, duration=...)`` and
         ``run_up(case.system, **case.around, **case.change)``.
 
     Raises
@@ -175,6 +178,9 @@ def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:
         gravity=file.pair("gravity", "m s-2") if "gravity" in entries else None,
         start=_start(file),
         modes=check_count("modes", entries["modes"], minimum=0) if "modes" in entries else None,
+        more_modes=check_count("more_modes", entries["more_modes"])
+        if "more_modes" in entries
+        else None,
         speed=file.number("speed", "rad s-1") if "speed" in entries else None,
         change=change,
     )

@@ -120,17 +120,7 @@ def assemble(
     static_force: npt.ArrayLike | None,
 ) -> Assembly:
     """Return a rotor system joined with its stators, contacts and forces."""
-    check_instance("system", system, RotorSystem)
-    for name, given, kind in (
-        ("contacts", contacts, Contact),
-        ("unbalance", unbalance, Unbalance),
-    ):
-        if isinstance(given, kind) or not isinstance(given, Sequence):
-            raise InputError(f"{name} must be a list of {kind.__name__}, got {shown(given)}")
-        for each in given:
-            check_instance(name, each, kind)
-    if len(contacts) > MOST_CONTACTS:
-        raise InputError(f"contacts must be at most {MOST_CONTACTS}, got {len(contacts)}")
+    check_parts(system, contacts, unbalance)
     stators = tuple({id(each.stator): each.stator for each in contacts
                      if isinstance(each.stator, Stator)}.values())  # fmt: skip
     size = system.size + 2 * len(stators)
@@ -159,6 +149,21 @@ def assemble(
         gyroscopic=_joined(system, stators, "gyroscopic"),
         stiffness_rate=_joined(system, stators, "stiffness_rate"),
     )
+
+
+def check_parts(system: object, contacts: object, unbalance: object) -> None:
+    """Refuse a system, contacts and unbalance of other types, and too many contacts."""
+    check_instance("system", system, RotorSystem)
+    for name, given, kind in (
+        ("contacts", contacts, Contact),
+        ("unbalance", unbalance, Unbalance),
+    ):
+        if isinstance(given, kind) or not isinstance(given, Sequence):
+            raise InputError(f"{name} must be a list of {kind.__name__}, got {shown(given)}")
+        for each in given:
+            check_instance(name, each, kind)
+        if name == "contacts" and len(given) > MOST_CONTACTS:
+            raise InputError(f"contacts must be at most {MOST_CONTACTS}, got {len(given)}")
 
 
 def canonical(assembly: Assembly) -> Canonical:
