@@ -167,11 +167,8 @@ QUANTITIES: dict[str, Quantity] = {
     "contact_node": Quantity("node of a contact", ""),
     "clearance": Quantity("radial clearance of a contact", scale="length"),
     "contact_stator": Quantity("stator of a contact, empty for the ground", ""),
-    **{
-        f"{of}_{axis}": Quantity(f"{word} {noun}", scale="length")
-        for axis, word in (("x", "horizontal"), ("y", "vertical"))
-        for of, noun in (("centre", "offset of the centre of a stator from the place of rest"),)
-    },
+    "centre_x": Quantity("horizontal offset of the centre of a stator", scale="length"),
+    "centre_y": Quantity("vertical offset of the centre of a stator", scale="length"),
     "event_contact": Quantity("number of the contact of an event"),
     "event_state": Quantity("displacement and velocity of all coordinates at an event"),
     "final_state": Quantity(

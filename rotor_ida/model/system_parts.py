@@ -18,6 +18,7 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 
+MOST_CONTACTS = 16
 # Words for where a run of a rotor system starts.
 STARTS = ("settled", "rest")
 
@@ -199,6 +200,22 @@ class Unbalance:
         object.__setattr__(self, "phase", check_real(f"phase {where}", self.phase))
         if not math.isfinite(self.phase):
             raise InputError(f"phase {where} must be finite, got {self.phase!r}")
+
+
+def check_contacts(contacts: Sequence[Contact]) -> None:
+    """Refuse too many contacts, or two between the same bodies with the same centre."""
+    if len(contacts) > MOST_CONTACTS:
+        raise InputError(f"contacts must be at most {MOST_CONTACTS}, got {len(contacts)}")
+    seen: dict[tuple[object, ...], int] = {}
+    for number, each in enumerate(contacts):
+        place = (each.node, each.centre, each.clearance,
+                 each.stator if isinstance(each.stator, str) else id(each.stator))  # fmt: skip
+        if place in seen:
+            raise InputError(
+                f"contacts must not overlap, got contacts {seen[place]} and {number} at node "
+                f"{each.node!r} with the same stator, centre and clearance {each.clearance!r}"
+            )
+        seen[place] = number
 
 
 def _along_both(name: str, value: float | Sequence[float]) -> tuple[float, float]:

@@ -51,7 +51,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, in_si, units_of
 from rotor_ida.model.rotor_system import UNITS, RotorSystem
 from rotor_ida.model.system_files import read_system
-from rotor_ida.model.system_parts import STARTS, Contact, Race, Stator, Unbalance
+from rotor_ida.model.system_parts import STARTS, Contact, Race, Stator, Unbalance, check_contacts
 from rotor_ida.results.machine_file import read_toml
 
 MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate")
@@ -170,10 +170,11 @@ def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:
     file.check(TOP, needed=("system",))
     system = _system(file, folder)
     stators = _stators(file)
-    change = _change(file.table("run_up"))
+    contacts = tuple(_contacts(file, stators, system))
+    check_contacts(contacts)
     return SystemFile(
         system=_loaded(system, file),
-        contacts=tuple(_contacts(file, stators, system)),
+        contacts=contacts,
         unbalance=tuple(_unbalance(file, system)),
         gravity=file.pair("gravity", "m s-2") if "gravity" in entries else None,
         start=_start(file),
@@ -182,7 +183,7 @@ def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:
         if "more_modes" in entries
         else None,
         speed=file.number("speed", "rad s-1") if "speed" in entries else None,
-        change=change,
+        change=_change(file.table("run_up")),
     )
 
 

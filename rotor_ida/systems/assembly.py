@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
@@ -17,9 +18,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import check_array, check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
-
-MOST_CONTACTS = 16
+from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance, check_contacts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,7 +131,6 @@ def assemble(
         elif each.stator is not None:
             place = system.size + 2 * stators.index(each.stator)
             rows[number, :, place : place + 2] = -np.eye(2)
-    _check_contacts(contacts)
     mass, stiffness = (_joined(system, stators, name) for name in ("mass", "stiffness"))
     assert mass is not None
     assert stiffness is not None
@@ -152,7 +150,7 @@ def assemble(
 
 
 def check_parts(system: object, contacts: object, unbalance: object) -> None:
-    """Refuse a system, contacts and unbalance of other types, and too many contacts."""
+    """Refuse a system, contacts and unbalance of other types, and contacts that overlap."""
     check_instance("system", system, RotorSystem)
     for name, given, kind in (
         ("contacts", contacts, Contact),
@@ -162,8 +160,7 @@ def check_parts(system: object, contacts: object, unbalance: object) -> None:
             raise InputError(f"{name} must be a list of {kind.__name__}, got {shown(given)}")
         for each in given:
             check_instance(name, each, kind)
-        if name == "contacts" and len(given) > MOST_CONTACTS:
-            raise InputError(f"contacts must be at most {MOST_CONTACTS}, got {len(given)}")
+    check_contacts(cast("Sequence[Contact]", contacts))
 
 
 def canonical(assembly: Assembly) -> Canonical:
@@ -189,20 +186,6 @@ def canonical(assembly: Assembly) -> Canonical:
         unbalance=forwards(assembly.unbalance.T).T,
         force=forwards(assembly.force),
     )
-
-
-def _check_contacts(contacts: Sequence[Contact]) -> None:
-    """Refuse two contacts between the same bodies with the same centre."""
-    seen: dict[tuple[object, ...], int] = {}
-    for number, each in enumerate(contacts):
-        place = (each.node, each.centre, each.clearance,
-                 each.stator if isinstance(each.stator, str) else id(each.stator))  # fmt: skip
-        if place in seen:
-            raise InputError(
-                f"contacts must not overlap, got contacts {seen[place]} and {number} at node "
-                f"{each.node!r} with the same stator, centre and clearance {each.clearance!r}"
-            )
-        seen[place] = number
 
 
 def _joined(system: RotorSystem, stators: Sequence[Stator], name: str) -> Values | None:

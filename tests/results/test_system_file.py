@@ -158,6 +158,7 @@ MISTAKES = [
     (SMALL + "stators.cup = { mass = 1, stiffness = 1 }", "stators.cup must be the stator of a"),
     (SMALL + "stators.end = { mass = 1, stiffness = 1 }\n" + TOUCH + 'stator = "end"',
      r"contacts\[0\].stator must name one thing, got 'end', a node and a stator"),
+    (SMALL + TOUCH + TOUCH, "contacts must not overlap, got contacts 0 and 1 at node 'disc'"),
     (SMALL + '[[unbalance]]\nnode = "disc"', r"unbalance\[0\].moment must be given"),
     (SMALL + '[[unbalance]]\nnode = "disc"\nmoment = "1 kg"', r"the unit of unbalance\[0\].moment"),
     (SMALL + "run_up = { speed = 3 }", "run_up must have entries named from, .*got 'speed'"),
