@@ -112,7 +112,7 @@ def follow_twice(
     result = follow_system_again(request, stop, watch)
     tighter = replace(
         request, rtol=max(request.rtol / APART, TIGHTEST / APART), order=ORDERS[1],
-        times=request.times[[-1]],
+        times=request.times[[-1]], only_events=True,
     )  # fmt: skip
     other = follow_system_again(tighter, stop, watch)
     return Followed(result, *errors_of(result, other, len(request.laws), request.duration))
@@ -135,7 +135,9 @@ def check_status(result: SystemResult) -> None:
 
 def shifts_of(result: SystemResult, request: SystemRequest, stop: Stop, watch: Watch) -> Values:
     """Return how far the events of a run move in another one; infinite from where they differ."""
-    other = follow_system_again(replace(request, times=request.times[[-1]]), stop, watch)
+    other = follow_system_again(
+        replace(request, times=request.times[[-1]], only_events=True), stop, watch
+    )
     shifts = np.full(result.event_times.size, np.inf)
     for contact in range(len(request.laws)):
         own, _, differences = _matched(result, other, contact)
