@@ -93,9 +93,11 @@ SPECIAL = {
     "torus": 5,
     "sliding": 6,
     "hopf": 7,
+    "discontinuous": 8,
 }
 END = {
     "not_found": -1, "none": 0, "fold": 1, "period_doubling": 2, "touch": 3, "hopf": 4, "torus": 5,
+    "discontinuous": 6,
 }  # fmt: skip
 # Parameters whose range of existence is computed for attractors, where they are not 0.
 WITH_EXTENTS = ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "friction")
@@ -212,6 +214,7 @@ QUANTITIES: dict[str, Quantity] = {
     "unbalance_moment": Quantity("unbalance: mass times eccentricity"),
     "unbalance_phase": Quantity("angle of an unbalance from the x axis at time 0", "radian"),
     "event_time_error": Quantity("estimated error of the event time", scale="time"),
+    "event_time_shift": Quantity("how far the event moves with more modes", scale="time"),
     "horizon": Quantity("time up to which the start determines the orbit", scale="time"),
     "entry_time": Quantity("time at which the contact begins", scale="time"),
     "exit_time": Quantity("time at which the contact ends", scale="time"),
@@ -288,6 +291,9 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "backward_amplitude_error": Quantity(
         "standard error of the amplitude of the backward whirl", scale="length"
+    ),
+    "filter_error": Quantity(
+        "standard error of a displacement filtered to one order", scale="length"
     ),
     "whirl_phase": Quantity("phase of the whirl at the time 0", "radian"),
     "offset_x": Quantity("mean horizontal displacement", scale="length"),

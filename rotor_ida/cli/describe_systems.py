@@ -26,7 +26,8 @@ from rotor_ida.units import SPEED_UNITS
 
 EVENTS = Rows(
     title="Events", key="events", lead="event_time", prefix="event_",
-    names=("event_time", "event_kind", "event_contact", "event_speed", "event_time_error"),
+    names=("event_time", "event_kind", "event_contact", "event_speed", "event_time_error",
+           "event_time_shift"),
 )  # fmt: skip
 EPISODES = Rows(
     title="Episodes of contact", key="episodes", lead="entry_time",
@@ -39,7 +40,7 @@ COLUMNS = {
     "first_touch": "entry_time", "largest_r_over_clearance": "", "largest_force": "peak_force",
     "rolling_time": "rolling_time", "ends": "",
 }  # fmt: skip
-OF_RUN = ("method", "rtol", "modes")
+OF_RUN = ("method", "rtol", "modes", "more_modes")
 
 
 def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:

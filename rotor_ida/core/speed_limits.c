@@ -12,14 +12,37 @@ static const double LARGEST_SPEED = 1e6;
 static double speed_in_contact(const double *values) { return values[CONTACT_SPEED]; }
 static double speed_outside(const double *values) { return values[CARTESIAN_SPEED]; }
 
-static int accelerates_at(struct motion *motion, double point)
+/* The speed at a point of the step, and its derivative by that of the step. */
+static double speed_at(struct motion *motion, double point, double *slope)
 {
     double values[MOST_VALUES], rate[MOST_VALUES];
     copy_values(motion, motion->at(motion, point), values);
     if (is_contact(motion))
         values[CONTACT_Q] = larger(values[CONTACT_Q], BEHIND_ENTRY);
     motion->mode->field(&motion->model, values, rate);
-    return speed_of(motion, rate) > 0.0;
+    *slope = speed_of(motion, rate);
+    return speed_of(motion, values);
+}
+
+static int accelerates_at(struct motion *motion, double point)
+{
+    double slope;
+    speed_at(motion, point, &slope);
+    return slope > 0.0;
+}
+
+/* Whether the speed would stay above 0 if it fell all along a step as steeply as it ever does at
+ * the ends and in the middle. */
+static int is_far_from_stall(struct motion *motion, double end)
+{
+    const double points[] = {motion->low, 0.5 * (motion->low + end), end};
+    double least = INFINITY, steepest = 0.0;
+    for (int i = 0; i < 3; i++) {
+        double slope;
+        least = smaller(least, speed_at(motion, points[i], &slope));
+        steepest = larger(steepest, fabs(slope));
+    }
+    return least > steepest * (end - motion->low);
 }
 
 /* Where between two points the speed turns; the second where it does not. */
@@ -41,7 +64,7 @@ static double turn_of_speed(struct motion *motion, double low, double high)
 /* Where in the last step, up to `end`, the speed falls below 0; infinite where it does not. */
 static double stall_in_step(struct motion *motion, double end)
 {
-    if (!is_driven(motion))
+    if (!is_driven(motion) || (!motion->begins_anew && is_far_from_stall(motion, end)))
         return INFINITY;
     const int looks = motion->begins_anew ? 1 : LOOKS_FOR_STALL;
     double (*const speed)(const double *) = is_contact(motion) ? speed_in_contact : speed_outside;

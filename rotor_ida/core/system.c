@@ -665,8 +665,12 @@ static void keep_ledger(struct work *work, double point)
         const double *v = row_of(work, work->v, n);
         by_row[0][n] = sum_of_products(run->unbalance, v, stride);
         by_row[1][n] = sum_of_products(run->unbalance + stride, v, stride);
-        driven[n] = convolved(work->by_cosine, 1, by_row[0], 1, n)
-                    + convolved(work->by_sine, 1, by_row[1], 1, n);
+        double by_cosine = 0.0, by_sine = 0.0; /* side by side, as each waits for its own sum */
+        for (int k = 0; k <= n; k++) {
+            by_cosine = fma(work->by_cosine[k], by_row[0][n - k], by_cosine);
+            by_sine = fma(work->by_sine[k], by_row[1][n - k], by_sine);
+        }
+        driven[n] = by_cosine + by_sine;
         lost[n] = power_of(work, work->v, work->resisted, n);
         stiffened[n] = 0.0;
         if (run->stiffness_rate != NULL && work->has_rate) {
@@ -730,12 +734,14 @@ void move_system(struct work *work, double point)
     struct system_run *run = work->run;
     const double reached = polynomial(work->time, 1, work->order, point);
     const double span = reached - run->time;
-    keep_ledger(work, point);
+    if (!run->only_events)
+        keep_ledger(work, point);
     for (int64_t i = 0; i < run->contact_count; i++) {
         struct touching *each = &work->touching[i];
         const double *terms = each->series.terms[0];
         if (is_touching(each)) {
-            keep_episode(work, each, point, span);
+            if (!run->only_events)
+                keep_episode(work, each, point, span);
             each->touch->root = polynomial(&terms[ELEMENT_ROOT], WIDTH, work->order, point);
         }
         if (each->law->inverse_race_inertia > 0.0)

@@ -57,6 +57,7 @@ struct system_run {
     double displacement, velocity; /* by which errors are measured */
     double fastest;                /* a bound of the system's own rates, without contacts */
     int64_t order;
+    int64_t only_events; /* whether ledger, episodes and peaks are left as they are */
     double duration;
     const stop_flag *stop;
 

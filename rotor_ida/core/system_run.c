@@ -94,7 +94,8 @@ static void observe(struct work *work, double point, double until)
         low = point_of(work, run->sample_times[run->sampled], low, point);
         sample(work, low);
     }
-    keep_peaks(work, point);
+    if (!run->only_events)
+        keep_peaks(work, point);
 }
 
 /* Go on with the next piece of a speed: the rate of the spin jumps, and with it what holds. */

@@ -61,7 +61,7 @@ class SystemRunStruct(Structure):
         )),
         *((name, c_int64) for name in ("piece_count", "piece")),
         *((name, c_double) for name in ("inertia", "rtol", "displacement", "velocity", "fastest")),
-        ("order", c_int64),
+        *((name, c_int64) for name in ("order", "only_events")),
         ("duration", c_double),
         ("stop", c_void_p),
         *((name, c_double) for name in ("time", "speed", "angle", "piece_time", "piece_angle")),
@@ -110,6 +110,8 @@ class SystemRequest:
         Tolerance of one step.
     order : int
         Order of the Taylor series.
+    only_events : bool
+        Whether energies, episodes and peaks are left out.
     displacement, velocity, fastest : float
         By which errors are measured; and the largest rate of the system without contacts.
     start : ndarray, shape (2, n)
@@ -134,6 +136,7 @@ class SystemRequest:
     inertia: float
     rtol: float
     order: int
+    only_events: bool = False
     displacement: float
     velocity: float
     fastest: float
@@ -282,6 +285,7 @@ def follow_system(
         pieces=given(np.ascontiguousarray(request.pieces, PIECE)), piece_count=len(request.pieces),
         inertia=request.inertia, rtol=request.rtol, displacement=request.displacement,
         velocity=request.velocity, fastest=request.fastest, order=request.order,
+        only_events=request.only_events,
         duration=request.duration, stop=given(stop), speed=request.speed,
         state=given(state, writeable=True),
         sample_times=given(np.ascontiguousarray(request.times)),

@@ -28,7 +28,7 @@ from rotor_ida.cycles.guess import DOUBLING
 from rotor_ida.cycles.multipliers import doubling_test, has_trace, on_unit_circle
 from rotor_ida.cycles.problems import FOLD, HALF, PLACE, TORUS, Continuation, nearest_gap
 from rotor_ida.cycles.shooting import LEFT_THE_RING, Cycle
-from rotor_ida.cycles.special_points import Special
+from rotor_ida.cycles.special_points import DISCONTINUOUS, Special
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.neighbours import Shot
@@ -220,10 +220,10 @@ def _halved(branch: Continuation, last: Point[Shot], step: Step[Shot]) -> Point[
     cycle, or passes to the same branch half a period later: the parameter turns back without a
     fold.
     """
-    point = step.point
+    point, folds = step.point, {FOLD, DISCONTINUOUS}
     twice = _is_twice_round(point.stretch)
     turns = last.tangent[PLACE] * point.tangent[PLACE] < 0.0
-    if not twice and (not turns or any(each.name == FOLD for each in step.specials)):
+    if not twice and (not turns or any(each.name in folds for each in step.specials)):
         return None
     near = point if twice or abs(point.tangent[PLACE]) < abs(last.tangent[PLACE]) else last
     return _cycle_of_half(branch, near)

@@ -16,7 +16,7 @@ from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.schema import words_of
 
 # Special points at which a cycle may gain or lose stability.
-CHANGES = ("fold", "period_doubling", "torus")
+CHANGES = ("fold", "period_doubling", "torus", "discontinuous")
 # Ends that are points of a branch, and at which its stability changes.
 BORDERS = ("halved", "hopf")
 

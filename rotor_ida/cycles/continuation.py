@@ -31,7 +31,16 @@ from scipy.linalg.lapack import dgesv
 from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
-from rotor_ida.cycles.special_points import FINEST, Count, S, Special, Stretch, Way, specials_on
+from rotor_ida.cycles.special_points import (
+    DISCONTINUOUS,
+    FINEST,
+    Count,
+    S,
+    Special,
+    Stretch,
+    Way,
+    specials_on,
+)
 from rotor_ida.errors import SimulationError
 
 # Lengths are relative to the scales.
@@ -233,9 +242,10 @@ class Curve(Generic[S]):
                     specials = self._specials(last, (point, *earlier), length)
                     break
                 if length <= CORNER and moved <= SHARPEST * length and self._changes(last, point):
-                    # multipliers jump there: none passes the unit circle
+                    # multipliers jump there
+                    kept = {*self.problem.counts, DISCONTINUOUS}
                     specials = self._specials(last, (point,), length)
-                    specials = [each for each in specials if each.name in self.problem.counts]
+                    specials = [each for each in specials if each.name in kept]
                     break
                 reason = "the curve bends too much"
             except SimulationError as error:

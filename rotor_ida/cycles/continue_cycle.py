@@ -110,11 +110,11 @@ def continue_cycle(
         ``stability``, ``response``, ``contact_count``, ``largest_force``, ``impulse_per_period``,
         ``trace``, the multipliers, ``residual``, and a state ``x y vx vy`` on the rotating axes
         [1]. On ``special``, in order along the branch, ``special_kind`` (fold, period doubling,
-        graze, torus, sliding, hopf), ``special_value`` of the parameter, ``special_period`` and the
-        state there; ``special_point`` is the point before it. The attribute ``closed`` is 1 if the
-        branch returns to its beginning. ``first_end`` and ``last_end`` are the kinds of its ends,
-        ``first_reason`` and ``last_reason`` explain why no step was possible, or what hides the
-        multipliers.
+        graze, torus, sliding, hopf, discontinuous), ``special_value`` of the parameter,
+        ``special_period`` and the state there; ``special_point`` is the point before it. The
+        attribute ``closed`` is 1 if the branch returns to its beginning. ``first_end`` and
+        ``last_end`` are the kinds of its ends, ``first_reason`` and ``last_reason`` explain why no
+        step was possible, or what hides the multipliers.
 
     Raises
     ------
@@ -131,7 +131,8 @@ def continue_cycle(
     one of ``tr M``. At a graze the number of contacts changes: an extremum of the radius touches
     the stator. At ``sliding`` the number of times changes that the disc begins to roll or slides
     the other way: the slip speed just reaches 0, multipliers jump, and the branch has a corner,
-    around which it is followed.
+    around which it is followed. At ``discontinuous`` multipliers jump over the unit circle, at such
+    a corner or at a graze of a linear or damped contact.
 
     With contact damping, friction or a load the multipliers do not form such pairs. Then the test
     functions are the products of ``1 - mu`` and of ``1 + mu`` over the nontrivial multipliers. A

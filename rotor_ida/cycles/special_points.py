@@ -52,6 +52,9 @@ KNOWN = 1e-6
 # A test function that passes 0 by no more than this and turns back only touches it: as that of a
 # fold does where a branch of doubled cycles returns to the one that it left.
 TOUCH = 1e-7
+# A test function that changes its sign where it is farther from 0 than this jumps over it, as at a
+# corner of the curve, where multipliers jump. That special point has a name of its own.
+JUMP, DISCONTINUOUS = 1e-4, "discontinuous"
 # Distance outside the step, relative to it, at which the parabola through three points may turn.
 OUTSIDE = 0.5
 
@@ -142,7 +145,8 @@ def specials_on(
 ) -> list[Special[S]]:
     """Return the special points of a step, in order.
 
-    The tests are functions of a point, each 0 at a special point of its name.
+    The tests are functions of a point, each 0 at a special point of its name. Where one jumps over
+    0 the name is `DISCONTINUOUS`.
     """
     located: list[tuple[float, Special[S]]] = []
     for name, count in counts.items():
@@ -292,7 +296,8 @@ def _zero(
         place = float(brentq(lambda part: test(way.at(part)), low, high, xtol=FINEST, rtol=FINEST))
     except (ValueError, RuntimeError):  # no change of sign when followed again
         raise SimulationError(f"a {name} could not be located") from None
-    return place, Special(name, way.at(place))
+    point = way.at(place)
+    return place, Special(name if abs(test(point)) <= JUMP else DISCONTINUOUS, point)
 
 
 # ---- Changes of a count ----

@@ -121,7 +121,8 @@ def fit(
     Notes
     -----
     A trial that fails, or takes more than 20 times the work of the first guess, is a poor one. The
-    search ends after 200 trials at the latest.
+    search ends after 200 trials at the latest, or when the derivatives of all have taken 100 times
+    the work of those of the first guess.
 
     If the residuals exceed the noise, all errors are scaled by
     ``sqrt(chi_square/degrees_of_freedom)``. The motion is integrated along the measured speed, so

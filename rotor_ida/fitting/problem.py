@@ -26,9 +26,10 @@ RANK = 1e-10
 # A failed trial counts as this many times the largest residual of any other.
 FAR_OFF = 1e3
 # The largest work of a trial, in works of the first guess; the least that any trial is allowed;
-# and the largest number of trials in a search.
+# and of a search the largest number of trials, and the largest work of their derivatives, in that
+# of the first guess.
 MOST_WORK, LEAST_BUDGET = 20, Work(steps=100_000, panels=20_000)
-MOST_TRIALS = 200
+MOST_TRIALS, MOST_OF_ALL = 200, 100
 # Contact times count if no other event is nearer than this many of their standard errors. At a
 # graze two events merge, and their times no longer change linearly.
 APART = 10.0
@@ -100,6 +101,8 @@ class FitProblem:
         Number of trials, of which the motions have been simulated.
     budget : Work
         What a trial may take for each record.
+    left_panels : float
+        Panels that all derivatives to come may take together.
     deadline : float
         When the search must end, as `time.monotonic` has it [s].
     stop : ndarray, shape (1,), optional
@@ -118,6 +121,7 @@ class FitProblem:
     starts: list[Values] | None = None
     evaluations: int = 0
     budget: Work = ANY_WORK
+    left_panels: float = math.inf
     deadline: float = math.inf
     stop: Stop | None = None
     part: float = 1.0
@@ -142,10 +146,12 @@ class FitProblem:
             raise InputError(
                 f"signals must be shorter, or the machine softer, for a fit: {error.reason}"
             ) from error
+        panels = [each.derivatives.panels for each in motions]
         self.budget = Work(
             max(LEAST_BUDGET.steps, MOST_WORK * max(each.orbit.steps for each in motions)),
-            max(LEAST_BUDGET.panels, MOST_WORK * max(each.derivatives.panels for each in motions)),
+            max(LEAST_BUDGET.panels, MOST_WORK * max(panels)),
         )
+        self.left_panels = MOST_OF_ALL * max(LEAST_BUDGET.panels, sum(panels))
         return first
 
     def renew(self, **known: object) -> None:
@@ -245,8 +251,8 @@ class FitProblem:
             raise SearchEnded("interrupted")
         if self.evaluations > 0 and time.monotonic() > self.deadline:
             raise SearchEnded("stopped by its limit")
-        if self.evaluations >= MOST_TRIALS:
-            raise SearchEnded(f"stopped after {MOST_TRIALS} trials")
+        if self.evaluations >= MOST_TRIALS or self.left_panels < 0.0:
+            raise SearchEnded(f"stopped after {self.evaluations} trials")
 
     def start(self, sought: Values, number: int) -> Values:
         """Return the initial state for a record."""
@@ -274,6 +280,7 @@ class FitProblem:
         if self._residuals is None or self._residuals[0] != key:
             for motion in trial.motions:
                 _check_growth(motion)
+            self.left_panels -= sum(each.derivatives.panels for each in trial.motions)
             left, kept = self._left(trial), self._kept()
             self._keep_better(trial)
             self._largest = max(self._largest, float(np.abs(left).max()))

@@ -65,6 +65,11 @@ def reduced_system(system: RotorSystem, *, modes: int, keep: Sequence[str] = ())
     >>> round(float(row @ np.linalg.solve(small.stiffness, row)), 9)  # flexibility of the end
     4.0
     """
+    return in_basis(system, reduced_basis(system, modes=modes, keep=keep))
+
+
+def reduced_basis(system: RotorSystem, *, modes: int, keep: Sequence[str] = ()) -> Values:
+    """Return the directions that `reduced_system` keeps, shape (n, k), orthonormal by the mass."""
     if isinstance(keep, str) or not all(isinstance(each, str) for each in keep):
         raise InputError(f"keep must be a list of names of nodes, got {shown(keep)}")
     count = check_count("modes", modes, minimum=0, maximum=system.size)
@@ -81,7 +86,7 @@ def reduced_system(system: RotorSystem, *, modes: int, keep: Sequence[str] = ())
         rows = np.concatenate([system.rows(name) for name in keep])
         factors = lu_factor(system.stiffness + shift * system.mass)
         basis = _joined(basis, lu_solve(factors, rows.T), system.mass)
-    return in_basis(system, basis)
+    return np.asarray(basis)
 
 
 def _moving(system: RotorSystem, shapes: Values) -> Flags:

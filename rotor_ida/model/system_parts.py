@@ -19,6 +19,8 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 
 MOST_CONTACTS = 16
+# Words for where a run of a rotor system starts.
+STARTS = ("settled", "rest")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -75,6 +75,7 @@ _ORDER = (
     DOUBLING := "period doubling",
     GRAZE := "graze",
     SLIDING := "slip falls to 0",
+    DISCONTINUOUS := "multipliers jump",
 )
 
 _SETTINGS: Any = {

@@ -18,6 +18,7 @@ from rotor_ida.plot.appearance import (
     BLUE,
     BOUNCING_CYCLE,
     BROWN,
+    DISCONTINUOUS,
     DOUBLING,
     FOLD_OF_CYCLES,
     FULL_CONTACT_CYCLE,
@@ -77,6 +78,7 @@ MARKS = {
     "torus": _Mark("torus", "D", 3.8, "white"),
     "sliding": _Mark(SLIDING, "1", 5.4, BROWN),
     "hopf": _Mark(HOPF, "o", 4.2, "white"),
+    "discontinuous": _Mark(DISCONTINUOUS, "v", 4.2, "white"),
 }
 # Bifurcation curves: one style for each kind, if they are of one rotor.
 CURVES = {
@@ -92,7 +94,7 @@ def plot_branch(branch: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
     The edges of the band are the smallest and the largest radius of the cycles, solid where these
     are stable, dashed where not; its colour distinguishes bouncing from full
-    contact. Folds, period doublings, torus points and grazes are marked on the upper edge. Several
+    contact. Special points, such as folds and grazes, are marked on the upper edge. Several
     branches can share axes, also with `plot_amplitude`; the axes then keep their labels and title.
 
     Parameters

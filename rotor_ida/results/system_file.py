@@ -51,13 +51,13 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, in_si, units_of
 from rotor_ida.model.rotor_system import UNITS, RotorSystem
 from rotor_ida.model.system_files import read_system
-from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance, check_contacts
+from rotor_ida.model.system_parts import STARTS, Contact, Race, Stator, Unbalance, check_contacts
 from rotor_ida.results.machine_file import read_toml
 
 MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate")
 # What may stand in each table of a file; with units where it is a number.
-TOP = ("units", "speed", "gravity", "static_force", "start", "modes", "system", "stators",
-       "contacts", "unbalance", "run_up")  # fmt: skip
+TOP = ("units", "speed", "gravity", "static_force", "start", "modes", "more_modes", "system",
+       "stators", "contacts", "unbalance", "run_up")  # fmt: skip
 OF_SYSTEM = (*MATRICES, "translations", "nodes")
 OF_CONTACT = {"clearance": "m", "damping": "s m-1", "friction": "1", "radius": "m"}
 KEYS_OF_CONTACT = (
@@ -86,10 +86,12 @@ class SystemFile:
         Its unbalance.
     gravity : (float, float), optional
         Acceleration of gravity along x and y.
-    start : (q, velocity) or "settled", optional
+    start : (q, velocity), "settled" or "rest", optional
         State at time 0.
     modes : int, optional
         Number of modes to which the system is reduced.
+    more_modes : int, optional
+        That of a second run, which shows how far events move.
     speed : float, optional
         Running speed.
     change : dict
@@ -102,13 +104,14 @@ class SystemFile:
     gravity: tuple[float, float] | None = None
     start: Any = None
     modes: int | None = None
+    more_modes: int | None = None
     speed: float | None = None
     change: Mapping[str, Any]
 
     @property
     def around(self) -> dict[str, Any]:
         """What stands around the system: arguments of both `simulate` and `run_up`."""
-        names = ("contacts", "unbalance", "gravity", "start", "modes")
+        names = ("contacts", "unbalance", "gravity", "start", "modes", "more_modes")
         return {name: getattr(self, name) for name in names}
 
 
@@ -123,8 +126,8 @@ def load_system(path: str | os.PathLike[str]) -> SystemFile:
     Returns
     -------
     SystemFile
-        ``system``, ``around`` (contacts, unbalance, gravity, start, modes), ``speed`` and
-        ``change``: ``simulate(case.system, **case.around, speed=case.speed, duration=...)`` and
+        ``system``, ``around`` (contacts, unbalance, gravity, start, modes, more_modes), ``speed``
+        and ``change``: ``simulate(case.system, **case.around, speed=case.speed, duration=...)`` and
         ``run_up(case.system, **case.around, **case.change)``.
 
     Raises
@@ -176,6 +179,9 @@ def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:
         gravity=file.pair("gravity", "m s-2") if "gravity" in entries else None,
         start=_start(file),
         modes=check_count("modes", entries["modes"], minimum=0) if "modes" in entries else None,
+        more_modes=check_count("more_modes", entries["more_modes"])
+        if "more_modes" in entries
+        else None,
         speed=file.number("speed", "rad s-1") if "speed" in entries else None,
         change=_change(file.table("run_up")),
     )
@@ -396,15 +402,15 @@ def _unbalance(file: _Table, system: RotorSystem) -> Iterator[Unbalance]:
 
 
 def _start(file: _Table) -> Any:
-    """Return the start: settled, or displacement and velocity of all coordinates."""
+    """Return the start: settled, at rest, or displacement and velocity of all coordinates."""
     given = file.entries.get("start")
     if isinstance(given, Mapping):
         table = file.table("start")
         table.check(("q", "velocity"), needed=("q", "velocity"))
         return tuple(check_array(table.name(key), given[key]) for key in ("q", "velocity"))
-    if given is not None and given != "settled":
+    if given is not None and given not in STARTS:
         raise InputError(
-            f"start must be 'settled' or a table of q and velocity, got {shown(given)}"
+            f"start must be 'settled', 'rest' or a table of q and velocity, got {shown(given)}"
         )
     return given
 

@@ -10,6 +10,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_array, check_count, check_positive, shown
 from rotor_ida.errors import InputError
+from rotor_ida.schema import Column
 from rotor_ida.signals.orders import LARGEST_ORDER, fit, revolutions_for
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.windows import Complex, windows_of
@@ -41,7 +42,8 @@ def filtered_orbit(
     Returns
     -------
     Dataset
-        Signals with ``x y`` filtered, and ``angle`` if it is known.
+        Signals with ``x y`` filtered, and ``angle`` if it is known; for an order also
+        ``filter_error``, the standard error of x and of y.
 
     Raises
     ------
@@ -51,8 +53,9 @@ def filtered_orbit(
 
     Notes
     -----
-    An order is fitted in each window as in `orders`. Between the middles of windows the complex
-    amplitudes change linearly; before the first and after the last they are constant. A band is
+    An order is fitted in each window as in `orders`, whose errors give those of x and y. Between
+    the middles of windows the complex amplitudes change linearly; before the first and after the
+    last they are constant. A band is
     filtered by a Butterworth filter of order 4, forwards and backwards in time, without phase
     shift. Its gain
     is ``1/(1 + s**8)`` with, up to the frequency W, ``s = T(f)/T(W)`` and, between V and W, ``s =
@@ -76,10 +79,13 @@ def filtered_orbit(
     told: dict[str, object] = {}
     if band is None:
         asked = check_positive("order", order, LARGEST_ORDER)
-        z, told["filter_order"] = _of_order(record, asked, revolutions), asked
+        z, error = _of_order(record, asked, revolutions)
+        columns: dict[str, Column] = {"filter_error": ("t", error)}
+        told["filter_order"] = asked
     else:
         z, told["filter_band"] = _of_band(record, band)
-    columns = {"x": ("t", z.real), "y": ("t", z.imag)}
+        columns = {}
+    columns |= {"x": ("t", z.real), "y": ("t", z.imag)}
     if record.angles is not None:
         columns["angle"] = ("t", record.angles)
     return record.dataset(
@@ -87,14 +93,15 @@ def filtered_orbit(
     )
 
 
-def _of_order(record: Record, order: float, revolutions: int | None) -> Complex:
-    """Return the displacement by one order, forward and backward."""
+def _of_order(record: Record, order: float, revolutions: int | None) -> tuple[Complex, Values]:
+    """Return the displacement by one order, forward and backward, and its error along an axis."""
     asked = np.array([order])
     windows = windows_of(record, revolutions_for(asked, revolutions))
-    amplitudes = fit(record, windows, asked).amplitudes
-    ahead, back = (np.interp(record.times, windows.times, each) for each in amplitudes.T[:2])
+    fitted = fit(record, windows, asked)
+    ahead, back = (np.interp(record.times, windows.times, each) for each in fitted.amplitudes.T[:2])
+    error = np.interp(record.times, windows.times, np.hypot(*fitted.errors.T[:2]))
     turn = np.exp(1j * order * record.known_angles())
-    return np.asarray(ahead * turn + back * turn.conj(), dtype=np.complex128)
+    return np.asarray(ahead * turn + back * turn.conj(), dtype=np.complex128), error
 
 
 def _of_band(record: Record, band: object) -> tuple[Complex, Values]:

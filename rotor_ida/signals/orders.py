@@ -87,9 +87,12 @@ def orders(
     Standard errors are those by the residual as white noise, equal in all directions, or the
     scatter of the amplitude between windows where that is larger by more than chance: so they
     contain what leaks from a line that is no order, such as oil whirl. The scatter is taken about
-    a parabola over up to 128 windows (255 at the end of a record), within which the speed changes
-    by at most 4 %, and needs six windows. It cannot see a line closer to the order than about
-    ``1.5/N`` orders for N revolutions. The error of a
+    the mean of up to 128 windows (255 at the end of a record) of equal speed, to 0.2 %, so a true
+    change of the amplitude, as in a transient, counts as an error too. Where the speed changes, it
+    is taken about a parabola over windows within which it does so by at most 4 % (a line with
+    fewer than six windows, the mean with fewer than four). One window has no scatter. A line
+    closer to the order than about ``0.5/N`` orders for N revolutions of equal speed, or ``1.5/N``
+    where the speed changes, cannot be seen. The error of a
     lag is the error of the amplitude over the amplitude. The residual is by degrees of freedom: for
     noise of variance s**2 in x and in y it is ``sqrt(2) s``. The speed is that of the straight line
     through the angles of a window, at the mean of its times.

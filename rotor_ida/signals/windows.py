@@ -20,10 +20,11 @@ AT_ONCE = 200_000
 # Limits on the overlap of windows, and of segments of a spectrogram.
 MOST_OVERLAP = 0.95
 MOST_SAMPLES = 200_000_000
-# Windows that the scatter needs, windows in a stretch, and the change of speed within it.
-FEWEST_WINDOWS = 6
+# Windows in a stretch, and the change of speed within it. The amplitude counts as constant where
+# the speed changes less than `STEADY`, else as a parabola, or less with few windows for each term.
 MOST_WINDOWS = 128
-SPEED_SPAN = 0.04
+SPEED_SPAN, STEADY = 0.04, 0.002
+WINDOWS_A_TERM = 2
 Complex = npt.NDArray[np.complex128]
 
 
@@ -165,16 +166,18 @@ def scatter_between(amplitudes: Complex, windows: Windows, overlap: float) -> Va
     """Return standard errors by the scatter between windows, 0 where there are too few.
 
     What leaks from a line that is not fitted turns from window to window, so it is seen in the
-    deviations from a parabola over a stretch of windows of almost equal speed. Few windows that
-    deviate far, as in a transient, are given less weight.
+    deviations from the mean over a stretch of windows of equal speed, or from a parabola where
+    the speed changes. Few windows that deviate far, as in a transient, are given less weight.
     """
     errors = np.zeros(amplitudes.shape)
     for part in _stretches(windows.speeds):
-        within = amplitudes[part]
+        within, speeds = amplitudes[part], windows.speeds[part]
         count = within.shape[0] * (1.0 - overlap)
-        if count < FEWEST_WINDOWS:
+        terms = 1 if np.ptp(speeds) <= STEADY * abs(speeds[0]) else 3
+        terms = min(terms, int(count / WINDOWS_A_TERM))
+        if terms == 0:
             continue
-        basis = np.vander(np.linspace(-1.0, 1.0, within.shape[0]), 3)
+        basis = np.vander(np.linspace(-1.0, 1.0, within.shape[0]), terms)
         for k, values in enumerate(within.T):
             errors[part, k] = _deviation(basis, values, count)
     return errors
@@ -194,7 +197,7 @@ def _stretches(speeds: Values) -> Iterator[slice]:
 
 
 def _deviation(basis: Values, values: Complex, count: float) -> float:
-    """Return the root mean square per component of deviations from a robust parabola."""
+    """Return the root mean square per component of deviations from a robust mean or parabola."""
     weights = np.ones(values.size)
     for _ in range(8):
         roots = np.sqrt(weights)[:, None]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
@@ -118,16 +119,7 @@ def assemble(
     static_force: npt.ArrayLike | None,
 ) -> Assembly:
     """Return a rotor system joined with its stators, contacts and forces."""
-    check_instance("system", system, RotorSystem)
-    for name, given, kind in (
-        ("contacts", contacts, Contact),
-        ("unbalance", unbalance, Unbalance),
-    ):
-        if isinstance(given, kind) or not isinstance(given, Sequence):
-            raise InputError(f"{name} must be a list of {kind.__name__}, got {shown(given)}")
-        for each in given:
-            check_instance(name, each, kind)
-    check_contacts(contacts)
+    check_parts(system, contacts, unbalance)
     stators = tuple({id(each.stator): each.stator for each in contacts
                      if isinstance(each.stator, Stator)}.values())  # fmt: skip
     size = system.size + 2 * len(stators)
@@ -155,6 +147,20 @@ def assemble(
         gyroscopic=_joined(system, stators, "gyroscopic"),
         stiffness_rate=_joined(system, stators, "stiffness_rate"),
     )
+
+
+def check_parts(system: object, contacts: object, unbalance: object) -> None:
+    """Refuse a system, contacts and unbalance of other types, and contacts that overlap."""
+    check_instance("system", system, RotorSystem)
+    for name, given, kind in (
+        ("contacts", contacts, Contact),
+        ("unbalance", unbalance, Unbalance),
+    ):
+        if isinstance(given, kind) or not isinstance(given, Sequence):
+            raise InputError(f"{name} must be a list of {kind.__name__}, got {shown(given)}")
+        for each in given:
+            check_instance(name, each, kind)
+    check_contacts(cast("Sequence[Contact]", contacts))
 
 
 def canonical(assembly: Assembly) -> Canonical:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.core.interface import DONE, message_of
@@ -117,7 +118,7 @@ def follow_twice(
     result = follow_system_again(request, stop, watch)
     tighter = replace(
         request, rtol=max(request.rtol / APART, TIGHTEST / APART), order=ORDERS[1],
-        times=request.times[[-1]],
+        times=request.times[[-1]], only_events=True,
     )  # fmt: skip
     other = follow_system_again(tighter, stop, watch)
     return Followed(result, *errors_of(result, other, len(request.laws), request.duration))
@@ -138,6 +139,37 @@ def check_status(result: SystemResult) -> None:
         raise SimulationError(f"{message_of(result.status)} at t = {result.time:.17g}")
 
 
+def shifts_of(result: SystemResult, request: SystemRequest, stop: Stop, watch: Watch) -> Values:
+    """Return how far the events of a run move in another one; infinite from where they differ."""
+    other = follow_system_again(
+        replace(request, times=request.times[[-1]], only_events=True), stop, watch
+    )
+    shifts = np.full(result.event_times.size, np.inf)
+    for contact in range(len(request.laws)):
+        own, _, differences = _matched(result, other, contact)
+        shifts[own[: differences.size]] = differences
+    return shifts
+
+
+def _matched(
+    result: SystemResult, other: SystemResult, contact: int
+) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp], Values]:
+    """Return the events of a contact in two runs, and the differences of those that are the same.
+
+    They are the same up to the first that differs in kind, or by a quarter of the time to the next.
+    """
+    own = np.flatnonzero(result.event_contacts == contact)
+    others = np.flatnonzero(other.event_contacts == contact)
+    count = min(own.size, others.size)
+    times, other_times = result.event_times[own], other.event_times[others[:count]]
+    gaps = np.diff(times, prepend=-np.inf, append=np.inf)
+    reach = SAME_EVENT * np.minimum(gaps[:-1], gaps[1:])[:count]
+    differences = np.abs(times[:count] - other_times)
+    same = result.event_kinds[own[:count]] == other.event_kinds[others[:count]]
+    same &= differences <= reach
+    return own, others, differences[: count if same.all() else int(np.argmin(same))]
+
+
 def errors_of(
     result: SystemResult, other: SystemResult, contacts: int, duration: float
 ) -> tuple[Values, float]:
@@ -145,17 +177,9 @@ def errors_of(
     errors = np.full(result.event_times.size, np.inf)
     horizon = duration
     for contact in range(contacts):
-        own = np.flatnonzero(result.event_contacts == contact)
-        others = np.flatnonzero(other.event_contacts == contact)
-        count = min(own.size, others.size)
-        times, other_times = result.event_times[own], other.event_times[others[:count]]
-        gaps = np.diff(times, prepend=-np.inf, append=np.inf)
-        reach = SAME_EVENT * np.minimum(gaps[:-1], gaps[1:])[:count]
-        differences = np.abs(times[:count] - other_times)
-        same = result.event_kinds[own[:count]] == other.event_kinds[others[:count]]
-        same &= differences <= reach
-        good = count if same.all() else int(np.argmin(same))
-        largest = differences[:good].copy()
+        own, others, differences = _matched(result, other, contact)
+        times, good = result.event_times[own], differences.size
+        largest = differences.copy()
         for back in range(1, MEMORY):
             np.maximum(largest[back:], differences[: max(good - back, 0)], out=largest[back:])
         spans = np.sqrt(1.0 + np.arange(good))

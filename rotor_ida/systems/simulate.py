@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +27,7 @@ from rotor_ida.checks import (
     is_scalar,
     shown,
 )
-from rotor_ida.core.systems import SystemResult
+from rotor_ida.core.systems import SystemRequest, SystemResult
 from rotor_ida.errors import InputError, InvariantError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
@@ -41,13 +42,15 @@ from rotor_ida.systems.following import (
     energy_of,
     follow_twice,
     request_of,
+    shifts_of,
     size_of_energy,
 )
+from rotor_ida.systems.modes import check_modes, in_modes
+from rotor_ida.systems.starts import Start, start_of
 from rotor_ida.systems.witness import follow_by_cvode
 
 SystemMethod = Literal["taylor", "adams", "bdf"]
 METHODS = ("taylor", "adams", "bdf")
-Start = Literal["settled"] | tuple[npt.ArrayLike, npt.ArrayLike] | None
 TIGHTEST_RTOL, LOOSEST_RTOL = 1e-14, 1e-4
 FEWEST_SAMPLES = 1001
 # Radians of the fastest motion of a system, and of its spin, in a run: a step covers about five.
@@ -72,6 +75,7 @@ def simulate_system(
     duration: float,
     samples: int | npt.ArrayLike | None = None,
     modes: int | None = None,
+    more_modes: int | None = None,
     rtol: float = 1e-10,
     method: SystemMethod = "taylor",
     progress: Progress | None = None,
@@ -92,9 +96,9 @@ def simulate_system(
         Acceleration of gravity along x and y.
     static_force : array_like, shape (n,), optional
         A constant force.
-    start : (q, velocity) or "settled", optional
-        State at time 0, of the rotor or of rotor and stators; or the steady whirl without contact.
-        Default: at rest at 0.
+    start : (q, velocity), "settled" or "rest", optional
+        State at time 0, of the rotor or of rotor and stators; or the steady whirl without contact;
+        or at rest in its supports and contacts under the constant forces. Default: at rest at 0.
     duration : float
         Time to simulate.
     samples : int or array_like, optional
@@ -103,6 +107,8 @@ def simulate_system(
     modes : int, optional
         Number of modes to which the system is reduced first; the static flexibility of the contacts
         is kept (see `RotorSystem.reduced`).
+    more_modes : int, optional
+        Larger number of modes of a second run, which shows how far the events move with more modes.
     rtol : float
         Relative tolerance, from 1e-14 to 1e-4.
     method : {"taylor", "adams", "bdf"}
@@ -147,8 +153,9 @@ def simulate_system(
     end = check_positive("duration", duration)
     return _simulate(
         system, steady(omega, end), contacts=contacts, unbalance=unbalance, gravity=gravity,
-        static_force=static_force, start=start, samples=samples, modes=modes, rtol=rtol,
-        method=method, progress=progress, speed=omega, change={"speed": omega},
+        static_force=static_force, start=start, samples=samples, modes=modes,
+        more_modes=more_modes, rtol=rtol, method=method, progress=progress, speed=omega,
+        change={"speed": omega},
     )  # fmt: skip
 
 
@@ -170,6 +177,7 @@ def run_up_system(
     start: Start = None,
     samples: int | npt.ArrayLike | None = None,
     modes: int | None = None,
+    more_modes: int | None = None,
     rtol: float = 1e-10,
     method: SystemMethod = "taylor",
     progress: Progress | None = None,
@@ -180,7 +188,9 @@ def run_up_system(
     ----------
     system : RotorSystem
         The rotor.
-    contacts, unbalance, gravity, static_force, start, samples, modes, rtol, method, progress
+    contacts, unbalance, gravity, static_force, start : optional
+        As in `simulate_system`.
+    samples, modes, more_modes, rtol, method, progress : optional
         As in `simulate_system`.
     speed : float
         Speed at time 0.
@@ -227,8 +237,9 @@ def run_up_system(
     profile, first, change = _profile(speed, to, rate, speeds, torque, inertia, duration)
     return _simulate(
         system, profile, contacts=contacts, unbalance=unbalance, gravity=gravity,
-        static_force=static_force, start=start, samples=samples, modes=modes, rtol=rtol,
-        method=method, progress=progress, speed=first, change=change,
+        static_force=static_force, start=start, samples=samples, modes=modes,
+        more_modes=more_modes, rtol=rtol, method=method, progress=progress, speed=first,
+        change=change,
     )  # fmt: skip
 
 
@@ -329,6 +340,37 @@ def _by_torque(
     return profile, speed, {"start_speed": speed, "torque": pair, "inertia": moment}
 
 
+@dataclass(frozen=True, slots=True)
+class _Prepared:
+    """A system with its surroundings, in coordinates with a unit mass matrix, and its start."""
+
+    assembly: Assembly
+    found: Canonical
+    begun: Values
+    request: SystemRequest
+
+
+def _prepared(
+    system: RotorSystem, profile: SpeedProfile, times: Values, speed: float, fastest: float,
+    rtol: float, start: Start, **around: Any,
+) -> _Prepared:  # fmt: skip
+    """Return what is to be followed, if that does not take too long."""
+    assembly = assemble(system, **around)
+    found, end = canonical(assembly), profile.ends[-1]
+    begun = start_of(assembly, start, speed)
+    request = request_of(
+        assembly, found, profile, np.array([found.to_y(each) for each in begun]), times, end,
+        rtol=rtol, speed=speed, fastest_speed=fastest, inertia=_inertia(found, profile),
+    )  # fmt: skip
+    longest = MOST_RADIANS / (request.fastest + fastest)
+    if not end <= longest:
+        raise InputError(
+            f"duration must be at most {longest:.4g}, as the system moves at up to "
+            f"{request.fastest:.4g} rad per unit of time, got {end!r}; fewer modes lower that"
+        )
+    return _Prepared(assembly, found, begun, request)
+
+
 def _simulate(
     system: RotorSystem,
     profile: SpeedProfile,
@@ -340,6 +382,7 @@ def _simulate(
     start: Start,
     samples: int | npt.ArrayLike | None,
     modes: int | None,
+    more_modes: int | None,
     rtol: float,
     method: SystemMethod,
     progress: Progress | None,
@@ -350,49 +393,54 @@ def _simulate(
     check_choice("method", method, METHODS)
     check_progress(progress)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
-    if modes is not None:
-        held = [each.node for each in contacts]
-        held += [each.stator for each in contacts if isinstance(each.stator, str)]
-        system = system.reduced(modes=modes, keep=list(dict.fromkeys(held)))
-    assembly = assemble(system, contacts, unbalance, gravity, static_force)
-    found = canonical(assembly)
-    end = profile.ends[-1]
-    fastest = _fastest(profile, speed)
+    end, fastest = profile.ends[-1], _fastest(profile, speed)
     times = _times(samples, end, fastest)
-    begun = _start(assembly, start, speed)
-    first = np.array([found.to_y(each) for each in begun])
-    request = request_of(
-        assembly, found, profile, first, times, end, rtol=tolerance, speed=speed,
-        fastest_speed=fastest, inertia=_inertia(found, profile),
-    )  # fmt: skip
-    longest = MOST_RADIANS / (request.fastest + fastest)
-    if not end <= longest:
-        raise InputError(
-            f"duration must be at most {longest:.4g}, as the system moves at up to "
-            f"{request.fastest:.4g} rad per unit of time, got {end!r}; fewer modes lower that"
+    told = {"method": method, "rtol": tolerance, "duration": end, **change}
+    around: dict[str, Any] = {"contacts": contacts, "unbalance": unbalance, "gravity": gravity,
+                              "static_force": static_force, "start": start}  # fmt: skip
+    check_modes(modes, more_modes)
+    numbers = {"modes": modes, "more_modes": more_modes}
+    told |= {name: number for name, number in numbers.items() if number is not None}
+    first, *second = [
+        _prepared(
+            **in_modes(system, number, around),
+            profile=profile,
+            times=times,
+            speed=speed,
+            fastest=fastest,
+            rtol=tolerance,
         )
-
+        for number in ([modes] if more_modes is None else [modes, more_modes])
+    ]
     watch: Watch = []
 
-    def follow(stop: Stop) -> Followed:
+    def follow(stop: Stop) -> tuple[Followed, Values | None]:
         if method == "taylor":
-            return follow_twice(request, stop, watch)
-        return follow_by_cvode(request, profile, tolerance, method, stop, watch)
+            followed = follow_twice(first.request, stop, watch)
+        else:
+            followed = follow_by_cvode(first.request, profile, tolerance, method, stop, watch)
+        moved = [shifts_of(followed.result, each.request, stop, watch) for each in second]
+        return followed, moved[0] if moved else None
+
+    runs = 2 + len(second)
 
     def tell(progress: Progress) -> None:
-        progress(int(50.0 * sum(done() for done in watch) / end), 100)
+        progress(int(100.0 / runs * sum(done() for done in watch) / end), 100)
 
-    followed = interruptible(follow, told=None if progress is None else partial(tell, progress))
+    followed, moved = interruptible(
+        follow, told=None if progress is None else partial(tell, progress)
+    )
     if progress is not None:
         progress(100, 100)
-    _check(assembly, found, request.start, followed, ROUNDED + OF_TOLERANCE * tolerance)
-    told = {"method": method, "rtol": tolerance, "duration": end, **change}
-    if modes is not None:
-        told["modes"] = modes
-    problem = problem_variables(assembly, unbalance, begun)
+    allowed = ROUNDED + OF_TOLERANCE * tolerance
+    _check(first.assembly, first.found, first.request.start, followed, allowed)
+    more = problem_variables(first.assembly, unbalance, first.begun)
+    if moved is not None:
+        more["event_time_shift"] = ("event", moved)
     return system_dataset(
-        assembly, found, followed, times, problem, told, change_speed="speed" not in change
-    )
+        first.assembly, first.found, followed, times, more, told,
+        change_speed="speed" not in change,
+    )  # fmt: skip
 
 
 def _fastest(profile: SpeedProfile, speed: float) -> float:
@@ -429,45 +477,6 @@ def _times(samples: object, end: float, fastest: float) -> Values:
             f"samples must lie from 0 to the duration {end!r}, got {float(times[-1])!r}"
         )
     return times
-
-
-def _start(assembly: Assembly, start: Start, speed: float) -> Values:
-    """Return displacement and velocity at time 0, shape (2, n)."""
-    size, own = assembly.size, assembly.system.size
-    if start is None:
-        return np.zeros((2, size))
-    if isinstance(start, str):
-        check_choice("start", start, ("settled",))
-        return settled(assembly, speed)
-    if not isinstance(start, tuple | list) or len(start) != 2:
-        raise InputError(f'start must be (q, velocity) or "settled", got {shown(start)}')
-    state = np.zeros((2, size))
-    for row, given, name in zip(state, start, ("displacement", "velocity"), strict=True):
-        values = check_array(f"{name} of the start", given)
-        if values.shape not in {(own,), (size,)}:
-            raise InputError(
-                f"{name} of the start must have the shape {(own,)}, got {values.shape}"
-            )
-        row[: values.size] = values
-    return state
-
-
-def settled(assembly: Assembly, speed: float) -> Values:
-    """Return the steady state without contact at time 0: static deflection and whirl."""
-    size = assembly.size
-    resisted = np.zeros((size, size)) if assembly.damping is None else assembly.damping
-    if assembly.gyroscopic is not None:
-        resisted = resisted + speed * assembly.gyroscopic
-    dynamic = assembly.stiffness - speed**2 * assembly.mass + 1j * speed * resisted
-    force = speed**2 * (assembly.unbalance[0] - 1j * assembly.unbalance[1])
-    try:
-        whirl = np.linalg.solve(dynamic, force)
-        still = np.linalg.solve(assembly.stiffness, assembly.force)
-    except np.linalg.LinAlgError as error:
-        raise InputError(
-            "start cannot be settled, as the stiffness is singular at this speed"
-        ) from error
-    return np.array([still + whirl.real, (1j * speed * whirl).real])
 
 
 def _check(

@@ -442,5 +442,6 @@ def follow_by_cvode(
     """Return a run by CVODE; its errors are its differences from a run by Taylor series."""
     result = run_by_cvode(request, profile, rtol, method, stop, watch)
     check_status(result)
-    other = follow_system_again(replace(request, times=request.times[[-1]]), stop, watch)
+    bare = replace(request, times=request.times[[-1]], only_events=True)
+    other = follow_system_again(bare, stop, watch)
     return Followed(result, *errors_of(result, other, len(request.laws), request.duration))

@@ -7,7 +7,8 @@ import pytest
 
 import rotor_ida
 from rotor_ida import InputError, Rotor, continue_cycle, limit_cycle
-from rotor_ida.schema import RESPONSE, SPECIAL, STABILITY
+from rotor_ida.cycles.branch_course import stable_ranges
+from rotor_ida.schema import RESPONSE, SPECIAL, STABILITY, words_of
 from tests.cycles.known import (
     BOUNCING,
     CYCLES,
@@ -304,6 +305,30 @@ def test_a_branch_goes_round_the_corner_where_the_slip_comes_to_nothing():
         one, other = near[name].values
         assert other == pytest.approx(one, abs=1e-5)
     assert abs(np.diff(near["slope"].values)[0]) > 1e-2
+
+
+def test_a_corner_at_which_a_multiplier_jumps_past_one_is_no_fold():
+    """The parameter turns back there. Beside it no multiplier comes near 1 but the trivial one."""
+    rotor = Rotor(
+        omega=1.16, zeta=0.0893, delta0=0.425, contact_exponent=1.0, friction=0.21, disc_radius=4.8
+    )
+    branch = continue_cycle(
+        rotor, start=(2.127, 0.864, 0.0, 0.0), parameter="zeta", limits=(0.045, 0.134)
+    )
+    corner = specials_of(branch, "discontinuous")
+    assert corner.sizes["special"] == 1
+    sliding = specials_of(branch, "sliding").special_value.values
+    assert np.abs(sliding - corner.special_value.item()).min() < 1e-9
+    after = int(corner.special_point[0]) + 1
+    near = branch.isel(point=[after - 1, after])
+    first, second = near["slope"].values
+    assert first * second < 0.0
+    assert words_of(near["stability"]) == ["stable", "unstable"]
+    away = np.sort(np.abs(near.multiplier_real.values + 1j * near.multiplier_imag.values - 1.0))
+    assert away[:, 0].max() < 1e-8
+    assert away[:, 1].min() > 1e-2
+    ranges = stable_ranges(branch)
+    assert any(high == corner.special_value.item() for _, high in ranges)
 
 
 def test_two_grazes_in_one_step_are_seen():

@@ -13,7 +13,7 @@ from rotor_ida.parallel import interruptible
 PROGRAM = """
 import signal, threading, time
 from rotor_ida import (
-    Rotor, bifurcation_diagram, lyapunov_exponent, poincare_section, simulate, sweep
+    Rotor, bifurcation_diagram, lyapunov_exponent, poincare_section, run_up, simulate, sweep
 )
 
 class Late(Exception):
@@ -28,6 +28,8 @@ signal.signal(signal.SIGALRM, late)
 main = threading.main_thread().ident
 rotor, rest = Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.0, 0.0, 0.0, 0.0)
 drifting = Rotor(omega=1.0, zeta=0.0, delta0=1.5)
+system, contacts, unbalance = rotor.system()
+parts = {"contacts": contacts, "unbalance": unbalance, "speed": rotor.omega}
 point = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0, "starts": [rest]}
 calls = {
     "run": (lambda time: simulate(rotor, start=rest, duration=time), 1.0, 1e7),
@@ -36,6 +38,8 @@ calls = {
     "entries": (lambda n: poincare_section(rotor, start=rest, revolutions=n, at="entry"), 1, 10**6),
     "peaks": (lambda n: poincare_section(rotor, start=rest, revolutions=n, at="peak"), 1, 10**5),
     "diagram": (lambda time: bifurcation_diagram(**point, extrema_time=time), 10.0, 3e5),
+    "run-up": (lambda time: run_up(rotor, start=rest, to=3.0, ramp_time=time), 10.0, 1e7),
+    "system": (lambda time: simulate(system, **parts, duration=time, samples=9), 10.0, 1e7),
     "sweep": (lambda n: sweep(**point | {"omega": range(2, 2 + n)}, executor="serial"), 1, 900),
 }
 for name, (call, short, long) in calls.items():
@@ -61,7 +65,17 @@ def test_long_work_in_compiled_code_is_stopped_and_its_thread_ends():
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM], capture_output=True, text=True, timeout=270, check=False
     )
-    names = ("run", "flight", "exponents", "entries", "peaks", "diagram", "sweep")
+    names = (
+        "run",
+        "flight",
+        "exponents",
+        "entries",
+        "peaks",
+        "diagram",
+        "run-up",
+        "system",
+        "sweep",
+    )
     assert done.stdout.split("\n")[:-1] == [f"{name} 1" for name in names for _ in range(2)], (
         done.stderr
     )

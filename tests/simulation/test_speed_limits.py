@@ -2,6 +2,7 @@
 speed may do."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -95,6 +96,17 @@ def test_a_torque_that_lets_the_speed_run_away_is_refused(case):
     rotor, torque, inertia, duration = RUNS_AWAY[case]
     with pytest.raises(InputError, match=r"must keep the speed below 1e\+06 and .*, got torque"):
         run_up(rotor, torque=torque, inertia=inertia, duration=duration)
+
+
+@pytest.mark.parametrize("by", sorted(BY.keys() - {"ida"}))  # which ends at so high a speed
+def test_a_speed_that_runs_away_in_a_run_is_stopped_there(by, monkeypatch):
+    """In case something speeds the rotor up that the check before the run does not foresee."""
+    monkeypatch.setattr("rotor_ida.simulation.run_up._check_runaway", lambda *_: None)
+    with pytest.raises(SimulationError, match=r"the speed passed 1e\+06: the torque") as failure:
+        run_up(replace(DRIFTS, omega=999_900.0), torque=(1.0, 0.0), inertia=1e-6, duration=1e-3,
+               **BY[by])  # fmt: skip
+    # 100 rad over the unit of time later, at the end of a step
+    assert 1e-4 <= failure.value.time < 2e-4
 
 
 def test_an_inertia_so_small_that_a_run_would_hardly_end_is_refused():

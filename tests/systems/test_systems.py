@@ -115,6 +115,8 @@ def test_a_stator_without_mass_is_refused():
         ({"method": "euler"}, "method must"),
         ({"samples": [0.0, 99.0]}, "samples must lie from 0 to the duration"),
         ({"modes": 99}, "modes must"),
+        ({"modes": 4, "more_modes": 3}, "more_modes must be more than modes, 4, got 3"),
+        ({"more_modes": 3}, "modes must be given with more_modes, got None"),
         ({"duration": 1e12}, "duration must be at most"),
         ({"speed": 1e12}, "duration must be at most"),
     ],
@@ -273,18 +275,46 @@ def test_all_modes_are_the_system():
     np.testing.assert_allclose(whole.x, same.x, atol=1e-9)
 
 
-def test_static_flexibility_makes_few_modes_enough():
-    """The second event of a bending beam: a hundred times nearer with its flexibility."""
+def bending_beam():
+    """Return a beam of twelve nodes, and what makes it touch."""
     chain = 2.0 * np.eye(12) - np.eye(12, k=1) - np.eye(12, k=-1)
     bending = np.kron(chain @ chain, np.eye(2))
     system = RotorSystem(
         mass=np.eye(24), stiffness=bending, damping=0.05 * bending, units="1",
         nodes={str(i): (2 * i, 2 * i + 1) for i in range(12)},
     )  # fmt: skip
-    around = {
+    return system, {
         "contacts": [Contact(node="4", clearance=3.0, stiffness=0.5, exponent=1.0)], "speed": 0.1,
         "unbalance": [Unbalance(node="8", moment=20.0)], "duration": 150.0, "samples": 2,
     }  # fmt: skip
+
+
+def test_a_run_states_how_far_its_events_move_with_more_modes():
+    system, around = bending_beam()
+    whole = simulate(system, **around)
+    few = simulate(system, **around, modes=6, more_modes=24)
+    count = int(np.isfinite(few.event_time_shift).sum())
+    assert count >= 2
+    apart = np.abs(few.event_time - whole.event_time.values[: few.sizes["event"]])[:count]
+    np.testing.assert_allclose(few.event_time_shift[:count], apart, rtol=1e-6, atol=1e-11)
+    less = simulate(system, **around, modes=12, more_modes=24)
+    assert less.event_time_shift[1] < 0.1 * few.event_time_shift[1]
+    assert few.attrs["more_modes"] == 24
+
+
+def test_a_reduced_run_takes_starts_and_forces_of_all_coordinates():
+    system, around = bending_beam()
+    rng = np.random.default_rng(1)
+    around |= {"start": (rng.normal(size=24), 0.1 * rng.normal(size=24))}
+    around |= {"static_force": 0.01 * rng.normal(size=24)}
+    whole, same = simulate(system, **around), simulate(system, **around, modes=24)
+    np.testing.assert_allclose(same.event_time, whole.event_time, rtol=1e-9)
+    np.testing.assert_allclose(same.x, whole.x, atol=1e-8)
+
+
+def test_static_flexibility_makes_few_modes_enough():
+    """The second event of a bending beam: a hundred times nearer with its flexibility."""
+    system, around = bending_beam()
 
     def second(rotor, **how):
         return simulate(rotor, **around, **how).event_time.values[1]

@@ -6,7 +6,7 @@ A whirl is followed along its exact curve, over the speed (`response_curve`) or 
 (`clearance_curve`). Over the damping a rotor has at most one whirl of each amplitude, so the curve
 needs no tracing: it turns at the folds (`fold_locus`) and ends at first touch and at the whirls
 without damping. A limit cycle is followed along its branch, from the given rotor. With friction a
-rolling cycle may end at a corner, where it meets one that does not roll: that counts as a fold.
+branch may turn back at a corner, where multipliers jump: that counts as a fold.
 
 This applies to the paper's rotor. With a shaft, another contact law, contact damping or friction a
 whirl is followed along its exact amplitudes in small steps, which are refined where it ends.
@@ -39,11 +39,14 @@ from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.cycles.branch import BORN, CONTACT_FREE, HALVED, LIMITS, Side, advance
 from rotor_ida.cycles.guess import DOUBLING, Guess
 from rotor_ida.cycles.problems import FOLD, PLACE, SLIDING, TORUS, branch_through
+from rotor_ida.cycles.special_points import DISCONTINUOUS
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor, without
 from rotor_ida.schema import STABILITY, WITH_EXTENTS
 
+# Special points at which a branch may turn back at a corner.
+CORNERS = (SLIDING, DISCONTINUOUS)
 # Attractors that survive to this fraction of a parameter are assumed to reach zero.
 AT_ZERO = 1e-4
 # Whirls that survive to this multiple of the damping are assumed to exist for any.
@@ -248,9 +251,9 @@ def extent_of_cycle(
 
 def _met(side: Side) -> list[End]:
     """Return where stability was lost on the points followed so far, in order."""
-    ends = (FOLD, DOUBLING, TORUS)
+    ends = (FOLD, DOUBLING, TORUS, DISCONTINUOUS)
     names = [
-        FOLD if special.name == SLIDING and _turns_after(side, place) else special.name
+        FOLD if special.name in CORNERS and _turns_after(side, place) else special.name
         for place, special in side.specials
     ]
     return [

@@ -9,9 +9,9 @@ import { labelled, shownIn } from "./units.js";
 const UNSTABLE_DASH = [5, 4], FREE_DASH = [12, 3, 2, 3];
 const LONGEST_TRAIL = 600;
 const STABLE = STABILITY.stable, UNSTABLE = STABILITY.unstable;
-const { fold: FOLD, period_doubling: DOUBLING, torus: TORUS, sliding: SLIDING, hopf: HOPF } = SPECIAL;
-const SPECIAL_WORDS = { [FOLD]: "fold of limit cycles", [DOUBLING]: "period doubling", [TORUS]: "torus point", [SLIDING]: "slip falls to 0", [HOPF]: "Hopf point" };
-const SHAPES = { [FOLD]: "diamond", [DOUBLING]: "square", [TORUS]: "disc", [SLIDING]: "cross", [HOPF]: "disc" };
+const { fold: FOLD, period_doubling: DOUBLING, torus: TORUS, sliding: SLIDING, hopf: HOPF, discontinuous: DISCONTINUOUS } = SPECIAL;
+const SPECIAL_WORDS = { [FOLD]: "fold of limit cycles", [DOUBLING]: "period doubling", [TORUS]: "torus point", [SLIDING]: "slip falls to 0", [HOPF]: "Hopf point", [DISCONTINUOUS]: "multipliers jump" };
+const SHAPES = { [FOLD]: "diamond", [DOUBLING]: "square", [TORUS]: "disc", [SLIDING]: "cross", [HOPF]: "disc", [DISCONTINUOUS]: "down" };
 // Friction-driven whirls: the name, the radii and the stability of each.
 const WHIRLS = [["slipping backward whirl", "saddle_radius", "unstable"], ["dry whip without unbalance", "whip_radius", "stable"]];
 const WHIP_ROOM = 1.5;
@@ -130,8 +130,10 @@ export class Response {
     if (shown.some(({ branches }) => branches.length)) {
       parts.push(["line-key cycle", "limit cycle, largest radius"], ["line-key cycle thin", "smallest"]);
       parts.push(["mark diamond open cycle", "its fold"], ["mark square cycle", "period doubling"]);
-      if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(TORUS)))) parts.push(["mark open cycle", "torus point"]);
-      if (shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(SLIDING)))) parts.push(["mark cross cycle", "slip falls to 0"]);
+      const has = (kind) => shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(kind)));
+      if (has(TORUS)) parts.push(["mark open cycle", SPECIAL_WORDS[TORUS]]);
+      if (has(SLIDING)) parts.push(["mark cross cycle", SPECIAL_WORDS[SLIDING]]);
+      if (has(DISCONTINUOUS)) parts.push(["mark down", SPECIAL_WORDS[DISCONTINUOUS]]);
     }
     parts.push(["line-key dashed ring", "clearance"]);
     if (shown.some(({ passage }) => passage)) parts.push(["line-key passage", "while the speed changes"]);

@@ -1,0 +1,80 @@
+"""A rotor system at rest in its supports and contacts, against statics by hand."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import Contact, InputError, RotorSystem, Stator, simulate
+from tests.systems.random_systems import random_system
+
+G = 9.81
+STILL = {"speed": 0.0, "gravity": (0.0, -G), "start": "rest", "duration": 0.2, "samples": 41}
+
+
+def moved(run):
+    """Return how far a run moves from its start, relative to how far that is from 0."""
+    z = run.x + 1j * run.y
+    return (np.abs(z - z.isel(t=0)).max() / np.abs(z).max()).item()
+
+
+def at_rest(system, contacts, **options):
+    """Return where a system rests; it must stay there."""
+    run = simulate(system, contacts=contacts, **STILL | options)
+    first = run.isel(t=0)
+    assert moved(run) < 1e-9
+    return first
+
+
+def test_a_disc_on_a_shaft_hangs_by_its_weight():
+    system = RotorSystem(mass=12.0 * np.eye(2), stiffness=4e6 * np.eye(2), nodes={"disc": (0, 1)})
+    place = at_rest(system, [Contact(node="disc", clearance=1e-3, stiffness=1e8)])
+    assert place.y.item() == pytest.approx(-12.0 * G / 4e6, rel=1e-12)
+    assert place.normal_force.item() == 0.0
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+def test_a_free_disc_lies_in_its_bearing(exponent):
+    system = RotorSystem(mass=12.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
+    contact = Contact(
+        node="disc", clearance=2e-4, stiffness=1e8, exponent=exponent, centre=(0.0, 5e-5)
+    )
+    place = at_rest(system, [contact])
+    pressed = (12.0 * G / 1e8) ** (1.0 / exponent)
+    assert place.y.item() == pytest.approx(5e-5 - 2e-4 - pressed, rel=1e-10)
+    assert abs(place.x.item()) < 1e-12
+    assert place.normal_force.item() == pytest.approx(12.0 * G, rel=1e-9)
+
+
+def test_a_rigid_rotor_lies_in_two_bearings_by_the_lever():
+    """Coordinates are the displacements at its ends; its weight acts a quarter of the way along."""
+    turn = np.array([[0.75, 0.25], [-1.0, 1.0]])  # of the centre, and the tilt, by both ends
+    mass = turn.T @ np.diag([20.0, 0.8]) @ turn
+    system = RotorSystem(
+        mass=np.kron(mass, np.eye(2)), stiffness=np.zeros((4, 4)),
+        nodes={"left": (0, 1), "right": (2, 3)},
+    )  # fmt: skip
+    stator = Stator(mass=1.5, stiffness=3e7, damping=2e3)
+    contacts = [
+        Contact(node="left", clearance=2e-4, stiffness=1e8, exponent=1.0),
+        Contact(node="right", clearance=3e-4, stiffness=2e9, stator=stator),
+    ]
+    place = at_rest(system, contacts)
+    loads = 20.0 * G * np.array([0.75, 0.25])
+    np.testing.assert_allclose(place.normal_force, loads, rtol=1e-9)
+    sag = (1.5 * G + loads[1]) / 3e7
+    expected = [-2e-4 - loads[0] / 1e8, -3e-4 - (loads[1] / 2e9) ** (1 / 1.5) - sag]
+    np.testing.assert_allclose(place.y, expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_forces_of_random_systems_balance(seed):
+    system, options = random_system(seed)
+    still = {name: options[name] for name in ("contacts", "gravity") if name in options}
+    weight = {"gravity": (1.0, -3.0), **still}
+    run = simulate(system, speed=0.0, start="rest", duration=0.1, samples=3, **weight)
+    assert moved(run) < 1e-9
+
+
+def test_what_nothing_holds_has_no_rest():
+    system = RotorSystem(mass=np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
+    with pytest.raises(InputError, match="start cannot be at rest, as neither supports nor"):
+        simulate(system, **STILL)
