@@ -20,6 +20,7 @@ from rotor_ida import (
     run_up,
     simulate,
 )
+from rotor_ida.systems.archived import problem_of
 from tests.systems.random_systems import random_system
 
 PLAIN = {"mass": np.eye(4), "stiffness": 2.0 * np.eye(4), "nodes": {"disc": (0, 1), "end": (2, 3)}}
@@ -373,3 +374,12 @@ def test_without_contacts_the_motion_is_exact_at_any_scale(scale):
     now = run.sel(t=0.01)
     exact = whirl * np.exp(4.5j) + left[:2]
     np.testing.assert_allclose(now.x + 1j * now.y, exact, rtol=0, atol=1e-9 * np.abs(whirl).max())
+
+
+def test_a_run_computed_again_has_the_same_axial_positions():
+    places = {"disc": 0.1, "end": 0.3}
+    run = simulate(RotorSystem(**PLAIN, positions=places), speed=1.0, duration=1.0, samples=3)
+    assert dict(zip(run.node.values, run.axial_position.values, strict=True)) == places
+    again, _ = problem_of(run)
+    assert again.positions == places
+    assert again.reduced(modes=2).positions == places
