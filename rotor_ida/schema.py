@@ -165,6 +165,10 @@ QUANTITIES: dict[str, Quantity] = {
     "contact_node": Quantity("node of a contact", ""),
     "clearance": Quantity("radial clearance of a contact", scale="length"),
     "event_contact": Quantity("number of the contact of an event"),
+    "node_amplitude": Quantity("amplitude of a node at the spin speed", scale="length"),
+    "node_phase_lag": Quantity(
+        "phase by which the motion of a node at the spin speed lags", "radian"
+    ),
     "event_state": Quantity("displacement and velocity of all coordinates at an event"),
     "final_state": Quantity(
         "displacement and velocity of all coordinates, and speeds of races, at the end"

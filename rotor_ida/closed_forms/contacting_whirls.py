@@ -220,8 +220,8 @@ def turned_by_friction(p: DoubleDouble, rotors: RotorColumns) -> Turned:
 def _extrema(p: Values, stiffness: Values, limit: Values, delta0: Values) -> Values:
     """Return 0, the extrema of P in ascending order and a bound on its roots, shape (n, 6).
 
-    ``stiffness`` is ``p**2 + damping``, all with m = 1. Missing extrema repeat the bound. For ``p <= 0`` there
-    are none, as no term of the slope of P is negative.
+    ``stiffness`` is ``p**2 + damping``, all with m = 1. Missing extrema repeat the bound. For
+    ``p <= 0`` there are none, as no term of the slope of P is negative.
     """
     softens = p > 0.0
     bound = 1.000001 * limit
@@ -272,7 +272,9 @@ def _roots_of(coefficients: tuple[Values, ...], breakpoints: Values) -> Values:
     return roots
 
 
-def _signs(equation: RubEquation, breakpoints: Values, contact_free: npt.NDArray[np.bool_]) -> Values:
+def _signs(
+    equation: RubEquation, breakpoints: Values, contact_free: npt.NDArray[np.bool_]
+) -> Values:
     """Return the sign of P at 0, at its extrema and at the bound (where it is positive)."""
     signs = np.ones_like(breakpoints)
     signs[:, 0] = np.where(contact_free, 1.0, -1.0)

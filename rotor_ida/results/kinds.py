@@ -85,6 +85,10 @@ KINDS = {
             dims=("t", "node"),
         ),
         Kind(
+            name="system_whirls", meaning="exact whirls of a rotor system",
+            variables=("amplitude", "node_amplitude"), dims=("speed", "branch"),
+        ),
+        Kind(
             name="comparison", meaning="comparison", variables=("matched_branch",),
             shown=f"{_SHOWN}:show_comparison",
         ),
