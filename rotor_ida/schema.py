@@ -166,6 +166,9 @@ QUANTITIES: dict[str, Quantity] = {
     "clearance": Quantity("radial clearance of a contact", scale="length"),
     "event_contact": Quantity("number of the contact of an event"),
     "node_amplitude": Quantity("amplitude of a node at the spin speed", scale="length"),
+    "contact_stiffness": Quantity("stiffness of springs at the contacts"),
+    "eigenvalue": Quantity("number of the eigenvalue, in order of whirl speed"),
+    "damping_ratio": Quantity("damping ratio of the motion, negative if it grows"),
     "node_phase_lag": Quantity(
         "phase by which the motion of a node at the spin speed lags", "radian"
     ),

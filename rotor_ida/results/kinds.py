@@ -89,6 +89,10 @@ KINDS = {
             variables=("amplitude", "node_amplitude"), dims=("speed", "branch"),
         ),
         Kind(
+            name="campbell", meaning="eigenvalues over the speed",
+            variables=("whirl_speed", "damping_ratio"), dims=("eigenvalue",),
+        ),
+        Kind(
             name="comparison", meaning="comparison", variables=("matched_branch",),
             shown=f"{_SHOWN}:show_comparison",
         ),

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotor_ida.arrays import ComplexValues, Values
+from rotor_ida.checks import LARGEST_NUMBER, check_vector
 from rotor_ida.errors import InputError
 from rotor_ida.systems.assembly import Assembly
 
@@ -37,6 +38,16 @@ class Receptances:
     flexibility: ComplexValues
     node_free: ComplexValues
     node_flexibility: ComplexValues
+
+
+def checked_speeds(speed: object) -> Values:
+    """Return spin speeds, one or several, as an array."""
+    speeds = check_vector("speed", speed) + 0.0
+    if (outside := np.abs(speeds) > LARGEST_NUMBER).any():
+        raise InputError(
+            f"speed must be at most {LARGEST_NUMBER:g}, got {float(speeds[outside][0])!r}"
+        )
+    return speeds
 
 
 def receptances(assembly: Assembly, speeds: Values) -> Receptances:

@@ -10,18 +10,20 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, ComplexValues, Flags, Values
-from rotor_ida.checks import LARGEST_NUMBER, check_vector
 from rotor_ida.closed_forms.contacting_whirls import Rows
-from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
 from rotor_ida.schema import STABILITY, labelled_dataset
 from rotor_ida.systems.assembly import Assembly, assemble
-from rotor_ida.systems.axisymmetric import ForwardMotions, forward_motions
+from rotor_ida.systems.axisymmetric import (
+    ForwardMotions,
+    check_axisymmetric_parts,
+    forward_motions,
+)
 from rotor_ida.systems.dataset import with_system_units
 from rotor_ida.systems.double_rubs import Pairs, double_rubs
-from rotor_ida.systems.receptances import Receptances, receptances
+from rotor_ida.systems.receptances import Receptances, checked_speeds, receptances
 from rotor_ida.systems.single_rubs import single_rubs
 from rotor_ida.systems.turning_axes import (
     Whirls,
@@ -102,21 +104,12 @@ def synchronous_response_system(
     """
     speeds = checked_speeds(speed)
     assembly = assemble(system, contacts, unbalance, None, None)
+    check_axisymmetric_parts(assembly)
     motions = forward_motions(assembly)
     response = receptances(assembly, speeds)
     whirls = whirls_of(assembly, response, speeds)
     growth, neutral = growth_rates(motions, assembly, speeds, whirls)
     return _dataset(assembly, response, speeds, whirls, growth, neutral)
-
-
-def checked_speeds(speed: object) -> Values:
-    """Return spin speeds, one or several, as an array."""
-    speeds = check_vector("speed", speed) + 0.0
-    if (outside := np.abs(speeds) > LARGEST_NUMBER).any():
-        raise InputError(
-            f"speed must be at most {LARGEST_NUMBER:g}, got {float(speeds[outside][0])!r}"
-        )
-    return speeds
 
 
 def whirls_of(assembly: Assembly, response: Receptances, speeds: Values) -> Whirls:
