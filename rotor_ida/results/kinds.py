@@ -87,10 +87,12 @@ KINDS = {
         Kind(
             name="system_whirls", meaning="exact whirls of a rotor system",
             variables=("amplitude", "node_amplitude"), dims=("speed", "branch"),
+            drawn="rotor_ida.plot:system_whirls_figure",
         ),
         Kind(
             name="campbell", meaning="eigenvalues over the speed",
             variables=("whirl_speed", "damping_ratio"), dims=("eigenvalue",),
+            drawn="rotor_ida.plot:plot_campbell",
         ),
         Kind(
             name="comparison", meaning="comparison", variables=("matched_branch",),
