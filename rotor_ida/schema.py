@@ -504,6 +504,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     # branches of limit cycles, and their bifurcations
     "special": Quantity("number of the special point, in order along the branch"),
+    "special_speed": Quantity("spin speed at the special point", scale="speed"),
     "special_kind": Quantity("kind of the special point", flags=SPECIAL),
     "special_value": Quantity("continued parameter at the special point"),
     "special_second_value": Quantity("second continued parameter at the special point"),

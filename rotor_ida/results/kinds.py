@@ -90,6 +90,10 @@ KINDS = {
             drawn="rotor_ida.plot:system_whirls_figure",
         ),
         Kind(
+            name="system_special_points", meaning="special speeds of a rotor system",
+            variables=("special_speed",),
+        ),
+        Kind(
             name="campbell", meaning="eigenvalues over the speed",
             variables=("whirl_speed", "damping_ratio"), dims=("eigenvalue",),
             drawn="rotor_ida.plot:plot_campbell",

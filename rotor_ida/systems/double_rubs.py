@@ -24,6 +24,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import comb
 
@@ -119,23 +120,41 @@ def double_rubs(pairs: Pairs) -> tuple[Rows, Values, int]:
 
 def _polished(pairs: Pairs, rows: Rows, v: Values) -> Values:
     """Return roots after steps of Newton's method on ``|E|**2 = 1``."""
-    hertz = np.array(pairs.hertz)
-    effect, free = pairs.effect[rows], pairs.free[rows][:, :, np.newaxis]
-    one = np.eye(2)
     for _ in range(_POLISHING):
-        amplitude, force = 1.0 + np.where(hertz, v * v, v), np.where(hertz, v**3, v)
-        rise, push = np.where(hertz, 2.0 * v, 1.0), np.where(hertz, 3.0 * v * v, 1.0)
-        matrix = one * amplitude[:, np.newaxis] + effect * force[:, np.newaxis]
-        turned = np.linalg.solve(matrix, free)[:, :, 0]
-        change = (one * rise[:, np.newaxis] + effect * push[:, np.newaxis]) * turned[:, np.newaxis]
-        change = -np.linalg.solve(matrix, change)
-        slope = 2.0 * (turned.conj()[:, :, np.newaxis] * change).real
-        left = (np.abs(turned) - 1.0) * (np.abs(turned) + 1.0)
+        left, slope = balance(pairs.free[rows], pairs.effect[rows], pairs.hertz, v)
         step = np.linalg.solve(slope, left[:, :, np.newaxis])[:, :, 0]
         # near a double root a step would lead far away
         near = (np.abs(step) < _NEAR * v).all(axis=1, keepdims=True)
         v = np.where(near, v - step, v)
     return v
+
+
+def balance(
+    free: ComplexValues, effect: ComplexValues, hertz: Sequence[bool], v: Values
+) -> tuple[Values, Values]:
+    """Return ``|E|**2 - 1`` of any number of contacts, and its slopes by v.
+
+    Parameters
+    ----------
+    free, effect, hertz
+        As in `Pairs`, of k contacts.
+    v : ndarray, shape (n, k)
+        The unknowns.
+
+    Returns
+    -------
+    left, slope : ndarray, shapes (n, k) and (n, k, k)
+        What is 0 in a rub, and its derivatives.
+    """
+    one = np.eye(v.shape[1])
+    amplitude, force = 1.0 + np.where(hertz, v * v, v), np.where(hertz, v**3, v)
+    rise, push = np.where(hertz, 2.0 * v, 1.0), np.where(hertz, 3.0 * v * v, 1.0)
+    matrix = one * amplitude[:, np.newaxis] + effect * force[:, np.newaxis]
+    turned = np.linalg.solve(matrix, free[:, :, np.newaxis])[:, :, 0]
+    change = (one * rise[:, np.newaxis] + effect * push[:, np.newaxis]) * turned[:, np.newaxis]
+    change = -np.linalg.solve(matrix, change)
+    slope = 2.0 * (turned.conj()[:, :, np.newaxis] * change).real
+    return (np.abs(turned) - 1.0) * (np.abs(turned) + 1.0), slope
 
 
 def _factors(pairs: Pairs) -> list[tuple[ComplexValues, Values]]:

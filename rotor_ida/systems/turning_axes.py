@@ -26,6 +26,8 @@ from rotor_ida.closed_forms.contacting_whirls import Rows
 from rotor_ida.model.system_parts import Contact
 from rotor_ida.systems.axisymmetric import ForwardMotions
 
+# Growth rates that are 0 but for rounding, over the largest eigenvalue.
+NEUTRAL = 1e-11
 # Numbers in the matrices whose eigenvalues are computed at a time.
 _AT_A_TIME = 2_000_000
 
