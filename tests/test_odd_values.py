@@ -293,6 +293,11 @@ GIVEN |= {
         "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)],
         "unbalance": [Unbalance(node="disc", moment=1.0)],
     },
+    "special_speeds": lambda _: {
+        "system": SYSTEM, "limits": (0.8, 1.2), "points": 4,
+        "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)],
+        "unbalance": [Unbalance(node="disc", moment=1.0)],
+    },
     "campbell": lambda _: {"system": SYSTEM, "speed": [0.8, 1.2], "modes": 2},
     "run_up_system": lambda _: {"system": SYSTEM, "speed": 1.2, "to": 1.4, "rate": 0.1},
 }  # fmt: skip

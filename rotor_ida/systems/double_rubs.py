@@ -35,15 +35,16 @@ from rotor_ida.closed_forms.contacting_whirls import Rows
 
 # Rounding of a coefficient in Bernstein's basis, in parts of the sum of sizes of its terms.
 _ROUNDED = 64.0 * ROUNDING
-# Halvings after which what is left of a box is a double root.
-_MOST_HALVINGS = 200
+# Values in parts of their rounding that cannot be told from 0.
+_NOTHING = 8.0
 _MOST_STEPS = 30
 # A bound of v beyond this is not used, and contacts with a smaller determinant move together.
 _FARTHEST, _TOGETHER = 1e12, 1e-9
 # Newton's steps on the equations of the directions, which are rounded less than the polynomials.
 _POLISHING, _NEAR = 3, 1e-6
-# Distance of a converged root from its box, in parts of its width, and of two roots that are one.
-_OUTSIDE, _SAME = 1e-6, 1e-9
+# Distance of a converged root from its box, in parts of its width; relative distance of two roots
+# that are one, and of the parts of a double root.
+_OUTSIDE, _SAME, _CLUSTER = 1e-6, 1e-9, 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,21 +98,20 @@ def double_rubs(pairs: Pairs) -> tuple[Rows, Values, int]:
     polynomials = _polynomials(pairs)
     todo = _first_boxes(pairs)
     roots, examined = [], 0
-    for halving in range(_MOST_HALVINGS + 1):
+    while todo.pair.size:
         examined += todo.pair.size
-        if not todo.pair.size:
-            break
         bernstein, rounding = _in_boxes(polynomials, todo)
         possible = _may_vanish(bernstein, rounding)
         todo, bernstein, rounding = todo[possible], bernstein[possible], rounding[possible]
         at_most_one, possible = _preconditioned(bernstein, rounding)
-        at_most_one &= possible
-        found, inside = _newton(polynomials, todo, at_most_one)
-        if halving == _MOST_HALVINGS:  # two roots nearly coincide
-            inside = at_most_one = possible
-            found = todo.low + 0.5 * todo.width
+        found, inside = _newton(polynomials, todo, at_most_one & possible)
+        # a box in which all is rounding is a part of a double root
+        nothing = (np.abs(bernstein).max(axis=(2, 3)) <= _NOTHING * rounding).all(axis=1)
+        nothing &= possible & ~inside
         roots.append((todo.pair[inside], found[inside]))
-        todo = _halved(todo[possible & ~inside], bernstein[possible & ~inside])
+        roots.append(_clusters(todo[nothing]))
+        left = possible & ~inside & ~nothing
+        todo = _halved(todo[left], bernstein[left])
     rows = np.concatenate([np.zeros(0, int), *(row for row, _ in roots)])
     v = np.concatenate([np.zeros((0, 2)), *(each for _, each in roots)])
     rows, v = _distinct(rows, _polished(pairs, rows, v))
@@ -297,7 +297,7 @@ def _newton(polynomials: Values, boxes: _Boxes, chosen: Flags) -> tuple[Values, 
     for _ in range(_MOST_STEPS):
         if not active.size:
             break
-        value, slope = _values(polynomials[boxes.pair[active]], v[active])
+        value, slope, rounding = _values(polynomials[boxes.pair[active]], v[active])
         determinant = np.abs(np.linalg.det(slope))
         regular = np.isfinite(determinant) & (determinant > 0.0)
         active, value, slope = active[regular], value[regular], slope[regular]
@@ -306,16 +306,16 @@ def _newton(polynomials: Values, boxes: _Boxes, chosen: Flags) -> tuple[Values, 
         width = boxes.width[active]
         near = (np.abs(v[active] - boxes.low[active] - 0.5 * width) < width).all(axis=1)
         done = (np.abs(step) <= 8.0 * ROUNDING * np.abs(v[active])).all(axis=1)
-        settled = done | (_ == _MOST_STEPS - 1) & (np.abs(step) < 1e-9 * v[active]).all(axis=1)
-        converged[active[near & settled]] = True
-        active = active[near & ~settled]
+        done |= (np.abs(value) <= rounding[regular]).all(axis=1)
+        converged[active[near & done]] = True
+        active = active[near & ~done]
     inside = (v >= boxes.low - _OUTSIDE * boxes.width).all(axis=1)
     inside &= (v <= boxes.low + (1.0 + _OUTSIDE) * boxes.width).all(axis=1)
     return v, converged & inside
 
 
-def _values(polynomials: Values, v: Values) -> tuple[Values, Values]:
-    """Return values, shape (n, 2), and slopes, shape (n, 2, 2), of both polynomials."""
+def _values(polynomials: Values, v: Values) -> tuple[Values, Values, Values]:
+    """Return values of both polynomials, slopes, shape (n, 2, 2), and rounding of the values."""
     powers, slopes = [], []
     for axis in (0, 1):
         exponents = np.arange(polynomials.shape[axis + 2])
@@ -324,7 +324,8 @@ def _values(polynomials: Values, v: Values) -> tuple[Values, Values]:
     value = np.einsum("nfij,ni,nj->nf", polynomials, *powers)
     slope_1 = np.einsum("nfij,ni,nj->nf", polynomials, slopes[0], powers[1])
     slope_2 = np.einsum("nfij,ni,nj->nf", polynomials, powers[0], slopes[1])
-    return value, np.stack([slope_1, slope_2], axis=2)
+    sizes = np.einsum("nfij,ni,nj->nf", np.abs(polynomials), *(np.abs(each) for each in powers))
+    return value, np.stack([slope_1, slope_2], axis=2), _ROUNDED * sizes
 
 
 def _halved(boxes: _Boxes, bernstein: Values) -> _Boxes:
@@ -344,7 +345,12 @@ def _halved(boxes: _Boxes, bernstein: Values) -> _Boxes:
     )
 
 
-def _distinct(rows: Rows, v: Values) -> tuple[Rows, Values]:
+def _clusters(boxes: _Boxes) -> tuple[Rows, Values]:
+    """Return one point for each cluster of small boxes."""
+    return _distinct(boxes.pair, boxes.low + 0.5 * boxes.width, _CLUSTER)
+
+
+def _distinct(rows: Rows, v: Values, same: float = _SAME) -> tuple[Rows, Values]:
     """Return roots in contact, each once: those on the edge of two boxes are found twice."""
     order = np.lexsort((v[:, 1], v[:, 0], rows))
     rows, v = rows[order], v[order]
@@ -352,5 +358,5 @@ def _distinct(rows: Rows, v: Values) -> tuple[Rows, Values]:
     for this in range(1, rows.size):
         before = np.nonzero(keep[:this] & (rows[:this] == rows[this]))[0]
         apart = np.abs(v[before] - v[this])
-        keep[this] &= not (apart <= _SAME * np.abs(v[this])).all(axis=1).any()
+        keep[this] &= not (apart <= same * np.abs(v[this])).all(axis=1).any()
     return rows[keep], v[keep]

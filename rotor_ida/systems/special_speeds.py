@@ -41,7 +41,7 @@ from rotor_ida.systems.turning_axes import (
     eigenvalues_in_contact,
     eigenvalues_without_contact,
 )
-from rotor_ida.systems.whirls import MOST_TOUCHING, effects, rubbing_whirls, rubs
+from rotor_ida.systems.whirls import MOST_TOUCHING, effects, rubbing_whirls, rubs, touching_sets
 
 MOST_POINTS = 100_000
 # Halvings of an interval of speeds that encloses a fold; the width left beside it, in parts of the
@@ -72,18 +72,16 @@ class _Problem:
     def response(self, speeds: Sequence[float] | Values) -> Receptances:
         return receptances(self.assembly, np.asarray(speeds, float))
 
-    def roots(self, speeds: Values) -> dict[Touching, Roots]:
-        """Return all rubs of each set of contacts, whether or not the others are free."""
-        found: dict[Touching, Roots] = {(): [np.zeros((1, 0))] * speeds.size}
-        for rows, depths in rubs(self.assembly, self.response(speeds), speeds):
-            touching = tuple(depths)
-            v = np.stack(list(depths.values()), axis=1) / self.clearances[list(touching)]
-            v = np.where(self.hertz(touching), np.sqrt(v), v)
-            each = found.setdefault(touching, [np.zeros((0, len(touching)))] * speeds.size)
-            for row in np.unique(rows):
-                here = v[rows == row]
-                each[row] = np.concatenate([each[row], here[np.lexsort(here.T[::-1])]])
-        return found
+    def roots(self, touching: Touching, speeds: Values) -> Roots:
+        """Return all rubs of a set of contacts, whether or not the others are free."""
+        if not touching:
+            return [np.zeros((1, 0))] * speeds.size
+        contacts = self.assembly.contacts
+        rows, depths = rubs(contacts, self.response(speeds), speeds, touching)
+        v = depths / self.clearances[list(touching)]
+        v = np.where(self.hertz(touching), np.sqrt(v), v)
+        order = np.lexsort((*v.T[::-1], rows))
+        return np.split(v[order], np.searchsorted(rows[order], np.arange(1, speeds.size)))
 
     def balance(self, touching: Touching, v: Values, omega: float) -> tuple[Values, Values]:
         """Return what vanishes in a rub, and its slopes."""
@@ -93,24 +91,13 @@ class _Problem:
         left, slope = balance(free[:, chosen], own, self.hertz(touching), v[np.newaxis])
         return left[0], slope[0]
 
-    def followed(self, touching: Touching, v: Values, omega: float) -> Values:
-        """Return the rub at a speed that is near a guess."""
-        for _ in range(_STEPS if touching else 0):
-            left, slope = self.balance(touching, v, omega)
-            step = np.linalg.solve(slope, left)
-            v = v - step
-            if (np.abs(step) <= 8.0 * ROUNDING * np.abs(v)).all():
-                break
-        return v
-
     def whirls(self, touching: Touching, v: Values, speeds: Values) -> Whirls:
         """Return rubs as whirls, one for each speed."""
         response, rows = self.response(speeds), np.arange(speeds.size)
         depths = np.where(self.hertz(touching), v * v, v) * self.clearances[list(touching)]
         if not touching:
             return Whirls(rows, np.zeros((speeds.size, len(self.clearances))), response.free)
-        by_contact = {j: depths[:, k] for k, j in enumerate(touching)}
-        return rubbing_whirls(self.assembly, response, speeds, rows, by_contact)
+        return rubbing_whirls(self.assembly, response, speeds, rows, touching, depths)
 
     def eigenvalues(self, touching: Touching, v: Values, speeds: Values) -> ComplexValues:
         """Return the eigenvalues of rubs on turning axes, one row for each speed."""
@@ -141,10 +128,13 @@ class _Piece:
     ends: tuple[Values, Values]
 
     def at(self, problem: _Problem, omega: float) -> Values:
-        """Return the unknowns between the ends."""
+        """Return the unknowns between the ends: the rub nearest to the line between them."""
         (first, last), (v, w) = self.speeds, self.ends
         part = (omega - first) / (last - first)
-        return problem.followed(self.touching, (1.0 - part) * v + part * w, omega)
+        guess = (1.0 - part) * v + part * w
+        (roots,) = problem.roots(self.touching, np.array([omega]))
+        apart = np.abs(roots - guess).sum(axis=1)
+        return roots[np.argmin(apart)] if len(roots) else guess
 
 
 def special_speeds(
@@ -192,7 +182,7 @@ def special_speeds(
     >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
     >>> found = special_speeds(system, contacts=contacts, unbalance=unbalance, limits=(0.1, 3.0))
     >>> found.special_speed.values.round(6), found.special_kind.values
-    (array([0.080829]), array([1], dtype=int8))
+    (array([1.340701, 1.859769]), array([1, 1], dtype=int8))
     """
     low, high = _limits(limits)
     speeds = np.linspace(low, high, check_count("points", points, 2, MOST_POINTS))
@@ -202,8 +192,8 @@ def special_speeds(
     found = list(_folds(problem, speeds))
     beside = [each.speed + side * _BESIDE * (high - low) for each in found for side in (-1.0, 1.0)]
     speeds = np.unique(np.clip(np.concatenate([speeds, beside]), low, high))
-    for touching, roots in problem.roots(speeds).items():
-        pieces = list(_pieces(touching, roots, speeds))
+    for touching in [(), *touching_sets(assembly.contacts)]:
+        pieces = list(_pieces(touching, problem.roots(touching, speeds), speeds))
         found += [*_grazes(problem, pieces), *_hopf_points(problem, pieces)]
     return _dataset(problem, [each for each in found if _is_free(problem, each)])
 
@@ -221,9 +211,10 @@ def _limits(given: object) -> tuple[float, float]:
 
 def _folds(problem: _Problem, speeds: Values) -> Iterator[_Point]:
     """Yield the folds of each set of contacts between neighbouring speeds."""
-    for touching, roots in problem.roots(speeds).items():
-        for (first, last), (before, behind) in zip(pairwise(speeds), pairwise(roots), strict=True):
-            yield from _folds_between(problem, touching, (first, last), (before, behind), _HALVINGS)
+    for touching in touching_sets(problem.assembly.contacts):
+        roots = problem.roots(touching, speeds)
+        for ends, both in zip(pairwise(speeds.tolist()), pairwise(roots), strict=True):
+            yield from _folds_between(problem, touching, ends, both, _HALVINGS)
 
 
 def _folds_between(
@@ -238,7 +229,7 @@ def _folds_between(
         return
     if halvings:
         middle = 0.5 * (ends[0] + ends[1])
-        here = problem.roots(np.array([middle])).get(touching, [np.zeros((0, len(touching)))])[0]
+        (here,) = problem.roots(touching, np.array([middle]))
         for side, both in (((ends[0], middle), (roots[0], here)),
                            ((middle, ends[1]), (here, roots[1]))):  # fmt: skip
             yield from _folds_between(problem, touching, side, both, halvings - 1)

@@ -30,6 +30,7 @@ from rotor_ida.systems.axisymmetric import ForwardMotions
 NEUTRAL = 1e-11
 # Numbers in the matrices whose eigenvalues are computed at a time.
 _AT_A_TIME = 2_000_000
+_FEW = 50_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +135,9 @@ def _matrices(
 
 
 def _eigenvalues(matrices: ComplexValues | Values) -> ComplexValues:
-    """Return the eigenvalues of many matrices, on all processors."""
+    """Return the eigenvalues of many matrices, on all processors where that pays."""
+    if matrices.size < _FEW:
+        return np.linalg.eigvals(matrices).astype(np.complex128)
     parts = np.array_split(matrices, os.cpu_count() or 1)
     with ThreadPoolExecutor() as pool:
         return np.concatenate(list(pool.map(np.linalg.eigvals, parts)))

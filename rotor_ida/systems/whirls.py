@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -26,10 +26,9 @@ def whirls_of(assembly: Assembly, response: Receptances, speeds: Values) -> Whir
     clearances = np.array([each.clearance for each in assembly.contacts])
     nothing = np.zeros((speeds.size, clearances.size))
     found = [Whirls(np.arange(speeds.size), nothing, response.free)]
-    found += [
-        rubbing_whirls(assembly, response, speeds, rows, depths)
-        for rows, depths in rubs(assembly, response, speeds)
-    ]
+    for touching in touching_sets(assembly.contacts):
+        rows, depths = rubs(assembly.contacts, response, speeds, touching)
+        found.append(rubbing_whirls(assembly, response, speeds, rows, touching, depths))
     whirls = _joined(found)
     fits = np.abs(whirls.displacement) <= clearances
     whirls = whirls[np.asarray((fits | whirls.touches).all(axis=1))]
@@ -65,29 +64,40 @@ def effects(
     return response.free / clearance, effect
 
 
+def touching_sets(contacts: Sequence[Contact]) -> list[tuple[int, ...]]:
+    """Return the numbers of contacts that may touch together: each alone, and each two."""
+    every = range(len(contacts))
+    return [*((each,) for each in every), *combinations(every, MOST_TOUCHING)]
+
+
 def rubs(
-    assembly: Assembly, response: Receptances, speeds: Values
-) -> Iterator[tuple[Rows, dict[int, Values]]]:
-    """Yield all rubs: numbers of speeds, and indentations by contact."""
-    contacts = assembly.contacts
-    hertz = [each.exponent == HERTZ_EXPONENT for each in contacts]
+    contacts: Sequence[Contact],
+    response: Receptances,
+    speeds: Values,
+    touching: tuple[int, ...],
+) -> tuple[Rows, Values]:
+    """Return all rubs of a set of contacts, whether or not the others are free.
+
+    Returns
+    -------
+    rows, depths : ndarray, shapes (k,) and (k, contacts that touch)
+        Number of the speed of each rub, and its indentations.
+    """
+    chosen = np.array(touching)
+    hertz = [contacts[j].exponent == HERTZ_EXPONENT for j in touching]
+    clearances = np.array([contacts[j].clearance for j in touching])
     free, effect = effects(contacts, response, speeds)
-    for number, each in enumerate(contacts):
-        rows, depths = single_rubs(
-            np.abs(free[:, number]), effect[:, number, number], hertz=hertz[number]
-        )
-        yield rows, {number: each.clearance * depths}
+    free, effect = free[:, chosen], effect[:, chosen][:, :, chosen]
+    if len(touching) == 1:
+        rows, depths = single_rubs(np.abs(free[:, 0]), effect[:, 0, 0], hertz=hertz[0])
+        return rows, clearances * depths[:, np.newaxis]
     turning = np.nonzero(speeds)[0]
-    for one, other in combinations(range(len(contacts)), 2):
-        chosen = np.array([one, other])
-        for part in np.array_split(turning, max(turning.size // _PAIRS_AT_A_TIME, 1)):
-            pairs = Pairs(
-                free[part][:, chosen], effect[part][:, chosen][:, :, chosen],
-                (hertz[one], hertz[other]),
-            )  # fmt: skip
-            rows, both, _ = double_rubs(pairs)
-            both = both * np.array([contacts[one].clearance, contacts[other].clearance])
-            yield part[rows], {one: both[:, 0], other: both[:, 1]}
+    parts = []
+    for part in np.array_split(turning, max(turning.size // _PAIRS_AT_A_TIME, 1)):
+        rows, depths, _ = double_rubs(Pairs(free[part], effect[part], (hertz[0], hertz[1])))
+        parts.append((part[rows], clearances * depths))
+    rows = np.concatenate([rows for rows, _ in parts])
+    return rows, np.concatenate([depths for _, depths in parts])
 
 
 def rubbing_whirls(
@@ -95,19 +105,19 @@ def rubbing_whirls(
     response: Receptances,
     speeds: Values,
     rows: Rows,
-    depths: dict[int, Values],
+    touching: tuple[int, ...],
+    depths: Values,
 ) -> Whirls:
     """Return rubs with given indentations of some contacts, and the displacements of all."""
-    contacts, touching = assembly.contacts, np.array(list(depths))
+    contacts, chosen = assembly.contacts, np.array(touching)
     every = np.zeros((rows.size, len(contacts)))
-    for number, each in depths.items():
-        every[:, number] = each
+    every[:, chosen] = depths
     force = normal_forces(contacts, every) * sliding(contacts, speeds[rows])
     free, pushed = response.free[rows], response.flexibility[rows] * force[:, np.newaxis]
     radii = every + np.array([each.clearance for each in contacts])
-    matrix = pushed[:, touching][:, :, touching] + np.eye(touching.size) * radii[:, touching, None]
-    directions = np.linalg.solve(matrix, free[:, touching, np.newaxis])
+    matrix = pushed[:, chosen][:, :, chosen] + np.eye(chosen.size) * radii[:, chosen, np.newaxis]
+    directions = np.linalg.solve(matrix, free[:, chosen, np.newaxis])
     directions /= np.abs(directions)
-    displacement = free - (pushed[:, :, touching] @ directions)[:, :, 0]
-    displacement[:, touching] = radii[:, touching] * directions[:, :, 0]
+    displacement = free - (pushed[:, :, chosen] @ directions)[:, :, 0]
+    displacement[:, chosen] = radii[:, chosen] * directions[:, :, 0]
     return Whirls(rows, every, displacement)

@@ -79,7 +79,7 @@ def whirls_at(found, number):
 def test_one_disc_as_a_system_has_the_same_whirls():
     """Amplitudes and phases to 1e-13, growth rates to 1e-12, the same words for stability."""
     rng = np.random.default_rng(0)
-    for _ in range(40):
+    for _ in range(25):
         given = {
             "omega": rng.uniform(0.2, 4.0), "zeta": rng.uniform(0.005, 0.3),
             "delta0": rng.uniform(0.2, 2.0), "shaft_stiffness": float(rng.choice([0.0, 0.25, 1.0])),
@@ -136,7 +136,7 @@ def test_forces_balance_in_every_whirl(seed):
 def test_no_rub_at_one_contact_is_lost():
     """Sign changes of the balance over 4,000 indentations of each contact alone."""
     counts = []
-    for seed in range(25):
+    for seed in range(15):
         system, contacts, unbalance = random_axisymmetric(seed, contacts=1)
         speeds = np.random.default_rng(seed).uniform(0.3, 2.5, size=6)
         found = synchronous_response(system, contacts=contacts, unbalance=unbalance, speed=speeds)
@@ -161,10 +161,10 @@ def test_no_rub_at_one_contact_is_lost():
 
 
 def test_no_rub_at_two_contacts_is_lost():
-    """Newton's method from 40 starts for each of 60 random pairs finds none but the known."""
+    """Newton's method from 30 starts for each of 30 random pairs finds none but the known."""
     rng = np.random.default_rng(5)
     known = 0
-    for seed in range(60):
+    for seed in range(30):
         system, contacts, unbalance = random_axisymmetric(seed)
         omega = rng.uniform(0.3, 2.2)
         free, flexibility = responses(system, contacts, unbalance, omega)
@@ -184,11 +184,11 @@ def test_no_rub_at_two_contacts_is_lost():
 
         for each in depths:
             assert np.abs(apart(each)).max() < 1e-11
-        for start in rng.exponential(2.0, size=(40, 2)):
+        for start in rng.exponential(2.0, size=(30, 2)):
             root, _, flag, _ = fsolve(apart, start, full_output=True, xtol=1e-13)
             if flag == 1 and np.abs(apart(root)).max() < 1e-10 and np.abs(root).min() > 1e-9:
                 assert (np.abs(depths / np.abs(root) - 1.0).max(axis=1, initial=0.0) < 1e-5).any()
-    assert known > 30
+    assert known > 15
 
 
 def test_two_contacts_around_one_node_rub_together():
