@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NoReturn
 
 import numpy as np
 
@@ -101,7 +102,7 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
         across = np.abs(basis.T @ matrix @ basis)
         sizes = np.sqrt(np.abs(basis.conj().T @ (matrix @ matrix.T) @ basis).diagonal())
         if (across > ROUNDED * np.sqrt(np.outer(sizes, sizes))).any():
-            raise _not_axisymmetric(name)
+            _refuse(name)
     rows = found.rows[:, 0] + 1j * found.rows[:, 1]
     return ForwardMotions(rows=rows @ basis / np.sqrt(2.0), **reduced)
 
@@ -143,7 +144,7 @@ def _basis(matrices: dict[str, Values], seeds: list[tuple[str, ComplexValues]]) 
     basis = np.zeros((len(symmetric), 0), complex)
     for name, force in seeds:
         if abs(force @ force) > ROUNDED:
-            raise _not_axisymmetric(name)
+            _refuse(name)
     pending = [("stiffness", force) for _, force in seeds]
     while pending:
         names = [name for name, _ in pending for _ in groups]
@@ -184,11 +185,12 @@ def _groups(symmetric: Values) -> Iterator[Values]:
 def _check_forward(basis: ComplexValues, vector: ComplexValues, name: str) -> None:
     """Refuse a motion that is not at a right angle to all backward ones."""
     if max(np.abs(basis.T @ vector).max(initial=0.0), abs(vector @ vector)) > ASKEW:
-        raise _not_axisymmetric(name)
+        _refuse(name)
 
 
-def _not_axisymmetric(name: str) -> InputError:
-    return InputError(
+def _refuse(name: str) -> NoReturn:
+    """Refuse a system by the name of what is not the same in all directions."""
+    raise InputError(
         f"system must be axisymmetric for a whirl, got one whose {name} is not the same along x "
         "and y"
     )
