@@ -14,9 +14,7 @@ Contact damping lambda enters here alone.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +28,6 @@ from rotor_ida.systems.axisymmetric import ForwardMotions
 NEUTRAL = 1e-11
 # Numbers in the matrices whose eigenvalues are computed at a time.
 _AT_A_TIME = 2_000_000
-_FEW = 50_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +71,7 @@ def eigenvalues_without_contact(motions: ForwardMotions, speeds: Values) -> Comp
     matrix[:, size:, :size] = -motions.stiffness
     turning = speeds[:, np.newaxis, np.newaxis] * motions.gyroscopic
     matrix[:, size:, size:] = -motions.damping - turning
-    return _eigenvalues(matrix)
+    return np.linalg.eigvals(matrix).astype(np.complex128)
 
 
 def eigenvalues_in_contact(
@@ -89,7 +86,7 @@ def eigenvalues_in_contact(
     found = np.zeros((speeds.size, 4 * size), complex)
     for first in range(0, speeds.size, step):
         part = slice(first, first + step)
-        found[part] = _eigenvalues(_matrices(motions, contacts, speeds[part], whirls[part]))
+        found[part] = np.linalg.eigvals(_matrices(motions, contacts, speeds[part], whirls[part]))
     return found
 
 
@@ -132,15 +129,6 @@ def _matrices(
     matrix[:, half:, :half] = -stiffness
     matrix[:, half:, half:] = -damping
     return matrix
-
-
-def _eigenvalues(matrices: ComplexValues | Values) -> ComplexValues:
-    """Return the eigenvalues of many matrices, on all processors where that pays."""
-    if matrices.size < _FEW:
-        return np.linalg.eigvals(matrices).astype(np.complex128)
-    parts = np.array_split(matrices, os.cpu_count() or 1)
-    with ThreadPoolExecutor() as pool:
-        return np.concatenate(list(pool.map(np.linalg.eigvals, parts)))
 
 
 def _real(matrices: ComplexValues) -> Values:
