@@ -16,12 +16,15 @@ from rotor_ida.checks import check_count, check_panels, shown
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     BLUE,
+    FOLD,
     GREY,
+    HOPF,
     INK,
     NEUTRAL,
     ORANGE,
     STABLE,
     UNSTABLE,
+    draw_marks,
     drawing,
     legend_below,
     look,
@@ -31,7 +34,7 @@ from rotor_ida.plot.appearance import (
 from rotor_ida.plot.datasets import check_dataset, units_in
 from rotor_ida.plot.labels import label_axis
 from rotor_ida.results.si_units import in_rpm
-from rotor_ida.schema import STABILITY, WHIRL_DIRECTION
+from rotor_ida.schema import SPECIAL, STABILITY, WHIRL_DIRECTION
 
 WHIRLS = ("speed", "amplitude", "node_amplitude", "stability", "in_contact", "clearance")
 MARKS = {
@@ -39,13 +42,20 @@ MARKS = {
     "unstable": (UNSTABLE, ORANGE, "x", 3.0, "full"),
     "neutral": (NEUTRAL, GREY, "o", 3.2, "none"),
 }
+SPECIALS = {"fold": (FOLD, "D", 4.0), "hopf": (HOPF, "o", 4.6)}
 SENSES = {"forward": (BLUE, "^"), "backward": (ORANGE, "v"), "none": (GREY, "o")}
 MOST_NODES = 5
 # Eigenvalues above this many times the largest speed are cut off.
 HIGHEST = 3.0
 
 
-def plot_system_whirls(whirls: xr.Dataset, *, contact: int = 0, ax: Axes | None = None) -> Axes:
+def plot_system_whirls(
+    whirls: xr.Dataset,
+    *,
+    contact: int = 0,
+    special: xr.Dataset | None = None,
+    ax: Axes | None = None,
+) -> Axes:
     """Draw the amplitude of every synchronous whirl at a contact over the spin speed.
 
     Parameters
@@ -54,6 +64,9 @@ def plot_system_whirls(whirls: xr.Dataset, *, contact: int = 0, ax: Axes | None 
         Result of `rotor_ida.synchronous_response` for a rotor system with contacts.
     contact : int
         Number of the contact. Its clearance is a dashed line.
+    special : Dataset, optional
+        Result of `rotor_ida.special_speeds` for the same system: its folds and Hopf points are
+        marked.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -89,10 +102,25 @@ def plot_system_whirls(whirls: xr.Dataset, *, contact: int = 0, ax: Axes | None 
             if chosen.any():
                 ax.plot(across[chosen], amplitude[chosen], ls="", marker=mark, ms=size,
                         color=colour, fillstyle=fill, label=label, zorder=3.0)  # fmt: skip
+        if special is not None:
+            _mark_special(ax, special, contact)
         ax.set_title(f"contact {contact} at {shown(part['contact_node'].item())}")
         ax.set_ylim(bottom=0.0)
         legend_below(ax, columns=4)
     return ax
+
+
+def _mark_special(ax: Axes, special: xr.Dataset, contact: int) -> None:
+    """Mark folds and Hopf points at a contact."""
+    needed = ("special_speed", "special_kind", "amplitude")
+    special = check_dataset("special", special, needed)
+    speeds, kinds = _speeds(special["special_speed"]), special["special_kind"].values
+    amplitude = special["amplitude"].isel(contact=contact).values
+    for word, (label, mark, size) in SPECIALS.items():
+        chosen = kinds == SPECIAL[word]
+        if chosen.any():
+            draw_marks(ax, speeds[chosen], amplitude[chosen], mark, INK, size=size, face="white",
+                       label=label, level=3.7)  # fmt: skip
 
 
 def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -226,9 +254,13 @@ def _handles(senses: Values, springs: Values, unit: str) -> list[Line2D]:
 
 def _label_speed(ax: Axes, dataset: xr.Dataset) -> Values:
     """Label the axis of the speed, in rpm for SI units, and return the speeds in that unit."""
-    speeds = in_rpm(dataset["speed"])
-    if speeds is None:
-        ax.set_xlabel(r"spin speed $\Omega$")
-        return np.asarray(dataset["speed"].values)
-    ax.set_xlabel("spin speed [rpm]")
-    return speeds
+    ax.set_xlabel(
+        r"spin speed $\Omega$" if in_rpm(dataset["speed"]) is None else "spin speed [rpm]"
+    )
+    return _speeds(dataset["speed"])
+
+
+def _speeds(speeds: xr.DataArray) -> Values:
+    """Return speeds in rpm, or as they are where they have no unit."""
+    turns = in_rpm(speeds)
+    return np.asarray(speeds.values) if turns is None else turns

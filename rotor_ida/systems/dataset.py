@@ -107,7 +107,9 @@ def _episodes(followed: Followed) -> dict[str, Column]:
 
 
 def with_system_units(dataset: xr.Dataset, system: RotorSystem) -> xr.Dataset:
-    """Return a result with the units of its system."""
+    """Return a result with the units of its system; its speeds are over no reference frequency."""
+    if "speed" in dataset.variables:
+        dataset["speed"].attrs["long_name"] = "spin speed"
     if system.units == "SI":
         for name, variable in dataset.variables.items():
             scale = QUANTITIES[str(name)].scale

@@ -3,8 +3,18 @@
 import numpy as np
 import pytest
 
-from rotor_ida import Contact, InputError, Unbalance, campbell, plot, synchronous_response
+from rotor_ida import (
+    Contact,
+    InputError,
+    Rotor,
+    Unbalance,
+    campbell,
+    plot,
+    special_speeds,
+    synchronous_response,
+)
 from rotor_ida.plot.figures import figure_of
+from rotor_ida.schema import SPECIAL
 from tests.systems.axisymmetric_systems import beam
 
 SPEEDS = np.linspace(300.0, 600.0, 31)
@@ -31,6 +41,23 @@ def test_every_whirl_is_a_mark_at_its_amplitude_in_rpm_and_micrometres(whirls):
     assert [line.get_label() for line in marks] == ["stable whirl"]
     with pytest.raises(InputError, match="contact must be one of 0 to 1, got 2"):
         plot.plot_system_whirls(whirls, contact=2)
+
+
+def test_folds_and_hopf_points_are_marked_on_the_whirls():
+    system, contacts, unbalance = Rotor(
+        omega=1.0, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=5.0
+    ).system()
+    around = {"contacts": contacts, "unbalance": unbalance}
+    special = special_speeds(system, **around, limits=(0.9, 1.6))
+    found = synchronous_response(system, **around, speed=np.linspace(0.9, 1.6, 36))
+    ax = plot.plot_system_whirls(found, special=special)
+    assert ax.get_xlabel() == r"spin speed $\Omega$"
+    marks = {line.get_label(): line for line in ax.lines}
+    for label, kind in (("fold", SPECIAL["fold"]), ("Hopf point", SPECIAL["hopf"])):
+        chosen = special.isel(special=(special.special_kind == kind).values)
+        assert chosen.sizes["special"] == 2
+        np.testing.assert_array_equal(marks[label].get_xdata(), chosen.special_speed)
+        np.testing.assert_array_equal(marks[label].get_ydata(), chosen.amplitude[:, 0])
 
 
 def test_each_contact_has_a_panel_and_without_any_the_nodes_are_drawn(whirls):
