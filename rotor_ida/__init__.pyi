@@ -7,7 +7,6 @@ from .closed_forms import folds as folds
 from .closed_forms import hopf_points as hopf_points
 from .closed_forms import impact as impact
 from .closed_forms import rest as rest
-from .closed_forms import synchronous_response as synchronous_response
 from .cycles.bifurcation_curve import bifurcation_curve as bifurcation_curve
 from .cycles.branches import branches_through as branches_through
 from .cycles.continue_cycle import continue_cycle as continue_cycle
@@ -58,9 +57,13 @@ from .steady.bifurcation_diagram import bifurcation_diagram as bifurcation_diagr
 from .steady.run_up_summary import summary as summary
 from .steady.run_ups import run_ups as run_ups
 from .steady.sweep import sweep as sweep
+from .systems.campbell import campbell as campbell
 from .systems.dispatch import run_up as run_up
 from .systems.dispatch import simulate as simulate
+from .systems.dispatch import synchronous_response as synchronous_response
 from .systems.simulate import run_up_system as run_up_system
 from .systems.simulate import simulate_system as simulate_system
+from .systems.special_speeds import special_speeds as special_speeds
+from .systems.synchronous import synchronous_response_system as synchronous_response_system
 from .verification.compare import compare as compare
 from .verification.resume import resume as resume

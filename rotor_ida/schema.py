@@ -178,6 +178,13 @@ QUANTITIES: dict[str, Quantity] = {
         )
     },
     "event_contact": Quantity("number of the contact of an event"),
+    "node_amplitude": Quantity("amplitude of a node at the spin speed", scale="length"),
+    "contact_stiffness": Quantity("stiffness of springs at the contacts"),
+    "eigenvalue": Quantity("number of the eigenvalue, in order of whirl speed"),
+    "damping_ratio": Quantity("damping ratio of the motion, negative if it grows"),
+    "node_phase_lag": Quantity(
+        "phase by which the motion of a node at the spin speed lags", "radian"
+    ),
     "event_state": Quantity("displacement and velocity of all coordinates at an event"),
     "final_state": Quantity(
         "displacement and velocity of all coordinates, and speeds of races, at the end"
@@ -543,6 +550,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     # branches of limit cycles, and their bifurcations
     "special": Quantity("number of the special point, in order along the branch"),
+    "special_speed": Quantity("spin speed at the special point", scale="speed"),
     "special_kind": Quantity("kind of the special point", flags=SPECIAL),
     "special_value": Quantity("continued parameter at the special point"),
     "special_second_value": Quantity("second continued parameter at the special point"),

@@ -16,7 +16,15 @@ import pytest
 import xarray as xr
 
 import rotor_ida
-from rotor_ida import Contact, DimensionalRotor, Rotor, RotorError, RotorSystem, closed_forms
+from rotor_ida import (
+    Contact,
+    DimensionalRotor,
+    Rotor,
+    RotorError,
+    RotorSystem,
+    Unbalance,
+    closed_forms,
+)
 
 LONGEST_MESSAGE = 300
 PATHS = ("path", "study", "folder")
@@ -280,6 +288,17 @@ GIVEN |= {
         "system": SYSTEM, "speed": 1.2, "duration": 2.0,
         "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)],
     },
+    "synchronous_response_system": lambda _: {
+        "system": SYSTEM, "speed": [0.8, 1.2],
+        "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)],
+        "unbalance": [Unbalance(node="disc", moment=1.0)],
+    },
+    "special_speeds": lambda _: {
+        "system": SYSTEM, "limits": (0.8, 1.2), "points": 4,
+        "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)],
+        "unbalance": [Unbalance(node="disc", moment=1.0)],
+    },
+    "campbell": lambda _: {"system": SYSTEM, "speed": [0.8, 1.2], "modes": 2},
     "run_up_system": lambda _: {"system": SYSTEM, "speed": 1.2, "to": 1.4, "rate": 0.1},
     "load_system": lambda folder: {"path": system_in(folder)},
 }  # fmt: skip

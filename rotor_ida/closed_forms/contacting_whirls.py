@@ -62,8 +62,11 @@ class ContactingWhirls:
 
 
 @dataclass(frozen=True, slots=True)
-class _Equation:
-    """The polynomial m P of many rotors, with its parameters to 32 digits."""
+class RubEquation:
+    """The polynomial ``(m u**3 - p A)**2 - m q**2 + damping A**2``, ``A = delta0 + u**2``, of many.
+
+    Its parameters are known to 32 digits.
+    """
 
     q: DoubleDouble
     p: DoubleDouble  # q, less the stiffness of the shaft
@@ -131,15 +134,12 @@ def contacting_whirls(rotors: RotorColumns) -> ContactingWhirls:
     impedance = p * p + two_zeta * two_zeta * q
     contact_free = (clearance * clearance * impedance - q * q).high >= 0.0
     turned = turned_by_friction(p, rotors)
-    equation = _Equation(q, turned.p, turned.damping, clearance, turned.lead)
+    equation = RubEquation(q, turned.p, turned.damping, clearance, turned.lead)
     lead = turned.lead.high
     reduced = q.high / np.sqrt(lead), turned.p.high / lead, impedance.high / lead
-    breakpoints = _extrema(*reduced, rotors.delta0)
-    signs = _signs(equation, breakpoints, contact_free)
-    estimate, rising = _roots_between(equation.plain, breakpoints, signs)
-    u = _polished(equation, breakpoints, estimate, rising)
-
-    rows, columns = np.nonzero(np.isfinite(estimate))
+    limit = np.maximum(reduced[1], 0.0) + np.cbrt(reduced[0] * (rotors.delta0 + 1.0))
+    found = rub_roots(equation, reduced[1:], limit, contact_free)
+    u, rows = found.u, found.rows
     _, slope = equation.precise(u, rows)
     radius, cube, whirling = clearance[rows] + u * u, u * u * u, rotors[rows]
     amplitude = radius.high
@@ -148,14 +148,55 @@ def contacting_whirls(rotors: RotorColumns) -> ContactingWhirls:
     scale = 4.0 * u.high * amplitude * lead[rows]
     # The direction in which P crosses zero is certain; the sign of a rounded D near 0 is not.
     size = np.maximum(np.abs(slope) / scale, np.finfo(np.float64).tiny)
-    determinant = np.where(rising[rows, columns], size, -size)
-    shape = estimate.shape
+    determinant = np.where(found.rising, size, -size)
+    shape = found.shape
     return ContactingWhirls(
         amplitude=_packed(amplitude, rows, shape),
         phase_lag=_packed(lag, rows, shape),
         determinant=_packed(determinant, rows, shape),
         contact_free=contact_free,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class RubRoots:
+    """The positive roots of the polynomials of many rotors, one after the other.
+
+    Parameters
+    ----------
+    u : DoubleDouble, shape (k,)
+        The roots, in order of rotor and size.
+    rows : ndarray of int, shape (k,)
+        Which rotor each belongs to.
+    rising : ndarray of bool, shape (k,)
+        Whether the polynomial rises through zero there.
+    shape : (int, int)
+        Number of rotors, and the largest number of roots of any.
+    """
+
+    u: DoubleDouble
+    rows: Rows
+    rising: npt.NDArray[np.bool_]
+    shape: tuple[int, ...]
+
+
+def rub_roots(
+    equation: RubEquation,
+    reduced: tuple[Values, Values],
+    limit: Values,
+    contact_free: npt.NDArray[np.bool_],
+) -> RubRoots:
+    """Return all positive roots of polynomials, none lost and none invented.
+
+    `reduced` are ``p/m`` and ``(p**2 + damping)/m**2``, `limit` bounds the roots from above, and
+    the polynomial is negative at 0 except where `contact_free` is set.
+    """
+    breakpoints = _extrema(*reduced, limit, equation.delta0.high)
+    signs = _signs(equation, breakpoints, contact_free)
+    estimate, rising = _roots_between(equation.plain, breakpoints, signs)
+    u = _polished(equation, breakpoints, estimate, rising)
+    rows, columns = np.nonzero(np.isfinite(estimate))
+    return RubRoots(u, rows, rising[rows, columns], estimate.shape)
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,14 +217,14 @@ def turned_by_friction(p: DoubleDouble, rotors: RotorColumns) -> Turned:
     return Turned(one + mu * mu, p - mu * h, across * across)
 
 
-def _extrema(q: Values, p: Values, stiffness: Values, delta0: Values) -> Values:
+def _extrema(p: Values, stiffness: Values, limit: Values, delta0: Values) -> Values:
     """Return 0, the extrema of P in ascending order and a bound on its roots, shape (n, 6).
 
-    ``stiffness`` is ``p**2 + 4 zeta**2 q``. Missing extrema repeat the bound. For ``p <= 0`` there
-    are none, as no term of the slope of P is negative.
+    ``stiffness`` is ``p**2 + damping``, all with m = 1. Missing extrema repeat the bound. For
+    ``p <= 0`` there are none, as no term of the slope of P is negative.
     """
     softens = p > 0.0
-    bound = 1.000001 * (np.maximum(p, 0.0) + np.cbrt(q * (delta0 + 1.0)))
+    bound = 1.000001 * limit
     p = np.where(softens, p, 1.0)
     quartic = (
         2.0 * delta0 * stiffness,
@@ -231,7 +272,9 @@ def _roots_of(coefficients: tuple[Values, ...], breakpoints: Values) -> Values:
     return roots
 
 
-def _signs(equation: _Equation, breakpoints: Values, contact_free: npt.NDArray[np.bool_]) -> Values:
+def _signs(
+    equation: RubEquation, breakpoints: Values, contact_free: npt.NDArray[np.bool_]
+) -> Values:
     """Return the sign of P at 0, at its extrema and at the bound (where it is positive)."""
     signs = np.ones_like(breakpoints)
     signs[:, 0] = np.where(contact_free, 1.0, -1.0)
@@ -242,7 +285,7 @@ def _signs(equation: _Equation, breakpoints: Values, contact_free: npt.NDArray[n
 
 
 def _polished(
-    equation: _Equation,
+    equation: RubEquation,
     breakpoints: Values,
     estimate: Values,
     rising: npt.NDArray[np.bool_],

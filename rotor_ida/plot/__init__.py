@@ -62,6 +62,12 @@ from rotor_ida.plot.signals import (
     plot_spectrum,
     plot_trace,
 )
+from rotor_ida.plot.system_whirls import (
+    plot_campbell,
+    plot_system_whirls,
+    plot_unbalance_response,
+    system_whirls_figure,
+)
 from rotor_ida.plot.systems import (
     plot_contact_forces,
     plot_node_history,
@@ -96,6 +102,7 @@ __all__ = [
     "plot_branch",
     "plot_by_clearance",
     "plot_by_damping",
+    "plot_campbell",
     "plot_cascade",
     "plot_centre_line",
     "plot_contact_forces",
@@ -136,11 +143,14 @@ __all__ = [
     "plot_spectrogram",
     "plot_spectrum",
     "plot_surface",
+    "plot_system_whirls",
     "plot_trace",
+    "plot_unbalance_response",
     "run_ups_figure",
     "save_figure",
     "shared_legend",
     "style",
     "system_figure",
+    "system_whirls_figure",
     "with_error",
 ]

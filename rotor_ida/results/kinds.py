@@ -86,6 +86,20 @@ KINDS = {
             drawn="rotor_ida.plot:system_figure", verified=f"{_VERIFIED}:SYSTEM_RUN",
         ),
         Kind(
+            name="system_whirls", meaning="exact whirls of a rotor system",
+            variables=("amplitude", "node_amplitude"), dims=("speed", "branch"),
+            drawn="rotor_ida.plot:system_whirls_figure",
+        ),
+        Kind(
+            name="system_special_points", meaning="special speeds of a rotor system",
+            variables=("special_speed",),
+        ),
+        Kind(
+            name="campbell", meaning="eigenvalues over the speed",
+            variables=("whirl_speed", "damping_ratio"), dims=("eigenvalue",),
+            drawn="rotor_ida.plot:plot_campbell",
+        ),
+        Kind(
             name="comparison", meaning="comparison", variables=("matched_branch",),
             shown=f"{_SHOWN}:show_comparison",
         ),

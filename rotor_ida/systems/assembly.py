@@ -106,6 +106,11 @@ class Canonical:
             ).T.reshape(values.shape)
         )
 
+    def rows_in_y(self, rows: Values) -> Values:
+        """Return rows that apply to y for rows that apply to q, shape (..., n)."""
+        flat = rows.reshape(-1, rows.shape[-1]).T
+        return np.asarray(solve_triangular(self.factor, flat, lower=True).T.reshape(rows.shape))
+
     def to_y(self, values: Values) -> Values:
         """Return y for q, or its velocity."""
         return np.asarray(self.factor.T @ values)

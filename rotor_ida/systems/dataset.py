@@ -10,6 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Values
+from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.si_units import UNITS
 from rotor_ida.schema import (
@@ -89,7 +90,10 @@ def system_dataset(
     dataset = labelled_dataset(
         "Rotor system: one simulated run", variables, coordinates, attributes, kind="system_run"
     )
-    return _with_units(dataset, assembly)
+    flags = {**DAMPED_EVENT_KIND, **OF_FRICTION_EVENT_KIND}
+    kind = Quantity(QUANTITIES["event_kind"].long_name, flags=flags)
+    dataset["event_kind"].attrs = kind.attributes()
+    return with_system_units(dataset, system)
 
 
 def _stators(assembly: Assembly) -> dict[str, Column]:
@@ -163,12 +167,11 @@ def _episodes(followed: Followed) -> dict[str, Column]:
     return {name: ("episode", np.ascontiguousarray(each)) for name, each in columns.items()}
 
 
-def _with_units(dataset: xr.Dataset, assembly: Assembly) -> xr.Dataset:
-    """Return a dataset with the units of its system, and with all kinds of event."""
-    flags = {**DAMPED_EVENT_KIND, **OF_FRICTION_EVENT_KIND}
-    kind = Quantity(QUANTITIES["event_kind"].long_name, flags=flags)
-    dataset["event_kind"].attrs = kind.attributes()
-    if assembly.system.units == "SI":
+def with_system_units(dataset: xr.Dataset, system: RotorSystem) -> xr.Dataset:
+    """Return a result with the units of its system; its speeds are over no reference frequency."""
+    if "speed" in dataset.variables:
+        dataset["speed"].attrs["long_name"] = "spin speed"
+    if system.units == "SI":
         for name, variable in dataset.variables.items():
             scale = QUANTITIES[str(name)].scale
             if scale or name in OTHER_UNITS:

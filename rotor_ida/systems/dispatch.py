@@ -1,4 +1,4 @@
-"""Simulate a rotor of one disc, or a rotor system: one name for both."""
+"""What is computed of a rotor of one disc, or of a rotor system: one name for both."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from typing import Any, ParamSpec, Protocol, cast, overload
 
 import xarray as xr
 
+from rotor_ida.closed_forms.synchronous import synchronous_response as synchronous_response_disc
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.simulation.run_up import run_up as run_up_disc
 from rotor_ida.simulation.simulate import simulate as simulate_disc
 from rotor_ida.systems.simulate import run_up_system, simulate_system
+from rotor_ida.systems.synchronous import synchronous_response_system
 
 OfDisc = ParamSpec("OfDisc")
 OfSystem = ParamSpec("OfSystem")
@@ -41,5 +43,20 @@ def _of_both(
     return cast("OfBoth[OfDisc, OfSystem]", either)
 
 
+def _of_both_by_keyword(
+    disc: Callable[OfDisc, xr.Dataset], system: Callable[OfSystem, xr.Dataset]
+) -> OfBoth[OfDisc, OfSystem]:
+    """Return the function of one disc's parameters, which hands a rotor system to the other."""
+
+    @wraps(disc)
+    def either(*rotor: RotorSystem, **options: Any) -> xr.Dataset:
+        chosen: Any = system if rotor or "system" in options else disc
+        return cast("xr.Dataset", chosen(*rotor, **options))
+
+    either.__module__ = __name__  # where it can be found, by pickle too
+    return cast("OfBoth[OfDisc, OfSystem]", either)
+
+
 simulate = _of_both(simulate_disc, simulate_system)
 run_up = _of_both(run_up_disc, run_up_system)
+synchronous_response = _of_both_by_keyword(synchronous_response_disc, synchronous_response_system)

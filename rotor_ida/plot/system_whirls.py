@@ -1,0 +1,266 @@
+"""Plots of what a rotor system does at each speed: its synchronous whirls, and its eigenvalues."""
+
+from __future__ import annotations
+
+import math
+from typing import cast
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_count, check_panels, shown
+from rotor_ida.errors import InputError
+from rotor_ida.plot.appearance import (
+    BLUE,
+    FOLD,
+    GREY,
+    HOPF,
+    INK,
+    NEUTRAL,
+    ORANGE,
+    STABLE,
+    UNSTABLE,
+    draw_marks,
+    drawing,
+    legend_below,
+    look,
+    mixed_panels,
+    shared_legend,
+)
+from rotor_ida.plot.datasets import check_dataset, units_in
+from rotor_ida.plot.labels import label_axis
+from rotor_ida.results.si_units import in_rpm
+from rotor_ida.schema import SPECIAL, STABILITY, WHIRL_DIRECTION
+
+WHIRLS = ("speed", "amplitude", "node_amplitude", "stability", "in_contact", "clearance")
+MARKS = {
+    "stable": (STABLE, BLUE, "o", 2.6, "full"),
+    "unstable": (UNSTABLE, ORANGE, "x", 3.0, "full"),
+    "neutral": (NEUTRAL, GREY, "o", 3.2, "none"),
+}
+SPECIALS = {"fold": (FOLD, "D", 4.0), "hopf": (HOPF, "o", 4.6)}
+SENSES = {"forward": (BLUE, "^"), "backward": (ORANGE, "v"), "none": (GREY, "o")}
+MOST_NODES = 5
+# Eigenvalues above this many times the largest speed are cut off.
+HIGHEST = 3.0
+
+
+def plot_system_whirls(
+    whirls: xr.Dataset,
+    *,
+    contact: int = 0,
+    special: xr.Dataset | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the amplitude of every synchronous whirl at a contact over the spin speed.
+
+    Parameters
+    ----------
+    whirls : Dataset
+        Result of `rotor_ida.synchronous_response` for a rotor system with contacts.
+    contact : int
+        Number of the contact. Its clearance is a dashed line.
+    special : Dataset, optional
+        Result of `rotor_ida.special_speeds` for the same system: its folds and Hopf points are
+        marked.
+    ax : Axes, optional
+        Axes to draw on and return; default: those of a new figure.
+
+    Raises
+    ------
+    InputError
+        If the dataset is of another kind, or has no such contact.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, synchronous_response
+    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> whirls = synchronous_response(
+    ...     system, contacts=contacts, unbalance=unbalance, speed=[0.5, 1.0, 1.5])
+    >>> plot_system_whirls(whirls).get_title()
+    "contact 0 at 'disc'"
+    """
+    whirls = check_dataset("whirls", whirls, (*WHIRLS, "contact_node"))
+    count = whirls.sizes["contact"]
+    if check_count("contact", contact, minimum=0) >= count:
+        allowed = f"0 to {count - 1}" if count else "none: the whirls have no contact"
+        raise InputError(f"contact must be one of {allowed}, got {contact}")
+    part = whirls.isel(contact=contact)
+    amplitude, stability = part["amplitude"].values, part["stability"].values
+    with drawing(ax) as ax:
+        speeds = _label_speed(ax, whirls)
+        label_axis(ax.yaxis, "amplitude", whirls["amplitude"])
+        ax.axhline(part["clearance"].item(), color=GREY, lw=0.9, ls="--", zorder=1.5,
+                   label="clearance")  # fmt: skip
+        across = np.broadcast_to(speeds[:, np.newaxis], amplitude.shape)
+        for word, (label, colour, mark, size, fill) in MARKS.items():
+            chosen = stability == STABILITY[word]
+            if chosen.any():
+                ax.plot(across[chosen], amplitude[chosen], ls="", marker=mark, ms=size,
+                        color=colour, fillstyle=fill, label=label, zorder=3.0)  # fmt: skip
+        if special is not None:
+            _mark_special(ax, special, contact)
+        ax.set_title(f"contact {contact} at {shown(part['contact_node'].item())}")
+        ax.set_ylim(bottom=0.0)
+        legend_below(ax, columns=4)
+    return ax
+
+
+def _mark_special(ax: Axes, special: xr.Dataset, contact: int) -> None:
+    """Mark folds and Hopf points at a contact."""
+    needed = ("special_speed", "special_kind", "amplitude")
+    special = check_dataset("special", special, needed)
+    speeds, kinds = _speeds(special["special_speed"]), special["special_kind"].values
+    amplitude = special["amplitude"].isel(contact=contact).values
+    for word, (label, mark, size) in SPECIALS.items():
+        chosen = kinds == SPECIAL[word]
+        if chosen.any():
+            draw_marks(ax, speeds[chosen], amplitude[chosen], mark, INK, size=size, face="white",
+                       label=label, level=3.7)  # fmt: skip
+
+
+def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw the amplitude of the contact-free whirl at each node over the spin speed.
+
+    Parameters
+    ----------
+    whirls : Dataset
+        Result of `rotor_ida.synchronous_response` for a rotor system. Of more than five nodes,
+        those with the largest amplitudes are drawn.
+    ax : Axes, optional
+        Axes to draw on and return; default: those of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, synchronous_response
+    >>> system, _, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> whirls = synchronous_response(system, unbalance=unbalance, speed=[0.5, 1.0, 1.5])
+    >>> plot_unbalance_response(whirls).lines[0].get_label()
+    'disc'
+    """
+    whirls = check_dataset("whirls", whirls, (*WHIRLS, "node"))
+    free = ~(whirls["in_contact"].values == 1).any(axis=2)
+    amplitude = np.where(free[:, :, np.newaxis], whirls["node_amplitude"].values, np.nan)[:, 0]
+    names = whirls["node"].values
+    largest = np.nanmax(np.where(np.isnan(amplitude), -1.0, amplitude), axis=0, initial=-1.0)
+    chosen = np.sort(np.argsort(-largest, kind="stable")[:MOST_NODES])
+    with drawing(ax) as ax:
+        speeds = _label_speed(ax, whirls)
+        label_axis(ax.yaxis, "amplitude", whirls["node_amplitude"])
+        for number, node in enumerate(chosen):
+            colour, dashes = look(number)
+            ax.plot(speeds, amplitude[:, node], color=colour, ls=dashes, label=str(names[node]))
+        ax.set_yscale("log")
+        ax.set_title("contact-free whirl by node")
+        legend_below(ax, columns=4)
+    return ax
+
+
+def system_whirls_figure(whirls: xr.Dataset) -> Figure:
+    """Draw the synchronous whirls of a rotor system: a panel for each contact.
+
+    Parameters
+    ----------
+    whirls : Dataset
+        Result of `rotor_ida.synchronous_response` for a rotor system; without contacts the
+        unbalance response is drawn.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, synchronous_response
+    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> whirls = synchronous_response(
+    ...     system, contacts=contacts, unbalance=unbalance, speed=[0.5, 1.0, 1.5])
+    >>> len(system_whirls_figure(whirls).axes)
+    1
+    """
+    whirls = check_dataset("whirls", whirls, WHIRLS)
+    count = check_panels(whirls.sizes["contact"]) if whirls.sizes["contact"] else 0
+    if count < 2:
+        ax = plot_system_whirls(whirls) if count else plot_unbalance_response(whirls)
+        return cast(Figure, ax.figure)
+    columns = math.ceil(math.sqrt(count))
+    rows = math.ceil(count / columns)
+    figure, axes = mixed_panels(rows, columns, width=2.0 + 2.8 * columns, height=1.6 + 2.2 * rows)
+    for number, ax in enumerate(axes[:count]):
+        plot_system_whirls(whirls, contact=number, ax=ax)
+    for ax in axes[count:]:
+        ax.remove()
+    shared_legend(figure, axes[:count], outer=False)
+    return figure
+
+
+def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw whirl speeds over the spin speed: forward, backward and neither.
+
+    Parameters
+    ----------
+    found : Dataset
+        Result of `rotor_ida.campbell`. Stiffer contacts are drawn fainter.
+    ax : Axes, optional
+        Axes to draw on and return; default: those of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, campbell
+    >>> system, _, _ = Rotor(omega=1.0, zeta=0.07, delta0=0.5, shaft_stiffness=0.25).system()
+    >>> plot_campbell(campbell(system, speed=[0.0, 0.5, 1.0])).get_ylabel()
+    'size of the whirl speed'
+    """
+    needed = ("speed", "contact_stiffness", "whirl_speed", "whirl_sense")
+    found = check_dataset("found", found, needed)
+    springs = found["contact_stiffness"].values
+    with drawing(ax) as ax:
+        speeds = _label_speed(ax, found)
+        whirl, unit = np.abs(found["whirl_speed"].values), units_in(found["whirl_speed"])
+        if (turns := in_rpm(found["whirl_speed"])) is not None:
+            whirl, unit = np.abs(turns), "rpm"
+        ax.set_ylabel("size of the whirl speed" + ("" if unit in ("", "1") else f" [{unit}]"))
+        highest = HIGHEST * float(np.abs(speeds).max(initial=0.0)) or float(np.nanmax(whirl))
+        senses = found["whirl_sense"].values
+        for word, (colour, mark) in SENSES.items():
+            for number, faint in enumerate(np.linspace(1.0, 0.35, springs.size)):
+                chosen = (senses[number] == WHIRL_DIRECTION[word]) & np.isfinite(whirl[number])
+                across = np.broadcast_to(speeds[:, np.newaxis], chosen.shape)
+                ax.plot(across[chosen], whirl[number][chosen], ls="", marker=mark, ms=2.8,
+                        color=colour, alpha=float(faint), mec="none")  # fmt: skip
+        ax.plot(speeds, np.abs(speeds), color=INK, lw=0.9, ls="--", label="spin speed")
+        ax.set_ylim(0.0, highest)
+        handles = [ax.lines[-1], *_handles(senses, springs, units_in(found["contact_stiffness"]))]
+        legend_below(ax, handles=handles)
+    return ax
+
+
+def _handles(senses: Values, springs: Values, unit: str) -> list[Line2D]:
+    """Return the entries of a legend: the senses of whirl, and the stiffnesses of contacts."""
+    handles = [
+        Line2D([], [], ls="", marker=mark, color=colour,
+               label="along a line" if word == "none" else word)
+        for word, (colour, mark) in SENSES.items() if (senses == WHIRL_DIRECTION[word]).any()
+    ]  # fmt: skip
+    if springs.size > 1:
+        written = " N/m" if unit == "N m-1" else ""
+        handles += [
+            Line2D([], [], ls="", marker="s", color=INK, alpha=float(faint),
+                   label=f"contacts {spring:.3g}{written}")
+            for spring, faint in zip(springs, np.linspace(1.0, 0.35, springs.size), strict=True)
+        ]  # fmt: skip
+    return handles
+
+
+def _label_speed(ax: Axes, dataset: xr.Dataset) -> Values:
+    """Label the axis of the speed, in rpm for SI units, and return the speeds in that unit."""
+    ax.set_xlabel(
+        r"spin speed $\Omega$" if in_rpm(dataset["speed"]) is None else "spin speed [rpm]"
+    )
+    return _speeds(dataset["speed"])
+
+
+def _speeds(speeds: xr.DataArray) -> Values:
+    """Return speeds in rpm, or as they are where they have no unit."""
+    turns = in_rpm(speeds)
+    return np.asarray(speeds.values) if turns is None else turns

@@ -1,0 +1,88 @@
+"""Plots of the synchronous whirls of rotor systems, and of their eigenvalues."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    Contact,
+    InputError,
+    Rotor,
+    Unbalance,
+    campbell,
+    plot,
+    special_speeds,
+    synchronous_response,
+)
+from rotor_ida.plot.figures import figure_of
+from rotor_ida.schema import SPECIAL
+from tests.systems.axisymmetric_systems import beam
+
+SPEEDS = np.linspace(300.0, 600.0, 31)
+TOUCH = {"clearance": 1e-4, "stiffness": 5e6, "exponent": 1.0}
+
+
+@pytest.fixture(scope="module")
+def whirls():
+    return synchronous_response(
+        beam(), contacts=[Contact(node="3", **TOUCH), Contact(node="6", **TOUCH)], speed=SPEEDS,
+        unbalance=[Unbalance(node="3", moment=2e-4), Unbalance(node="7", moment=2e-4)],
+    )  # fmt: skip
+
+
+def test_every_whirl_is_a_mark_at_its_amplitude_in_rpm_and_micrometres(whirls):
+    ax = plot.plot_system_whirls(whirls, contact=1)
+    assert ax.get_xlabel() == "spin speed [rpm]"
+    assert ax.get_ylabel() == "amplitude $A$ [µm]"
+    clearance, *marks = ax.lines
+    assert clearance.get_ydata()[0] == pytest.approx(100.0)
+    shown = np.sort(np.concatenate([line.get_ydata() for line in marks]))
+    amplitude = whirls.amplitude.isel(contact=1).values
+    np.testing.assert_allclose(shown, 1e6 * np.sort(amplitude[np.isfinite(amplitude)]))
+    assert [line.get_label() for line in marks] == ["stable whirl"]
+    with pytest.raises(InputError, match="contact must be one of 0 to 1, got 2"):
+        plot.plot_system_whirls(whirls, contact=2)
+
+
+def test_folds_and_hopf_points_are_marked_on_the_whirls():
+    system, contacts, unbalance = Rotor(
+        omega=1.0, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=5.0
+    ).system()
+    around = {"contacts": contacts, "unbalance": unbalance}
+    special = special_speeds(system, **around, limits=(0.9, 1.6))
+    found = synchronous_response(system, **around, speed=np.linspace(0.9, 1.6, 36))
+    ax = plot.plot_system_whirls(found, special=special)
+    assert ax.get_xlabel() == r"spin speed $\Omega$"
+    marks = {line.get_label(): line for line in ax.lines}
+    for label, kind in (("fold", SPECIAL["fold"]), ("Hopf point", SPECIAL["hopf"])):
+        chosen = special.isel(special=(special.special_kind == kind).values)
+        assert chosen.sizes["special"] == 2
+        np.testing.assert_array_equal(marks[label].get_xdata(), chosen.special_speed)
+        np.testing.assert_array_equal(marks[label].get_ydata(), chosen.amplitude[:, 0])
+
+
+def test_each_contact_has_a_panel_and_without_any_the_nodes_are_drawn(whirls):
+    assert [ax.get_title()[:9] for ax in figure_of(whirls).axes] == ["contact 0", "contact 1"]
+    free = synchronous_response(beam(), unbalance=[Unbalance(node="3", moment=2e-4)], speed=SPEEDS)
+    (ax,) = figure_of(free).axes
+    assert len(ax.lines) == 5
+    drawn = next(line for line in ax.lines if line.get_label() == "3")
+    np.testing.assert_allclose(drawn.get_ydata(), 1e6 * free.node_amplitude.sel(node="3")[:, 0])
+    with pytest.raises(InputError, match="the whirls have no contact"):
+        plot.plot_system_whirls(free)
+
+
+def test_a_campbell_diagram_has_forward_and_backward_whirls():
+    found = campbell(
+        beam(), speed=SPEEDS, contacts=[Contact(node="3", **TOUCH)], modes=6,
+        contact_stiffness=[0.0, 5e6],
+    )  # fmt: skip
+    (ax,) = figure_of(found).axes
+    assert ax.get_ylabel() == "size of the whirl speed [rpm]"
+    *marks, spin = ax.lines
+    np.testing.assert_allclose(spin.get_ydata(), SPEEDS * 30 / np.pi)
+    assert sum(len(line.get_ydata()) for line in marks) == 2 * 6 * SPEEDS.size
+    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert words == ["spin speed", "forward", "backward", "contacts 0 N/m", "contacts 5e+06 N/m"]
+    figure = ax.figure
+    figure.draw_without_rendering()
+    assert figure.get_tightbbox().y0 >= -0.02

@@ -1,0 +1,121 @@
+"""Eigenvalues over the speed, against known frequencies and real matrices."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    Contact,
+    InputError,
+    RotorSystem,
+    Stator,
+    Unbalance,
+    campbell,
+    synchronous_response,
+)
+from tests.systems.axisymmetric_systems import beam, random_axisymmetric
+
+
+def overhung(**more):
+    """Return a disc that tilts about x and y, with stiffness 8, inertia 0.5 and polar inertia 1."""
+    gyroscopic = np.zeros((4, 4))
+    gyroscopic[2, 3], gyroscopic[3, 2] = 1.0, -1.0
+    return RotorSystem(
+        mass=np.diag([1.0, 1.0, 0.5, 0.5]), gyroscopic=gyroscopic, units="1",
+        nodes={"disc": [[1, 0, 0.2, 0], [0, 1, 0, 0.2]]},
+        **{"stiffness": np.diag([4.0, 4.0, 8.0, 8.0])} | more,
+    )  # fmt: skip
+
+
+def test_a_disc_that_tilts_is_stiffened_forwards_and_softened_backwards():
+    """omega = Omega I_p/(2 I) +- sqrt((Omega I_p/(2 I))**2 + k/I), as by Friswell et al."""
+    speeds = np.array([0.0, 0.5, 2.0])
+    found = campbell(overhung(), speed=speeds).squeeze("contact_stiffness")
+    for number, omega in enumerate(speeds):
+        exact = [omega - np.hypot(omega, 4.0), -2.0, 2.0, omega + np.hypot(omega, 4.0)]
+        np.testing.assert_allclose(np.sort(found.whirl_speed[number]), exact, atol=1e-12)
+    np.testing.assert_array_equal(np.sign(found.whirl_speed), found.whirl_sense)
+    np.testing.assert_allclose(found.damping_ratio, 0.0, atol=1e-12)
+
+
+def test_damping_ratios_are_those_of_a_damped_oscillator():
+    system = RotorSystem(mass=np.eye(2), stiffness=4 * np.eye(2), damping=0.4 * np.eye(2),
+                         nodes={"d": (0, 1)}, units="1")  # fmt: skip
+    found = campbell(system, speed=3.0)
+    np.testing.assert_allclose(found.damping_ratio.values.ravel(), [0.1, 0.1])
+    np.testing.assert_allclose(
+        found.whirl_speed.values.ravel(), [-2 * np.sqrt(0.99), 2 * np.sqrt(0.99)]
+    )
+
+
+def test_unequal_bearings_make_ellipses():
+    """At rest lines along x and y; with rotation a forward and a backward whirl of each pair."""
+    system = overhung(stiffness=np.diag([4.0, 4.5, 8.0, 9.0]))
+    still, turning = campbell(system, speed=[0.0, 1.0]).whirl_speed.values[0]
+    np.testing.assert_allclose(np.sort(still), [2.0, np.sqrt(4.5), 4.0, np.sqrt(18.0)])
+    senses = campbell(system, speed=[0.0, 1.0]).whirl_sense.values[0]
+    assert senses[0].tolist() == [0, 0, 0, 0]
+    assert senses[1].tolist() == [0, 0, -1, 1]
+    (matrix,) = [np.block([[np.zeros((4, 4)), np.eye(4)],
+                           [-np.linalg.solve(system.mass, system.stiffness),
+                            -np.linalg.solve(system.mass, system.gyroscopic)]])]  # fmt: skip
+    exact = np.linalg.eigvals(matrix).imag
+    np.testing.assert_allclose(np.sort(np.abs(turning)), np.sort(exact[exact > 0]), rtol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_circles_are_found_as_ellipses_too(seed):
+    """Real matrices in coordinates of their own, with springs at a stator that moves."""
+    system, contacts, _ = random_axisymmetric(seed)
+    stator = Stator(mass=0.7, stiffness=3.0, damping=0.2)
+    contacts = [Contact(node="n0", clearance=1.0, stiffness=1.0, stator=stator), *contacts[1:]]
+    uneven = RotorSystem(
+        mass=system.mass, damping=system.damping, gyroscopic=system.gyroscopic, units="1",
+        stiffness=system.stiffness + np.diag([1e-5] + [0.0] * (system.size - 1)),
+        nodes=dict(system.nodes),
+    )  # fmt: skip
+    around = {"contacts": contacts, "speed": [0.7, 1.9], "contact_stiffness": [0.5, 5.0]}
+    circles, ellipses = (campbell(each, **around) for each in (system, uneven))
+    for name in ("whirl_speed", "damping_ratio"):
+        np.testing.assert_allclose(circles[name], ellipses[name], atol=1e-4)
+
+
+def test_springs_at_contacts_are_stiffness_there():
+    system = beam()
+    contact = Contact(node="4", clearance=1e-4, stiffness=5e6)
+    held = system.stiffness.copy()
+    held[[16, 17], [16, 17]] += 3e6
+    other = RotorSystem(
+        mass=system.mass, stiffness=held, damping=system.damping, gyroscopic=system.gyroscopic,
+        nodes=dict(system.nodes),
+    )  # fmt: skip
+    found = campbell(system, speed=300.0, contacts=[contact], contact_stiffness=[0.0, 3e6], modes=8)
+    assert found.contact_stiffness.attrs["units"] == "N m-1"
+    assert found.whirl_speed.attrs["units"] == "s-1"
+    for number, each in enumerate((system, other)):
+        exact = campbell(each, speed=300.0, modes=8)
+        np.testing.assert_allclose(found.whirl_speed[number], exact.whirl_speed[0], rtol=1e-8)
+
+
+def test_the_unbalance_response_peaks_where_a_forward_whirl_meets_the_speed():
+    system = beam()
+    speeds = np.linspace(400.0, 500.0, 401)
+    found = campbell(system, speed=speeds, modes=2).squeeze("contact_stiffness")
+    forward = found.whirl_speed.where(found.whirl_sense == 1).max("eigenvalue").values
+    meets = np.interp(0.0, speeds - forward, speeds)
+    response = synchronous_response(
+        system, unbalance=[Unbalance(node="3", moment=2e-4)], speed=speeds
+    )
+    peak = speeds[response.node_amplitude.sel(node="3").values.argmax()]
+    assert peak == pytest.approx(meets, abs=0.5)
+
+
+def test_what_moves_no_node_is_left_out():
+    """A torsion of its own stays out; bad arguments are refused in one line."""
+    system = RotorSystem(mass=np.eye(3), stiffness=np.diag([1.0, 2.0, 9.0]), nodes={"d": (0, 1)},
+                         units="1")  # fmt: skip
+    found = campbell(system, speed=1.0)
+    np.testing.assert_allclose(found.whirl_speed.squeeze(), [1.0, np.sqrt(2.0)])
+    with pytest.raises(InputError, match="contact_stiffness must be 0 without contacts"):
+        campbell(system, speed=1.0, contact_stiffness=2.0)
+    with pytest.raises(InputError, match="modes must be at least 1"):
+        campbell(system, speed=1.0, modes=0)

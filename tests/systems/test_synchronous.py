@@ -1,0 +1,385 @@
+"""Synchronous whirls of rotor systems, against one disc, balances of force, scans and runs."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, fsolve
+
+from rotor_ida import (
+    Contact,
+    InputError,
+    Race,
+    Rotor,
+    RotorSystem,
+    Stator,
+    Unbalance,
+    decode_flags,
+    simulate,
+    synchronous_response,
+)
+from rotor_ida.systems.double_rubs import Pairs, double_rubs
+from tests.systems.axisymmetric_systems import beam, random_axisymmetric
+
+
+def complex_matrices(system, contacts):
+    """Return mass, damping, gyroscopic and stiffness of z = x + i y, and the rows of contacts.
+
+    Nodes are pairs of neighbours here, and stators come last: nothing is shared with the package.
+    """
+    stators = list(dict.fromkeys(c.stator for c in contacts if isinstance(c.stator, Stator)))
+    size, names = system.size // 2, list(system.nodes)
+    total = size + len(stators)
+
+    def of(name):
+        own = getattr(system, name)
+        found = np.zeros((total, total), complex)
+        if own is not None:
+            found[:size, :size] = own[::2, ::2] + 1j * own[1::2, ::2]
+        for i, each in enumerate(stators):
+            if name != "gyroscopic":
+                value = getattr(each, name)
+                found[size + i, size + i] = value if np.isscalar(value) else value[0]
+        return found
+
+    rows = np.zeros((len(contacts), total))
+    for row, each in zip(rows, contacts, strict=True):
+        row[names.index(each.node)] = 1.0
+        if isinstance(each.stator, str):
+            row[names.index(each.stator)] -= 1.0
+        elif each.stator is not None:
+            row[size + stators.index(each.stator)] -= 1.0
+    return [of(name) for name in ("mass", "damping", "gyroscopic", "stiffness")], rows
+
+
+def responses(system, contacts, unbalance, omega):
+    """Return displacements of the contacts by the unbalance and by unit forces there."""
+    (mass, damping, gyroscopic, stiffness), rows = complex_matrices(system, contacts)
+    dynamic = stiffness - omega**2 * mass + 1j * omega * (damping + omega * gyroscopic)
+    force = np.zeros(len(mass), complex)
+    for each in unbalance:
+        force[list(system.nodes).index(each.node)] += (
+            each.moment * omega**2 * np.exp(1j * each.phase)
+        )
+    return rows @ np.linalg.solve(dynamic, force), rows @ np.linalg.solve(dynamic, rows.T)
+
+
+def turned_forces(contacts, depths, omega):
+    return np.array([
+        c.stiffness * max(d, 0.0) ** c.exponent * (1 + 1j * c.friction * np.sign(omega))
+        for c, d in zip(contacts, depths, strict=True)
+    ])  # fmt: skip
+
+
+def whirls_at(found, number):
+    """Return amplitudes and phases of the whirls at a speed, shape (whirl, contact)."""
+    here = found.isel(speed=number)
+    here = here.isel(branch=(here.stability >= 0).values)
+    return here.amplitude.values * np.exp(-1j * here.phase_lag.values), here
+
+
+def test_one_disc_as_a_system_has_the_same_whirls():
+    """Amplitudes and phases to 1e-13, growth rates to 1e-12, the same words for stability."""
+    rng = np.random.default_rng(0)
+    for _ in range(25):
+        given = {
+            "omega": rng.uniform(0.2, 4.0), "zeta": rng.uniform(0.005, 0.3),
+            "delta0": rng.uniform(0.2, 2.0), "shaft_stiffness": float(rng.choice([0.0, 0.25, 1.0])),
+            "contact_exponent": float(rng.choice([1.0, 1.5])),
+            "contact_damping": float(rng.choice([0.0, 0.5])),
+            "friction": float(rng.choice([0.0, 0.1, 0.3])),
+        }  # fmt: skip
+        exact = synchronous_response(**given).squeeze(
+            [name for name in given if name in ("omega", "zeta", "delta0")]
+        )
+        system, contacts, unbalance = Rotor(**given, disc_radius=5.0).system()
+        found = synchronous_response(
+            system, contacts=contacts, unbalance=unbalance, speed=given["omega"]
+        ).isel(speed=0, contact=0)
+        np.testing.assert_allclose(found.amplitude, exact.amplitude, rtol=1e-13)
+        np.testing.assert_allclose(found.phase_lag, exact.phase_lag, atol=1e-13)
+        np.testing.assert_allclose(found.growth_rate, exact.growth_rate, atol=1e-12)
+        np.testing.assert_array_equal(found.stability, exact.stability)
+        np.testing.assert_array_equal(found.in_contact, exact.in_contact)
+
+
+def test_a_system_in_other_coordinates_has_the_same_whirls():
+    """Rows for nodes, no coordinate a displacement: amplitudes, phases, growth rates, forces."""
+    speeds = [0.5, 1.1, 1.9]
+    for seed in range(6):
+        plain, turned = (
+            synchronous_response(system, contacts=contacts, unbalance=unbalance, speed=speeds)
+            for system, contacts, unbalance in (
+                random_axisymmetric(seed), random_axisymmetric(seed, turned=True))
+        )  # fmt: skip
+        np.testing.assert_array_equal(plain.stability, turned.stability)
+        for name in ("amplitude", "node_amplitude", "growth_rate", "normal_force"):
+            np.testing.assert_allclose(plain[name], turned[name], rtol=1e-7, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_forces_balance_in_every_whirl(seed):
+    """By complex matrices of their own: displacements are those of unbalance and contact forces."""
+    system, contacts, unbalance = random_axisymmetric(seed)
+    speeds = np.array([-1.3, 0.4, 0.9, 1.6, 2.5])
+    found = synchronous_response(system, contacts=contacts, unbalance=unbalance, speed=speeds)
+    clearances = np.array([each.clearance for each in contacts])
+    for number, omega in enumerate(speeds):
+        places, here = whirls_at(found, number)
+        free, flexibility = responses(system, contacts, unbalance, omega)
+        for place, forces in zip(places, here.normal_force.values, strict=True):
+            pushed = turned_forces(contacts, np.abs(place) - clearances, omega)
+            np.testing.assert_allclose(forces, np.abs(pushed) / np.abs(
+                [1 + 1j * c.friction for c in contacts]), atol=1e-11)  # fmt: skip
+            left = free - flexibility @ (pushed * place / np.abs(place)) - place
+            assert np.abs(left).max() < 1e-10 * (1.0 + np.abs(place).max())
+
+
+def test_no_rub_at_one_contact_is_lost():
+    """Sign changes of the balance over 4,000 indentations of each contact alone."""
+    counts = []
+    for seed in range(15):
+        system, contacts, unbalance = random_axisymmetric(seed, contacts=1)
+        speeds = np.random.default_rng(seed).uniform(0.3, 2.5, size=6)
+        found = synchronous_response(system, contacts=contacts, unbalance=unbalance, speed=speeds)
+        (contact,) = contacts
+        for number, omega in enumerate(speeds):
+            free, flexibility = responses(system, contacts, unbalance, omega)
+            grid = contact.clearance * np.geomspace(1e-7, 1e5, 4000)
+
+            def apart(d, at=omega, h=flexibility[0, 0], u=free[0], contact=contact):
+                force = contact.stiffness * d**contact.exponent
+                force = force * (1 + 1j * contact.friction * np.sign(at))
+                return np.abs(contact.clearance + d + h * force) - np.abs(u)
+
+            signs = np.sign(apart(grid))
+            roots = [brentq(apart, grid[i], grid[i + 1], xtol=1e-14)
+                     for i in np.nonzero(np.diff(signs))[0]]  # fmt: skip
+            here = found.isel(speed=number, contact=0)
+            rubs = here.amplitude.values[here.in_contact.values == 1] - contact.clearance
+            np.testing.assert_allclose(np.sort(rubs), roots, rtol=1e-8)
+            counts.append(len(roots))
+    assert {0, 1, 2} <= set(counts)
+
+
+def test_no_rub_at_two_contacts_is_lost():
+    """Newton's method from 30 starts for each of 30 random pairs finds none but the known."""
+    rng = np.random.default_rng(5)
+    known = 0
+    for seed in range(30):
+        system, contacts, unbalance = random_axisymmetric(seed)
+        omega = rng.uniform(0.3, 2.2)
+        free, flexibility = responses(system, contacts, unbalance, omega)
+        clearances = np.array([each.clearance for each in contacts])
+        hertz = tuple(each.exponent == 1.5 for each in contacts)
+        scale = turned_forces(contacts, clearances, omega) / clearances[:, np.newaxis]
+        pairs = Pairs((free / clearances)[None], (flexibility * scale)[None], hertz)
+        _, depths, boxes = double_rubs(pairs)
+        assert boxes < 2000
+        known += len(depths)
+
+        def apart(depth, pairs=pairs):
+            depth = np.abs(depth)
+            force = depth ** np.where(pairs.hertz, 1.5, 1.0)
+            matrix = np.diag(1.0 + depth) + pairs.effect[0] * force
+            return np.abs(np.linalg.solve(matrix, pairs.free[0])) - 1.0
+
+        for each in depths:
+            assert np.abs(apart(each)).max() < 1e-11
+        for start in rng.exponential(2.0, size=(30, 2)):
+            root, _, flag, _ = fsolve(apart, start, full_output=True, xtol=1e-13)
+            if flag == 1 and np.abs(apart(root)).max() < 1e-10 and np.abs(root).min() > 1e-9:
+                assert (np.abs(depths / np.abs(root) - 1.0).max(axis=1, initial=0.0) < 1e-5).any()
+    assert known > 15
+
+
+def test_two_contacts_around_one_node_rub_together():
+    """A soft seal inside a bearing: the radius of both is that of the forces together."""
+    system = RotorSystem(
+        mass=np.eye(2), stiffness=np.eye(2), damping=0.1 * np.eye(2), nodes={"d": (0, 1)}, units="1"
+    )
+    seal, bearing = (Contact(node="d", clearance=c, stiffness=k)
+                     for c, k in ((0.3, 2.0), (0.6, 20.0)))  # fmt: skip
+    found = synchronous_response(
+        system, contacts=[seal, bearing], unbalance=[Unbalance(node="d", moment=2.0)], speed=1.0
+    )
+    (place,), here = whirls_at(found, 0)
+
+    def apart(radius):
+        force = 2.0 * (radius - 0.3) ** 1.5 + 20.0 * (radius - 0.6) ** 1.5
+        return abs(0.1j * radius + force) - 2.0
+
+    np.testing.assert_allclose(np.abs(place), brentq(apart, 0.6, 3.0, xtol=1e-15), rtol=1e-13)
+    assert (here.in_contact == 1).all()
+
+
+def test_growth_rates_are_those_of_differences():
+    """Eigenvalues of the equations of motion on turning axes, differentiated by central steps."""
+    checked = 0
+    for seed in range(10):
+        system, contacts, unbalance = random_axisymmetric(seed)
+        omega = 0.7 + 0.1 * seed
+        found = synchronous_response(system, contacts=contacts, unbalance=unbalance, speed=omega)
+        places, here = whirls_at(found, 0)
+        (mass, damping, gyroscopic, stiffness), rows = complex_matrices(system, contacts)
+        size = len(mass)
+        drag = damping + omega * gyroscopic
+        dynamic = stiffness - omega**2 * mass + 1j * omega * drag
+        clearances = np.array([each.clearance for each in contacts])
+
+        def rate(state, size=size, rows=rows, mass=mass, drag=drag, dynamic=dynamic, omega=omega,
+                 contacts=contacts, clearances=clearances):  # fmt: skip
+            p, v = state[:size] + 1j * state[size : 2 * size], state[2 * size : 3 * size] + 0j
+            v = v + 1j * state[3 * size :]
+            u, moved = rows @ p, rows @ v
+            direction = u / np.abs(u)
+            force = turned_forces(contacts, np.abs(u) - clearances, omega) * direction
+            force = force * [1 + c.damping * each for c, each in zip(
+                contacts, (direction.conj() * moved).real, strict=True)]  # fmt: skip
+            bent = np.linalg.solve(
+                mass, -rows.T @ force - (drag + 2j * omega * mass) @ v - dynamic @ p
+            )
+            return np.concatenate([v.real, v.imag, bent.real, bent.imag])
+
+        for place, growth in zip(places, here.growth_rate.values, strict=True):
+            pushed = turned_forces(contacts, np.abs(place) - clearances, omega)
+            force = -rows.T @ (pushed * place / np.abs(place))
+            for each in unbalance:
+                force[list(system.nodes).index(each.node)] += (
+                    each.moment * omega**2 * np.exp(1j * each.phase)
+                )
+            p = np.linalg.solve(dynamic, force)
+            at = np.concatenate([p.real, p.imag, np.zeros(2 * size)])
+            steps = 1e-6 * np.eye(4 * size)
+            jacobian = np.array([(rate(at + s) - rate(at - s)) / 2e-6 for s in steps]).T
+            assert np.linalg.eigvals(jacobian).real.max() == pytest.approx(growth, abs=2e-7)
+            checked += 1
+    assert checked > 12
+
+
+def test_a_settled_run_whirls_as_computed():
+    """On a stable rub of two contacts, one of them on a stator that moves: to 1e-9."""
+    system, _, unbalance = random_axisymmetric(5)
+    contacts = [
+        Contact(node="n0", clearance=0.3, stiffness=20.0, friction=0.1, radius=4.0),
+        Contact(node="n1", clearance=0.2, stiffness=9.0, exponent=1.0, damping=0.3,
+                stator=Stator(mass=0.7, stiffness=3.0, damping=0.6)),
+    ]  # fmt: skip
+    around = {"contacts": contacts, "unbalance": unbalance, "speed": 0.6}
+    found = synchronous_response(system, **around)
+    places, here = whirls_at(found, 0)
+    assert decode_flags(here).stability.values.tolist() == ["stable"]
+    assert (here.in_contact == 1).all()
+    run = simulate(system, **around, duration=900.0, samples=[899.0, 899.5, 900.0], rtol=1e-12)
+    nodes = here.node_amplitude.values[0] * np.exp(-1j * here.node_phase_lag.values[0])
+    exact = nodes * np.exp(0.6j * run.t.values)[:, np.newaxis]
+    np.testing.assert_allclose((run.x + 1j * run.y).values, exact, atol=1e-9)
+    np.testing.assert_allclose(run.normal_force[-1], here.normal_force[0], rtol=1e-8)
+    assert places.shape == (1, 2)
+
+
+def test_small_differences_decay_and_grow_at_the_computed_rate():
+    """A run near a rub departs from it as exp(growth_rate t)."""
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    system, contacts, unbalance = rotor.system()
+    found = synchronous_response(system, contacts=contacts, unbalance=unbalance, speed=1.7)
+    places, here = whirls_at(found, 0)
+    (place, growth), = [(place[0], growth) for place, growth in zip(
+        places, here.growth_rate.values, strict=True) if growth > 0.0]  # fmt: skip
+    velocity = 1.7j * place
+    runs = [
+        simulate(
+            system,
+            contacts=contacts,
+            unbalance=unbalance,
+            speed=1.7,
+            duration=100.0,
+            rtol=1e-13,
+            samples=[80.0, 100.0],
+            start=([place.real + e, place.imag], [velocity.real, velocity.imag]),
+        )
+        for e in (1e-10, -1e-10)
+    ]
+    apart = np.hypot(runs[0].x - runs[1].x, runs[0].y - runs[1].y).values.ravel()
+    assert np.log(apart[1] / apart[0]) / 20.0 == pytest.approx(growth, rel=1e-4)
+
+
+def test_a_finite_element_rotor_and_its_modes_rub_alike():
+    system = beam()
+    contacts = [Contact(node="3", clearance=1e-4, stiffness=5e6, exponent=1.0)]
+    unbalance = [Unbalance(node="3", moment=2e-4), Unbalance(node="7", moment=2e-4)]
+    speeds = [300.0, 426.33795, 600.0]
+    around = {"contacts": contacts, "unbalance": unbalance, "speed": speeds}
+    whole = synchronous_response(system, **around)
+    modes = synchronous_response(system.reduced(modes=44), **around)
+    assert whole.amplitude.attrs["units"] == "m"
+    assert whole.normal_force.attrs["units"] == "N"
+    np.testing.assert_allclose(whole.amplitude, modes.amplitude, rtol=1e-8)
+    np.testing.assert_allclose(whole.growth_rate, modes.growth_rate, rtol=1e-7)
+    (mass, damping, gyroscopic, stiffness) = (
+        getattr(system, name) for name in ("mass", "damping", "gyroscopic", "stiffness")
+    )
+    # the rub's force balances on real matrices
+    for omega, place, forces in zip(speeds, whole.node_amplitude.values[:, 0] * np.exp(
+            -1j * whole.node_phase_lag.values[:, 0]), whole.normal_force.values[:, 0, 0],
+            strict=True):  # fmt: skip
+        force = np.zeros(44, complex)
+        for node in (12, 28):
+            force[node : node + 2] += 2e-4 * omega**2 * np.array([1.0, -1j])
+        force[12:14] -= forces * place[3] / abs(place[3]) * np.array([1.0, -1j])
+        dynamic = stiffness - omega**2 * mass + 1j * omega * (damping + omega * gyroscopic)
+        np.testing.assert_allclose(np.linalg.solve(dynamic, force)[::4], place, rtol=1e-9)
+
+
+def test_without_contacts_it_is_the_unbalance_response():
+    system, _, unbalance = random_axisymmetric(3)
+    found = synchronous_response(system, unbalance=unbalance, speed=[0.0, 1.2])
+    run = simulate(system, unbalance=unbalance, speed=1.2, start="settled", duration=5.0, samples=3)
+    np.testing.assert_allclose(found.node_amplitude[1, 0], np.hypot(run.x, run.y)[-1], rtol=1e-12)
+    assert (found.node_amplitude[0, 0] == 0.0).all()
+    assert found.attrs["most_touching"] == 2
+
+
+SQUARE = {"mass": np.eye(2), "stiffness": np.eye(2), "damping": 0.1 * np.eye(2),
+          "nodes": {"d": (0, 1)}, "units": "1"}  # fmt: skip
+RACE = Race(radius=1.0, inertia=1.0)
+TOUCH = {"node": "d", "clearance": 0.5, "stiffness": 4.0}
+
+
+@pytest.mark.parametrize(
+    ("system", "contact", "words"),
+    [
+        ({"stiffness": np.diag([1.0, 1.001])}, {}, "whose stiffness is not the same along x and y"),
+        ({"damping": np.diag([0.1, 0.2])}, {}, "whose damping is not"),
+        ({"mass": np.diag([1.0, 1.1])}, {}, "whose mass at node 'd' is not"),
+        ({"nodes": {"d": [[1, 0], [0, 2]]}}, {}, "whose mass at node 'd' is not"),
+        ({"static_force": [0.0, -1.0]}, {}, "static_force of the system must be 0 .* got up to 1"),
+        ({}, {"centre": (0.1, 0.0)}, r"centre of contact 0 at 'd' must be \(0, 0\)"),
+        ({}, {"stator": Stator(mass=1.0, stiffness=(1.0, 2.0))}, "stiffness of the stator of"),
+        ({}, {"friction": 0.1, "radius": 1.0, "race": RACE}, "race of contact 0"),
+    ],
+)
+def test_what_is_not_axisymmetric_is_refused(system, contact, words):
+    with pytest.raises(InputError, match=words) as refusal:
+        synchronous_response(
+            RotorSystem(**SQUARE | system), contacts=[Contact(**TOUCH | contact)], speed=1.2,
+            unbalance=[Unbalance(node="d", moment=1.0)],
+        )  # fmt: skip
+    assert "\n" not in str(refusal.value)
+
+
+def test_unequal_bearings_behind_a_shaft_are_found():
+    """Their stiffness differs by a thousandth, at nodes that neither contact nor unbalance are."""
+    system = beam()
+    uneven = system.stiffness.copy()
+    uneven[41, 41] += 5e3
+    other = RotorSystem(
+        mass=system.mass, stiffness=uneven, damping=system.damping, gyroscopic=system.gyroscopic,
+        nodes={"3": (12, 13)},
+    )  # fmt: skip
+    with pytest.raises(InputError, match="whose stiffness is not the same"):
+        synchronous_response(other, speed=100.0)
+
+
+def test_a_resonance_without_damping_is_refused():
+    system = RotorSystem(**SQUARE | {"damping": None})
+    with pytest.raises(InputError, match=r"speed must not be a resonance .* got 1\.0"):
+        synchronous_response(system, speed=[0.5, 1.0])
