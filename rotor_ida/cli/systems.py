@@ -81,11 +81,6 @@ def _checked(
         if value is not None:
             raise InputError(f"{name} must be left out with a rotor system, got {shown(value)}")
     output.check()
-    if output.figure is not None:
-        from rotor_ida.results.kinds import KINDS  # noqa: PLC0415 - heavy, and not for --help
-
-        if not KINDS["system_run"].drawn:
-            raise InputError("figure must be of one disc: there is none of a rotor system yet")
     return {name: chosen[name] for name in OF_SYSTEM if chosen[name] is not None}
 
 
