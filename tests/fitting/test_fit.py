@@ -25,7 +25,8 @@ from rotor_ida import (
 )
 from rotor_ida.errors import BudgetError
 from rotor_ida.fitting.arguments import problem_of
-from rotor_ida.fitting.problem import MOST_TRIALS
+from rotor_ida.fitting.fit import _least, _with_stiffness
+from rotor_ida.fitting.problem import MOST_TRIALS, Unknown
 
 TRUE = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
 GUESS = Rotor(omega=0.3, zeta=0.08, delta0=1.8, shaft_stiffness=0.9)
@@ -387,3 +388,32 @@ def test_a_clearance_is_chosen_again_where_others_misled(up):
     far = replace(TRUE, zeta=0.6, delta0=5.0)
     found = fit(signals_of(up), far, ["zeta", "delta0"])
     np.testing.assert_allclose(found.estimate, [0.1, 1.5], rtol=1e-5)
+
+
+class TwoMinima:
+    """Residuals of a contact stiffness k: 0 at k = 1.6, and a minimum above 0 near k = 1."""
+
+    unknown = (Unknown("contact_stiffness", "contact_stiffness", 1.0, 1.0, 0.0),)
+
+    def left(self, sought):
+        (k,) = sought
+        return np.array([(k - 1.0) * (k - 1.6), 0.1 * (k - 1.6)])
+
+    def slopes(self, sought):
+        (k,) = sought
+        return np.array([[2.0 * k - 2.6], [0.1]])
+
+    def at(self, sought):
+        return self.left(sought), self.slopes(sought), []
+
+    def bounds(self):
+        return np.array([0.0]), np.array([np.inf])
+
+
+def test_a_deeper_minimum_near_another_contact_stiffness_is_found():
+    problem = TwoMinima()
+    near, converged = _least(problem, np.array([1.0]), 1e-10)
+    assert converged
+    assert near[0] == pytest.approx(1.0, abs=0.05)
+    least = float((problem.left(near) ** 2).sum())
+    assert _with_stiffness(problem, least, near)[0] == pytest.approx(1.6, abs=1e-6)
