@@ -55,6 +55,8 @@ TOUCH = 1e-7
 # A test function that changes its sign where it is farther from 0 than this jumps over it, as at a
 # corner of the curve, where multipliers jump. That special point has a name of its own.
 JUMP, DISCONTINUOUS = 1e-4, "discontinuous"
+# Places on a step that are the same but for rounding, in parts of the step.
+SAME_PLACE = 1e-6
 # Distance outside the step, relative to it, at which the parabola through three points may turn.
 OUTSIDE = 0.5
 
@@ -153,7 +155,11 @@ def specials_on(
         located += _changes(way, name, count)
     kinks = [place for place, _ in located]  # a test function has a corner there
     for name, test in tests.items():
-        located += [_zero(way, between, name, test) for between in _sign_changes(way, test, kinks)]
+        for between in _sign_changes(way, test, kinks):
+            place, special = _zero(way, between, name, test)
+            # rounding must not decide whether a jump lies before or behind the kink that it is
+            here = [kink for kink in kinks if abs(kink - place) <= SAME_PLACE * way.length]
+            located.append((here[0] if special.name == DISCONTINUOUS and here else place, special))
     located.sort(key=lambda each: each[0])
     return [special for _, special in located]
 
