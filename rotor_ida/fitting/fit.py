@@ -321,14 +321,19 @@ def _with_stiffness(problem: FitProblem, least: float, solution: Values) -> Valu
     place = names.index("contact_stiffness")
     begins = np.tile(solution, (len(STIFFER), 1))
     begins[:, place] *= STIFFER
+    kept = 0.5 * problem.left_panels  # for what refines the solution
+    problem.left_panels -= kept
     for begin in begins:
         try:
             other, converged = _least(problem, begin, SEARCH_TOLERANCE)
             left = float((problem.at(other)[0] ** 2).sum())
         except RotorError:  # this beginning cannot be followed
             continue
+        except SearchEnded:  # what follows ends too, if it is not only the work
+            break
         if converged and left < least:
             least, solution = left, other
+    problem.left_panels = kept + max(problem.left_panels, 0.0)
     return solution
 
 

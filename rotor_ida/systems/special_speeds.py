@@ -44,8 +44,8 @@ from rotor_ida.systems.turning_axes import (
 from rotor_ida.systems.whirls import MOST_TOUCHING, effects, rubbing_whirls, rubs, touching_sets
 
 MOST_POINTS = 100_000
-# Halvings of an interval of speeds that encloses a fold; the width left beside it, in parts of the
-# range; and steps and size of the last step of Newton's method.
+# Number of halvings of an interval of speeds around a fold. Part of the range left out beside it.
+# Largest number of Newton steps, and the relative size of the last.
 _HALVINGS, _BESIDE, _STEPS, _SOLVED = 12, 1e-7, 30, 1e-11
 # Relative step of the differences in it.
 _DIFFERENCE = 1e-6

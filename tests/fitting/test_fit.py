@@ -394,6 +394,7 @@ class TwoMinima:
     """Residuals of a contact stiffness k: 0 at k = 1.6, and a minimum above 0 near k = 1."""
 
     unknown = (Unknown("contact_stiffness", "contact_stiffness", 1.0, 1.0, 0.0),)
+    left_panels = 1e6
 
     def left(self, sought):
         (k,) = sought
