@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_count, check_panels, shown
+from rotor_ida.checks import check_count, check_panels
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     BLUE,
@@ -35,6 +35,7 @@ from rotor_ida.plot.datasets import check_dataset, units_in
 from rotor_ida.plot.labels import label_axis
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import SPECIAL, STABILITY, WHIRL_DIRECTION
+from rotor_ida.signals.nodes import Ring
 
 WHIRLS = ("speed", "amplitude", "node_amplitude", "stability", "in_contact", "clearance")
 MARKS = {
@@ -82,7 +83,7 @@ def plot_system_whirls(
     >>> whirls = synchronous_response(
     ...     system, contacts=contacts, unbalance=unbalance, speed=[0.5, 1.0, 1.5])
     >>> plot_system_whirls(whirls).get_title()
-    "contact 0 at 'disc'"
+    'contact 0 at disc'
     """
     whirls = check_dataset("whirls", whirls, (*WHIRLS, "contact_node"))
     count = whirls.sizes["contact"]
@@ -104,7 +105,7 @@ def plot_system_whirls(
                         color=colour, fillstyle=fill, label=label, zorder=3.0)  # fmt: skip
         if special is not None:
             _mark_special(ax, special, contact)
-        ax.set_title(f"contact {contact} at {shown(part['contact_node'].item())}")
+        ax.set_title(f"contact {contact} at {Ring(part['contact_node'].item(), '', []).title}")
         ax.set_ylim(bottom=0.0)
         legend_below(ax, columns=4)
     return ax
