@@ -8,9 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import ROUNDING, Stop, Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import State
-from rotor_ida.core.runs import Rows
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
@@ -18,6 +17,7 @@ from rotor_ida.simulation.lyapunov import exponents_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ENTRY, Orbit, stretches_of_rolling
 from rotor_ida.simulation.run import run
+from rotor_ida.steady.decision import RECURS, Decision, Exponents, decide
 from rotor_ida.steady.periods import (
     SAME_TURN,
     Recurrence,
@@ -29,16 +29,9 @@ from rotor_ida.steady.periods import (
     turning_points,
 )
 from rotor_ida.steady.response import (
-    BOUNCING,
-    CHAOTIC,
     CONTACT_FREE,
-    FULL_CONTACT,
-    QUASI_PERIODIC,
-    ROLLING,
     STEADY,
     SYNCHRONOUS,
-    TOUCHING,
-    UNRESOLVED,
     Features,
     Window,
     kind_at_rest,
@@ -73,16 +66,11 @@ TIGHTENED_FROM = 1e-11
 WINDOW_REVOLUTIONS = 4
 # and lasts at least this long: four revolutions of a fast rotor are too short.
 WINDOW_TIME = 40.0
-# Windows double up to this multiple of the first, for periods of many revolutions.
-LONGEST_WINDOW = 8
 # Samples of a window, whose mean is the whirl; the run itself finds the extrema between them.
 SAMPLES_PER_REVOLUTION = 64
 SAMPLES_PER_TIME = 16
 # With a loose tolerance a motion that varies by this many tolerances is steady.
 STEADY_TOLERANCES = 10.0
-# A motion recurs if it misses itself by at most this multiple of the tolerance for steady motion:
-# it may be that far on either side of its cycle.
-RECURS = 10.0
 # Chaos may be a transient: exponents are computed only for a motion that has not settled after
 # this time, and this many 1/zeta, in which exp(-zeta t) has fallen to 2e-9.
 LATE = 3000.0
@@ -90,14 +78,6 @@ PATIENCE = 20.0
 # An exponent is a mean over at least this time, and at least this multiple of the earlier time.
 EXPONENT_TIME = 20_000.0
 EXPONENT_TIMES = 2.0
-# An exponent is nonzero when it exceeds this many errors,
-CLEAR_ERRORS = 5.0
-# and when neighbours diverge by exp(20), 5e8, in the averaging time.
-CLEAR_STRETCH = 20.0
-# It is zero when neighbours neither diverge nor converge by 1 % in that time, in which clear chaos
-# would have shown. The errors are those of the scatter of parts; on a torus the mean over all parts
-# is far better.
-NO_STRETCH = 0.01
 
 _NO_TIMES = np.empty(0)
 
@@ -147,39 +127,123 @@ class _Trajectory:
     options: Options
     state: State
     stop: Stop
-    extrema: Rows | None = None  # of the radius in the last window
     time: float = 0.0
+    window_start: float = math.nan
+    window: Window = field(init=False)  # the last one
+    turns: TurningPoints = field(init=False)  # those of the radius in it
     event_times: list[Values] = field(default_factory=lambda: [np.empty(0)])
     event_kinds: list[npt.NDArray[np.int8]] = field(
         default_factory=lambda: [np.empty(0, dtype=np.int8)]
     )
     event_states: list[Values] = field(default_factory=lambda: [np.empty((0, 4))])
 
+    # ---- What is asked of a motion: see `Motion` ----
+
+    @property
+    def steady(self) -> float:
+        return self.window.steady
+
+    @property
+    def touches(self) -> int:
+        return self.window.touches
+
+    @property
+    def ends_in_contact(self) -> bool:
+        return self.window.ends_in_contact
+
+    @property
+    def never_settles(self) -> bool:
+        return self.rotor.zeta == 0.0
+
     def wait(self, duration: float) -> None:
-        """Continue the simulation from the end of the last run."""
         self._extend(duration, _NO_TIMES)
 
-    def observe(self, length: float, samples: int) -> Window:
-        """Continue the simulation, and return the motion as a window."""
-        times = np.linspace(0.0, length, samples)
-        orbit = self._extend(length, times, extrema=True)
-        self.extrema = orbit.extrema
+    def observe(self, times: int) -> None:
+        _, length, samples = durations(self.rotor)
+        self.window_start = self.time
+        at = np.linspace(0.0, times * length, times * (samples - 1) + 1)
+        orbit = self._extend(times * length, at, extrema=True)
         touches = int((np.abs(orbit.event_kinds) == ENTRY).sum())
-        return Window(
+        states = rotated(orbit.states, -self.rotor.omega * at)
+        self.window = Window(
             rotor=self.rotor,
-            times=times,
-            states=rotated(orbit.states, -self.rotor.omega * times),
+            times=at,
+            states=states,
             contacts=orbit.contacts,
             touches=touches,
             ends_in_contact=orbit.starts_in_contact != bool(touches % 2),
             steady=max(STEADY, STEADY_TOLERANCES * self.options.rtol),
             rolling=stretches_of_rolling(orbit),
         )
+        assert orbit.extrema is not None
+        self.turns = turning_points(states, orbit.extrema)
 
-    def turns(self, window: Window) -> TurningPoints:
-        """Return the turning points of the radius in the last window."""
-        assert self.extrema is not None
-        return turning_points(window.states, self.extrema)
+    def kind_of_state(self) -> str | None:
+        if _is_at_rest(self.rotor):
+            return kind_at_rest(self.window)
+        if whirls_steadily(self.window):
+            return SYNCHRONOUS
+        return CONTACT_FREE if stays_free(self.window) else None
+
+    def recurrence(self) -> Recurrence | None:
+        window, tolerance = self.window, RECURS * self.steady
+        if self.rotor.load == 0.0:
+            return recurrence(self.turns, tolerance)
+        revolution = 2.0 * math.pi / self.rotor.omega
+        size = float(np.abs(window.states).max())
+        return recurrence_by_revolutions(window.once_a_revolution, revolution, size, tolerance)
+
+    def slowest_multiplier(self, period: float) -> complex:
+        return slowest_multiplier(self.rotor, self.state, period, self.stop)
+
+    def held_back(self, multiplier: complex) -> float:
+        # under a load no paired multiplier shows which of the others is nearest 1
+        return 1.0 - abs(multiplier) if self.rotor.load > 0.0 else abs(1.0 - multiplier)
+
+    def stands_still(self) -> bool:
+        return False  # one state has decided that
+
+    def rolls_backwards(self, period: float | None = None) -> bool:
+        return rolls_backwards(self.window, period)
+
+    def fading(self) -> tuple[bool, bool]:
+        fades = touches_fade(self.window)
+        return fades, fades or touches_grow_slighter(self.window)
+
+    def may_be_chaotic(self) -> bool:
+        rotor, time = self.rotor, self.time
+        return rotor.omega > 0.0 and time >= LATE and rotor.zeta * time >= PATIENCE
+
+    def exponents(self) -> Exponents:
+        rotor = self.rotor
+        duration = max(EXPONENT_TIME, EXPONENT_TIMES * self.time)
+        found = exponents_of(rotor, self.state, duration, self.stop)
+        # without a load the exponent of a shift in time is zero, and on a torus one more
+        zeros = 1 if rotor.load > 0.0 else 2
+        has_tori = rotor.load > 0.0 or rotor.friction > 0.0 or rotor.contact_damping > 0.0
+        return Exponents(*found, duration, zeros, has_tori)
+
+    def followed(self) -> str:
+        rotor, time = self.rotor, self.time
+        revolutions = f"{rotor.omega * time / (2.0 * math.pi):,.0f} revolutions"
+        told = f"followed for {revolutions if rotor.omega > 0.0 else f'a time of {time:.6g}'}"
+        return told if rotor.zeta == 0.0 else f"{told}, {rotor.zeta * time:.3g}/zeta"
+
+    def still_moves(self) -> str:
+        window = self.window
+        if window.rotor.load > 0.0 < window.rotor.omega:
+            moved = np.abs(np.diff(window.once_a_revolution, axis=0))
+            since = "from revolution to revolution"
+        else:
+            moved, since = np.abs(window.positions - window.whirl), "about its mean whirl"
+        turns = None if _is_at_rest(self.rotor) else self.turns
+        part = float(moved.max()) / _features(window, turns).radius_max
+        return (
+            f"in contact, it still moves by {part:.2g} of its radius {since}, where "
+            f"{window.steady:.2g} is allowed"
+        )
+
+    # ---- Its runs and its result ----
 
     def _extend(self, duration: float, times: Values, *, extrema: bool = False) -> Orbit:
         """Simulate from the end of the last run, with time and phase starting from 0 again."""
@@ -197,6 +261,14 @@ class _Trajectory:
         self.time += duration
         return orbit
 
+    def features(self, decision: Decision) -> Features:
+        """Return the features of the motion in the last window."""
+        if decision.period is not None:
+            return _features_of_cycle(self.window, self.turns, decision)
+        plain = decision.kind == SYNCHRONOUS or _is_at_rest(self.rotor)
+        found = _features(self.window, None if plain else self.turns)
+        return replace(found, lyapunov_exponent=decision.exponent, lyapunov_error=decision.error)
+
     def settled(
         self, response: str, features: Features, window_start: float, message: str = ""
     ) -> SettledResponse:
@@ -212,62 +284,6 @@ class _Trajectory:
             end=self.state,
             message=message,
         )
-
-
-@dataclass(slots=True)
-class _Approach:
-    """The distance of a motion from its cycle, from window to window.
-
-    Parameters
-    ----------
-    recurs : bool
-        Whether the motion repeated itself in the last window.
-    distance : float
-        Its distance from its cycle at the end of that window, relative to its size [1].
-    time : float
-        The time of that end [1].
-    """
-
-    recurs: bool = False
-    distance: float = math.inf
-    time: float = 0.0
-
-    def period(self, trajectory: _Trajectory, window: Window, turns: TurningPoints) -> float | None:
-        """Return the period of a motion that has reached a stable cycle; None for others."""
-        loaded = window.rotor.load > 0.0
-        repeats = (_by_revolutions if loaded else _by_turns)(window, turns)
-        self.recurs = repeats is not None
-        if repeats is None:
-            self.distance = math.inf
-            return None
-        multiplier = slowest_multiplier(
-            trajectory.rotor, trajectory.state, repeats.period, trajectory.stop
-        )
-        decay = abs(multiplier) ** ((trajectory.time - self.time) / repeats.period)
-        # under a load no paired multiplier shows which of the others is nearest 1
-        held_back = 1.0 - abs(multiplier) if loaded else abs(1.0 - multiplier)
-        distance = repeats.missed_by / max(held_back, ROUNDING)
-        if math.isfinite(self.distance):
-            # because of rounding no motion misses itself by less, however near it is
-            distance = min(distance, decay * self.distance)
-        self.distance, self.time = distance, trajectory.time
-        settled = abs(multiplier) < 1.0 and distance <= window.steady
-        return repeats.period if settled else None
-
-
-def _by_turns(window: Window, turns: TurningPoints) -> Recurrence | None:
-    """Return how a motion repeats itself on the rotating axes."""
-    return recurrence(turns, RECURS * window.steady)
-
-
-def _by_revolutions(window: Window, _: TurningPoints) -> Recurrence | None:
-    """Return how a motion repeats itself under a load."""
-    return recurrence_by_revolutions(
-        window.once_a_revolution,
-        2.0 * math.pi / window.rotor.omega,
-        float(np.abs(window.states).max()),
-        RECURS * window.steady,
-    )
 
 
 def follow_to_steady_state(
@@ -297,117 +313,30 @@ def follow_to_steady_state(
         Ends the run, as failed, as soon as it is not 0.
     """
     trajectory = _Trajectory(rotor, options, start, np.zeros(1, np.uint8) if stop is None else stop)
+    limit = longest_time(rotor) if longest is None else longest
     try:
-        return _decided(trajectory, longest_time(rotor) if longest is None else longest)
+        decision = decide(trajectory, durations(rotor)[0], limit)
     except SimulationError as error:
         return trajectory.settled(FAILED, Features(), math.nan, str(error))
+    features = trajectory.features(decision)
+    return trajectory.settled(decision.kind, features, trajectory.window_start, decision.message)
 
 
-def _decided(trajectory: _Trajectory, longest: float) -> SettledResponse:
-    """Observe the motion, window after window, until its kind is decided."""
-    wait, length, samples = durations(trajectory.rotor)
-    approach, times = _Approach(), 1
-    while True:
-        trajectory.wait(wait)
-        began = trajectory.time
-        window = trajectory.observe(times * length, times * (samples - 1) + 1)
-        kind, features = _kind_of(window, trajectory, approach)
-        wait, times = trajectory.time, min(2 * times, LONGEST_WINDOW)
-        never = trajectory.rotor.zeta == 0.0
-        if kind != UNRESOLVED or never or trajectory.time + wait > longest:
-            message = ""
-            if kind == UNRESOLVED:
-                message = _what_was_tried(window, trajectory, approach, features)
-            return trajectory.settled(kind, features, began, message)
+def _is_at_rest(rotor: Rotor) -> bool:
+    """Return whether a rotor that does not turn comes to rest under its load."""
+    return rotor.load > 0.0 and rotor.omega == 0.0
 
 
-def _what_was_tried(
-    window: Window, trajectory: _Trajectory, approach: _Approach, features: Features
-) -> str:
-    """Return for how long an unresolved motion was followed, and what still moved at the end."""
-    rotor, time = window.rotor, trajectory.time
-    revolutions = f"{rotor.omega * time / (2.0 * math.pi):,.0f} revolutions"
-    followed = f"followed for {revolutions if rotor.omega > 0.0 else f'a time of {time:.6g}'}"
-    if rotor.zeta == 0.0:
-        return f"{followed}: without damping nothing settles"
-    return f"{followed}, {rotor.zeta * time:.3g}/zeta: {_still_moving(window, approach, features)}"
-
-
-def _still_moving(window: Window, approach: _Approach, features: Features) -> str:
-    """Return what keeps a motion with damping from being decided, in words."""
-    if math.isfinite(features.lyapunov_exponent):
-        exponent, error = features.lyapunov_exponent, features.lyapunov_error
-        return (
-            "it does not repeat itself, and its largest Lyapunov exponent is "
-            f"{exponent:.3g} +- {error:.2g}"
-        )
-    if approach.recurs:
-        return (
-            "it repeats itself, but its distance from its cycle is estimated as "
-            f"{approach.distance:.2g} of its size, where {window.steady:.2g} is allowed"
-        )
-    if touches_grow_slighter(window):
-        return "its touches grow slighter, but not yet as fading touches do"
-    if window.touches:
-        return f"it does not repeat itself, with {window.touches} entries and exits in the window"
-    if not window.ends_in_contact:
-        return "out of contact, but it may still reach the stator"
-    if window.rotor.load > 0.0 < window.rotor.omega:
-        moved = np.abs(np.diff(window.once_a_revolution, axis=0))
-        since = "from revolution to revolution"
-    else:
-        moved, since = np.abs(window.positions - window.whirl), "about its mean whirl"
-    part = float(moved.max()) / features.radius_max
-    return (
-        f"in contact, it still moves by {part:.2g} of its radius {since}, where "
-        f"{window.steady:.2g} is allowed"
-    )
-
-
-def _kind_of(window: Window, trajectory: _Trajectory, approach: _Approach) -> tuple[str, Features]:
-    """Return the kind of response in a window, and its features."""
-    rotor = window.rotor
-    if rotor.load > 0.0 and rotor.omega == 0.0:
-        return kind_at_rest(window), _features(window)
-    if whirls_steadily(window):
-        return SYNCHRONOUS, _features(window)
-    turns = trajectory.turns(window)
-    features = _features(window, turns)
-    if stays_free(window):
-        return CONTACT_FREE, features
-    period = approach.period(trajectory, window, turns)
-    if period is not None:
-        return _kind_of_cycle(window, period), _features_of_cycle(window, turns, period)
-    kind = TOUCHING if touches_fade(window) else UNRESOLVED
-    slighter = kind == TOUCHING or touches_grow_slighter(window)
-    undecided = not approach.recurs and not slighter and _may_be_chaotic(trajectory)
-    if undecided and rolls_backwards(window):
-        return ROLLING, features
-    if undecided:
-        kind, exponent, error = _kind_by_exponent(trajectory)
-        features = replace(features, lyapunov_exponent=exponent, lyapunov_error=error)
-    return kind, features
-
-
-def _kind_of_cycle(window: Window, period: float) -> str:
-    """Return the kind of a motion that has reached a cycle."""
-    if rolls_backwards(window, period):
-        return ROLLING
-    if window.touches:
-        return BOUNCING
-    # a contact-free one may pass so near the stator that its bounds in `stays_free` exceed it
-    return FULL_CONTACT if window.ends_in_contact else CONTACT_FREE
-
-
-def _features_of_cycle(window: Window, turns: TurningPoints, period: float) -> Features:
+def _features_of_cycle(window: Window, turns: TurningPoints, decision: Decision) -> Features:
     """Return the features of a motion that has reached a cycle."""
+    period = decision.period
+    assert period is not None
     if window.rotor.load > 0.0:
         features = _features(*_last_of(window, turns, period))
     else:
         low, high = extreme_radii(turns, period)
         features = replace(_features(window, turns), radius_min=low, radius_max=high)
-    free = _kind_of_cycle(window, period) == CONTACT_FREE
-    return features if free else replace(features, period=period)
+    return features if decision.kind == CONTACT_FREE else replace(features, period=period)
 
 
 def _features(window: Window, turns: TurningPoints | None = None) -> Features:
@@ -427,29 +356,6 @@ def _last_of(window: Window, turns: TurningPoints, period: float) -> tuple[Windo
         replace(window, times=window.times[late], states=window.states[late]),
         TurningPoints(turns.times[turned], turns.states[turned], turns.are_maxima[turned]),
     )
-
-
-def _may_be_chaotic(trajectory: _Trajectory) -> bool:
-    """Return whether a motion that has not settled yet may never settle."""
-    rotor, time = trajectory.rotor, trajectory.time
-    return rotor.omega > 0.0 and time >= LATE and rotor.zeta * time >= PATIENCE
-
-
-def _kind_by_exponent(trajectory: _Trajectory) -> tuple[str, float, float]:
-    """Return the kind of a motion that never repeats, its largest exponent, and its error."""
-    rotor = trajectory.rotor
-    duration = max(EXPONENT_TIME, EXPONENT_TIMES * trajectory.time)
-    exponents, errors = exponents_of(rotor, trajectory.state, duration, trajectory.stop)
-    exponent, error = float(exponents[0]), float(errors[0])
-    if exponent > CLEAR_ERRORS * error and exponent * duration > CLEAR_STRETCH:
-        return CHAOTIC, exponent, error
-    # without a load the exponent of a shift in time is zero, and on a torus one more
-    zeros = slice(0, 1 if rotor.load > 0.0 else 2)
-    are_zero = (np.abs(exponents[zeros]) * duration <= NO_STRETCH) & (
-        errors[zeros] * duration <= CLEAR_STRETCH
-    )
-    has_tori = rotor.load > 0.0 or rotor.friction > 0.0 or rotor.contact_damping > 0.0
-    return QUASI_PERIODIC if are_zero.all() and has_tori else UNRESOLVED, exponent, error
 
 
 def failed(rotor: Rotor, start: State, options: Options, reason: str) -> SettledResponse:
