@@ -41,9 +41,8 @@ from rotor_ida.cycles.shooting import Cycle, close_orbit, once_round
 from rotor_ida.errors import SimulationError
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
+from rotor_ida.steady.decision import CLEAR_ERRORS, CLEAR_STRETCH
 from rotor_ida.steady.follow import (
-    CLEAR_ERRORS,
-    CLEAR_STRETCH,
     LATE,
     PATIENCE,
     SettledResponse,

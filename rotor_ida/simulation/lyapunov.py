@@ -246,14 +246,14 @@ def _means(rates: Values, count: int, divergence: float) -> tuple[Values, Values
     lost = bool((rates[:, 3] == -np.inf).any())
     known = 3 if lost else 4
     exponents, errors = np.full(4, -np.inf), np.zeros(4)
-    exponents[:known], errors[:known] = _means_of_finite(rates[:, :known], count)
+    exponents[:known], errors[:known] = means_of_rates(rates[:, :known], count)
     if lost:
         return exponents, errors, -math.inf
     defect = 0.0 if math.isnan(exact) else abs(float(exponents.sum()) - exact)
     return exponents, errors + defect, exact
 
 
-def _means_of_finite(rates: Values, count: int) -> tuple[Values, Values]:
+def means_of_rates(rates: Values, count: int) -> tuple[Values, Values]:
     """Return the mean of rates, shape (n, m), and its standard error from `count` batches."""
     means = _weighted(rates.reshape(count, -1, rates.shape[1]))
     centred = means - means.mean(axis=0)

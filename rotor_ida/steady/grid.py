@@ -130,8 +130,8 @@ class Plan(Protocol[Job_co]):
     """The jobs of a study, by number, each of `length` points."""
 
     @property
-    def grid(self) -> Grid:
-        """The points of all jobs."""
+    def points(self) -> int:
+        """Number of points of all jobs."""
 
     @property
     def length(self) -> int:
@@ -215,7 +215,7 @@ def run_study(
 
     `design` is everything that determines the bits: a study with another design is refused.
     """
-    with open_results(study, design, plan.grid.points, task.form) as kept:
+    with open_results(study, design, plan.points, task.form) as kept:
         _do_jobs(plan, task, kept, workers, progress)
         points = _point_columns(plan, task.point, kept)
         events = _event_columns(plan, task.event, kept, points) if task.event.names else {}
@@ -230,7 +230,7 @@ def _do_jobs(
     progress: Progress | None,
 ) -> None:
     """Do the jobs that are not stored yet, and store each as it ends."""
-    points = plan.grid.points
+    points = plan.points
     if progress is not None and kept.points_done:
         progress(kept.points_done, points)
     due = [number for number in plan.slowest_first().tolist() if number not in kept.done]
@@ -266,7 +266,7 @@ def _point_columns(
     plan: Plan[Job], kind: np.dtype[np.void], kept: Results[Rows]
 ) -> dict[str, Array]:
     """Return the columns with a number, or a message, for each point."""
-    columns = _scratch(kind, plan.grid.points, kept.folder)
+    columns = _scratch(kind, plan.points, kept.folder)
     messages: dict[int, str] = {}
     for number, rows in kept.results():
         places = plan.places(number)
@@ -275,7 +275,7 @@ def _point_columns(
         both = zip(places.tolist(), rows.messages, strict=True)
         messages |= {place: message for place, message in both if message}
     width = max(map(len, messages.values()), default=1)
-    texts = scratch((plan.grid.points,), f"<U{width}", kept.folder)
+    texts = scratch((plan.points,), f"<U{width}", kept.folder)
     texts[:] = ""
     for place, message in messages.items():
         texts[place] = message

@@ -184,11 +184,15 @@ def rolls_backwards(window: Window, period: float | None = None) -> bool:
     x, y, vx, vy = window.states.T
     if (x * vy - y * vx).max() >= 0.0:
         return False
-    length = float(window.times[-1])
     each = 2.0 * math.pi / rotor.omega if period is None else period
-    starts = length - each * np.arange(1, int(length / each + SAME_LENGTH) + 1)
-    begins, ends = window.rolling.T[:, :, None]
-    overlap = np.minimum(ends, starts + each) - np.maximum(begins, starts)
+    return rolls_in_each(window.rolling, float(window.times[-1]), each)
+
+
+def rolls_in_each(rolling: Values, length: float, period: float) -> bool:
+    """Return whether stretches of rolling, shape (m, 2), overlap every period of a window."""
+    starts = length - period * np.arange(1, int(length / period + SAME_LENGTH) + 1)
+    begins, ends = rolling.T[:, :, None]
+    overlap = np.minimum(ends, starts + period) - np.maximum(begins, starts)
     return bool((overlap.max(axis=0) > 0.0).all())
 
 

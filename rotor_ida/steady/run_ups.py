@@ -207,6 +207,11 @@ class RunUps:
         """Return the position of a run-up among all: each is a separate job."""
         return np.array([number])
 
+    @property
+    def points(self) -> int:
+        """Number of points of all jobs."""
+        return self.grid.points
+
     def job(self, number: int) -> RunUp:
         """Return what a worker needs to follow a run-up."""
         place = tuple(int(each) for each in np.unravel_index(number, self.grid.shape))

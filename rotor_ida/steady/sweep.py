@@ -41,6 +41,7 @@ from rotor_ida.steady.grid import (
     reason_of,
     run_study,
 )
+from rotor_ida.steady.ramps import RampOrder
 from rotor_ida.steady.response import Features
 
 Direction = Literal["up", "down", "both"]
@@ -283,23 +284,30 @@ class Ramps:
     options: Options
 
     @property
+    def order(self) -> RampOrder:
+        """How the points form ramps."""
+        return RampOrder(self.grid.shape, self.grid.axes["direction"])
+
+    @property
     def length(self) -> int:
         """Number of points of each ramp."""
-        return self.grid.shape[0] if self.grid.axes["direction"][0] else 1
+        return self.order.length
+
+    @property
+    def points(self) -> int:
+        """Number of points of all ramps."""
+        return self.order.points
 
     def __len__(self) -> int:
-        return self.grid.points // self.length
+        return len(self.order)
 
     def places(self, number: int) -> Places:
         """Return the positions of a ramp's points among all, in the order of the dimensions."""
-        omega, others_at = self._indices(number)
-        others = np.ravel_multi_index(others_at, self.grid.shape[1:])
-        speeds = self.grid.shape[0]
-        return np.asarray(omega * (self.grid.points // speeds) + others, dtype=np.int64)
+        return self.order.places(number)
 
     def job(self, number: int) -> RampJob:
         """Return what a worker needs to follow a ramp."""
-        omegas, others = self._indices(number)
+        omegas, others = self.order.indices(number)
         rotors = [self.grid.rotor((omega, *others)) for omega in omegas.tolist()]
         *_, start, _ = others
         return RampJob(rotors, self.grid.starts[start], self.options)
@@ -309,23 +317,10 @@ class Ramps:
 
         Ramps with a large clearance take longest, as the rotor bounces there.
         """
-        within = np.unravel_index(np.arange(len(self)), self._order)
+        within = np.unravel_index(np.arange(len(self)), self.order.counted)
         rotors = self.grid.rotors
         clearances = rotors.axes["delta0"][within[rotors.dims.index("delta0")]]
         return np.argsort(-clearances, kind="stable")
-
-    @property
-    def _order(self) -> tuple[int, ...]:
-        """The order in which ramps are counted: directions, other parameters, starts, speeds."""
-        speeds, *others, directions = self.grid.shape
-        return (directions, *others, speeds // self.length)
-
-    def _indices(self, number: int) -> tuple[Places, tuple[int, ...]]:
-        """Return the speeds of a ramp, by number, and its other indices."""
-        direction, *others, first = (int(each) for each in np.unravel_index(number, self._order))
-        way = int(self.grid.axes["direction"][direction])
-        omega = np.arange(self.grid.shape[0])[::way] if way else np.array([first])
-        return omega, (*others, direction)
 
 
 def settle_along(ramp: RampJob, stop: Stop) -> list[SettledResponse]:

@@ -48,17 +48,30 @@ class ForwardMotions:
         The matrices.
     rows : ndarray of complex, shape (contact, n)
         The rows b.
+    basis : ndarray of complex, shape (N, n)
+        The motions in coordinates with a unit mass matrix, orthonormal.
     """
 
     stiffness: ComplexValues
     damping: ComplexValues
     gyroscopic: ComplexValues
     rows: ComplexValues
+    basis: ComplexValues
 
     @property
     def size(self) -> int:
         """Their number n."""
         return len(self.stiffness)
+
+
+def check_no_races(assembly: Assembly) -> None:
+    """Refuse races that friction spins: a whirl that slides on them is not sought."""
+    for number, each in enumerate(assembly.contacts):
+        if each.spinning_race is not None and each.friction > 0.0:
+            raise InputError(
+                f"race of contact {number} at {shown(each.node)} must be None for a whirl with "
+                "friction, got a Race"
+            )
 
 
 def check_axisymmetric_parts(assembly: Assembly) -> None:
@@ -67,8 +80,6 @@ def check_axisymmetric_parts(assembly: Assembly) -> None:
         where = f"of contact {number} at {shown(each.node)}"
         if each.centre != (0.0, 0.0):
             raise InputError(f"centre {where} must be (0, 0) for a whirl, got {each.centre!r}")
-        if each.spinning_race is not None and each.friction > 0.0:
-            raise InputError(f"race {where} must be None for a whirl with friction, got a Race")
         if isinstance(each.stator, Stator):
             for name in ("stiffness", "damping"):
                 pair = getattr(each.stator, name)
@@ -104,7 +115,7 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
         if (across > ROUNDED * np.sqrt(np.outer(sizes, sizes))).any():
             _refuse(name)
     rows = found.rows[:, 0] + 1j * found.rows[:, 1]
-    return ForwardMotions(rows=rows @ basis / np.sqrt(2.0), **reduced)
+    return ForwardMotions(rows=rows @ basis / np.sqrt(2.0), basis=basis, **reduced)
 
 
 def _matrices(found: Canonical) -> dict[str, Values]:

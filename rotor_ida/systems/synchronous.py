@@ -16,6 +16,7 @@ from rotor_ida.systems.assembly import Assembly, assemble
 from rotor_ida.systems.axisymmetric import (
     ForwardMotions,
     check_axisymmetric_parts,
+    check_no_races,
     forward_motions,
 )
 from rotor_ida.systems.dataset import with_system_units
@@ -98,6 +99,7 @@ def synchronous_response_system(
     speeds = checked_speeds(speed)
     assembly = assemble(system, contacts, unbalance, None, None)
     check_axisymmetric_parts(assembly)
+    check_no_races(assembly)
     motions = forward_motions(assembly)
     response = receptances(assembly, speeds)
     whirls = whirls_of(assembly, response, speeds)

@@ -73,6 +73,7 @@ def scratch(
     (2, 3)
     """
     kind = np.dtype(dtype)
+    shape, kind = (*shape, *kind.shape), kind.base  # of columns with several numbers a row
     size = math.prod(shape) * kind.itemsize
     if folder is None or size < LARGE:
         return np.empty(shape, dtype=kind)

@@ -1,0 +1,253 @@
+"""Go from a motion that approaches a cycle to the cycle itself.
+
+A transient of slight damping takes thousands of revolutions to die out. Near its cycle a motion is
+linear in its distance from it, so that Newton's method on the state after a period finds the cycle
+at once. It is taken for the one that the motion leads to only if the motion shows that it is:
+
+1. its multipliers lie within the unit circle;
+2. a period later the motion is where they say, to a part of what it has approached;
+3. no contact can open or close on the way that does not on the cycle.
+
+Where any of these fails the motion is followed further. The cycle is then simulated as any other
+motion is, and decided on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from rotor_ida.arrays import ComplexValues, Values
+from rotor_ida.core.systems import SystemResult
+from rotor_ida.steady.system_flow import SystemFlow
+
+# The largest step of Newton's method, in parts of the size of the motion, and its most steps.
+LONGEST_STEP, MOST_STEPS = 0.5, 8
+# A cycle is found where a state misses itself by this part of its size,
+FOUND = 1e-11
+# or by no less than this, where rounding lets it come no nearer.
+NEARLY = 1e-9
+# The derivative is computed again while steps are longer than this part.
+ROUGH = 1e-4
+# Multipliers that are 1 but for the errors of differences.
+NEUTRAL = 1e-5
+# What the motion may be off its linear course, in parts of what it approaches in a period.
+OFF_COURSE = 0.25
+# The part of the gap between a contact and its stator that the bound of the transient may fill.
+WITHIN = 0.5
+# A motion that is nearer to its cycle than this part of its size need not show its course.
+THERE = 1e-7
+# Where a cycle may be: the state misses itself by at most this part of the range of the motion.
+NEAR = 0.3
+# What moves by less than this part of its size in a period stands still on turning axes.
+MOVES = 1e-5
+# A candidate may be up to so many periods.
+MOST_PARTS = 8
+# Candidates for the period that are tried.
+MOST_TRIED = 3
+# Revolutions after which a motion without axial symmetry may repeat itself.
+MOST_REVOLUTIONS = 8
+SAMPLES_A_REVOLUTION = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A period that a cycle may have.
+
+    Parameters
+    ----------
+    period : float
+        The period.
+    is_free : bool
+        Whether the period is unknown: that of an orbit on turning axes.
+    """
+
+    period: float
+    is_free: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Landing:
+    """A cycle, and the multipliers that show it to be stable.
+
+    Parameters
+    ----------
+    state : ndarray, shape (n,)
+        A state on it.
+    period : float
+        Its period.
+    is_free : bool
+        Whether it moves on turning axes.
+    slowest : complex
+        The nontrivial multiplier with which neighbours return most slowly.
+    """
+
+    state: Values
+    period: float
+    is_free: bool
+    slowest: complex
+
+
+def candidates(
+    flow: SystemFlow, times: Values, states: Values, *, may_stand: bool
+) -> Iterator[Candidate]:
+    """Yield the periods that a motion may have, from samples up to its end, the likely ones first.
+
+    Parameters
+    ----------
+    flow : SystemFlow
+        The motion.
+    times, states : ndarray, shapes (sample,), (sample, n)
+        Samples, a whole number each revolution, on turning axes; displacements and velocities.
+    may_stand : bool
+        Whether the motion may stand still on turning axes: no contact opened or closed.
+    """
+    away = np.abs(states - states[-1]).max(axis=1)
+    size, revolution = float(np.abs(states).max()), flow.revolution
+    each = round(revolution / float(times[-1] - times[-2]))
+    if flow.problem.forward is None:
+        strobed = away[-1 - each :: -each][: 2 * MOST_REVOLUTIONS]
+        spread = float(strobed.max(initial=0.0))
+        for count in range(1, min(MOST_REVOLUTIONS, strobed.size) + 1):
+            # a slow spiral comes back nearest after one revolution
+            if strobed[count - 1] <= NEAR * (size if count == 1 else spread):
+                yield Candidate(count * revolution, is_free=False)
+        return
+    if may_stand and float(away[-1 - each :].max()) <= NEAR * size:
+        yield Candidate(revolution, is_free=False)
+    spread, rate = float(away.max()), flow.rate(_whole(flow, states[-1]))[: states.shape[1]]
+    lows = 1 + np.flatnonzero((away[1:-1] < away[:-2]) & (away[1:-1] <= away[2:]))
+    for low in lows[::-1].tolist():
+        apart = states[low] - states[-1]
+        late = float(apart @ rate / (rate @ rate))
+        if np.abs(apart - late * rate).max() <= NEAR * spread:
+            yield Candidate(float(times[-1] - times[low]) + late, is_free=True)
+
+
+def _whole(flow: SystemFlow, state: Values) -> Values:
+    """Return a sample with races at rest, which are not sampled."""
+    return np.append(state, np.zeros(flow.scales.size - state.size))
+
+
+def land(flow: SystemFlow, state: Values, candidate: Candidate) -> Landing | None:
+    """Return the cycle that a motion leads to, if it shows that it does; else None."""
+    found = _newton(flow, state, candidate)
+    if found is None:
+        return None
+    cycle, period, derivative = found
+    multipliers, shapes = np.linalg.eig(derivative)
+    run = flow.run(cycle, np.linspace(0.0, period, SAMPLES_A_REVOLUTION + 1))
+    in_flight = not (run.forces[:, :, 3].any() or run.event_times.size)
+    trivial = np.zeros(multipliers.size, bool)
+    if candidate.is_free:
+        trivial[np.argmin(np.abs(multipliers - 1.0))] = True
+    elif in_flight:  # a rotor without supports stays where it is
+        trivial = np.abs(multipliers - 1.0) <= NEUTRAL
+    rest = multipliers[~trivial]
+    slowest = complex(rest[np.argmax(np.abs(rest))]) if rest.size else 0j
+    if not abs(slowest) < 1.0:
+        return None
+    off = state - cycle
+    if np.abs(off).max() > THERE * np.abs(cycle).max() and not (
+        _keeps_course(flow, cycle, off, period, derivative, abs(slowest), candidate.is_free)
+        and _keeps_contacts(flow, run, off, shapes)
+    ):
+        return None
+    return Landing(cycle, period, candidate.is_free, slowest)
+
+
+def _newton(
+    flow: SystemFlow, state: Values, candidate: Candidate
+) -> tuple[Values, float, Values] | None:
+    """Return a cycle near a state, its period, and the derivative of the state after it."""
+    cycle, period, size = state, candidate.period, float(np.abs(state).max())
+    derivative: Values | None = None
+    rate, last, step = np.zeros_like(state), np.inf, np.inf
+    for _ in range(MOST_STEPS):
+        image = flow.after(cycle, period)
+        missed = float(np.abs(image - cycle).max())
+        if not missed <= last and last <= NEARLY * size:
+            break
+        if derivative is None or step > ROUGH * size:
+            derivative = flow.monodromy(cycle, image, period)
+            if candidate.is_free:
+                rate = flow.rate(cycle)
+        if missed <= FOUND * size:
+            break
+        last = missed
+        change, more = _step(derivative, image - cycle, rate, candidate.is_free)
+        step = float(np.abs(change).max())
+        if not step <= LONGEST_STEP * size or not abs(more) <= LONGEST_STEP * period:
+            return None
+        cycle, period = cycle + change, period + more
+    if derivative is None or not _closes(flow, cycle, period):
+        return None
+    if candidate.is_free and not np.abs(flow.rate(cycle)).max() * period > MOVES * size:
+        return None  # it stands still
+    period = next(
+        (part for count in range(MOST_PARTS, 1, -1)
+         if _is_period(part := period / count, flow, candidate) and _closes(flow, cycle, part)),
+        period,
+    )  # fmt: skip
+    return cycle, period, flow.monodromy(cycle, flow.after(cycle, period), period)
+
+
+def _closes(flow: SystemFlow, cycle: Values, period: float) -> bool:
+    """Return whether a state comes back after a period."""
+    missed = np.abs(flow.after(cycle, period) - cycle).max()
+    return bool(missed <= NEARLY * np.abs(cycle).max())
+
+
+def _is_period(period: float, flow: SystemFlow, candidate: Candidate) -> bool:
+    """Return whether it may be one: any on turning axes, else whole revolutions."""
+    revolutions = period / flow.revolution
+    return candidate.is_free or abs(revolutions - round(revolutions)) < 1e-9 <= revolutions
+
+
+def _step(derivative: Values, missed: Values, rate: Values, is_free: bool) -> tuple[Values, float]:
+    """Return the changes of state and period that close a cycle, to first order."""
+    size = missed.size
+    matrix = np.eye(size) - derivative
+    if is_free:
+        # the state moves across the orbit alone
+        matrix = np.block([[matrix, -rate[:, np.newaxis]], [rate[np.newaxis], np.zeros((1, 1))]])
+        missed = np.append(missed, 0.0)
+    solved = np.asarray(np.linalg.lstsq(matrix, missed, rcond=0.1 * NEUTRAL)[0], np.float64)
+    return solved[:size], float(solved[size]) if is_free else 0.0
+
+
+def _keeps_course(
+    flow: SystemFlow, cycle: Values, off: Values, period: float, derivative: Values,
+    slowest: float, is_free: bool,
+) -> bool:  # fmt: skip
+    """Return whether a period later the motion is where the multipliers say."""
+    beside = flow.after(cycle + off, period) - cycle - derivative @ off
+    if is_free:  # along the orbit it may be early or late
+        rate = flow.rate(cycle)
+        beside = beside - rate * float(rate @ beside / (rate @ rate))
+    allowed = OFF_COURSE * (1.0 - slowest) * float(np.abs(off).max())
+    return bool(np.abs(beside).max() <= allowed)
+
+
+def _keeps_contacts(
+    flow: SystemFlow, run: SystemResult, off: Values, shapes: ComplexValues
+) -> bool:
+    """Return whether no contact can open or close that does not on the cycle.
+
+    The transient of each multiplier is largest at once; between whole periods it may be twice that.
+    """
+    assembly, found = flow.problem.assembly, flow.problem.found
+    parts = shapes * np.linalg.lstsq(shapes, off.astype(complex))[0]
+    moved = parts[: assembly.size] * flow.scales[: assembly.size, np.newaxis]
+    for number, contact in enumerate(assembly.contacts):
+        rows = found.rows[number]
+        if (run.event_contacts == number).any():
+            continue
+        places = run.samples[:, 0] @ rows.T - contact.centre
+        gap = float(np.abs(np.hypot(*places.T) - contact.clearance).min())
+        reach = 2.0 * float(np.hypot(*np.abs(rows @ moved)).sum())
+        if not reach <= WITHIN * gap:
+            return False
+    return True

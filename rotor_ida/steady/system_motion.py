@@ -1,0 +1,319 @@
+"""Follow a rotor system at one speed until it has settled, and describe how it moves then."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from itertools import islice
+
+import numpy as np
+
+from rotor_ida.arrays import ComplexValues, Values
+from rotor_ida.core.systems import SystemResult
+from rotor_ida.schema import MODE, OF_FRICTION_EVENT_KIND
+from rotor_ida.simulation.orbit import ENTRY
+from rotor_ida.steady.decision import RECURS, Decision, Exponents, decide
+from rotor_ida.steady.landing import (
+    MOST_TRIED,
+    SAMPLES_A_REVOLUTION,
+    Landing,
+    candidates,
+    land,
+)
+from rotor_ida.steady.orbit_extrema import extreme_radii
+from rotor_ida.steady.periods import FEWEST_PERIODS, Recurrence
+from rotor_ida.steady.response import STEADY, rolls_in_each
+from rotor_ida.steady.system_flow import SystemFlow
+
+# The first wait, in times in which the slowest free motion falls to 1/e, and in revolutions at most.
+DECAY_TIMES, LONGEST_FIRST_WAIT = 24.0, 200.0
+# No new window begins after so many of these times, at least and at most so many revolutions.
+LONGEST_DECAY_TIMES, LONGEST, LONGEST_OF_ALL = 60.0, 1500.0, 20_000.0
+# A landing is tried after this many revolutions, and whenever this part has been added.
+FIRST_TRY, MORE = 6.0, 0.5
+# Of a wait, this many revolutions are looked back at, so many samples each.
+LOOKED_BACK, SAMPLES_OF_WAIT = 48, 32
+WINDOW_REVOLUTIONS = 4
+STEADY_TOLERANCES = 10.0
+# Exponents are computed only for a motion that has not settled after so many revolutions and decay
+# times; they are means over at least so many revolutions, and this multiple of the earlier time.
+LATE, PATIENCE = 450.0, 20.0
+EXPONENT_REVOLUTIONS, EXPONENT_TIMES = 2000.0, 2.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SystemFeatures:
+    """How a rotor system moves in the last window.
+
+    Parameters
+    ----------
+    contact_whirl, node_whirl : ndarray of complex, shapes (contact,), (node,)
+        Complex amplitudes of the displacements at the spin speed.
+    contact_low, contact_high, node_low, node_high : ndarray
+        Smallest and largest distances, of the contacts from the centres of their stators.
+    largest_force : ndarray, shape (contact,)
+        Largest normal forces.
+    touches : ndarray of bool, shape (contact,)
+        Which contacts touch.
+    """
+
+    contact_whirl: ComplexValues
+    node_whirl: ComplexValues
+    contact_low: Values
+    contact_high: Values
+    node_low: Values
+    node_high: Values
+    largest_force: Values
+    touches: Values
+
+
+@dataclass(frozen=True, slots=True)
+class SettledSystem:
+    """The response on which a rotor system has settled.
+
+    Parameters
+    ----------
+    decision : Decision
+        Its kind, and what that was decided by.
+    features : SystemFeatures
+        The motion over the last window.
+    revolutions : float
+        For how many revolutions the system was followed.
+    state : ndarray, shape (n,)
+        The state at the end, as in `SystemFlow`.
+    """
+
+    decision: Decision
+    features: SystemFeatures
+    revolutions: float
+    state: Values
+
+
+def settle(flow: SystemFlow, state: Values) -> SettledSystem:
+    """Follow a rotor system from a state until the kind of its response is decided.
+
+    Raises
+    ------
+    SimulationError
+        If the integration fails or is stopped.
+    """
+    motion = _SystemMotion(flow, state, flow.problem.slowest_decay(flow.speed))
+    decision = decide(motion, motion.first_wait, motion.longest)
+    revolutions = motion.time / flow.revolution
+    return SettledSystem(decision, motion.features(), revolutions, motion.state)
+
+
+@dataclass(slots=True)
+class _SystemMotion:
+    """A motion of a rotor system: see `rotor_ida.steady.decision.Motion`."""
+
+    flow: SystemFlow
+    state: Values
+    decay: float
+    time: float = 0.0
+    landing: Landing | None = None  # where the last wait has led to
+    cycle: Landing | None = None  # on which the last window has shown the motion to be
+    # the last window
+    begin: Values = field(init=False)
+    times: Values = field(init=False)
+    run: SystemResult = field(init=False)
+    strobed: Values = field(init=False)
+
+    # ---- What is asked of a motion ----
+
+    @property
+    def steady(self) -> float:
+        return max(STEADY, STEADY_TOLERANCES * self.flow.problem.rtol)
+
+    @property
+    def touches(self) -> int:
+        return int((np.abs(self.run.event_kinds) == ENTRY).sum())
+
+    @property
+    def ends_in_contact(self) -> bool:
+        return bool((self.run.touches["way"] != MODE["flight"]).any())
+
+    @property
+    def never_settles(self) -> bool:
+        return not self.flow.problem.has_damping
+
+    def wait(self, duration: float) -> None:
+        """Follow the motion for a time in whole revolutions, or until it is on a stable cycle."""
+        revolution = self.flow.revolution
+        left = max(math.ceil(duration / revolution), 1)
+        while left > 0 and self.landing is None:
+            part = min(left, max(FIRST_TRY, math.ceil(MORE * self.time / revolution)))
+            left -= int(part)
+            back = min(int(part), LOOKED_BACK)
+            first = (part - back) * SAMPLES_OF_WAIT
+            count = np.arange(first, part * SAMPLES_OF_WAIT + 1)
+            times = count * (revolution / SAMPLES_OF_WAIT)
+            run = self._extend(times)
+            if not self.never_settles:
+                self._try_to_land(run, times)
+
+    def observe(self, times: int) -> None:
+        landing, revolution = self.landing, self.flow.revolution
+        period = revolution if landing is None else landing.period
+        count = max(FEWEST_PERIODS, math.ceil(WINDOW_REVOLUTIONS * revolution / period))
+        if landing is None:
+            count *= times
+        each = math.ceil(SAMPLES_A_REVOLUTION * max(period / revolution, 1.0))
+        self.begin = self.state
+        self.times = np.linspace(0.0, count * period, count * each + 1)
+        self.run = self._extend(self.times)
+        states = self.flow.samples_of(self.run, self.times)[::each]
+        races = np.tile(self.state[states.shape[1] :], (len(states), 1))
+        self.strobed = np.hstack([states, races])
+
+    def kind_of_state(self) -> str | None:
+        return None
+
+    def recurrence(self) -> Recurrence | None:
+        landing, self.landing, self.cycle = self.landing, None, None
+        if landing is None:
+            return None
+        size = float(np.abs(self.strobed).max())
+        missed = float(np.abs(np.diff(self.strobed, axis=0)).max()) / (size or 1.0)
+        if missed > RECURS * self.steady:
+            return None
+        self.cycle = landing
+        return Recurrence(landing.period, missed)
+
+    def slowest_multiplier(self, period: float) -> complex:
+        assert self.cycle is not None
+        assert period == self.cycle.period
+        return self.cycle.slowest
+
+    def held_back(self, multiplier: complex) -> float:
+        return 1.0 - abs(multiplier)
+
+    def stands_still(self) -> bool:
+        if self.flow.problem.forward is None or self.cycle is None or self.cycle.is_free:
+            return False
+        states = self.flow.samples_of(self.run, self.times)
+        moved = float(np.abs(states - states[0]).max())
+        return moved <= RECURS * self.steady * float(np.abs(states).max())
+
+    def rolls_backwards(self, period: float | None = None) -> bool:
+        each = self.flow.revolution if period is None else period
+        length = float(self.times[-1])
+        return any(
+            rolls_in_each(rolling, length, each)
+            for number in range(len(self.flow.request.laws))
+            if len(rolling := self._rolling(number)) and self._is_backward(number)
+        )
+
+    def fading(self) -> tuple[bool, bool]:
+        return False, False
+
+    def may_be_chaotic(self) -> bool:
+        revolutions = self.time / self.flow.revolution
+        return revolutions >= LATE and self.decay * self.time >= PATIENCE
+
+    def exponents(self) -> Exponents:
+        revolutions = self.time / self.flow.revolution
+        count = max(EXPONENT_REVOLUTIONS, EXPONENT_TIMES * revolutions)
+        return self.flow.exponents(self.state, math.ceil(count))
+
+    def followed(self) -> str:
+        told = f"followed for {self.time / self.flow.revolution:,.0f} revolutions"
+        if self.decay == 0.0:
+            return told
+        return f"{told}, {self.decay * self.time:.3g} times the slowest decay time"
+
+    def still_moves(self) -> str:
+        moved = np.abs(np.diff(self.strobed, axis=0)).max() / np.abs(self.strobed).max()
+        return (
+            f"in contact, it still moves by {moved:.2g} of its size from revolution to revolution, "
+            f"where {self.steady:.2g} is allowed"
+        )
+
+    # ---- Its limits, its runs and its features ----
+
+    @property
+    def first_wait(self) -> float:
+        """The time before the first window."""
+        longest = LONGEST_FIRST_WAIT * self.flow.revolution
+        return min(DECAY_TIMES / self.decay, longest) if self.decay > 0.0 else longest
+
+    @property
+    def longest(self) -> float:
+        """The time after which no new window begins."""
+        revolution = self.flow.revolution
+        decays = LONGEST_DECAY_TIMES / self.decay if self.decay > 0.0 else 0.0
+        return min(max(decays, LONGEST * revolution), LONGEST_OF_ALL * revolution)
+
+    def _extend(self, times: Values) -> SystemResult:
+        run = self.flow.run(self.state, times)
+        self.state = self.flow.end_of(run)
+        self.time += run.time
+        return run
+
+    def _try_to_land(self, run: SystemResult, times: Values) -> None:
+        """Go to the cycle that the motion leads to, if it shows that it does."""
+        late = run.event_times >= times[-1] - 2.0 * self.flow.revolution
+        may_stand = not (np.abs(run.event_kinds[late]) == ENTRY).any()
+        states = self.flow.samples_of(run, times)
+        found = candidates(self.flow, times, states, may_stand=may_stand)
+        for candidate in islice(found, MOST_TRIED):
+            self.landing = land(self.flow, self.state, candidate)
+            if self.landing is not None:
+                self.state = self.landing.state
+                return
+
+    def _rolling(self, number: int) -> Values:
+        """Return when a contact rolls in the window, shape (stretch, 2)."""
+        kinds = OF_FRICTION_EVENT_KIND
+        own = self.run.event_contacts == number
+        edges = [(0.0, bool(self.run.forces[0, number, 3] == MODE["rolling"]))]
+        for time, kind in zip(self.run.event_times[own], self.run.event_kinds[own], strict=True):
+            edges.append((float(time), bool(kind == kinds["roll"])))
+        ends = [time for time, _ in edges[1:]] + [float(self.times[-1])]
+        stretches = [(begin, end) for (begin, rolls), end in zip(edges, ends, strict=True) if rolls]
+        return np.array(stretches).reshape(-1, 2)
+
+    def _is_backward(self, number: int) -> bool:
+        """Return whether a contact stays closed in the window and whirls backwards."""
+        own = self.run.event_kinds[self.run.event_contacts == number]
+        if (np.abs(own) == ENTRY).any():
+            return False
+        place, velocity = self._relative(number)
+        backward = (place.conj() * velocity).imag * math.copysign(1.0, self.flow.speed)
+        return bool(backward.max() < 0.0)
+
+    def _relative(self, number: int) -> tuple[ComplexValues, ComplexValues]:
+        """Return displacement from the centre of the stator, and its rate, at samples."""
+        x, y = self.flow.problem.found.rows[number]
+        centre = complex(*self.flow.problem.assembly.contacts[number].centre)
+        z = self.run.samples @ x + 1j * (self.run.samples @ y)
+        return z[:, 0] - centre, z[:, 1]
+
+    def features(self) -> SystemFeatures:
+        """Return how the system moves in the window."""
+        flow, run = self.flow, self.run
+        found, contacts = flow.problem.found, flow.problem.assembly.contacts
+        nodes = found.rows_in_y(flow.problem.assembly.node_rows())
+        rows = np.concatenate([found.rows, nodes])
+        centres = np.zeros(len(rows), complex)
+        centres[: len(contacts)] = [complex(*each.centre) for each in contacts]
+        places = np.einsum("kn,tn->tk", rows[:, 0] + 1j * rows[:, 1], run.samples[:, 0]) - centres
+        turn = np.exp(-1j * flow.speed * self.times[:-1, np.newaxis])
+        whirl = (places[:-1] * turn).mean(axis=0)
+        low, high = extreme_radii(flow, self.begin, self.times, run, rows, centres)
+        count = len(contacts)
+        largest = run.forces[:, :, 0].max(axis=0, initial=0.0)
+        table = run.episodes
+        numbers = table["contact"].astype(int)
+        np.maximum.at(largest, numbers, np.nan_to_num(table["largest_force"]))
+        # the peak of an episode is exact
+        np.maximum.at(
+            high[:count], numbers,
+            np.array([contacts[n].clearance for n in numbers], float) + table["peak_root"] ** 2,
+        )  # fmt: skip
+        return SystemFeatures(
+            contact_whirl=whirl[:count], node_whirl=whirl[count:],
+            contact_low=low[:count], contact_high=high[:count],
+            node_low=low[count:], node_high=high[count:],
+            largest_force=largest, touches=largest > 0.0,
+        )  # fmt: skip
