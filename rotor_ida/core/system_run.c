@@ -133,13 +133,18 @@ static int take_step(struct work *work, int *is_idle)
     if (isnan(work->step))
         return NOT_FINITE;
     double end = work->step;
-    const int ends = polynomial(work->time, 1, work->order, end) >= limit;
+    int ends = polynomial(work->time, 1, work->order, end) >= limit;
     if (ends)
         end = point_of(work, limit, 0.0, end);
     const struct happening what = first_happening(work, end);
-    const int happens = what.point <= end;
+    int happens = what.point <= end;
     end = happens ? what.point : end;
     double until = polynomial(work->time, 1, work->order, end);
+    if (happens && until > limit) { /* behind an exit time falls: the limit lies before it */
+        ends = 1;
+        happens = 0;
+        end = point_of(work, limit, 0.0, end);
+    }
     if (ends && !happens)
         until = limit;
     observe(work, end, until);

@@ -249,3 +249,21 @@ def test_energy_of_a_free_rotor_on_a_moving_stator_is_kept():
     energy = 0.5 * (px**2 + py**2) + 0.15 * (x**2 + y**2) + 0.35 * (qx**2 + qy**2)
     energy += 1.5 * (sx**2 + sy**2) + 8.0 * depth**2.5
     assert energy == pytest.approx(0.5 * 1.49 + 0.15 * 0.01, rel=1e-11)
+
+
+@pytest.mark.parametrize("early", [1e-2, 1e-3, 3e-4])
+def test_a_run_that_ends_just_before_an_exit_ends_there(early):
+    """Behind an exit the time of the contact's series falls again: its end is not taken there."""
+    system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    given = {"contacts": contacts, "unbalance": unbalance, "speed": 2.0}
+    whole = simulate(system, **given, duration=40.0)
+    exits = whole.event_time.values[whole.event_kind.values == EXIT][:8]
+    ends = exits - early
+    long = simulate(system, **given, duration=40.0, samples=np.append(ends, 40.0))
+    for number, end in enumerate(ends):
+        short = simulate(system, **given, duration=end)
+        assert (short.event_time <= end).all()
+        assert int(short.event_kind[-1]) == ENTRY
+        here = long.isel(t=number, node=0)
+        assert float(short.x[-1, 0]) == pytest.approx(float(here.x), abs=1e-10)
+        assert float(short.vx[-1, 0]) == pytest.approx(float(here.vx), abs=1e-10)
