@@ -407,6 +407,16 @@ QUANTITIES: dict[str, Quantity] = {
     "window_start": Quantity("time at which the final window begins", scale="time"),
     "window_end": Quantity("time at which the final window and the run end", scale="time"),
     "status": Quantity("whether the run was completed", flags=STATUS),
+    "cycle_distance": Quantity(
+        "estimated distance from the settled motion at the end, relative to its size"
+    ),
+    "touched": Quantity("whether the contact is touched in the final window", flags=NO_YES),
+    "node_radius_min": Quantity(
+        "smallest distance of a node from the axis over the final window", scale="length"
+    ),
+    "node_radius_max": Quantity(
+        "largest distance of a node from the axis over the final window", scale="length"
+    ),
     "message": Quantity("why the run failed or its response is unresolved", ""),
     "event_count": Quantity("number of contact events of the run"),
     # many run-ups

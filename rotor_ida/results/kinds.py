@@ -86,6 +86,14 @@ KINDS = {
             drawn="rotor_ida.plot:system_figure", verified=f"{_VERIFIED}:SYSTEM_RUN",
         ),
         Kind(
+            name="system_sweep", meaning="sweep of a rotor system",
+            variables=("response", "touched", "node_amplitude"),
+            dims=("speed", "start", "direction"),
+            shown="rotor_ida.cli.describe_systems:show_system_sweep",
+            drawn="rotor_ida.plot:system_sweep_figure", verified=f"{_VERIFIED}:SYSTEM_SWEEP",
+            study="sweep_system", resumed=f"{_RESUMED}:resume_system_sweep",
+        ),
+        Kind(
             name="system_whirls", meaning="exact whirls of a rotor system",
             variables=("amplitude", "node_amplitude"), dims=("speed", "branch"),
             drawn="rotor_ida.plot:system_whirls_figure",

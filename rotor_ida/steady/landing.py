@@ -29,8 +29,8 @@ LONGEST_STEP, MOST_STEPS = 0.5, 8
 FOUND = 1e-11
 # or by no less than this, where rounding lets it come no nearer.
 NEARLY = 1e-9
-# The derivative is computed again while steps are longer than this part.
-ROUGH = 1e-4
+# The derivative is computed again unless it foretells where a step leads to this part of the step.
+FORETOLD = 1e-4
 # Multipliers that are 1 but for the errors of differences.
 NEUTRAL = 1e-5
 # What the motion may be off its linear course, in parts of what it approaches in a period.
@@ -91,7 +91,7 @@ class Landing:
 
 
 def candidates(
-    flow: SystemFlow, times: Values, states: Values, *, may_stand: bool
+    flow: SystemFlow, times: Values, states: Values, *, may_stand: bool, in_flight: bool
 ) -> Iterator[Candidate]:
     """Yield the periods that a motion may have, from samples up to its end, the likely ones first.
 
@@ -103,6 +103,8 @@ def candidates(
         Samples, a whole number each revolution, on turning axes; displacements and velocities.
     may_stand : bool
         Whether the motion may stand still on turning axes: no contact opened or closed.
+    in_flight : bool
+        Whether all contacts stayed open. Then the motion is linear, and may whirl about any point.
     """
     away = np.abs(states - states[-1]).max(axis=1)
     size, revolution = float(np.abs(states).max()), flow.revolution
@@ -115,7 +117,7 @@ def candidates(
             if strobed[count - 1] <= NEAR * (size if count == 1 else spread):
                 yield Candidate(count * revolution, is_free=False)
         return
-    if may_stand and float(away[-1 - each :].max()) <= NEAR * size:
+    if in_flight or (may_stand and float(away[-1 - each :].max()) <= NEAR * size):
         yield Candidate(revolution, is_free=False)
     spread, rate = float(away.max()), flow.rate(_whole(flow, states[-1]))[: states.shape[1]]
     lows = 1 + np.flatnonzero((away[1:-1] < away[:-2]) & (away[1:-1] <= away[2:]))
@@ -168,12 +170,12 @@ def _newton(
     for _ in range(MOST_STEPS):
         image = flow.after(cycle, period)
         missed = float(np.abs(image - cycle).max())
-        if not missed <= last and last <= NEARLY * size:
+        if derivative is not None and (missed <= FOUND * size or last <= NEARLY * size <= missed):
             break
-        if derivative is None or step > ROUGH * size:
+        # after a step that the derivative has foretold it has hardly changed
+        if derivative is None or missed > FORETOLD * step:
             derivative = flow.monodromy(cycle, image, period)
-            if candidate.is_free:
-                rate = flow.rate(cycle)
+            rate = flow.rate(cycle) if candidate.is_free else rate
         if missed <= FOUND * size:
             break
         last = missed
@@ -186,12 +188,11 @@ def _newton(
         return None
     if candidate.is_free and not np.abs(flow.rate(cycle)).max() * period > MOVES * size:
         return None  # it stands still
-    period = next(
-        (part for count in range(MOST_PARTS, 1, -1)
-         if _is_period(part := period / count, flow, candidate) and _closes(flow, cycle, part)),
-        period,
-    )  # fmt: skip
-    return cycle, period, flow.monodromy(cycle, flow.after(cycle, period), period)
+    for count in range(MOST_PARTS, 1, -1):
+        part = period / count
+        if _is_period(part, flow, candidate) and _closes(flow, cycle, part):
+            return cycle, part, flow.monodromy(cycle, flow.after(cycle, part), part)
+    return cycle, period, derivative
 
 
 def _closes(flow: SystemFlow, cycle: Values, period: float) -> bool:

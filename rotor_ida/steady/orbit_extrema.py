@@ -33,8 +33,8 @@ def extreme_radii(
     Notes
     -----
     Between samples the square of the distance is a cubic by its values and rates at both ends. The
-    window is simulated again with samples where these are extreme. There the distance is stationary,
-    so that the small errors of these times matter by their squares.
+    window is simulated again with samples where these are extreme. There the distance is
+    stationary, so that the small errors of these times matter by their squares.
     """
     squares, rates = _squares(run, rows, centres)
     at = np.concatenate(

@@ -70,6 +70,11 @@ class SettlingProblem:
         return np.array([race is not None for race in self.assembly.races], bool)
 
     @property
+    def race_speeds(self) -> Values:
+        """The speeds of those races at time 0."""
+        return np.array([race.speed for race in self.assembly.races if race is not None])
+
+    @property
     def has_damping(self) -> bool:
         """Whether anything but friction takes energy from the motion."""
         return self.found.damping is not None or any(

@@ -25,7 +25,7 @@ from rotor_ida.steady.periods import FEWEST_PERIODS, Recurrence
 from rotor_ida.steady.response import STEADY, rolls_in_each
 from rotor_ida.steady.system_flow import SystemFlow
 
-# The first wait, in times in which the slowest free motion falls to 1/e, and in revolutions at most.
+# The first wait, in decay times of the slowest free motion, and in revolutions at most.
 DECAY_TIMES, LONGEST_FIRST_WAIT = 24.0, 200.0
 # No new window begins after so many of these times, at least and at most so many revolutions.
 LONGEST_DECAY_TIMES, LONGEST, LONGEST_OF_ALL = 60.0, 1500.0, 20_000.0
@@ -255,7 +255,10 @@ class _SystemMotion:
         late = run.event_times >= times[-1] - 2.0 * self.flow.revolution
         may_stand = not (np.abs(run.event_kinds[late]) == ENTRY).any()
         states = self.flow.samples_of(run, times)
-        found = candidates(self.flow, times, states, may_stand=may_stand)
+        in_flight = not (run.touches["way"] != MODE["flight"]).any()
+        found = candidates(
+            self.flow, times, states, may_stand=may_stand, in_flight=may_stand and in_flight
+        )
         for candidate in islice(found, MOST_TRIED):
             self.landing = land(self.flow, self.state, candidate)
             if self.landing is not None:

@@ -1,12 +1,13 @@
-"""What a run of a rotor system was computed from, as variables of its dataset, and back.
+"""What a run or sweep of a rotor system was computed from, as variables of its dataset, and back.
 
 The matrices are those that were integrated: of a reduced system, the reduced ones. Gravity is
-within the constant force. So a run can be computed again, to the bit, from its dataset alone.
+within the constant force. So a result can be computed again, to the bit, from its dataset alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,7 @@ NAMES = ("node", "contact_node", "contact_stator", "unbalance_node")
 def problem_variables(
     assembly: Assembly, unbalance: Sequence[Unbalance], start: Values
 ) -> dict[str, Column]:
-    """Return what a run is computed from, but for its speed and the places of its contacts.
+    """Return what a run or sweep is computed from, but for its speed.
 
     Parameters
     ----------
@@ -44,10 +45,11 @@ def problem_variables(
         The system with its stators, contacts and forces.
     unbalance : sequence of Unbalance
         Its unbalance.
-    start : ndarray, shape (2, n)
-        Displacement and velocity at time 0.
+    start : ndarray, shape (2, n) or (start, 2 n)
+        Displacement and velocity at time 0; of each start of a sweep, NaN for the settled whirl.
     """
     system = assembly.system
+    is_one = start.shape == (2, assembly.size)
     square = ("freedom", "freedom_too")
     found: dict[str, Column] = {
         f"{name}_matrix": (square, matrix)
@@ -57,7 +59,9 @@ def problem_variables(
     rows = np.array([system.rows(name) for name in system.nodes]).reshape(-1, 2, system.size)
     found["node_rows"] = (("node", "axis", "freedom"), rows)
     found["constant_force"] = ("assembled_freedom", assembly.force)
-    found["start_state"] = ("coordinate", start.ravel())
+    found["start_state"] = (
+        ("coordinate", start.ravel()) if is_one else (("start", "coordinate"), start)
+    )
     found |= _contacts(assembly)
     for name, dims in OF_STATOR.items():
         values = np.array([getattr(each, name) for each in assembly.stators], float)
@@ -70,8 +74,15 @@ def problem_variables(
 
 
 def _contacts(assembly: Assembly) -> dict[str, Column]:
-    """Return the laws, stators and races of the contacts."""
+    """Return the nodes, stators, laws and races of the contacts."""
     contacts = assembly.contacts
+    stators = [
+        each.stator if isinstance(each.stator, str)
+        else "" if each.stator is None
+        else f"stator {assembly.stators.index(each.stator)}"
+        for each in contacts
+    ]  # fmt: skip
+    centres = np.array([each.centre for each in contacts]).reshape(-1, 2)
 
     def column(values: Sequence[Any]) -> Column:
         return "contact", np.array(values, float)
@@ -86,6 +97,11 @@ def _contacts(assembly: Assembly) -> dict[str, Column]:
         for race in assembly.races
     ]
     return {
+        "contact_node": ("contact", np.array([each.node for each in contacts], str)),
+        "clearance": column([each.clearance for each in contacts]),
+        "contact_stator": ("contact", np.array(stators, str)),
+        "centre_x": ("contact", centres[:, 0]),
+        "centre_y": ("contact", centres[:, 1]),
         "stator_number": ("contact", np.array(numbers, np.int16)),
         **{f"law_{name}": column([getattr(each, name) for each in contacts]) for name in LAW},
         **{f"race_{name}": column([race[name] for race in races]) for name in OF_RACE},
@@ -93,7 +109,7 @@ def _contacts(assembly: Assembly) -> dict[str, Column]:
 
 
 def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
-    """Return the system of a run, and the arguments for what stands around it.
+    """Return the system of a run or sweep, and the arguments for what stands around it.
 
     Raises
     ------
@@ -118,7 +134,8 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
         name: run[f"{name}_matrix"].values for name in MATRICES if f"{name}_matrix" in run
     }
     nodes = dict(zip(run["node"].values.tolist(), run["node_rows"].values, strict=True))
-    si = run["t"].attrs.get("units") == "s"
+    unit = run["t" if "t" in run.variables else "speed"].attrs.get("units")
+    si = unit in {"s", "s-1"}
     positions = None
     if "axial_position" in run.variables:
         positions = dict(zip(nodes, run["axial_position"].values.tolist(), strict=True))
@@ -137,9 +154,48 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
         "contacts": [_contact(run.isel(contact=i), stators) for i in range(run.sizes["contact"])],
         "unbalance": unbalance,
         "static_force": run["constant_force"].values,
-        "start": tuple(run["start_state"].values.reshape(2, -1)),
     }
-    return system, around
+    states = [
+        "settled" if np.isnan(each).all() else tuple(each.reshape(2, -1))
+        for each in np.atleast_2d(run["start_state"].values)
+    ]
+    return system, around | ({"starts": states} if "start" in run.sizes else {"start": states[0]})
+
+
+def design_of_problem(problem: Mapping[str, Column], system: RotorSystem) -> dict[str, object]:
+    """Return what a sweep is computed from, as strings, finite numbers, None and lists of them."""
+    variables = {name: xr.Variable(*column) for name, column in problem.items()}
+    found: dict[str, object] = {
+        name: [list(map(str, each.dims)), _finite(each.values.tolist())]
+        for name, each in variables.items()
+    }
+    places = None if system.positions is None else list(system.positions.values())
+    return found | {"units": system.units, "axial_position": ["node", places]}
+
+
+def problem_in(design: Mapping[str, Any]) -> tuple[RotorSystem, dict[str, Any]]:
+    """Return the system in the design of a study, and the arguments for what stands around it."""
+    columns = {
+        name: (dims, np.array(_with_nan(values)))
+        for name, (dims, values) in ((n, each) for n, each in design.items() if n != "units")
+        if values is not None
+    }
+    unit = {"units": "s-1"} if design["units"] == "SI" else {}
+    return problem_of(xr.Dataset({**columns, "speed": ((), 0.0, unit)}))
+
+
+def _finite(values: Any) -> Any:
+    """Return nested lists with None for NaN."""
+    if isinstance(values, list):
+        return [_finite(each) for each in values]
+    return None if isinstance(values, float) and math.isnan(values) else values
+
+
+def _with_nan(values: Any) -> Any:
+    """Return nested lists with NaN for None."""
+    if isinstance(values, list):
+        return [_with_nan(each) for each in values]
+    return math.nan if values is None else values
 
 
 def _contact(row: xr.Dataset, stators: Sequence[Stator]) -> Contact:

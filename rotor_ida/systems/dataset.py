@@ -64,9 +64,6 @@ def system_dataset(
         "event_state": (("event", "coordinate"), event_q.reshape(len(kinds), 2 * assembly.size)),
         "horizon": ((), followed.horizon),
         "final_state": ("component", np.concatenate([found.to_q(result.state).ravel(), races])),
-        "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
-        "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
-        **_stators(assembly),
         **_relative(assembly, q, event_q[:, 0], result.event_contacts),
         **_forces(followed),
         **_episodes(followed),
@@ -94,21 +91,6 @@ def system_dataset(
     kind = Quantity(QUANTITIES["event_kind"].long_name, flags=flags)
     dataset["event_kind"].attrs = kind.attributes()
     return with_system_units(dataset, system)
-
-
-def _stators(assembly: Assembly) -> dict[str, Column]:
-    """Return the stator of each contact, "" for the ground, and where its centre is."""
-    names = [
-        each.stator if isinstance(each.stator, str)
-        else "" if each.stator is None
-        else f"stator {assembly.stators.index(each.stator)}"
-        for each in assembly.contacts
-    ]  # fmt: skip
-    centres = np.array([each.centre for each in assembly.contacts]).reshape(-1, 2)
-    return {
-        "contact_stator": ("contact", np.array(names, str)),
-        "centre_x": ("contact", centres[:, 0]), "centre_y": ("contact", centres[:, 1]),
-    }  # fmt: skip
 
 
 def _relative(

@@ -1,0 +1,375 @@
+"""The settled response of a rotor system over a range of speeds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Column, Stop, Values
+from rotor_ida.checks import (
+    MOST_NUMBERS,
+    MOST_POINTS_OF_STUDY,
+    check_between,
+    check_choice,
+    check_increasing,
+    check_points,
+    check_progress,
+    shown,
+)
+from rotor_ida.errors import InputError
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.parallel import Progress, choose
+from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.studies.results import Folder
+from rotor_ida.schema import RESPONSE, STATUS, labelled_dataset
+from rotor_ida.steady.follow import FAILED
+from rotor_ida.steady.grid import EXPECTED, Places, Rows, Task, form_of, reason_of, run_study
+from rotor_ida.steady.ramps import RampOrder
+from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS
+from rotor_ida.steady.sweep import DIRECTIONS, Direction
+from rotor_ida.steady.system_flow import SettlingProblem, SystemFlow
+from rotor_ida.steady.system_motion import SettledSystem, settle
+from rotor_ida.systems.archived import design_of_problem, problem_variables
+from rotor_ida.systems.assembly import assemble
+from rotor_ida.systems.dataset import with_system_units
+from rotor_ida.systems.modes import in_modes
+from rotor_ida.systems.receptances import checked_speeds
+from rotor_ida.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
+from rotor_ida.systems.starts import Start, start_of
+
+SETTLED = "settled"
+OF_POINT = ("period", "cycle_distance", "lyapunov_exponent", "lyapunov_error", "revolutions")
+OF_CONTACT = ("amplitude", "phase_lag", "radius_min", "radius_max", "largest_force")
+OF_NODE = ("node_amplitude", "node_phase_lag", "node_radius_min", "node_radius_max")
+
+
+def sweep_system(
+    system: RotorSystem,
+    *,
+    contacts: Sequence[Contact] = (),
+    speed: npt.ArrayLike,
+    unbalance: Sequence[Unbalance] = (),
+    gravity: tuple[float, float] | None = None,
+    static_force: npt.ArrayLike | None = None,
+    starts: Sequence[Start] = (None,),
+    direction: Direction | None = None,
+    modes: int | None = None,
+    rtol: float = 1e-10,
+    workers: int | None = None,
+    executor: str = "auto",
+    study: Folder | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Compute the settled response of a rotor system at every speed.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The rotor.
+    contacts, unbalance, gravity, static_force, modes : optional
+        As in `simulate_system`.
+    speed : float or sequence of float, shape (n,)
+        Spin speeds, not 0.
+    starts : sequence of (q, velocity), "settled", "rest" or None
+        Starts at time 0, as in `simulate_system`; default: one, at rest at 0.
+    direction : {"up", "down", "both"}, optional
+        Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
+        the starts, and each other from the end of the one before, so that jumps and their
+        hysteresis appear. By default each speed begins from the starts.
+    rtol : float
+        Relative tolerance, from 1e-14 to 1e-4.
+    workers, executor, study, progress
+        As in `sweep` of one disc.
+
+    Returns
+    -------
+    Dataset
+        On ``(speed, start, direction)``: ``response`` (its kind, as a flag: the words and numbers
+        of `sweep` of one disc), ``period`` of a motion that is not synchronous,
+        ``cycle_distance`` (the estimated distance from the settled motion at the end, relative to
+        its size), ``lyapunov_exponent`` and ``lyapunov_error`` where needed, ``revolutions`` for
+        which it was followed, ``status`` and ``message``. On ``contact`` too: ``amplitude`` and
+        ``phase_lag`` of the displacement at the spin speed, ``radius_min``, ``radius_max``,
+        ``largest_force`` and ``touched``. On ``node``: ``node_amplitude``, ``node_phase_lag``,
+        ``node_radius_min``, ``node_radius_max``. On ``component``: ``final_state``, with the
+        unbalance at angle 0.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used. A point that fails does not raise: its ``status`` and
+        ``message`` give the reason.
+    SimulationError
+        If one of the ``"processes"``, or the scheduler, died.
+
+    Notes
+    -----
+    An axisymmetric system is autonomous on axes that turn with the unbalance: there a synchronous
+    whirl stands still, and other periodic motions are cycles of any period. Of any other system the
+    states once a revolution are compared, and periods are whole revolutions.
+
+    The motion is followed until it shows to which stable cycle it leads; Newton's method then finds
+    that cycle, from where the simulation goes on (`rotor_ida.steady.landing`). Only a motion that
+    misses itself by less than 1e-9 of its size over a window is periodic. So slight damping costs
+    no thousands of revolutions. A motion that shows no cycle is followed for 60 times the
+    slowest decay time of a free motion, at least 1,500 and at most 20,000 revolutions. After 450
+    revolutions and 20 decay times its largest Lyapunov exponents decide whether it is ``chaotic``
+    or ``quasi_periodic``, by neighbours over at least 2,000 revolutions.
+
+    It is ``rolling`` (dry whip) if a contact stays closed, whirls backwards, and rolls in every
+    period or revolution. The kind ``touching`` of one disc is not told from ``unresolved`` ones.
+
+    Examples
+    --------
+    >>> from rotor_ida import decode_flags
+    >>> system = RotorSystem(mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2),
+    ...                      nodes={"disc": (0, 1)}, units="1")
+    >>> responses = sweep_system(
+    ...     system, contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0, exponent=1.0)],
+    ...     unbalance=[Unbalance(node="disc", moment=1.0)], speed=[0.5, 0.9], direction="up")
+    >>> decode_flags(responses.response).values.ravel().tolist()
+    ['contact_free', 'synchronous']
+    >>> responses.amplitude.values.ravel().round(6)
+    array([0.332595, 1.622132])
+    """
+    speeds = _checked_speeds(speed, direction)
+    tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
+    check_progress(progress)
+    chosen = choose(executor, workers, compiled=True)
+    begun = _checked_starts(starts)
+    around = {"contacts": contacts, "unbalance": unbalance, "static_force": static_force}
+    given, *others = [in_modes(system, modes, around | {"start": start}) for start in begun]
+    assembly = assemble(given["system"], contacts, unbalance, gravity, given["static_force"])
+    first = [each["start"] for each in (given, *others)]
+    problem = SettlingProblem.of(assembly, tolerance)
+    directions = np.array(DIRECTIONS[direction], dtype=np.int8)
+    sizes = (speeds.size, len(first), directions.size)
+    check_points(*(range(size) for size in sizes),
+                 most=MOST_NUMBERS if study is None else MOST_POINTS_OF_STUDY)  # fmt: skip
+    ramps = SystemRamps(problem, speeds, first, RampOrder(sizes, directions))
+    states = np.array([_start_state(problem, each, speeds) for each in first])
+    held = problem_variables(assembly, unbalance, states)
+    held["node"] = ("node", np.array(list(assembly.system.nodes), str))
+    told = {"rtol": tolerance} | ({} if modes is None else {"modes": modes})
+    design = {
+        "kind": "sweep_system", "speed": speeds.tolist(), "direction": direction, **told,
+        "problem": design_of_problem(held, assembly.system), **computing(),
+    }  # fmt: skip
+    task = Task(settle_along, lost, rows_of, ramps.form, ramps.point)
+    columns = run_study(ramps, task, design, study=study, workers=chosen, progress=progress).points
+    return _dataset(ramps, columns, held, told)
+
+
+def _checked_speeds(speed: object, direction: object) -> Values:
+    """Return spin speeds that a sweep can follow."""
+    speeds = checked_speeds(speed)
+    if not speeds.all():
+        raise InputError("speed must not be 0 in a sweep of a rotor system, got 0.0")
+    if direction is not None:
+        check_choice("direction", direction, ("up", "down", "both"))
+        check_increasing("speed", speeds, "in a sweep up or down")
+    return speeds
+
+
+def _checked_starts(starts: object) -> list[Start]:
+    """Return the starts, one or more."""
+    if isinstance(starts, str) or not isinstance(starts, Sequence) or not len(starts):
+        raise InputError(
+            f'starts must be a list of (q, velocity), "settled", "rest" or None, got '
+            f"{shown(starts)}"
+        )
+    return list(starts)
+
+
+def _start_state(problem: SettlingProblem, start: Start, speeds: Values) -> Values:
+    """Return displacement and velocity of a start; NaN where they depend on the speed."""
+    state = start_of(problem.assembly, start, float(speeds[0])).ravel()
+    return np.full_like(state, math.nan) if isinstance(start, str) and start == SETTLED else state
+
+
+@dataclass(frozen=True, slots=True)
+class SystemRampJob:
+    """A ramp with all that a worker needs to follow it."""
+
+    problem: SettlingProblem
+    speeds: list[float]
+    start: Start
+    point: np.dtype[np.void]
+
+
+@dataclass(frozen=True)
+class SystemRamps:
+    """All ramps of a sweep of a rotor system, by number.
+
+    Parameters
+    ----------
+    problem : SettlingProblem
+        The system.
+    speeds : ndarray
+        The speeds.
+    starts : sequence
+        The starts.
+    order : RampOrder
+        How the points form ramps.
+    """
+
+    problem: SettlingProblem
+    speeds: Values
+    starts: Sequence[Start]
+    order: RampOrder
+
+    @property
+    def length(self) -> int:
+        """Number of points of each ramp."""
+        return self.order.length
+
+    @property
+    def points(self) -> int:
+        """Number of points of all ramps."""
+        return self.order.points
+
+    @property
+    def point(self) -> np.dtype[np.void]:
+        """The columns of a point."""
+        assembly = self.problem.assembly
+        contacts, nodes = len(assembly.contacts), len(assembly.system.nodes)
+        races = int(self.problem.with_race.sum())
+        return np.dtype(
+            [
+                ("response", np.int8),
+                *((name, np.float64) for name in OF_POINT),
+                ("status", np.int8),
+                *((name, np.float64, (contacts,)) for name in OF_CONTACT),
+                ("touched", np.int8, (contacts,)),
+                *((name, np.float64, (nodes,)) for name in OF_NODE),
+                ("final_state", np.float64, (2 * assembly.size + races,)),
+            ]
+        )
+
+    @property
+    def form(self) -> Any:
+        """How rows are stored."""
+        return form_of("points of a sweep", "points", self.point)
+
+    def places(self, number: int) -> Places:
+        """Return the positions of a ramp's points among all, in the order of the dimensions."""
+        return self.order.places(number)
+
+    def job(self, number: int) -> SystemRampJob:
+        """Return what a worker needs to follow a ramp."""
+        speeds, (start, _) = self.order.indices(number)
+        return SystemRampJob(
+            self.problem, self.speeds[speeds].tolist(), self.starts[start], self.point
+        )
+
+    def slowest_first(self) -> Places:
+        """Return the numbers of the ramps, in any order."""
+        return np.arange(len(self.order))
+
+
+def settle_along(ramp: SystemRampJob, stop: Stop) -> Rows:
+    """Follow one ramp: each point begins where the last one that did not fail has ended."""
+    points, messages = np.zeros(len(ramp.speeds), ramp.point), []
+    problem, last = ramp.problem, None
+    for row, speed in zip(points, ramp.speeds, strict=True):
+        if stop[0]:
+            break
+        flow = SystemFlow.at(problem, speed, stop)
+        if last is None:
+            begun = start_of(problem.assembly, ramp.start, speed)
+            moved = np.array([problem.found.to_y(each) for each in begun])
+            last = np.concatenate([moved.ravel(), problem.race_speeds])
+        try:
+            settled = settle(flow, last / flow.scales)
+        except EXPECTED as error:  # it must not end the other points
+            _fail(row)
+            messages.append(reason_of(error))
+            continue
+        last = settled.state * flow.scales
+        _fill(row, settled, problem, last)
+        messages.append(settled.decision.message)
+    return Rows(points[: len(messages)], messages)
+
+
+def lost(ramp: SystemRampJob, reason: str) -> Rows:
+    """Return the points of a ramp whose workers died."""
+    points = np.zeros(len(ramp.speeds), ramp.point)
+    for row in points:
+        _fail(row)
+    return Rows(points, [reason] * len(points))
+
+
+def rows_of(rows: Rows) -> Rows:
+    """Return the rows of a ramp, which they are already."""
+    return rows
+
+
+def _fail(row: np.void) -> None:
+    """Mark a point as failed."""
+    for name in (*OF_POINT, *OF_CONTACT, *OF_NODE, "final_state"):
+        row[name] = math.nan
+    row["response"], row["status"], row["touched"] = RESPONSE[FAILED], STATUS["failed"], 0
+
+
+def _fill(row: np.void, settled: SettledSystem, problem: SettlingProblem, last: Values) -> None:
+    """Write a settled response into a row."""
+    decision, features, size = settled.decision, settled.features, problem.assembly.size
+    row["response"], row["status"] = RESPONSE[decision.kind], STATUS["done"]
+    has_period = decision.period is not None and decision.kind not in (CONTACT_FREE, SYNCHRONOUS)
+    row["period"] = decision.period if has_period else math.nan  # type: ignore[assignment]
+    row["cycle_distance"] = decision.distance if math.isfinite(decision.distance) else math.nan
+    row["lyapunov_exponent"], row["lyapunov_error"] = decision.exponent, decision.error
+    row["revolutions"] = settled.revolutions
+    row["amplitude"], row["node_amplitude"] = map(
+        np.abs, (features.contact_whirl, features.node_whirl)
+    )
+    row["phase_lag"], row["node_phase_lag"] = (
+        -np.angle(whirl) for whirl in (features.contact_whirl, features.node_whirl)
+    )
+    row["radius_min"], row["radius_max"] = features.contact_low, features.contact_high
+    row["node_radius_min"], row["node_radius_max"] = features.node_low, features.node_high
+    row["largest_force"], row["touched"] = features.largest_force, features.touches
+    moved = problem.found.to_q(last[: 2 * size].reshape(2, size))
+    row["final_state"] = np.concatenate([moved.ravel(), last[2 * size :]])
+
+
+def _dataset(
+    ramps: SystemRamps,
+    columns: Mapping[str, npt.NDArray[Any]],
+    held: Mapping[str, Column],
+    told: Mapping[str, object],
+) -> xr.Dataset:
+    """Return the points of a sweep as a labelled dataset."""
+    order, system = ramps.order, ramps.problem.assembly.system
+    dims = ("speed", "start", "direction")
+    behind = dict.fromkeys((*OF_CONTACT, "touched"), ("contact",))
+    behind |= dict.fromkeys(OF_NODE, ("node",)) | {"final_state": ("component",)}
+    variables: dict[str, Column] = {
+        name: ((*dims, *behind.get(name, ())), column.reshape(*order.shape, *column.shape[1:]))
+        for name, column in columns.items()
+    }
+    coordinates: dict[str, Column] = {
+        "speed": ("speed", ramps.speeds),
+        "start": ("start", np.arange(len(ramps.starts))),
+        "direction": ("direction", order.directions),
+        "node": held["node"],
+    }
+    if system.positions is not None:
+        coordinates["axial_position"] = ("node", np.array(list(system.positions.values())))
+    variables |= {name: column for name, column in held.items() if name != "node"}
+    dataset = labelled_dataset(
+        "Rotor system: responses over a range of speeds", variables, coordinates,
+        provenance({"method": "taylor", **told}), kind="system_sweep",
+    )  # fmt: skip
+    for name, word in (("radius_min", "smallest"), ("radius_max", "largest")):
+        dataset[name].attrs["long_name"] = (
+            f"{word} distance of the contact from the centre of its stator over the final window"
+        )
+    return with_system_units(dataset, system)
