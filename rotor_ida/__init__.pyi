@@ -54,9 +54,10 @@ from .simulation.contact_table import contact_summary as contact_summary
 from .simulation.lyapunov import lyapunov_exponent as lyapunov_exponent
 from .simulation.sections import poincare_section as poincare_section
 from .steady.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
+from .steady.dispatch import sweep as sweep
 from .steady.run_up_summary import summary as summary
 from .steady.run_ups import run_ups as run_ups
-from .steady.sweep import sweep as sweep
+from .steady.system_sweep import sweep_system as sweep_system
 from .systems.campbell import campbell as campbell
 from .systems.dispatch import run_up as run_up
 from .systems.dispatch import simulate as simulate

@@ -19,7 +19,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Column
 from rotor_ida.checks import COMPONENTS, MOST_NUMBERS, MOST_POINTS_OF_STUDY, State, check_points
-from rotor_ida.errors import SimulationError
+from rotor_ida.errors import RotorError, SimulationError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import Rotors
 from rotor_ida.parallel import FailedJob, Progress, Workers, run_all
@@ -42,7 +42,7 @@ NO_COLUMNS = np.dtype([])
 
 def reason_of(error: Exception) -> str:
     """Return the message for an error that was `EXPECTED`."""
-    if isinstance(error, SimulationError):
+    if isinstance(error, RotorError):
         return str(error)
     return f"{type(error).__name__}: {error}".rstrip(": ")
 

@@ -152,6 +152,11 @@ def land(flow: SystemFlow, state: Values, candidate: Candidate) -> Landing | Non
     if not abs(slowest) < 1.0:
         return None
     off = state - cycle
+    if trivial.any() and not candidate.is_free:
+        # the centre of its whirl stays where the transient leaves it
+        parts = np.linalg.lstsq(shapes, off.astype(complex))[0]
+        kept = (shapes[:, trivial] @ parts[trivial]).real
+        cycle, off = cycle + kept, off - kept
     if np.abs(off).max() > THERE * np.abs(cycle).max() and not (
         _keeps_course(flow, cycle, off, period, derivative, abs(slowest), candidate.is_free)
         and _keeps_contacts(flow, run, off, shapes)

@@ -282,13 +282,10 @@ def settle_along(ramp: SystemRampJob, stop: Stop) -> Rows:
         if stop[0]:
             break
         flow = SystemFlow.at(problem, speed, stop)
-        if last is None:
-            begun = start_of(problem.assembly, ramp.start, speed)
-            moved = np.array([problem.found.to_y(each) for each in begun])
-            last = np.concatenate([moved.ravel(), problem.race_speeds])
         try:
-            settled = settle(flow, last / flow.scales)
-        except EXPECTED as error:  # it must not end the other points
+            begun = _first_state(problem, ramp.start, speed) if last is None else last
+            settled = settle(flow, begun / flow.scales)
+        except (*EXPECTED, InputError) as error:  # it must not end the other points
             _fail(row)
             messages.append(reason_of(error))
             continue
@@ -296,6 +293,13 @@ def settle_along(ramp: SystemRampJob, stop: Stop) -> Rows:
         _fill(row, settled, problem, last)
         messages.append(settled.decision.message)
     return Rows(points[: len(messages)], messages)
+
+
+def _first_state(problem: SettlingProblem, start: Start, speed: float) -> Values:
+    """Return the state at a start: displacements, velocities and speeds of races."""
+    begun = start_of(problem.assembly, start, speed)  # a resonance has no settled whirl
+    moved = np.array([problem.found.to_y(each) for each in begun])
+    return np.concatenate([moved.ravel(), problem.race_speeds])
 
 
 def lost(ramp: SystemRampJob, reason: str) -> Rows:

@@ -6,7 +6,6 @@ within the constant force. So a result can be computed again, to the bit, from i
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -164,38 +163,28 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
 
 def design_of_problem(problem: Mapping[str, Column], system: RotorSystem) -> dict[str, object]:
     """Return what a sweep is computed from, as strings, finite numbers, None and lists of them."""
-    variables = {name: xr.Variable(*column) for name, column in problem.items()}
-    found: dict[str, object] = {
-        name: [list(map(str, each.dims)), _finite(each.values.tolist())]
-        for name, each in variables.items()
-    }
+    found: dict[str, object] = {"units": system.units}
     places = None if system.positions is None else list(system.positions.values())
-    return found | {"units": system.units, "axial_position": ["node", places]}
+    more = {} if places is None else {"axial_position": ("node", np.array(places))}
+    for name, column in {**problem, **more}.items():
+        each = xr.Variable(*column)
+        flat = [None if value != value else value for value in each.values.ravel().tolist()]
+        found[name] = [list(map(str, each.dims)), list(each.shape), flat]
+    return found
 
 
 def problem_in(design: Mapping[str, Any]) -> tuple[RotorSystem, dict[str, Any]]:
     """Return the system in the design of a study, and the arguments for what stands around it."""
-    columns = {
-        name: (dims, np.array(_with_nan(values)))
-        for name, (dims, values) in ((n, each) for n, each in design.items() if n != "units")
-        if values is not None
+    columns = dict(design)
+    unit = {"units": "s-1"} if columns.pop("units") == "SI" else {}
+    variables = {
+        name: (
+            dims,
+            np.array([np.nan if value is None else value for value in flat]).reshape(shape),
+        )
+        for name, (dims, shape, flat) in columns.items()
     }
-    unit = {"units": "s-1"} if design["units"] == "SI" else {}
-    return problem_of(xr.Dataset({**columns, "speed": ((), 0.0, unit)}))
-
-
-def _finite(values: Any) -> Any:
-    """Return nested lists with None for NaN."""
-    if isinstance(values, list):
-        return [_finite(each) for each in values]
-    return None if isinstance(values, float) and math.isnan(values) else values
-
-
-def _with_nan(values: Any) -> Any:
-    """Return nested lists with NaN for None."""
-    if isinstance(values, list):
-        return [_with_nan(each) for each in values]
-    return math.nan if values is None else values
+    return problem_of(xr.Dataset({**variables, "speed": ((), 0.0, unit)}))
 
 
 def _contact(row: xr.Dataset, stators: Sequence[Stator]) -> Contact:

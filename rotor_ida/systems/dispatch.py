@@ -43,8 +43,10 @@ def _of_both(
     return cast("OfBoth[OfDisc, OfSystem]", either)
 
 
-def _of_both_by_keyword(
-    disc: Callable[OfDisc, xr.Dataset], system: Callable[OfSystem, xr.Dataset]
+def of_both_by_keyword(
+    disc: Callable[OfDisc, xr.Dataset],
+    system: Callable[OfSystem, xr.Dataset],
+    module: str = __name__,
 ) -> OfBoth[OfDisc, OfSystem]:
     """Return the function of one disc's parameters, which hands a rotor system to the other."""
 
@@ -53,10 +55,10 @@ def _of_both_by_keyword(
         chosen: Any = system if rotor or "system" in options else disc
         return cast("xr.Dataset", chosen(*rotor, **options))
 
-    either.__module__ = __name__  # where it can be found, by pickle too
+    either.__module__ = module  # where it can be found, by pickle too
     return cast("OfBoth[OfDisc, OfSystem]", either)
 
 
 simulate = _of_both(simulate_disc, simulate_system)
 run_up = _of_both(run_up_disc, run_up_system)
-synchronous_response = _of_both_by_keyword(synchronous_response_disc, synchronous_response_system)
+synchronous_response = of_both_by_keyword(synchronous_response_disc, synchronous_response_system)

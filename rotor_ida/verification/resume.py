@@ -24,6 +24,8 @@ from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies import design_of, program_of
 from rotor_ida.steady.run_ups import run_ups
 from rotor_ida.steady.sweep import sweep
+from rotor_ida.steady.system_sweep import sweep_system
+from rotor_ida.systems.archived import problem_in
 
 # The design of a study, as in its folder; the arguments for its jobs; the function that resumes it.
 Design = Mapping[str, Any]
@@ -91,6 +93,14 @@ def resume_sweep(design: Design, jobs: Jobs) -> Resumed:
     """Return the function that resumes a sweep."""
     given = _given(design, "direction", *SOLVER, "flight") | _axes(design)
     return partial(sweep, **given, starts=_starts(design), **jobs)
+
+
+def resume_system_sweep(design: Design, jobs: Jobs) -> Resumed:
+    """Return the function that resumes a sweep of a rotor system."""
+    system, around = problem_in(design["problem"])
+    return partial(
+        sweep_system, system, **around, **_given(design, "speed", "direction", "rtol"), **jobs
+    )
 
 
 def resume_run_ups(design: Design, jobs: Jobs) -> Resumed:

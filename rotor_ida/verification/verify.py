@@ -36,6 +36,7 @@ from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady.response import BOUNCING, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
 from rotor_ida.steady.run_ups import run_ups
 from rotor_ida.steady.sweep import DIRECTIONS, sweep
+from rotor_ida.steady.system_sweep import sweep_system
 from rotor_ida.systems.archived import NEEDED, problem_of
 from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.testing import assert_events_close
@@ -206,13 +207,30 @@ def _system_run(dataset: xr.Dataset, _workers: int | None, progress: Progress | 
     return run_up_system(system, **how, **changes)
 
 
-def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+def _system_sweep(
+    dataset: xr.Dataset, workers: int | None, progress: Progress | None
+) -> xr.Dataset:
+    try:
+        system, around = problem_of(dataset)
+    except (IndexError, ValueError) as error:
+        raise InputError(f"this sweep of a system cannot be verified: {error}") from error
+    return sweep_system(
+        system, **around, speed=dataset["speed"].values, direction=_direction(dataset),
+        rtol=dataset.attrs["rtol"], workers=workers, progress=progress,
+    )  # fmt: skip
+
+
+def _direction(dataset: xr.Dataset) -> Any:
+    """Return the direction of a sweep, in the word by which it was asked for."""
     turns = tuple(dataset["direction"].values.tolist())
-    direction = next((word for word, each in DIRECTIONS.items() if each == turns), "unknown")
+    return next((word for word, each in DIRECTIONS.items() if each == turns), "unknown")
+
+
+def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
     starts = zip(*(dataset[f"start_{name}"].values.tolist() for name in COMPONENTS), strict=True)
     given: dict[str, Any] = _axes(dataset)
     given |= {name: dataset.attrs[name] for name in HOW}
-    given |= {"starts": list(starts), "direction": direction}
+    given |= {"starts": list(starts), "direction": _direction(dataset)}
     return sweep(**given, workers=workers, progress=progress)
 
 
@@ -365,6 +383,8 @@ def _apart_in_motion(again: xr.Dataset, archived: xr.Dataset, name: str) -> floa
     kinds = archived["kind" if "kind" in archived else "response"].values
     told = np.isin(kinds, [RESPONSE[kind] for kind in OF_MOTION[name]])
     apart = _apart(again[name].values, archived[name].values)
+    # numbers of each contact of a system have one dimension more
+    told = told.reshape(*told.shape, *(1,) * (apart.ndim - told.ndim))
     return float(np.where(told, apart, 0.0).max(initial=0.0))
 
 
@@ -463,6 +483,12 @@ SYSTEM_RUN = Verification(
     ("duration", "rtol", "method"),
     _system_run,
     _events_of_contacts,
+)
+SYSTEM_SWEEP = Verification(
+    ("response", "direction", "touched", "period", *_NUMBERS, *NEEDED),
+    ("rtol",),
+    _system_sweep,
+    partial(_points, "response"),
 )
 SWEEP = Verification(
     ("event_count", "response", "direction", *_STARTS, *PARAMETERS, *_NUMBERS),
