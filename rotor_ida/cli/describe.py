@@ -229,9 +229,7 @@ def _largest(dataset: xr.Dataset, name: str) -> float:
 def show_sweep(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the responses of a sweep or diagram, with their number by kind."""
     record, parts = tabled(dataset, most, POINTS)
-    kinds = _kinds(dataset)
-    counted = table("Responses by kind", kinds, list(kinds[0]))
-    return record | {"starts": rows_of(dataset, STARTS)}, [counted, *parts]
+    return record | {"starts": rows_of(dataset, STARTS)}, [count_of_kinds(dataset), *parts]
 
 
 def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
@@ -258,26 +256,26 @@ def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
     return record, [*ends, *tables]
 
 
-def _kinds(dataset: xr.Dataset) -> list[Record]:
-    """Return the number of points of each kind, and their ranges."""
+def count_of_kinds(dataset: xr.Dataset, ranges: Sequence[str] = RANGES) -> RenderableType:
+    """Return a table of the number of points of each kind, and their ranges."""
     response = dataset["response"]
     numbers = response.values
     words = by_number(flags_of(response))
     found, first = np.unique(numbers, return_index=True)
-    names = [name for name in RANGES if name in dataset]  # a diagram has no amplitudes
+    names = [name for name in ranges if name in dataset]  # a diagram has no amplitudes
     rows: list[Record] = []
     for kind in found[np.argsort(first)].tolist():
         here = response == kind
         row: Record = {"response": words[kind], "points": int(here.sum())}
         rows.append(row | _ranges(dataset, names, here))
-    return rows
+    return table("Responses by kind", rows, list(rows[0]))
 
 
 def _ranges(dataset: xr.Dataset, names: Sequence[str], here: xr.DataArray) -> Record:
     """Return the range of each variable over the points of a mask."""
     found: Record = {}
     for name in names:
-        label, factor = si_of(dataset, name) or (name, 1.0)
+        label, factor = si_of(dataset, name) or (with_unit(dataset, name), 1.0)
         found[label] = span(factor * spread_on(dataset, name, here).values[here.values], 6)
     return found
 

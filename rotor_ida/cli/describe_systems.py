@@ -1,4 +1,4 @@
-"""Describe a run of a rotor system: what each contact does first, then the events."""
+"""Describe runs of a rotor system, what each contact does first, and sweeps, point by point."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rotor_ida.cli.describe import change_of_speed
+from rotor_ida.cli.describe import change_of_speed, count_of_kinds
 from rotor_ida.cli.report import pairs, shown
 from rotor_ida.cli.variables import (
     Description,
     Record,
     Rows,
+    rows_of,
     rows_table,
     scalars_of,
     show_by_dimension,
@@ -21,7 +22,7 @@ from rotor_ida.cli.variables import (
     with_unit,
     with_units,
 )
-from rotor_ida.schema import EVENT_KIND, words_of
+from rotor_ida.schema import EVENT_KIND, QUANTITIES, words_of
 from rotor_ida.units import SPEED_UNITS
 
 EVENTS = Rows(
@@ -34,6 +35,13 @@ EPISODES = Rows(
     names=("episode_contact", "entry_time", "exit_time", "peak_indentation", "peak_force", "heat",
            "rolling_time"),
 )  # fmt: skip
+RESPONSES = Rows(
+    title="Responses", key="responses", lead="response", digits=6, telling=True, on_request=True,
+    names=("response", "speed", "start", "direction", "excursion", "largest_force", "period",
+           "lyapunov_exponent", "lyapunov_error", "revolutions", "cycle_distance", "status",
+           "message"),
+)  # fmt: skip
+OF_KINDS = ("speed", "excursion", "largest_force")
 # The columns of the table of contacts, with the variables whose units they have.
 COLUMNS = {
     "contact": "", "node": "", "stator": "", "clearance": "clearance", "entries": "",
@@ -57,6 +65,24 @@ def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:
     table = rows_table("Contacts", rows, list(heads.values()), None, digits=6)
     told = pairs("Run", _of_run(dataset))
     return record, [_sentence(dataset, first), *table, told, *parts]
+
+
+def show_system_sweep(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the responses of a sweep, with their number by kind, and the worst of all contacts."""
+    if not {"contact", "speed"} <= dataset.sizes.keys():  # a part of a sweep
+        return show_by_dimension(dataset, most)
+    worst = {
+        "excursion": dataset["radius_max"] / dataset["clearance"],
+        "largest_force": dataset["largest_force"],
+    }
+    told = dataset.drop_dims([dim for dim in dataset.dims if dim not in dataset["response"].dims])
+    if dataset.sizes["contact"]:
+        told = told.assign({name: each.max("contact") for name, each in worst.items()})
+        told["excursion"].attrs = QUANTITIES["excursion"].attributes()
+        told["largest_force"].attrs = dataset["largest_force"].attrs
+    record, parts = tabled(told, most, RESPONSES)
+    contacts = rows_of(dataset, ("clearance", "contact_node"))
+    return record | {"contacts": contacts}, [count_of_kinds(told, OF_KINDS), *parts]
 
 
 def _of_contact(run: xr.Dataset, number: int) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Simulate the rotor system of a file: its file says most, options change its speed and solver."""
+"""Simulate the rotor system of a file: it says most, options change its speed and solver."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import rotor_ida
-from rotor_ida.checks import State, shown
+from rotor_ida.checks import AT_REST, State, shown
 from rotor_ida.cli import options
-from rotor_ida.cli.output import Output, answer, working
+from rotor_ida.cli.output import Output, answer, answer_whole, working
 from rotor_ida.cli.parsing import refuse_units
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError
@@ -32,8 +32,8 @@ def simulate_file(
     given: Mapping[str, Any],
 ) -> Report:
     """Simulate the system of a file at a constant speed."""
-    how = _checked(rotor, start, solver, output)
-    case = _case(file, rotor, given)
+    how = _checked(rotor.given, rotor.machine, start, solver, output)
+    case = _case(file, rotor.given, given)
     speed = rotor.given.get(SPEED, case.speed)
     if speed is None:
         raise InputError(f"speed must be given with --speed or in {file}")
@@ -54,9 +54,9 @@ def run_up_file(
     given: Mapping[str, Any],
 ) -> Report:
     """Simulate the system of a file at a changing speed."""
-    how = _checked(rotor, start, solver, output)
+    how = _checked(rotor.given, rotor.machine, start, solver, output)
     of_change = {name: each for name, each in asdict(change).items() if each is not None}
-    case = _case(file, rotor, {**given, **of_change})
+    case = _case(file, rotor.given, {**given, **of_change})
     with working("run-up [%]") as progress:
         run = rotor_ida.run_up_system(
             case.system, **case.around, **given, **how, **_change(case, rotor, of_change),
@@ -65,14 +65,43 @@ def run_up_file(
     return answer(run, output, most=FIRST_ROWS)
 
 
+def sweep_file(
+    file: Path,
+    rotors: options.RotorsOptions,
+    starts: list[State],
+    solver: options.SolverOptions,
+    output: Output,
+    given: Mapping[str, Any],
+) -> Report:
+    """Simulate the settled responses of the system of a file over a range of speeds."""
+    start = None if starts == [AT_REST] else starts
+    how = _checked(rotors.values, rotors.machine, start, solver, output)
+    if how.pop("method", "taylor") != "taylor":
+        raise InputError(
+            f"method must be taylor for a sweep of a rotor system, got {solver.method}"
+        )
+    if SPEED not in rotors.values:
+        raise InputError("speed must be given with --speed for a sweep of a rotor system")
+    case = _case(file, rotors.values, {})
+    around = {name: each for name, each in case.around.items() if name != "more_modes"}
+    begun = around.pop("start", None)
+    with working("sweep", given["study"]) as progress:
+        dataset = rotor_ida.sweep_system(
+            case.system, **around, starts=[begun], speed=rotors.values[SPEED], **given, **how,
+            progress=progress,
+        )  # fmt: skip
+        return answer_whole(dataset, output, given["study"])
+
+
 def _checked(
-    rotor: options.RotorOptions,
-    start: State | None,
+    quantities: Mapping[str, object],
+    machine: Path | None,
+    start: object,
     solver: options.SolverOptions | options.RunUpSolverOptions,
     output: Output,
 ) -> dict[str, Any]:
     """Return the options of the solver; refuse what is of one disc only, and bad paths."""
-    of_disc: dict[str, object] = {**rotor.given, "machine": rotor.machine, "start": start}
+    of_disc: dict[str, object] = {**quantities, "machine": machine, "start": start}
     of_disc.pop(SPEED, None)
     chosen, usual = asdict(solver), asdict(type(solver)())
     of_disc |= {name: each for name, each in chosen.items()
@@ -84,11 +113,11 @@ def _checked(
     return {name: chosen[name] for name in OF_SYSTEM if chosen[name] is not None}
 
 
-def _case(file: Path, rotor: options.RotorOptions, given: Mapping[str, Any]) -> SystemFile:
+def _case(file: Path, quantities: Mapping[str, Any], given: Mapping[str, Any]) -> SystemFile:
     """Return what a file says; units are for one in SI units."""
     case = rotor_ida.load_system(file)
     if case.system.units != "SI":
-        refuse_units({**rotor.given, **given})
+        refuse_units({**quantities, **given})
     return case
 
 

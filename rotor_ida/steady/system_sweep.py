@@ -157,14 +157,13 @@ def sweep_system(
     states = np.array([_start_state(problem, each, speeds) for each in first])
     held = problem_variables(assembly, unbalance, states)
     held["node"] = ("node", np.array(list(assembly.system.nodes), str))
-    told = {"rtol": tolerance} | ({} if modes is None else {"modes": modes})
     design = {
-        "kind": "sweep_system", "speed": speeds.tolist(), "direction": direction, **told,
+        "kind": "sweep_system", "speed": speeds.tolist(), "direction": direction, "rtol": tolerance,
         "problem": design_of_problem(held, assembly.system), **computing(),
     }  # fmt: skip
     task = Task(settle_along, lost, rows_of, ramps.form, ramps.point)
     columns = run_study(ramps, task, design, study=study, workers=chosen, progress=progress).points
-    return _dataset(ramps, columns, held, told)
+    return _dataset(ramps, columns, held)
 
 
 def _checked_speeds(speed: object, direction: object) -> Values:
@@ -348,7 +347,6 @@ def _dataset(
     ramps: SystemRamps,
     columns: Mapping[str, npt.NDArray[Any]],
     held: Mapping[str, Column],
-    told: Mapping[str, object],
 ) -> xr.Dataset:
     """Return the points of a sweep as a labelled dataset."""
     order, system = ramps.order, ramps.problem.assembly.system
@@ -370,7 +368,7 @@ def _dataset(
     variables |= {name: column for name, column in held.items() if name != "node"}
     dataset = labelled_dataset(
         "Rotor system: responses over a range of speeds", variables, coordinates,
-        provenance({"method": "taylor", **told}), kind="system_sweep",
+        provenance({"method": "taylor", "rtol": ramps.problem.rtol}), kind="system_sweep",
     )  # fmt: skip
     for name, word in (("radius_min", "smallest"), ("radius_max", "largest")):
         dataset[name].attrs["long_name"] = (

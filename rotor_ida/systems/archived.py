@@ -168,7 +168,7 @@ def design_of_problem(problem: Mapping[str, Column], system: RotorSystem) -> dic
     more = {} if places is None else {"axial_position": ("node", np.array(places))}
     for name, column in {**problem, **more}.items():
         each = xr.Variable(*column)
-        flat = [None if value != value else value for value in each.values.ravel().tolist()]
+        flat = [None if value != value else value for value in each.values.ravel().tolist()]  # noqa: PLR0124 - NaN
         found[name] = [list(map(str, each.dims)), list(each.shape), flat]
     return found
 

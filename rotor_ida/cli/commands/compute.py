@@ -12,7 +12,7 @@ from rotor_ida.cli.machines import Units
 from rotor_ida.cli.output import Output, answer, answer_whole, summarised, working
 from rotor_ida.cli.parsing import MOST_POINTS, check_points
 from rotor_ida.cli.report import FIRST_ROWS, Report
-from rotor_ida.cli.systems import run_up_file, simulate_file
+from rotor_ida.cli.systems import run_up_file, simulate_file, sweep_file
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 
@@ -170,12 +170,14 @@ def backward_whirl(
 
 
 def sweep(
+    system: options.System = None,
+    /,
     *,
     rotors: options.RotorsOptions = options.RotorsOptions(),
     start: options.Starts = [AT_REST],  # noqa: B006 - never changed
     direction: options.Direction = None,
     jobs: options.JobOptions = options.JobOptions(),
-    solver: options.SolverOptions = options.SolverOptions(),
+    solver: options.AnySolverOptions = options.AnySolverOptions(),
     study: options.Study = None,
     output: Output = Output(),
 ) -> Report:
@@ -190,7 +192,14 @@ def sweep(
 
         rotor-ida sweep --omega 0.5:3:11 --zeta 0.1 --delta0 1 --direction both \
             --shaft-stiffness 0.25 --load 0 0.3 --figure machine
+
+    A rotor of any size with several contacts, from a system file:
+
+        rotor-ida sweep rotor.toml --speed 1000rpm:6000rpm:51 --direction up --out map.nc
     """
+    if system is not None:
+        given = {"direction": direction, "study": study, **jobs.on_every_core()}
+        return sweep_file(system, rotors, start, solver, output, given)
     check_points(*rotors.axes(), start, in_study=study is not None)
     output.check(panels=rotors.panels(over="omega"))
     given, units = rotors.given_and_units()
@@ -200,7 +209,7 @@ def sweep(
             **given,
             starts=list(map(units.start, start)),
             direction=direction,
-            **asdict(solver),
+            **options.of_disc(solver),
             **jobs.on_every_core(),
             study=study,
             progress=progress,
