@@ -62,6 +62,7 @@ from rotor_ida.plot.signals import (
     plot_spectrum,
     plot_trace,
 )
+from rotor_ida.plot.system_sweeps import plot_system_sweep, system_sweep_figure
 from rotor_ida.plot.system_whirls import (
     plot_campbell,
     plot_system_whirls,
@@ -143,6 +144,7 @@ __all__ = [
     "plot_spectrogram",
     "plot_spectrum",
     "plot_surface",
+    "plot_system_sweep",
     "plot_system_whirls",
     "plot_trace",
     "plot_unbalance_response",
@@ -151,6 +153,7 @@ __all__ = [
     "shared_legend",
     "style",
     "system_figure",
+    "system_sweep_figure",
     "system_whirls_figure",
     "with_error",
 ]

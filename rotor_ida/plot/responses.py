@@ -252,7 +252,7 @@ def _plot_over_speed(
             draw_curve(ax, exact, over="omega", quantity=quantity)
         _draw_points(ax, quantity, given, shown, parameters["zeta"])
         if simulated is not None:
-            _draw_simulated(ax, simulated, quantity)
+            draw_simulated(ax, simulated, quantity)
         label_parameter(ax.xaxis, "omega", shown)
         label_axis(ax.yaxis, quantity, shown[quantity])
         ax.set_xlim(0.0, 1.02 * float(shown["omega"].max()))
@@ -347,23 +347,28 @@ def _of_each_kind(
             yield kind, look, {name: values[of_kind] for name, values in points}
 
 
-def _range_words(kind: str) -> str:
-    return f"{KIND_WORDS[kind]}: range of $|z|$"
+def _range_words(kind: str, reach: str = "|z|") -> str:
+    return f"{KIND_WORDS[kind]}: range of ${reach}$"
 
 
-def _draw_simulated(ax: Axes, simulated: xr.Dataset, quantity: str) -> None:
-    """Draw the responses of a sweep: marks where a curve can show them, bars where it cannot."""
-    for kind, look, points in _of_each_kind(simulated, ("omega", *SIMULATED[1:])):
+def draw_simulated(
+    ax: Axes, simulated: xr.Dataset, quantity: str, *, over: str = "omega", reach: str = "|z|"
+) -> None:
+    """Draw the responses of a sweep: marks where a curve can show them, bars where it cannot.
+
+    `reach` is the symbol of the distance whose range is drawn.
+    """
+    for kind, look, points in _of_each_kind(simulated, (over, *SIMULATED[1:])):
         if look.is_range and quantity == "amplitude":
             ax.vlines(
-                points["omega"], points["radius_min"], points["radius_max"], color=look.colour,
+                points[over], points["radius_min"], points["radius_max"], color=look.colour,
                 lw=1.8 if look.filled else 0.9, ls=look.dashes, zorder=3.0,
-                label=_range_words(kind),
+                label=_range_words(kind, reach),
             )  # fmt: skip
             for end in ("radius_min", "radius_max"):
-                _draw_by_direction(ax, look, points, points[end], 0.75)
+                _draw_by_direction(ax, look, points, over, points[end], 0.75)
             continue
-        _draw_by_direction(ax, look, points, points[quantity], 1.0)
+        _draw_by_direction(ax, look, points, over, points[quantity], 1.0)
         draw_marks(ax, [], [], "s", look.colour, size=4.5, face=look.face, edge=0.9,
                    label=KIND_WORDS[kind])  # fmt: skip
     words = {0: _start_words(simulated), 1: GOING_UP, -1: GOING_DOWN}
@@ -374,19 +379,20 @@ def _draw_simulated(ax: Axes, simulated: xr.Dataset, quantity: str) -> None:
 
 
 def _draw_by_direction(
-    ax: Axes, look: _Look, points: dict[str, Values], heights: Values, scale: float
+    ax: Axes, look: _Look, points: dict[str, Values], over: str, heights: Values, scale: float
 ) -> None:
     """Mark points by the direction of their sweep, triangles over the larger circles."""
     for direction, (marker, size) in DIRECTIONS.items():
         here = points["direction"] == direction
         draw_marks(
-            ax, points["omega"][here], heights[here], marker, look.colour, size=scale * size,
+            ax, points[over][here], heights[here], marker, look.colour, size=scale * size,
             face=look.face, edge=0.7, level=3.2 if direction else 3.1,
         )  # fmt: skip
 
 
 def _start_words(simulated: xr.Dataset) -> str:
-    starts = [f"start_{name}" for name in COMPONENTS]
+    of_system = "start_state" in simulated
+    starts = ["start_state"] if of_system else [f"start_{name}" for name in COMPONENTS]
     at_rest = all(name in simulated and not simulated[name].values.any() for name in starts)
     return FROM_REST if at_rest else FROM_START
 

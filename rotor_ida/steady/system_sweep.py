@@ -38,11 +38,11 @@ from rotor_ida.steady.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.system_motion import SettledSystem, settle
 from rotor_ida.systems.archived import design_of_problem, problem_variables
 from rotor_ida.systems.assembly import assemble
-from rotor_ida.systems.dataset import with_system_units
 from rotor_ida.systems.modes import in_modes
 from rotor_ida.systems.receptances import checked_speeds
 from rotor_ida.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.systems.starts import Start, start_of
+from rotor_ida.systems.units import with_system_units
 
 SETTLED = "settled"
 OF_POINT = ("period", "cycle_distance", "lyapunov_exponent", "lyapunov_error", "revolutions")

@@ -10,9 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Values
-from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.results.provenance import provenance
-from rotor_ida.results.si_units import UNITS
 from rotor_ida.schema import (
     DAMPED_EVENT_KIND,
     OF_FRICTION_EVENT_KIND,
@@ -22,17 +20,7 @@ from rotor_ida.schema import (
 )
 from rotor_ida.systems.assembly import Assembly, Canonical
 from rotor_ida.systems.following import Followed
-
-# Units that no scale of a machine has.
-OTHER_UNITS = {
-    "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
-    "stator_stiffness": "N m-1", "stator_damping": "N s m-1", "unbalance_moment": "kg m",
-}  # fmt: skip
-# Units of the attributes of a changing speed, as `rotor_ida.dimensional` names them.
-UNITS_OF_CHANGE = {
-    "speed": "s-1", "to": "s-1", "rate": "s-2", "speeds": "s, s-1", "torque": "N m, N m s",
-    "inertia": "kg m2",
-}  # fmt: skip
+from rotor_ida.systems.units import with_system_units
 
 
 def system_dataset(
@@ -147,18 +135,3 @@ def _episodes(followed: Followed) -> dict[str, Column]:
         "rolling_time": table["rolling_time"],
     }  # fmt: skip
     return {name: ("episode", np.ascontiguousarray(each)) for name, each in columns.items()}
-
-
-def with_system_units(dataset: xr.Dataset, system: RotorSystem) -> xr.Dataset:
-    """Return a result with the units of its system; its speeds are over no reference frequency."""
-    if "speed" in dataset.variables:
-        dataset["speed"].attrs["long_name"] = "spin speed"
-    if system.units == "SI":
-        for name, variable in dataset.variables.items():
-            scale = QUANTITIES[str(name)].scale
-            if scale or name in OTHER_UNITS:
-                variable.attrs["units"] = UNITS[scale] if scale else OTHER_UNITS[str(name)]
-        for name, unit in UNITS_OF_CHANGE.items():
-            if name in dataset.attrs:
-                dataset.attrs[f"{name}_units"] = unit
-    return dataset

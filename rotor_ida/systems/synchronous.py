@@ -19,7 +19,6 @@ from rotor_ida.systems.axisymmetric import (
     check_no_races,
     forward_motions,
 )
-from rotor_ida.systems.dataset import with_system_units
 from rotor_ida.systems.receptances import Receptances, checked_speeds, receptances
 from rotor_ida.systems.turning_axes import (
     NEUTRAL,
@@ -28,6 +27,7 @@ from rotor_ida.systems.turning_axes import (
     eigenvalues_without_contact,
     normal_forces,
 )
+from rotor_ida.systems.units import with_system_units
 from rotor_ida.systems.whirls import MOST_TOUCHING, sliding, whirls_of
 
 _REFERENCES = (
