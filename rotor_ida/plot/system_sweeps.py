@@ -43,9 +43,9 @@ SWEEP = (
 )  # fmt: skip
 # Exact whirls beneath: small dots, close enough to be read as lines.
 BENEATH = {"stable": (STABLE, INK), "unstable": (UNSTABLE, GREY), "neutral": (NEUTRAL, INK)}
-DOT = 1.1
+DOT = 1.5
 # Speeds at which they are computed, at least.
-FEWEST_SPEEDS = 300
+FEWEST_SPEEDS = 500
 
 
 def plot_system_sweep(

@@ -55,6 +55,8 @@ class Exponents:
         How many of them are zero on a torus.
     has_tori : bool
         Whether there can be a torus.
+    no_stretch : float
+        By how much neighbours diverge or converge at most over the duration where one is zero.
     """
 
     values: Values
@@ -62,6 +64,7 @@ class Exponents:
     duration: float
     zeros: int
     has_tori: bool
+    no_stretch: float = NO_STRETCH
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,7 +247,7 @@ def _kind_by_exponent(found: Exponents) -> tuple[str, float, float]:
     if exponent > CLEAR_ERRORS * error and exponent * found.duration > CLEAR_STRETCH:
         return CHAOTIC, exponent, error
     zeros = slice(0, found.zeros)
-    are_zero = (np.abs(found.values[zeros]) * found.duration <= NO_STRETCH) & (
+    are_zero = (np.abs(found.values[zeros]) * found.duration <= found.no_stretch) & (
         found.errors[zeros] * found.duration <= CLEAR_STRETCH
     )
     return QUASI_PERIODIC if are_zero.all() and found.has_tori else UNRESOLVED, exponent, error

@@ -14,7 +14,6 @@ motion is, and decided on.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,16 +38,17 @@ OFF_COURSE = 0.25
 WITHIN = 0.5
 # A motion that is nearer to its cycle than this part of its size need not show its course.
 THERE = 1e-7
-# Where a cycle may be: the state misses itself by at most this part of the range of the motion.
-NEAR = 0.3
+# Where a cycle may be: the state misses itself by at most these parts of the range of the motion,
+# likely or possibly.
+NEARER, NEAR = 1e-3, 0.3
 # What moves by less than this part of its size in a period stands still on turning axes.
 MOVES = 1e-5
 # A candidate may be up to so many periods.
 MOST_PARTS = 8
 # Candidates for the period that are tried.
 MOST_TRIED = 3
-# Revolutions after which a motion without axial symmetry may repeat itself.
-MOST_REVOLUTIONS = 8
+# Most revolutions of a period, where it is likely and where it is possible.
+MOST_REVOLUTIONS, MOST_POSSIBLE = 64, 12
 SAMPLES_A_REVOLUTION = 64
 
 
@@ -92,8 +92,8 @@ class Landing:
 
 def candidates(
     flow: SystemFlow, times: Values, states: Values, *, may_stand: bool, in_flight: bool
-) -> Iterator[Candidate]:
-    """Yield the periods that a motion may have, from samples up to its end, the likely ones first.
+) -> list[Candidate]:
+    """Return the periods that a motion may have, from samples up to its end, the likely ones first.
 
     Parameters
     ----------
@@ -109,23 +109,39 @@ def candidates(
     away = np.abs(states - states[-1]).max(axis=1)
     size, revolution = float(np.abs(states).max()), flow.revolution
     each = round(revolution / float(times[-1] - times[-2]))
+    whole = Candidate(revolution, is_free=False)
+    found: list[tuple[float, Candidate]] = []  # with how far the state misses itself
     if flow.problem.forward is None:
         strobed = away[-1 - each :: -each][: 2 * MOST_REVOLUTIONS]
         spread = float(strobed.max(initial=0.0))
-        for count in range(1, min(MOST_REVOLUTIONS, strobed.size) + 1):
-            # a slow spiral comes back nearest after one revolution
-            if strobed[count - 1] <= NEAR * (size if count == 1 else spread):
-                yield Candidate(count * revolution, is_free=False)
-        return
-    if in_flight or (may_stand and float(away[-1 - each :].max()) <= NEAR * size):
-        yield Candidate(revolution, is_free=False)
-    spread, rate = float(away.max()), flow.rate(_whole(flow, states[-1]))[: states.shape[1]]
+        found = [
+            (float(missed), Candidate((number + 1) * revolution, is_free=False))
+            for number, missed in enumerate(strobed[:MOST_REVOLUTIONS])
+        ]
+        first = [whole] if away[-1 - each] <= NEAR * size else []  # a slow spiral
+    else:
+        spread = float(away.max())
+        found = _returns(flow, times, states, away)
+        may_whirl = may_stand and float(away[-1 - each :].max()) <= NEAR * size
+        first = [whole] if in_flight or may_whirl else []
+    for limit in (NEARER, NEAR):
+        first += [each for missed, each in found if missed <= limit * spread and each not in first]
+    return first[:MOST_TRIED]
+
+
+def _returns(
+    flow: SystemFlow, times: Values, states: Values, away: Values
+) -> list[tuple[float, Candidate]]:
+    """Return after what times a motion comes near its last state, and by how much it misses it."""
+    rate = flow.rate(_whole(flow, states[-1]))[: states.shape[1]]
     lows = 1 + np.flatnonzero((away[1:-1] < away[:-2]) & (away[1:-1] <= away[2:]))
+    found = []
     for low in lows[::-1].tolist():
         apart = states[low] - states[-1]
         late = float(apart @ rate / (rate @ rate))
-        if np.abs(apart - late * rate).max() <= NEAR * spread:
-            yield Candidate(float(times[-1] - times[low]) + late, is_free=True)
+        period = float(times[-1] - times[low]) + late
+        found.append((float(np.abs(apart - late * rate).max()), Candidate(period, is_free=True)))
+    return found
 
 
 def _whole(flow: SystemFlow, state: Values) -> Values:

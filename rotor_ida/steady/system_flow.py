@@ -29,6 +29,9 @@ from rotor_ida.systems.following import follow_system_again, request_of
 APART = 1e-6
 # A decay slower than this part of its eigenvalue is rounding.
 UNDAMPED = 1e-9
+# Where contacts are linear, what neighbours do jumps at grazes, and the means of their stretching
+# over a torus converge slowly.
+NO_STRETCH = 0.1
 # Revolutions in which neighbours align before their divergence is averaged; batches of the mean.
 ALIGNING, BATCHES = 100, 20
 
@@ -77,7 +80,8 @@ class SettlingProblem:
     @property
     def has_damping(self) -> bool:
         """Whether anything but friction takes energy from the motion."""
-        return self.found.damping is not None or any(
+        damping = self.found.damping
+        return (damping is not None and bool(damping.any())) or any(
             each.damping > 0.0 for each in self.assembly.contacts
         )
 
@@ -224,4 +228,7 @@ class SystemFlow:
             row[:] = np.log(np.abs(grown.diagonal())) / self.revolution
             state = image
         values, errors = means_of_rates(rates[ALIGNING:], BATCHES)
-        return Exponents(values, errors, revolutions * self.revolution, count, True)
+        return Exponents(
+            values, errors, revolutions * self.revolution, count, has_tori=True,
+            no_stretch=NO_STRETCH,
+        )  # fmt: skip

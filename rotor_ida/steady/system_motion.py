@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from itertools import islice
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from rotor_ida.schema import MODE, OF_FRICTION_EVENT_KIND
 from rotor_ida.simulation.orbit import ENTRY
 from rotor_ida.steady.decision import RECURS, Decision, Exponents, decide
 from rotor_ida.steady.landing import (
-    MOST_TRIED,
+    MOST_REVOLUTIONS,
     SAMPLES_A_REVOLUTION,
     Landing,
     candidates,
@@ -32,13 +31,15 @@ LONGEST_DECAY_TIMES, LONGEST, LONGEST_OF_ALL = 60.0, 1500.0, 20_000.0
 # A landing is tried after this many revolutions, and whenever this part has been added.
 FIRST_TRY, MORE = 6.0, 0.5
 # Of a wait, this many revolutions are looked back at, so many samples each.
-LOOKED_BACK, SAMPLES_OF_WAIT = 48, 32
+LOOKED_BACK, SAMPLES_OF_WAIT = 2 * MOST_REVOLUTIONS, 32
 WINDOW_REVOLUTIONS = 4
 STEADY_TOLERANCES = 10.0
 # Exponents are computed only for a motion that has not settled after so many revolutions and decay
 # times; they are means over at least so many revolutions, and this multiple of the earlier time.
 LATE, PATIENCE = 450.0, 20.0
 EXPONENT_REVOLUTIONS, EXPONENT_TIMES = 2000.0, 2.0
+# or over so many times as many where neither chaos nor a torus is clear.
+LONGER = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -213,8 +214,12 @@ class _SystemMotion:
 
     def exponents(self) -> Exponents:
         revolutions = self.time / self.flow.revolution
-        count = max(EXPONENT_REVOLUTIONS, EXPONENT_TIMES * revolutions)
-        return self.flow.exponents(self.state, math.ceil(count))
+        count = math.ceil(max(EXPONENT_REVOLUTIONS, EXPONENT_TIMES * revolutions))
+        found = self.flow.exponents(self.state, count)
+        stretch = abs(float(found.values[0])) * found.duration
+        if found.no_stretch < stretch < 1.0:  # on a torus a mean over longer is far better
+            return self.flow.exponents(self.state, LONGER * count)
+        return found
 
     def followed(self) -> str:
         told = f"followed for {self.time / self.flow.revolution:,.0f} revolutions"
@@ -259,7 +264,7 @@ class _SystemMotion:
         found = candidates(
             self.flow, times, states, may_stand=may_stand, in_flight=may_stand and in_flight
         )
-        for candidate in islice(found, MOST_TRIED):
+        for candidate in found:
             self.landing = land(self.flow, self.state, candidate)
             if self.landing is not None:
                 self.state = self.landing.state
