@@ -54,6 +54,16 @@ def a_system_run() -> xr.Dataset:
     )
 
 
+def a_system_sweep() -> xr.Dataset:
+    """Return a sweep of one disc as a system, up and down."""
+    system, contacts, unbalance = Rotor(
+        omega=1.0, zeta=0.3, delta0=0.5, shaft_stiffness=0.25
+    ).system()
+    return rotor_ida.sweep(
+        system, contacts=contacts, unbalance=unbalance, speed=[0.3, 1.2], direction="both"
+    )
+
+
 def a_cycle() -> xr.Dataset:
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
     return rotor_ida.limit_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
@@ -81,6 +91,7 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "run_with_more": a_run_with_more,
     "run_without_times": lambda: a_run().drop_vars("t"),
     "system_run": a_system_run,
+    "system_sweep": a_system_sweep,
     "runs_by_name": lambda: xr.concat([a_run(), a_run()], xr.Variable("machine", ["a", "b"])),
     "run_in_si_units": lambda: rotor_ida.dimensional(a_run(), MACHINE),
     "sweep": a_sweep,

@@ -288,6 +288,10 @@ GIVEN |= {
         "system": SYSTEM, "speed": 1.2, "duration": 2.0,
         "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)],
     },
+    "sweep_system": lambda _: {
+        "system": SYSTEM, "speed": [0.8, 1.2],
+        "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0, damping=0.5)],
+    },
     "synchronous_response_system": lambda _: {
         "system": SYSTEM, "speed": [0.8, 1.2],
         "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)],

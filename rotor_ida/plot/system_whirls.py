@@ -87,7 +87,7 @@ def plot_system_whirls(
     'contact 0 at disc'
     """
     whirls = check_dataset("whirls", whirls, (*WHIRLS, "contact_node"))
-    part = at_contact(whirls, contact)
+    part = at_contact(whirls, contact, "the whirls have no contact")
     amplitude, stability = part["amplitude"].values, part["stability"].values
     with drawing(ax) as ax:
         speeds = label_speed(ax, whirls)
@@ -106,11 +106,14 @@ def plot_system_whirls(
     return ax
 
 
-def at_contact(dataset: xr.Dataset, contact: int) -> xr.Dataset:
-    """Return the part of a dataset at a contact; refuse one that it has not."""
+def at_contact(dataset: xr.Dataset, contact: int, without: str) -> xr.Dataset:
+    """Return the part of a dataset at a contact; refuse one that it has not.
+
+    `without` tells of a dataset that has none.
+    """
     count = dataset.sizes["contact"]
     if check_count("contact", contact, minimum=0) >= count:
-        allowed = f"0 to {count - 1}" if count else "none: there is no contact"
+        allowed = f"0 to {count - 1}" if count else f"none: {without}"
         raise InputError(f"contact must be one of {allowed}, got {contact}")
     return dataset.isel(contact=contact).assign(contact=contact)
 

@@ -22,6 +22,7 @@ from rotor_ida.checks import (
     check_progress,
     shown,
 )
+from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
@@ -45,6 +46,8 @@ from rotor_ida.systems.starts import Start, start_of
 from rotor_ida.systems.units import with_system_units
 
 SETTLED = "settled"
+# Largest rate of the system over the speed: a revolution takes a step for some five radians of it.
+MOST_RATIO = 1e6
 OF_POINT = ("period", "cycle_distance", "lyapunov_exponent", "lyapunov_error", "revolutions")
 OF_CONTACT = ("amplitude", "phase_lag", "radius_min", "radius_max", "largest_force")
 OF_NODE = ("node_amplitude", "node_phase_lag", "node_radius_min", "node_radius_max")
@@ -149,6 +152,7 @@ def sweep_system(
     assembly = assemble(given["system"], contacts, unbalance, gravity, given["static_force"])
     first = [each["start"] for each in (given, *others)]
     problem = SettlingProblem.of(assembly, tolerance)
+    _check_slowest(problem, speeds)
     directions = np.array(DIRECTIONS[direction], dtype=np.int8)
     sizes = (speeds.size, len(first), directions.size)
     check_points(*(range(size) for size in sizes),
@@ -177,9 +181,21 @@ def _checked_speeds(speed: object, direction: object) -> Values:
     return speeds
 
 
+def _check_slowest(problem: SettlingProblem, speeds: Values) -> None:
+    """Refuse a speed at which a revolution would take too many steps."""
+    slowest = float(np.abs(speeds).min())
+    with np.errstate(over="ignore"):
+        fastest = SystemFlow.at(problem, slowest, NO_STOP).request.fastest
+    if not fastest <= MOST_RATIO * slowest:
+        raise InputError(
+            f"speed must be at least {fastest / MOST_RATIO:.4g}, as the system moves at up to "
+            f"{fastest:.4g} rad per unit of time, got {slowest!r}; fewer modes lower that"
+        )
+
+
 def _checked_starts(starts: object) -> list[Start]:
     """Return the starts, one or more."""
-    if isinstance(starts, str) or not isinstance(starts, Sequence) or not len(starts):
+    if not isinstance(starts, list | tuple) or not starts:
         raise InputError(
             f'starts must be a list of (q, velocity), "settled", "rest" or None, got '
             f"{shown(starts)}"

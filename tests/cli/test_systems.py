@@ -136,6 +136,33 @@ def test_the_answer_begins_with_the_first_touch(program: Program, rotor: str):
     assert program("simulate", rotor, "--duration", 0.001).out.startswith("No contact is touched.")
 
 
+def test_a_sweep_of_a_file_is_that_of_python_and_verifies(program: Program, rotor: str):
+    """Under gravity, in three modes; started where the file says."""
+    text = Path(rotor).read_text().replace("gravity", "modes = 3\nstart = 'rest'\ngravity")
+    Path(rotor).write_text(text)
+    answer = program("sweep", rotor, "--speed", "3000rpm", "3600rpm", "--out", "map.nc")
+    assert (answer.status, answer.err) == (0, "")
+    assert answer.out.startswith("Responses by kind")
+    found = rotor_ida.load("map.nc")
+    speeds = [3000 * RPM, 3600 * RPM]
+    expected = rotor_ida.sweep(SYSTEM_OF_PYTHON, **AROUND, speed=speeds, starts=["rest"], modes=3)
+    assert found.equals(expected)
+    shown = json.loads(program("show", "map.nc", "--json").out)
+    assert [row["response"] for row in shown["responses"]] == rotor_ida.decode_flags(
+        found.response
+    ).values.ravel().tolist()
+    np.testing.assert_allclose(
+        [row["excursion"] for row in shown["responses"]],
+        (found.radius_max / found.clearance).max("contact").values.ravel(),
+    )
+    record = json.loads(program("verify", "map.nc", "--json").out)
+    assert (record["agrees"], record["largest_difference"]) == (True, 0.0)
+    forged = found.assign(response=0 * found.response)
+    rotor_ida.save(forged, "forged.nc")
+    assert program("verify", "forged.nc").status == 1
+    assert program("plot", "map.nc", "--figure", "map.png").status == 0
+
+
 @pytest.mark.parametrize("command", ["simulate", "run-up"])
 def test_an_archived_run_verifies_to_the_bit(program: Program, rotor: str, command: str):
     """Stators, races, gravity, unbalance and matrices are all in the archive."""
@@ -196,6 +223,12 @@ MISTAKES = [
     ("run-up rotor.toml --from 2 --speed 3", "speed must be left out with --from, got both"),
     ("run-up rotor.toml --from 2 --speeds 0:1 1:2", "from must be left out with speeds, got 2.0"),
     ("run-up rotor.toml --to 1 --rate 1 --in 2", "rate must be left out with ramp_time, got 1.0"),
+    ("sweep rotor.toml", "speed must be given with --speed for a sweep of a rotor system"),
+    ("sweep rotor.toml --speed 0", "speed must not be 0 in a sweep of a rotor system, got 0.0"),
+    ("sweep rotor.toml --speed 1 --omega 2", "omega must be left out with a rotor system"),
+    ("sweep rotor.toml --speed 1 --start 1 0 0 0", "start must be left out with a rotor system"),
+    ("sweep rotor.toml --speed 1 --method bdf", "method must be taylor for a sweep of a rotor"),
+    ("sweep rotor.toml --speed 2 1 --direction up", "speed must increase in a sweep up or down"),
     ("run-up rotor.toml --backend python", "backend must be left out with a rotor system"),
 ]  # fmt: skip
 

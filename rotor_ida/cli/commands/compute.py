@@ -195,7 +195,7 @@ def sweep(
 
     A rotor of any size with several contacts, from a system file:
 
-        rotor-ida sweep rotor.toml --speed 1000rpm:6000rpm:51 --direction up --out map.nc
+        rotor-ida sweep rotor.toml --speed 1000rpm:5000rpm:9 --out map.nc
     """
     if system is not None:
         given = {"direction": direction, "study": study, **jobs.on_every_core()}

@@ -1,0 +1,77 @@
+"""Speed maps of rotor systems: responses at their amplitudes, exact whirls beneath."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    Contact,
+    InputError,
+    RotorSystem,
+    Unbalance,
+    decode_flags,
+    plot,
+    sweep,
+    synchronous_response,
+)
+from rotor_ida.plot.figures import figure_of
+
+SPEEDS = np.array([0.9, 1.1, 1.5])
+
+
+def two_discs(stiffer=1.0):
+    stiffness = np.kron([[2.0, -1.0], [-1.0, 2.0]], np.diag([1.0, stiffer]))
+    system = RotorSystem(
+        mass=np.eye(4), stiffness=stiffness, damping=0.1 * stiffness,
+        nodes={"one": (0, 1), "two": (2, 3)}, units="1",
+    )  # fmt: skip
+    contacts = [Contact(node=name, clearance=clearance, stiffness=3.0, exponent=1.0)
+                for name, clearance in (("one", 3.0), ("two", 0.8))]  # fmt: skip
+    around = {"contacts": contacts, "unbalance": [Unbalance(node="one", moment=0.4)]}
+    return system, around
+
+
+@pytest.fixture(scope="module")
+def swept():
+    system, around = two_discs()
+    found = sweep(system, **around, speed=SPEEDS, direction="up")
+    words = decode_flags(found.response).values.ravel().tolist()
+    assert words == ["contact_free", "synchronous", "bouncing"]
+    return found
+
+
+def labelled(ax):
+    return {line.get_label(): line for line in ax.lines}
+
+
+def test_steady_responses_are_marks_and_others_bars_over_their_range(swept):
+    ax = plot.plot_system_sweep(swept, contact=1)
+    assert ax.get_title() == "contact 1 at two"
+    assert ax.get_xlabel() == r"spin speed $\Omega$"
+    seen = np.concatenate([line.get_xydata() for line in ax.lines if line.get_marker() == "^"])
+    amplitude = swept.amplitude.isel(contact=1).values.ravel()
+    for number in (0, 1):
+        assert [SPEEDS[number], amplitude[number]] in seen.tolist()
+    (bar,) = ax.collections[0].get_segments()
+    low, high = (swept[name].isel(contact=1).values.ravel()[2] for name in
+                 ("radius_min", "radius_max"))  # fmt: skip
+    assert bar.tolist() == [[1.5, low], [1.5, high]]
+    assert "bouncing: range of $|u|$" in [text.get_text() for text in ax.get_legend().get_texts()]
+    with pytest.raises(InputError, match="contact must be one of 0 to 1, got 2"):
+        plot.plot_system_sweep(swept, contact=2)
+
+
+def test_the_exact_whirls_beneath_are_those_of_the_system(swept):
+    first, second = figure_of(swept).axes
+    assert first.get_title() == "contact 0 at one"
+    lines = labelled(second)
+    stable = lines["exact, stable whirl"].get_xydata()
+    system, around = two_discs()
+    exact = synchronous_response(system, **around, speed=stable[:4, 0])
+    np.testing.assert_allclose(stable[:4, 1], exact.amplitude[:, 0, 1], rtol=1e-12)
+    assert "exact, unstable whirl" in lines
+
+
+def test_without_axial_symmetry_there_is_nothing_beneath():
+    system, around = two_discs(stiffer=1.2)
+    found = sweep(system, **around, speed=[0.8, 0.9])
+    assert not any("exact" in label for label in labelled(figure_of(found).axes[0]))
