@@ -1,4 +1,4 @@
-"""What a run of a rotor system was computed from, as variables of its dataset, and back.
+"""What a result of a rotor system was computed from, as variables of its dataset, and back.
 
 The matrices are those that were integrated: of a reduced system, the reduced ones. Gravity is
 within the constant force. So a run can be computed again, to the bit, from its dataset alone.
@@ -17,24 +17,38 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
 from rotor_ida.systems.assembly import Assembly
+from rotor_ida.systems.dataset import stators_of
 
 MATRICES = ("mass", "damping", "gyroscopic", "stiffness", "stiffness_rate")
 LAW = ("stiffness", "exponent", "damping", "friction", "radius")
 OF_RACE = ("radius", "inertia", "drag", "speed")
 OF_STATOR = {"mass": ("stator",), "stiffness": ("stator", "axis"), "damping": ("stator", "axis")}
 NEEDED = (
-    *("mass_matrix", "stiffness_matrix", "node_rows", "constant_force", "start_state"),
+    *("mass_matrix", "stiffness_matrix", "node_rows", "constant_force"),
     *("clearance", "stator_number", "centre_x", "centre_y", "stator_mass", "stator_stiffness"),
     *(f"law_{name}" for name in LAW),
     *(f"race_{name}" for name in OF_RACE),
     *("stator_damping", "unbalance_moment", "unbalance_phase"),
 )
 
+START = "start_state"
+# Variables whose units say whether a system is in SI units.
+SPEEDS = ("t", "speed", "special_speed")
 NAMES = ("node", "contact_node", "contact_stator", "unbalance_node")
 
 
+def described_problem(assembly: Assembly, unbalance: Sequence[Unbalance]) -> dict[str, Column]:
+    """Return what a result without a start is computed from, but for its nodes and speeds."""
+    return {
+        "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
+        "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
+        **stators_of(assembly),
+        **problem_variables(assembly, unbalance),
+    }
+
+
 def problem_variables(
-    assembly: Assembly, unbalance: Sequence[Unbalance], start: Values
+    assembly: Assembly, unbalance: Sequence[Unbalance], start: Values | None = None
 ) -> dict[str, Column]:
     """Return what a run is computed from, but for its speed and the places of its contacts.
 
@@ -44,8 +58,8 @@ def problem_variables(
         The system with its stators, contacts and forces.
     unbalance : sequence of Unbalance
         Its unbalance.
-    start : ndarray, shape (2, n)
-        Displacement and velocity at time 0.
+    start : ndarray, shape (2, n), optional
+        Displacement and velocity at time 0, of a run.
     """
     system = assembly.system
     square = ("freedom", "freedom_too")
@@ -57,7 +71,8 @@ def problem_variables(
     rows = np.array([system.rows(name) for name in system.nodes]).reshape(-1, 2, system.size)
     found["node_rows"] = (("node", "axis", "freedom"), rows)
     found["constant_force"] = ("assembled_freedom", assembly.force)
-    found["start_state"] = ("coordinate", start.ravel())
+    if start is not None:
+        found[START] = ("coordinate", start.ravel())
     found |= _contacts(assembly)
     for name, dims in OF_STATOR.items():
         values = np.array([getattr(each, name) for each in assembly.stators], float)
@@ -93,7 +108,7 @@ def _contacts(assembly: Assembly) -> dict[str, Column]:
 
 
 def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
-    """Return the system of a run, and the arguments for what stands around it.
+    """Return the system of a result, and the arguments for what stands around it.
 
     Raises
     ------
@@ -113,12 +128,12 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
     missing = [name for name in (*NEEDED, *NAMES) if name not in run.variables]
     missing += [dim for dim in ("contact", "node") if dim not in run.sizes]
     if missing:
-        raise InputError(f"a run of a rotor system must have {', '.join(missing)}, got none")
+        raise InputError(f"a result of a rotor system must have {', '.join(missing)}, got none")
     matrices: Any = {
         name: run[f"{name}_matrix"].values for name in MATRICES if f"{name}_matrix" in run
     }
     nodes = dict(zip(run["node"].values.tolist(), run["node_rows"].values, strict=True))
-    si = run["t"].attrs.get("units") == "s"
+    si = any(run[name].attrs.get("units") in {"s", "s-1"} for name in SPEEDS if name in run)
     positions = None
     if "axial_position" in run.variables:
         positions = dict(zip(nodes, run["axial_position"].values.tolist(), strict=True))
@@ -137,8 +152,9 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
         "contacts": [_contact(run.isel(contact=i), stators) for i in range(run.sizes["contact"])],
         "unbalance": unbalance,
         "static_force": run["constant_force"].values,
-        "start": tuple(run["start_state"].values.reshape(2, -1)),
     }
+    if START in run.variables:
+        around["start"] = tuple(run[START].values.reshape(2, -1))
     return system, around
 
 

@@ -27,6 +27,7 @@ from rotor_ida.systems.following import Followed
 OTHER_UNITS = {
     "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
     "stator_stiffness": "N m-1", "stator_damping": "N s m-1", "unbalance_moment": "kg m",
+    "applied_unbalance": "kg m",
 }  # fmt: skip
 # Units of the attributes of a changing speed, as `rotor_ida.dimensional` names them.
 UNITS_OF_CHANGE = {
@@ -66,7 +67,7 @@ def system_dataset(
         "final_state": ("component", np.concatenate([found.to_q(result.state).ravel(), races])),
         "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
         "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
-        **_stators(assembly),
+        **stators_of(assembly),
         **_relative(assembly, q, event_q[:, 0], result.event_contacts),
         **_forces(followed),
         **_episodes(followed),
@@ -96,7 +97,7 @@ def system_dataset(
     return with_system_units(dataset, system)
 
 
-def _stators(assembly: Assembly) -> dict[str, Column]:
+def stators_of(assembly: Assembly) -> dict[str, Column]:
     """Return the stator of each contact, "" for the ground, and where its centre is."""
     names = [
         each.stator if isinstance(each.stator, str)

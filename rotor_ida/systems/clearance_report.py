@@ -1,0 +1,513 @@
+"""Whether a rotor system keeps clear of its close clearances, in the manner of API 617.
+
+1. *Cases*: unbalance at the antinodes of each mode near the speeds of the machine.
+2. *Response*: the largest axis of each orbit over the speed, at probes and clearances.
+3. *Scale*: all is enlarged until the probes see the vibration limit at running speeds.
+4. *Shares*: the scaled axes over the diametral clearances, and the margins of critical speeds.
+5. *Rubs*: what follows a touch all the same, exactly: synchronous rubs, and dry whip.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Column, ComplexValues, Values
+from rotor_ida.checks import (
+    LARGEST_NUMBER,
+    check_axis,
+    check_count,
+    check_increasing,
+    check_positive,
+    shown,
+)
+from rotor_ida.errors import InputError
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.schema import STABILITY, VERDICT, labelled_dataset
+from rotor_ida.systems.archived import described_problem
+from rotor_ida.systems.assembly import Assembly, assemble
+from rotor_ida.systems.axisymmetric import check_axisymmetric_parts, forward_motions
+from rotor_ida.systems.clearance_words import sentences
+from rotor_ida.systems.critical_speeds import (
+    Mode,
+    Peak,
+    antinodes,
+    critical_modes,
+    largest_between,
+    margins,
+    orbit_axes,
+    peak_between,
+)
+from rotor_ida.systems.dataset import with_system_units
+from rotor_ida.systems.dry_whip import Whip, dry_whips
+from rotor_ida.systems.synchronous import synchronous_response_system
+from rotor_ida.units import SPEED_UNITS
+
+# Modes and responses are sought up to this many times the largest continuous speed.
+REACH = 1.5
+# Largest share of the diametral clearance, and largest scale factor.
+ALLOWED, LARGEST_SCALE = 0.75, 6.0
+# Vibration limit [m] up to a speed [rpm], and its part of the speed above.
+LIMIT, LIMIT_SPEED = 25.4e-6, 12_000.0
+# Residual unbalance [kg m rpm/kg] of a mass, and the least eccentricity [m], at 25,000 rpm.
+RESIDUAL, LEAST_ECCENTRICITY = 6350e-6, 0.254e-6
+# Half-widths of a resonance, and how many speeds, about each mode.
+ABOUT = np.linspace(-4.0, 4.0, 17)
+# Running speeds at which rubs are sought, and as many from rest to the trip speed.
+RUB_SPEEDS = 41
+MOST_POINTS = 20_000
+REFERENCES = (
+    "Public statements of API 617, 6.8.2, and API RP 684, SP6.8.2; H. F. Black, Journal of "
+    "Mechanical Engineering Science 10, 1968, for dry whip"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """A rotor with its clearances, the speeds of the machine, and its probes."""
+
+    assembly: Assembly
+    low: float
+    high: float
+    trip: float
+    probes: tuple[str, ...]
+    limit: float
+
+    @property
+    def rows(self) -> Values:
+        """Displacements of the clearances, then of the probes, by q."""
+        names = list(self.assembly.system.nodes)
+        nodes = self.assembly.node_rows()
+        return np.concatenate([self.assembly.rows, nodes[[names.index(n) for n in self.probes]]])
+
+    @property
+    def diameters(self) -> Values:
+        """The diametral clearances."""
+        return 2.0 * np.array([each.clearance for each in self.assembly.contacts])
+
+
+@dataclass(frozen=True, slots=True)
+class Response:
+    """Largest axes at clearances and probes, shape (case, speed, place), and the unbalance."""
+
+    problem: Problem
+    speeds: Values
+    axes: Values
+    forces: ComplexValues
+
+    def at(self, case: int, place: int, omega: float) -> float:
+        """Return the largest axis at one place and speed."""
+        found = orbit_axes(self.problem.assembly, self.problem.rows[place : place + 1],
+                           self.forces[:, case : case + 1], np.array([omega]))  # fmt: skip
+        return float(found[0, 0, 0])
+
+    def largest(self, case: int, place: int, low: float, high: float) -> tuple[float, float]:
+        """Return where the largest axis is largest between two speeds, and how large."""
+        return largest_between(lambda omega: self.at(case, place, omega), self.speeds,
+                               self.axes[case, :, place], low, high)  # fmt: skip
+
+    def peak(self, case: int, low: float, high: float) -> Peak | None:
+        """Return the largest peak at a probe between two speeds."""
+        first = len(self.problem.assembly.contacts)
+        places = range(first, first + len(self.problem.probes))
+        inside = (self.speeds >= low) & (self.speeds <= high)
+        best = max(places, key=lambda place: float(self.axes[case, inside, place].max()))
+        return peak_between(lambda omega: self.at(case, best, omega), self.speeds,
+                            self.axes[case, :, best], low, high)  # fmt: skip
+
+
+def clearance_report(
+    system: RotorSystem,
+    *,
+    contacts: Sequence[Contact],
+    speed: Sequence[float],
+    probes: Sequence[str],
+    unbalance: Sequence[Unbalance] | None = None,
+    multiple: float = 2.0,
+    vibration_limit: float | None = None,
+    mass: float | None = None,
+    points: int = 300,
+) -> xr.Dataset:
+    """Check the unbalance response of a rotor system at its close clearances, as API 617 does.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The rotor. It need not be axisymmetric; what follows a touch is computed where it is.
+    contacts : sequence of Contact
+        The close clearances.
+    speed : sequence of float, shape (2,) or (3,)
+        Minimum and maximum continuous speed, and the trip speed.
+    probes : sequence of str
+        Nodes at which vibration is measured.
+    unbalance : sequence of Unbalance, optional
+        Residual unbalance. Default: that of each mode up to 1.5 times the maximum continuous
+        speed, at its antinodes; see Notes.
+    multiple : float
+        How many times the residual unbalance is applied.
+    vibration_limit : float, optional
+        From peak to peak. Default: 25.4 um, times the root of 12,000 rpm over the maximum
+        continuous speed where this is faster.
+    mass : float, optional
+        Mass of the rotor, for the residual unbalance. Default: that which moves with all nodes.
+    points : int
+        Number of speeds, besides those about each critical speed.
+
+    Returns
+    -------
+    Dataset
+        On ``(case, speed, contact)`` and ``(case, speed, probe)``: ``major_axis`` and
+        ``probe_major_axis`` of the orbits, from peak to peak, before scaling; on ``case``:
+        ``scale_factor``; on ``(case, contact)``: ``running_share`` of the diametral clearance that
+        the scaled axis fills at continuous speeds, at the worst ``running_share_speed``, and
+        ``passage_share``, from rest to the trip speed. On ``contact``: ``clearance_verdict``, as
+        flags ``passes``, ``fails`` (above 75 per cent) and ``touches``; the largest ``rub_force``
+        of a synchronous rub with the scaled unbalance at continuous speeds, its ``rub_speed`` and
+        ``rub_stability``; the same from rest to the trip speed, as ``passage_rub_force`` and so on;
+        and of dry whip at the maximum continuous speed ``whip_speed``,
+        ``whip_amplitude``, ``whip_force`` and ``whip_stability``. On ``critical``:
+        ``critical_speed``, ``amplification_factor``, ``separation_margin`` and
+        ``required_margin``. The attribute ``sentence`` has a line for each clearance.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used; if a speed is a resonance without damping.
+
+    Notes
+    -----
+    *Unbalance.* `multiple` times ``6350 W/N`` g mm of the mass W [kg] at N [rpm], and at least
+    0.254 g mm for each kg, is placed at the node of each lobe of a mode that moves most, with
+    opposite phases on opposite sides. W is divided equally among the antinodes. The standard takes
+    the static load of the nearest journal or an overhung mass, which matrices do not tell: give
+    `unbalance` for that.
+
+    *Scale.* The vibration limit ``A = min(25.4, 25.4 sqrt(12000/N))`` um over the largest axis at a
+    probe at continuous speeds, at most 6. Scaled axes may fill 75 per cent of the diametral
+    clearance. A static deflection or an offset centre is not counted.
+
+    *Margins.* Amplification factors are the speed of a peak over its width at 0.707 of the height;
+    see `rotor_ida.systems.critical_speeds.margins`.
+
+    *Not public*, and left out: the wording of the 9th edition, its exceptions, and what it asks of
+    models of bearings, seals and supports. Earlier editions ask for other multiples.
+
+    *Touches.* Rubs are those of `synchronous_response`, of one contact or two at a time; for dry
+    whip see `rotor_ida.systems.dry_whip`. Both need an axisymmetric rotor and stators; otherwise
+    the attribute ``not_exact`` says why they are left out.
+
+    References
+    ----------
+    ROSS, ``ross/api_report.py`` of July 2020, cites API RP 684, SP6.8.2.1, SP6.8.2.10, SP6.8.2.11
+    and API 617, 4.8.2.11, for these formulas. K. Brun and R. Kurz, eds., "Compression Machinery
+    for Oil and Gas", 2019, chapter 3, for the unbalance, ranges and the factor of 2.5.
+
+    Examples
+    --------
+    >>> system = RotorSystem(mass=20 * np.eye(2), damping=4e3 * np.eye(2),
+    ...                      stiffness=4e6 * np.eye(2), nodes={"disc": (0, 1)})
+    >>> seal = Contact(node="disc", clearance=100e-6, stiffness=1e8, exponent=1.0, friction=0.1,
+    ...                radius=0.05)
+    >>> report = clearance_report(system, contacts=[seal], probes=["disc"], speed=(800.0, 1000.0))
+    >>> report.scale_factor.values.round(3), report.running_share.values.round(4)
+    (array([6.]), array([[0.1091]]))
+    >>> print(report.attrs["sentence"].split(";")[0])
+    Contact 0 at 'disc' passes: the scaled orbit fills at most 11 % of the clearance at 7639 rpm
+    """
+    problem = _problem(system, contacts, speed, probes, vibration_limit)
+    modes = critical_modes(problem.assembly, REACH * problem.high)
+    cases = _cases(problem, modes, unbalance, check_positive("multiple", multiple, LARGEST_NUMBER),
+                   mass)  # fmt: skip
+    response = _response(problem, modes, cases, check_count("points", points, 2, MOST_POINTS))
+    peaks = _peaks(response, modes)
+    touching = _touching(response, modes, cases, _scales(response))
+    return _dataset(response, cases, peaks, touching, {"multiple": multiple, "points": points},
+                    unbalance, mass)  # fmt: skip
+
+
+def _problem(
+    system: RotorSystem, contacts: Sequence[Contact], speed: object, probes: object, limit: object
+) -> Problem:
+    """Return the checked problem."""
+    speeds = check_increasing("speed", check_axis("speed", speed, largest=LARGEST_NUMBER))
+    if speeds.size not in {2, 3} or speeds[0] == 0.0:
+        raise InputError(f"speed must be two or three speeds above 0, got {shown(speed)}")
+    assembly = assemble(system, contacts, [], None, None)
+    if isinstance(probes, str) or not isinstance(probes, Sequence) or not probes:
+        raise InputError(f"probes must be a list of names of nodes, got {shown(probes)}")
+    for node in probes:
+        system.rows(node)
+    if not contacts:
+        raise InputError("contacts must be at least one clearance, got none")
+    low, high, trip = (*speeds.tolist(), speeds[-1].item())[:3]
+    if limit is None:
+        if system.units != "SI":
+            raise InputError("vibration_limit must be given without SI units, got None")
+        limit = LIMIT * min(1.0, math.sqrt(LIMIT_SPEED * SPEED_UNITS["rpm"] / high))
+    limit = check_positive("vibration_limit", limit, LARGEST_NUMBER)
+    return Problem(assembly, low, high, trip, tuple(probes), limit)
+
+
+def _cases(
+    problem: Problem, modes: Sequence[Mode], unbalance: object, multiple: float, mass: float | None
+) -> list[list[Unbalance]]:
+    """Return the unbalance of each case."""
+    system = problem.assembly.system
+    if unbalance is not None:
+        assemble(system, [], unbalance, None, None)  # type: ignore[arg-type] # refuses others
+        assert isinstance(unbalance, Sequence)
+        return [[_scaled(each, multiple) for each in unbalance]]
+    if system.units != "SI":
+        raise InputError("unbalance must be given without SI units, got None")
+    if not modes:
+        raise InputError("unbalance must be given for a system without a critical speed, got None")
+    whole = _mass(system) if mass is None else check_positive("mass", mass, LARGEST_NUMBER)
+    eccentricity = max(RESIDUAL * SPEED_UNITS["rpm"] / problem.high, LEAST_ECCENTRICITY)
+    names = list(system.nodes)
+    stators = {each.stator for each in problem.assembly.contacts if isinstance(each.stator, str)}
+    along = system.positions or dict.fromkeys(names, 0.0)
+    order = sorted((i for i, name in enumerate(names) if name not in stators),
+                   key=lambda i: along[names[i]])  # fmt: skip
+    found = []
+    for mode in modes:
+        places = antinodes(mode, order)
+        moment = multiple * eccentricity * whole / len(places)
+        found.append([Unbalance(node=names[i], moment=moment, phase=phase) for i, phase in places])
+    return found
+
+
+def _mass(system: RotorSystem) -> float:
+    """Return the mass that moves where all nodes do."""
+    try:
+        moved = system.unit_translations()[:, 0]
+    except InputError as error:
+        raise InputError(f"mass must be given: {error}") from error
+    return float(moved @ system.mass @ moved)
+
+
+def _scaled(each: Unbalance, factor: float) -> Unbalance:
+    return Unbalance(node=each.node, moment=factor * each.moment, phase=each.phase)
+
+
+def _response(
+    problem: Problem, modes: Sequence[Mode], cases: Sequence[Sequence[Unbalance]], points: int
+) -> Response:
+    """Return the response to all cases, at speeds that resolve each critical speed."""
+    top = max(REACH * problem.high, problem.trip)
+    ends = [problem.low, problem.high, problem.trip]
+    every = np.concatenate([np.linspace(0.0, top, points + 1), ends, _about(modes)])
+    every = np.unique(every[(every > 0.0) & (every <= top)])
+    forces = np.array([
+        both[0] - 1j * both[1] for both in
+        (assemble(problem.assembly.system, problem.assembly.contacts, case, None, None).unbalance
+         for case in cases)
+    ]).T  # fmt: skip
+    return Response(problem, every, orbit_axes(problem.assembly, problem.rows, forces, every),
+                    forces)  # fmt: skip
+
+
+def _about(modes: Sequence[Mode]) -> Values:
+    """Return speeds about the critical speeds of modes."""
+    return np.concatenate([mode.speed + abs(mode.decay) * ABOUT for mode in modes] or [ABOUT[:0]])
+
+
+def _scales(response: Response) -> Values:
+    """Return the scale factor of each case."""
+    problem = response.problem
+    first = len(problem.assembly.contacts)
+    seen = np.array([
+        max(response.largest(case, place, problem.low, problem.high)[1]
+            for place in range(first, first + len(problem.probes)))
+        for case in range(len(response.axes))
+    ])  # fmt: skip
+    return np.asarray(problem.limit / np.maximum(seen, problem.limit / LARGEST_SCALE))
+
+
+def _peaks(response: Response, modes: Sequence[Mode]) -> list[Peak]:
+    """Return the peak of each mode in its own case, between the neighbouring modes."""
+    speeds = [mode.speed for mode in modes]
+    between = [0.5 * (one + other) for one, other in pairwise(speeds)]
+    ends = [0.0, *between, float(response.speeds[-1])]
+    found = []
+    for number, mode in enumerate(modes):
+        case = number if len(response.axes) == len(modes) else 0
+        inside = response.speeds[
+            (response.speeds >= ends[number]) & (response.speeds <= ends[number + 1])
+        ]
+        peak = response.peak(case, inside[0], inside[-1]) if inside.size > 2 else None
+        found.append(peak or Peak(mode.speed, np.nan))
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Rubs:
+    """The hardest rub of each contact in a range of speeds: a stable one, unless there is none."""
+
+    force: Values
+    speed: Values
+    stability: npt.NDArray[np.int8]
+
+    @classmethod
+    def none(cls, count: int) -> Rubs:
+        """Return no rub of any contact."""
+        force, speed = np.full((2, count), np.nan)
+        return cls(force, speed, np.full(count, STABILITY["absent"], np.int8))
+
+    def note(self, whirls: xr.Dataset) -> None:
+        """Note the rubs of one case of unbalance."""
+        touches, flags = whirls["in_contact"].values == 1, whirls["stability"].values
+        for number in range(self.force.size):
+            forces = whirls["normal_force"].values[..., number]
+            for word in ("stable", "unstable"):
+                chosen = touches[..., number] & (flags == STABILITY[word])
+                if not chosen.any():
+                    continue
+                hardest = float(forces[chosen].max())
+                known = int(self.stability[number])
+                if known == STABILITY["stable"] != STABILITY[word]:
+                    continue
+                if known != STABILITY[word] or hardest > self.force[number]:
+                    row = int(np.argmax(np.where(chosen, forces, -np.inf).max(axis=1)))
+                    self.force[number], self.stability[number] = hardest, STABILITY[word]
+                    self.speed[number] = float(whirls["speed"].values[row])
+
+
+@dataclass(frozen=True, slots=True)
+class Touching:
+    """What follows a touch at continuous speeds and on the way there, or why it is not known."""
+
+    running: Rubs
+    passing: Rubs
+    whips: list[Whip | None]
+    not_exact: str = ""
+
+
+def _touching(
+    response: Response,
+    modes: Sequence[Mode],
+    cases: Sequence[Sequence[Unbalance]],
+    scales: Values,
+) -> Touching:
+    """Return the rubs with the scaled unbalance, and dry whip."""
+    problem = response.problem
+    assembly, count = problem.assembly, len(problem.assembly.contacts)
+    running, passing = Rubs.none(count), Rubs.none(count)
+    try:
+        check_axisymmetric_parts(assembly)
+        motions = forward_motions(assembly)
+    except InputError as error:
+        return Touching(running, passing, [None] * count, str(error))
+    speeds = np.concatenate([np.linspace(0.0, problem.trip, RUB_SPEEDS + 1), _about(modes),
+                             np.linspace(problem.low, problem.high, RUB_SPEEDS)])  # fmt: skip
+    speeds = np.unique(speeds[(speeds > 0.0) & (speeds <= problem.trip)])
+    for case, scale in zip(cases, scales.tolist(), strict=True):
+        whirls = synchronous_response_system(
+            assembly.system, contacts=assembly.contacts, speed=speeds,
+            unbalance=[_scaled(each, scale) for each in case],
+        )  # fmt: skip
+        passing.note(whirls)
+        running.note(whirls.isel(speed=(speeds >= problem.low) & (speeds <= problem.high)))
+    whips = [_first_stable(dry_whips(motions, number, each, problem.high))
+             for number, each in enumerate(assembly.contacts)]  # fmt: skip
+    return Touching(running, passing, whips)
+
+
+def _first_stable(whips: Sequence[Whip]) -> Whip | None:
+    """Return the slowest stable whirl, or else the slowest."""
+    return next((each for each in whips if each.growth_rate < 0.0), next(iter(whips), None))
+
+
+def _dataset(
+    response: Response,
+    cases: Sequence[Sequence[Unbalance]],
+    peaks: Sequence[Peak],
+    touching: Touching,
+    given: dict[str, float],
+    unbalance: Sequence[Unbalance] | None,
+    mass: float | None,
+) -> xr.Dataset:
+    """Return the report as a labelled dataset."""
+    problem, scales = response.problem, _scales(response)
+    assembly, count = problem.assembly, len(problem.assembly.contacts)
+    names = list(assembly.system.nodes)
+    running, passing = (
+        np.array([[response.largest(case, place, low, high) for place in range(count)]
+                  for case in range(len(cases))])
+        for low, high in ((problem.low, problem.high), (response.speeds[0], problem.trip))
+    )  # fmt: skip
+    part = scales[:, np.newaxis] / problem.diameters
+    shares = running[..., 1] * part
+    worst = shares.max(axis=0)
+    verdict = np.where(worst > ALLOWED, VERDICT["fails"], VERDICT["passes"])
+    verdict[worst >= 1.0] = VERDICT["touches"]
+    applied = np.zeros((len(cases), len(names)), complex)
+    for row, case in zip(applied, cases, strict=True):
+        for each in case:
+            row[names.index(each.node)] += each.moment * np.exp(1j * each.phase)
+    both = np.array([margins(peak, problem.low, problem.high) for peak in peaks]).reshape(-1, 2)
+    variables: dict[str, Column] = {
+        "major_axis": (("case", "speed", "contact"), response.axes[..., :count]),
+        "probe_major_axis": (("case", "speed", "probe"), response.axes[..., count:]),
+        "scale_factor": ("case", scales),
+        "vibration_limit": ((), problem.limit),
+        "running_share": (("case", "contact"), shares),
+        "running_share_speed": (("case", "contact"), running[..., 0]),
+        "passage_share": (("case", "contact"), passing[..., 1] * part),
+        "clearance_verdict": ("contact", verdict.astype(np.int8)),
+        "applied_unbalance": (("case", "node"), np.abs(applied)),
+        "applied_phase": (("case", "node"), np.angle(applied) + 0.0),
+        "critical_speed": ("critical", np.array([each.speed for each in peaks])),
+        "amplification_factor": ("critical", np.array([each.amplification for each in peaks])),
+        "separation_margin": ("critical", both[:, 0]),
+        "required_margin": ("critical", both[:, 1]),
+        **_rubs("rub", touching.running), **_rubs("passage_rub", touching.passing),
+        **_whips(touching.whips),
+        **described_problem(assembly, unbalance or []),
+    }  # fmt: skip
+    coordinates: dict[str, Column] = {
+        "speed": ("speed", response.speeds), "case": ("case", np.arange(len(cases))),
+        "node": ("node", np.array(names, str)), "probe": ("probe", np.array(problem.probes, str)),
+    }  # fmt: skip
+    told: dict[str, object] = {
+        "source": "rotor_ida closed forms", "references": REFERENCES, **given,
+        "running_speeds": np.array([problem.low, problem.high, problem.trip]),
+        "vibration_limit_given": problem.limit, "unbalance_given": int(unbalance is not None),
+    }  # fmt: skip
+    if mass is not None:
+        told["rotor_mass"] = mass
+    if touching.not_exact:
+        told["not_exact"] = touching.not_exact
+    dataset = labelled_dataset(
+        "Close clearances of a rotor system", variables, coordinates, told, kind="clearance_report"
+    )
+    dataset = with_system_units(dataset, assembly.system)
+    return dataset.assign_attrs(sentence=sentences(dataset))
+
+
+def _rubs(prefix: str, rubs: Rubs) -> dict[str, Column]:
+    return {
+        f"{prefix}_{name}": ("contact", getattr(rubs, name))
+        for name in ("force", "speed", "stability")
+    }
+
+
+def _whips(whips: Sequence[Whip | None]) -> dict[str, Column]:
+    """Return dry whip at each contact, NaN where friction cannot hold any."""
+    table = np.array([
+        (np.nan,) * 3 if each is None else (each.whirl_speed, each.amplitude, each.normal_force)
+        for each in whips
+    ]).reshape(-1, 3)  # fmt: skip
+    words = ["absent" if each is None else "stable" if each.growth_rate < 0.0 else "unstable"
+             for each in whips]  # fmt: skip
+    return {
+        "whip_speed": ("contact", table[:, 0]), "whip_amplitude": ("contact", table[:, 1]),
+        "whip_force": ("contact", table[:, 2]),
+        "whip_stability": ("contact", np.array([STABILITY[each] for each in words], np.int8)),
+    }  # fmt: skip
