@@ -39,12 +39,15 @@ NAMES = ("node", "contact_node", "contact_stator", "unbalance_node")
 
 def described_problem(assembly: Assembly, unbalance: Sequence[Unbalance]) -> dict[str, Column]:
     """Return what a result without a start is computed from, but for its nodes and speeds."""
-    return {
+    found: dict[str, Column] = {
         "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
         "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
         **stators_of(assembly),
         **problem_variables(assembly, unbalance),
     }
+    if (positions := assembly.system.positions) is not None:
+        found["axial_position"] = ("node", np.array(list(positions.values())))
+    return found
 
 
 def problem_variables(

@@ -222,14 +222,22 @@ def clearance_report(
     Contact 0 at 'disc' passes: the scaled orbit fills at most 11 % of the clearance at 7639 rpm
     """
     problem = _problem(system, contacts, speed, probes, vibration_limit)
+    multiple = check_positive("multiple", multiple, LARGEST_NUMBER)
+    count = check_count("points", points, 2, MOST_POINTS)
+    told: dict[str, object] = {"multiple": multiple, "points": count}
+    if mass is not None:
+        mass = check_positive("mass", mass, LARGEST_NUMBER)
     modes = critical_modes(problem.assembly, REACH * problem.high)
-    cases = _cases(problem, modes, unbalance, check_positive("multiple", multiple, LARGEST_NUMBER),
-                   mass)  # fmt: skip
-    response = _response(problem, modes, cases, check_count("points", points, 2, MOST_POINTS))
+    if unbalance is not None:
+        assemble(system, [], unbalance, None, None)  # refuses other types
+        cases = [[_scaled(each, multiple) for each in unbalance]]
+    else:
+        told["rotor_mass"] = whole = mass or _mass(problem, modes)
+        cases = _cases(problem, modes, multiple * whole)
+    response = _response(problem, modes, cases, count)
     peaks = _peaks(response, modes)
     touching = _touching(response, modes, cases, _scales(response))
-    return _dataset(response, cases, peaks, touching, {"multiple": multiple, "points": points},
-                    unbalance, mass)  # fmt: skip
+    return _dataset(response, cases, peaks, touching, told, unbalance)
 
 
 def _problem(
@@ -255,20 +263,23 @@ def _problem(
     return Problem(assembly, low, high, trip, tuple(probes), limit)
 
 
-def _cases(
-    problem: Problem, modes: Sequence[Mode], unbalance: object, multiple: float, mass: float | None
-) -> list[list[Unbalance]]:
-    """Return the unbalance of each case."""
+def _mass(problem: Problem, modes: Sequence[Mode]) -> float:
+    """Return the mass that moves where all nodes do, if residual unbalance can be told by it."""
     system = problem.assembly.system
-    if unbalance is not None:
-        assemble(system, [], unbalance, None, None)  # type: ignore[arg-type] # refuses others
-        assert isinstance(unbalance, Sequence)
-        return [[_scaled(each, multiple) for each in unbalance]]
     if system.units != "SI":
         raise InputError("unbalance must be given without SI units, got None")
     if not modes:
         raise InputError("unbalance must be given for a system without a critical speed, got None")
-    whole = _mass(system) if mass is None else check_positive("mass", mass, LARGEST_NUMBER)
+    try:
+        moved = system.unit_translations()[:, 0]
+    except InputError as error:
+        raise InputError(f"mass must be given: {error}") from error
+    return float(moved @ system.mass @ moved)
+
+
+def _cases(problem: Problem, modes: Sequence[Mode], mass: float) -> list[list[Unbalance]]:
+    """Return the unbalance of each case: that of a mass at the antinodes of each mode."""
+    system = problem.assembly.system
     eccentricity = max(RESIDUAL * SPEED_UNITS["rpm"] / problem.high, LEAST_ECCENTRICITY)
     names = list(system.nodes)
     stators = {each.stator for each in problem.assembly.contacts if isinstance(each.stator, str)}
@@ -278,18 +289,9 @@ def _cases(
     found = []
     for mode in modes:
         places = antinodes(mode, order)
-        moment = multiple * eccentricity * whole / len(places)
+        moment = eccentricity * mass / len(places)
         found.append([Unbalance(node=names[i], moment=moment, phase=phase) for i, phase in places])
     return found
-
-
-def _mass(system: RotorSystem) -> float:
-    """Return the mass that moves where all nodes do."""
-    try:
-        moved = system.unit_translations()[:, 0]
-    except InputError as error:
-        raise InputError(f"mass must be given: {error}") from error
-    return float(moved @ system.mass @ moved)
 
 
 def _scaled(each: Unbalance, factor: float) -> Unbalance:
@@ -429,9 +431,8 @@ def _dataset(
     cases: Sequence[Sequence[Unbalance]],
     peaks: Sequence[Peak],
     touching: Touching,
-    given: dict[str, float],
+    told: dict[str, object],
     unbalance: Sequence[Unbalance] | None,
-    mass: float | None,
 ) -> xr.Dataset:
     """Return the report as a labelled dataset."""
     problem, scales = response.problem, _scales(response)
@@ -475,13 +476,10 @@ def _dataset(
         "speed": ("speed", response.speeds), "case": ("case", np.arange(len(cases))),
         "node": ("node", np.array(names, str)), "probe": ("probe", np.array(problem.probes, str)),
     }  # fmt: skip
-    told: dict[str, object] = {
-        "source": "rotor_ida closed forms", "references": REFERENCES, **given,
+    told = {
+        "source": "rotor_ida closed forms", "references": REFERENCES, **told,
         "running_speeds": np.array([problem.low, problem.high, problem.trip]),
-        "vibration_limit_given": problem.limit, "unbalance_given": int(unbalance is not None),
     }  # fmt: skip
-    if mass is not None:
-        told["rotor_mass"] = mass
     if touching.not_exact:
         told["not_exact"] = touching.not_exact
     dataset = labelled_dataset(

@@ -26,6 +26,7 @@ from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
 from rotor_ida.schema import SPECIAL, labelled_dataset
+from rotor_ida.systems.archived import described_problem
 from rotor_ida.systems.assembly import Assembly, assemble
 from rotor_ida.systems.axisymmetric import (
     ForwardMotions,
@@ -195,7 +196,8 @@ def special_speeds(
     for touching in [(), *touching_sets(assembly.contacts)]:
         pieces = list(_pieces(touching, problem.roots(touching, speeds), speeds))
         found += [*_grazes(problem, pieces), *_hopf_points(problem, pieces)]
-    return _dataset(problem, [each for each in found if _is_free(problem, each)])
+    told = {"limits": np.array([low, high]), "points": points}
+    return _dataset(problem, [each for each in found if _is_free(problem, each)], unbalance, told)
 
 
 def _limits(given: object) -> tuple[float, float]:
@@ -357,7 +359,12 @@ def _is_free(problem: _Problem, point: _Point) -> bool:
     return bool((gaps >= rounded).all())
 
 
-def _dataset(problem: _Problem, points: Sequence[_Point]) -> xr.Dataset:
+def _dataset(
+    problem: _Problem,
+    points: Sequence[_Point],
+    unbalance: Sequence[Unbalance],
+    told: dict[str, object],
+) -> xr.Dataset:
     """Return special points in order of speed."""
     assembly = problem.assembly
     points = sorted(points, key=lambda each: each.speed)
@@ -374,11 +381,12 @@ def _dataset(problem: _Problem, points: Sequence[_Point]) -> xr.Dataset:
         "hopf_frequency": ("special", np.array([each.frequency for each in points])),
         "amplitude": (("special", "contact"), amplitude),
         "in_contact": (("special", "contact"), touches),
-        "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
+        **described_problem(assembly, unbalance),
     }
+    nodes = ("node", np.array(list(assembly.system.nodes), str))
     dataset = labelled_dataset(
-        "Special points of the synchronous whirls of a rotor system", variables, {},
-        {"source": "rotor_ida closed forms", "most_touching": MOST_TOUCHING},
+        "Special points of the synchronous whirls of a rotor system", variables, {"node": nodes},
+        {"source": "rotor_ida closed forms", "most_touching": MOST_TOUCHING, **told},
         kind="system_special_points",
     )  # fmt: skip
     return with_system_units(dataset, assembly.system)
