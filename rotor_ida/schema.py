@@ -183,6 +183,8 @@ QUANTITIES: dict[str, Quantity] = {
     "contact_stiffness": Quantity("stiffness of springs at the contacts"),
     "eigenvalue": Quantity("number of the eigenvalue, in order of whirl speed"),
     "damping_ratio": Quantity("damping ratio of the motion, negative if it grows"),
+    "branch_amplitude": Quantity("amplitude of a whirl at a contact", scale="length"),
+    "branch_stability": Quantity("stability of a whirl", flags=STABILITY),
     # a report on close clearances
     "case": Quantity("number of the case of unbalance"),
     "probe": Quantity("node at which vibration is measured", ""),

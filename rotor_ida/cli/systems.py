@@ -1,11 +1,13 @@
-"""Simulate the rotor system of a file: its file says most, options change its speed and solver."""
+"""Compute with the rotor system of a file: it says most, options change its speed and solver."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 import rotor_ida
 from rotor_ida.checks import State, shown
@@ -16,6 +18,7 @@ from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
+    from rotor_ida.model.rotor_system import RotorSystem
     from rotor_ida.results.system_file import SystemFile
 
 # Options of one disc that also apply to a system.
@@ -33,7 +36,7 @@ def simulate_file(
 ) -> Report:
     """Simulate the system of a file at a constant speed."""
     how = _checked(rotor, start, solver, output)
-    case = _case(file, rotor, given)
+    case = case_of(file, {**rotor.given, **given})
     speed = rotor.given.get(SPEED, case.speed)
     if speed is None:
         raise InputError(f"speed must be given with --speed or in {file}")
@@ -56,13 +59,52 @@ def run_up_file(
     """Simulate the system of a file at a changing speed."""
     how = _checked(rotor, start, solver, output)
     of_change = {name: each for name, each in asdict(change).items() if each is not None}
-    case = _case(file, rotor, {**given, **of_change})
+    case = case_of(file, {**rotor.given, **given, **of_change})
     with working("run-up [%]") as progress:
         run = rotor_ida.run_up_system(
             case.system, **case.around, **given, **how, **_change(case, rotor, of_change),
             progress=progress,
         )  # fmt: skip
     return answer(run, output, most=FIRST_ROWS)
+
+
+def whirls_file(
+    file: Path, rotors: options.RotorsOptions, output: Output, *, without_gravity: bool
+) -> Report:
+    """Compute the synchronous whirls of the system of a file."""
+    of_disc: dict[str, object] = {**rotors.values, "machine": rotors.machine}
+    of_disc.pop(SPEED, None)
+    speeds: Any = rotors.values.get(SPEED)
+    _refuse_of_disc(of_disc)
+    output.check()
+    case = case_of(file, {SPEED: speeds})
+    if speeds is None:
+        speeds = case.speed
+    if speeds is None:
+        raise InputError(f"speed must be given with --speed or in {file}")
+    found = rotor_ida.synchronous_response_system(
+        **weighed(case, without_gravity=without_gravity), speed=speeds
+    )
+    return answer(found, output, most=FIRST_ROWS)
+
+
+def linear_system(case: SystemFile) -> RotorSystem:
+    """Return the rotor of a file, in a few modes if it says so."""
+    if case.modes is None:
+        return case.system
+    held = [each.node for each in case.contacts]
+    held += [each.stator for each in case.contacts if isinstance(each.stator, str)]
+    return case.system.reduced(modes=case.modes, keep=list(dict.fromkeys(held)))
+
+
+def weighed(case: SystemFile, *, without_gravity: bool) -> dict[str, Any]:
+    """Return the system with its weight as a static force, its contacts and unbalance."""
+    system = linear_system(case)
+    if case.gravity is not None and not without_gravity:
+        own = 0.0 if system.static_force is None else system.static_force
+        weight = system.mass @ (system.unit_translations() @ np.array(case.gravity))
+        system = replace(system, static_force=own + weight)
+    return {"system": system, "contacts": case.contacts, "unbalance": case.unbalance}
 
 
 def _checked(
@@ -77,18 +119,23 @@ def _checked(
     chosen, usual = asdict(solver), asdict(type(solver)())
     of_disc |= {name: each for name, each in chosen.items()
                 if name not in OF_SYSTEM and each != usual[name]}  # fmt: skip
-    for name, value in of_disc.items():
-        if value is not None:
-            raise InputError(f"{name} must be left out with a rotor system, got {shown(value)}")
+    _refuse_of_disc(of_disc)
     output.check()
     return {name: chosen[name] for name in OF_SYSTEM if chosen[name] is not None}
 
 
-def _case(file: Path, rotor: options.RotorOptions, given: Mapping[str, Any]) -> SystemFile:
+def _refuse_of_disc(given: Mapping[str, object]) -> None:
+    """Refuse options that are of one disc only."""
+    for name, value in given.items():
+        if value is not None:
+            raise InputError(f"{name} must be left out with a rotor system, got {shown(value)}")
+
+
+def case_of(file: Path, given: Mapping[str, Any]) -> SystemFile:
     """Return what a file says; units are for one in SI units."""
     case = rotor_ida.load_system(file)
     if case.system.units != "SI":
-        refuse_units({**rotor.given, **given})
+        refuse_units(given)
     return case
 
 

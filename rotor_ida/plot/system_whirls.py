@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import cast
 
 import numpy as np
@@ -17,6 +19,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     BLUE,
     FOLD,
+    GRAZE,
     GREY,
     HOPF,
     INK,
@@ -38,12 +41,15 @@ from rotor_ida.schema import SPECIAL, STABILITY, WHIRL_DIRECTION
 from rotor_ida.signals.nodes import Ring
 
 WHIRLS = ("speed", "amplitude", "node_amplitude", "stability", "in_contact", "clearance")
+# The whirls of a result of special speeds, by their names in one of whirls.
+BRANCHES = {"branch_amplitude": "amplitude", "branch_stability": "stability"}
+OF_CONTACTS = ("speed", "amplitude", "stability", "clearance", "contact_node")
 MARKS = {
     "stable": (STABLE, BLUE, "o", 2.6, "full"),
     "unstable": (UNSTABLE, ORANGE, "x", 3.0, "full"),
     "neutral": (NEUTRAL, GREY, "o", 3.2, "none"),
 }
-SPECIALS = {"fold": (FOLD, "D", 4.0), "hopf": (HOPF, "o", 4.6)}
+SPECIALS = {"fold": (FOLD, "D", 4.0), "hopf": (HOPF, "o", 4.6), "graze": (GRAZE, "s", 4.0)}
 SENSES = {"forward": (BLUE, "^"), "backward": (ORANGE, "v"), "none": (GREY, "o")}
 MOST_NODES = 5
 # Eigenvalues above this many times the largest speed are cut off.
@@ -66,8 +72,8 @@ def plot_system_whirls(
     contact : int
         Number of the contact. Its clearance is a dashed line.
     special : Dataset, optional
-        Result of `rotor_ida.special_speeds` for the same system: its folds and Hopf points are
-        marked.
+        Result of `rotor_ida.special_speeds` for the same system: its folds, Hopf points and grazes
+        are marked.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -85,7 +91,7 @@ def plot_system_whirls(
     >>> plot_system_whirls(whirls).get_title()
     'contact 0 at disc'
     """
-    whirls = check_dataset("whirls", whirls, (*WHIRLS, "contact_node"))
+    whirls = check_dataset("whirls", whirls, OF_CONTACTS)
     count = whirls.sizes["contact"]
     if check_count("contact", contact, minimum=0) >= count:
         allowed = f"0 to {count - 1}" if count else "none: the whirls have no contact"
@@ -112,7 +118,7 @@ def plot_system_whirls(
 
 
 def _mark_special(ax: Axes, special: xr.Dataset, contact: int) -> None:
-    """Mark folds and Hopf points at a contact."""
+    """Mark folds, Hopf points and grazes at a contact."""
     needed = ("special_speed", "special_kind", "amplitude")
     special = check_dataset("special", special, needed)
     speeds, kinds = _speeds(special["special_speed"]), special["special_kind"].values
@@ -184,11 +190,74 @@ def system_whirls_figure(whirls: xr.Dataset) -> Figure:
     if count < 2:
         ax = plot_system_whirls(whirls) if count else plot_unbalance_response(whirls)
         return cast(Figure, ax.figure)
+    return contact_panels(count, partial(plot_system_whirls, whirls))
+
+
+def plot_special_speeds(special: xr.Dataset, *, contact: int = 0, ax: Axes | None = None) -> Axes:
+    """Draw the whirls at a contact over the spin speed, with the speeds at which they change.
+
+    Parameters
+    ----------
+    special : Dataset
+        Result of `rotor_ida.special_speeds`.
+    contact : int
+        Number of the contact.
+    ax : Axes, optional
+        Axes to draw on and return; default: those of a new figure.
+
+    Raises
+    ------
+    InputError
+        If the dataset is of another kind, or has no such contact.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, special_speeds
+    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> special = special_speeds(
+    ...     system, contacts=contacts, unbalance=unbalance, limits=(0.5, 2.5), points=50)
+    >>> ax = plot_special_speeds(special)
+    >>> [line.get_label() for line in ax.lines]
+    ['clearance', 'stable whirl', 'unstable whirl', 'fold']
+    """
+    check_dataset("special", special, (*BRANCHES, "special_speed", "special_kind", "amplitude"))
+    whirls = special.drop_vars(["amplitude", "stability"], errors="ignore").rename(BRANCHES)
+    return plot_system_whirls(whirls, contact=contact, special=special, ax=ax)
+
+
+def special_speeds_figure(special: xr.Dataset) -> Figure:
+    """Draw the speeds at which the whirls of a rotor system change: a panel for each contact.
+
+    Parameters
+    ----------
+    special : Dataset
+        Result of `rotor_ida.special_speeds`.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, special_speeds
+    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> special = special_speeds(
+    ...     system, contacts=contacts, unbalance=unbalance, limits=(0.5, 2.5), points=50)
+    >>> len(special_speeds_figure(special).axes)
+    1
+    """
+    check_dataset("special", special, tuple(BRANCHES))
+    count = check_panels(special.sizes["contact"])
+    if not count:
+        raise InputError("special must be of a system with contacts, got one without")
+    if count == 1:
+        return cast(Figure, plot_special_speeds(special).figure)
+    return contact_panels(count, partial(plot_special_speeds, special))
+
+
+def contact_panels(count: int, draw: Callable[..., Axes]) -> Figure:
+    """Return a figure with a panel for each contact."""
     columns = math.ceil(math.sqrt(count))
     rows = math.ceil(count / columns)
     figure, axes = mixed_panels(rows, columns, width=2.0 + 2.8 * columns, height=1.6 + 2.2 * rows)
     for number, ax in enumerate(axes[:count]):
-        plot_system_whirls(whirls, contact=number, ax=ax)
+        draw(contact=number, ax=ax)
     for ax in axes[count:]:
         ax.remove()
     shared_legend(figure, axes[:count], outer=False)
