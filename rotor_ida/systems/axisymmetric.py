@@ -16,6 +16,7 @@ from itertools import pairwise
 from typing import NoReturn
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import shown
@@ -48,12 +49,15 @@ class ForwardMotions:
         The matrices.
     rows : ndarray of complex, shape (contact, n)
         The rows b.
+    shapes : ndarray of complex, shape (N, n)
+        Coordinates of each motion: ``q = sqrt(2) Re(shapes p)``.
     """
 
     stiffness: ComplexValues
     damping: ComplexValues
     gyroscopic: ComplexValues
     rows: ComplexValues
+    shapes: ComplexValues
 
     @property
     def size(self) -> int:
@@ -104,7 +108,8 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
         if (across > ROUNDED * np.sqrt(np.outer(sizes, sizes))).any():
             _refuse(name)
     rows = found.rows[:, 0] + 1j * found.rows[:, 1]
-    return ForwardMotions(rows=rows @ basis / np.sqrt(2.0), **reduced)
+    shapes = np.asarray(solve_triangular(found.factor, basis, lower=True, trans=1))
+    return ForwardMotions(rows=rows @ basis / np.sqrt(2.0), shapes=shapes, **reduced)
 
 
 def _matrices(found: Canonical) -> dict[str, Values]:

@@ -21,12 +21,14 @@ from rotor_ida.systems.axisymmetric import (
 )
 from rotor_ida.systems.dataset import with_system_units
 from rotor_ida.systems.receptances import Receptances, checked_speeds, receptances
+from rotor_ida.systems.refined import refined_growth
 from rotor_ida.systems.turning_axes import (
     NEUTRAL,
     Whirls,
     eigenvalues_in_contact,
     eigenvalues_without_contact,
     normal_forces,
+    springs_of,
 )
 from rotor_ida.systems.whirls import MOST_TOUCHING, sliding, whirls_of
 
@@ -116,12 +118,12 @@ def growth_rates(
     for chosen in (touches, ~touches):
         part = whirls[chosen]
         at = speeds[part.row]
-        found = (
-            eigenvalues_in_contact(motions, assembly.contacts, at, part)
-            if chosen is touches
-            else eigenvalues_without_contact(motions, at)
-        )
-        growth[chosen] = found.real.max(axis=1, initial=-np.inf)
+        if chosen is touches:
+            found = eigenvalues_in_contact(motions, assembly.contacts, at, part)
+            springs = springs_of(assembly.contacts, at, part)
+        else:
+            found, springs = eigenvalues_without_contact(motions, at), None
+        growth[chosen] = refined_growth(motions, assembly, at, found, springs)
         size[chosen] = np.abs(found).max(axis=1, initial=0.0)
     return growth, np.abs(growth) <= NEUTRAL * size
 
