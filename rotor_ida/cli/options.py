@@ -317,7 +317,12 @@ RunningSpeeds = Annotated[
 ]
 Probes = Annotated[
     list[str],
-    Parameter(help="Nodes at which vibration is measured.", consume_multiple=True, negative=()),
+    Parameter(
+        help="Nodes at which vibration is measured.",
+        metavar="NAME",
+        consume_multiple=True,
+        negative=(),
+    ),
 ]
 OwnUnbalance = Annotated[
     bool, _flag("Take the unbalance of the file as residual, instead of that of the formula.")

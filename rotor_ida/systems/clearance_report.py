@@ -22,6 +22,7 @@ from rotor_ida.arrays import Column, ComplexValues, Values
 from rotor_ida.checks import (
     LARGEST_NUMBER,
     check_axis,
+    check_between,
     check_count,
     check_increasing,
     check_positive,
@@ -63,6 +64,10 @@ ABOUT = np.linspace(-4.0, 4.0, 17)
 # Running speeds at which rubs are sought, and as many from rest to the trip speed.
 RUB_SPEEDS = 41
 MOST_POINTS = 20_000
+# Least and largest multiple of the residual unbalance.
+MULTIPLES = (1e-6, 1e6)
+# Decay rates below this part of a critical speed are rounding.
+UNDAMPED = 1e-12
 REFERENCES = (
     "Public statements of API 617, 6.8.2, and API RP 684, SP6.8.2; H. F. Black, Journal of "
     "Mechanical Engineering Science 10, 1968, for dry whip"
@@ -179,7 +184,7 @@ def clearance_report(
     Raises
     ------
     InputError
-        If an argument cannot be used; if a speed is a resonance without damping.
+        If an argument cannot be used; if a critical speed has no damping.
 
     Notes
     -----
@@ -222,12 +227,18 @@ def clearance_report(
     Contact 0 at 'disc' passes: the scaled orbit fills at most 11 % of the clearance at 7639 rpm
     """
     problem = _problem(system, contacts, speed, probes, vibration_limit)
-    multiple = check_positive("multiple", multiple, LARGEST_NUMBER)
+    multiple = check_between("multiple", multiple, *MULTIPLES)
     count = check_count("points", points, 2, MOST_POINTS)
     told: dict[str, object] = {"multiple": multiple, "points": count}
     if mass is not None:
         mass = check_positive("mass", mass, LARGEST_NUMBER)
     modes = critical_modes(problem.assembly, REACH * problem.high)
+    for mode in modes:
+        if not mode.decay > UNDAMPED * mode.speed:
+            raise InputError(
+                "system must be damped at its critical speeds for a report, got no damping at "
+                f"{mode.speed:.6g}"
+            )
     if unbalance is not None:
         assemble(system, [], unbalance, None, None)  # refuses other types
         cases = [[_scaled(each, multiple) for each in unbalance]]
@@ -248,7 +259,8 @@ def _problem(
     if speeds.size not in {2, 3} or speeds[0] == 0.0:
         raise InputError(f"speed must be two or three speeds above 0, got {shown(speed)}")
     assembly = assemble(system, contacts, [], None, None)
-    if isinstance(probes, str) or not isinstance(probes, Sequence) or not probes:
+    listed = isinstance(probes, Sequence) and not isinstance(probes, str)
+    if not (listed and probes and all(isinstance(each, str) for each in probes)):
         raise InputError(f"probes must be a list of names of nodes, got {shown(probes)}")
     for node in probes:
         system.rows(node)
@@ -317,7 +329,7 @@ def _response(
 
 def _about(modes: Sequence[Mode]) -> Values:
     """Return speeds about the critical speeds of modes."""
-    return np.concatenate([mode.speed + abs(mode.decay) * ABOUT for mode in modes] or [ABOUT[:0]])
+    return np.concatenate([mode.speed + mode.decay * ABOUT for mode in modes] or [ABOUT[:0]])
 
 
 def _scales(response: Response) -> Values:

@@ -8,6 +8,9 @@ import xarray as xr
 from rotor_ida.schema import words_of
 from rotor_ida.units import SPEED_UNITS
 
+# Forces from this one on [N] are in kN.
+LARGE_FORCE = 1e4
+
 
 def sentences(report: xr.Dataset) -> str:
     """Return a line for each clearance, one on critical speeds, and one on the probes if needed."""
@@ -100,5 +103,7 @@ def _speed(report: xr.Dataset, speed: float) -> str:
 
 
 def _force(report: xr.Dataset, name: str) -> str:
-    value = f"{report[name].item():.4g}"
-    return f"{value} N" if report["clearance"].attrs["units"] == "m" else f"a force of {value}"
+    value = report[name].item()
+    if report["clearance"].attrs["units"] != "m":
+        return f"a force of {value:.4g}"
+    return f"{value / 1e3:.4g} kN" if value >= LARGE_FORCE else f"{value:.4g} N"

@@ -9,6 +9,7 @@ from rotor_ida import (
     Rotor,
     Unbalance,
     campbell,
+    clearance_report,
     plot,
     special_speeds,
     synchronous_response,
@@ -86,3 +87,58 @@ def test_a_campbell_diagram_has_forward_and_backward_whirls():
     figure = ax.figure
     figure.draw_without_rendering()
     assert figure.get_tightbbox().y0 >= -0.02
+
+
+def test_special_speeds_are_drawn_on_their_whirls_at_each_contact():
+    special = special_speeds(
+        beam(), contacts=[Contact(node="3", **TOUCH), Contact(node="6", **TOUCH)], points=31,
+        unbalance=[Unbalance(node="3", moment=2e-5), Unbalance(node="7", moment=2e-5)],
+        limits=(300.0, 700.0),
+    )  # fmt: skip
+    axes = figure_of(special).axes
+    assert [ax.get_title() for ax in axes] == ["contact 0 at node 3", "contact 1 at node 6"]
+    grazes = (special.special_kind == SPECIAL["graze"]).values
+    assert grazes.sum() == 4
+    for number, ax in enumerate(axes):
+        marks = {line.get_label(): line for line in ax.lines}
+        drawn = marks["graze"]
+        np.testing.assert_allclose(drawn.get_xdata(), special.special_speed[grazes] * 30 / np.pi)
+        np.testing.assert_allclose(
+            drawn.get_ydata(), 1e6 * special.amplitude.values[grazes, number]
+        )
+        shown = np.concatenate(
+            [marks[f"{each} whirl"].get_ydata() for each in ("stable", "unstable")]
+        )
+        branches = special.branch_amplitude.isel(contact=number).values
+        np.testing.assert_allclose(np.sort(shown), 1e6 * np.sort(branches[np.isfinite(branches)]))
+    with pytest.raises(InputError, match="special must contain branch_amplitude"):
+        plot.plot_special_speeds(special.drop_vars("branch_amplitude"))
+
+
+def test_a_clearance_report_is_drawn_with_its_limits_and_critical_speeds():
+    report = clearance_report(
+        beam(), contacts=[Contact(node="3", **TOUCH), Contact(node="6", **TOUCH)],
+        probes=["1", "9"], speed=(800.0, 1100.0, 1200.0), points=50,
+    )  # fmt: skip
+    axes = figure_of(report).axes
+    assert [ax.get_title() for ax in axes] == [
+        "contact 0 at node 3: passes", "contact 1 at node 6: passes"
+    ]  # fmt: skip
+    for number, ax in enumerate(axes):
+        assert ax.get_xlabel() == "spin speed [rpm]"
+        assert ax.get_ylabel() == "scaled orbit, peak to peak [µm]"
+        lines = {line.get_label(): line for line in ax.lines}
+        assert lines["diametral clearance"].get_ydata()[0] == pytest.approx(200.0)
+        assert lines["75 % of it"].get_ydata()[0] == pytest.approx(150.0)
+        assert lines["critical speed"].get_xdata()[0] == pytest.approx(
+            report.critical_speed.values[0] * 30 / np.pi
+        )
+        for case in range(report.sizes["case"]):
+            scaled = report.scale_factor[case] * report.major_axis.isel(case=case, contact=number)
+            np.testing.assert_allclose(lines[f"case {case}"].get_ydata(), 1e6 * scaled)
+        assert ax.get_ylim()[1] > 200.0
+    figure = axes[0].figure
+    figure.draw_without_rendering()
+    assert figure.get_tightbbox().y0 >= -0.02
+    with pytest.raises(InputError, match="contact must be one of 0 to 1, got 2"):
+        plot.plot_clearance(report, contact=2)

@@ -170,14 +170,17 @@ def test_a_sentence_says_what_dry_whip_would_do():
     report = clearance_report(DISC, contacts=[SEAL], probes=["disc"], speed=(600.0, 1500.0))
     told = report.attrs["sentence"]
     assert f"backwards at {-report.whip_speed.item() / RPM:.4g} rpm" in told
-    assert f"with {report.whip_force.item():.4g} N" in told
+    assert f"with {report.whip_force.item() / 1e3:.4g} kN" in told
     slippery = Contact(node="disc", clearance=100e-6, stiffness=1e8, exponent=1.0, friction=1e-4,
                        radius=0.05)  # fmt: skip
     report = clearance_report(DISC, contacts=[slippery], probes=["disc"], speed=(600.0, 1500.0))
     assert "Friction cannot hold dry whip." in report.attrs["sentence"]
 
 
-PLAIN = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)}, units="1")
+UNDAMPED = RotorSystem(mass=MASS * np.eye(2), stiffness=STIFFNESS * np.eye(2),
+                       nodes={"disc": (0, 1)})  # fmt: skip
+PLAIN = RotorSystem(mass=np.eye(2), damping=np.eye(2), stiffness=np.eye(2),
+                    nodes={"disc": (0, 1)}, units="1")  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -191,10 +194,13 @@ PLAIN = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
         ({"probes": ["dusc"]}, "node must be one of 'disc', got 'dusc'; did you mean"),
         ({"contacts": []}, "contacts must be at least one clearance, got none"),
         ({"multiple": 0.0}, "multiple must be positive"),
+        ({"multiple": 1e9}, "multiple must lie from 1e-06 to 1000000.0, got"),
+        ({"probes": [3]}, "probes must be a list of names of nodes"),
         ({"mass": -1.0}, "mass must be positive"),
         ({"points": 1}, "points must be at least 2"),
         ({"vibration_limit": math.inf}, "vibration_limit must be a finite"),
         ({"unbalance": 3.0}, "unbalance must be a list of Unbalance"),
+        ({"system": UNDAMPED}, "system must be damped at its critical speeds .* at 447.214"),
         ({"system": PLAIN}, "vibration_limit must be given without SI units"),
         ({"system": PLAIN, "vibration_limit": 1.0}, "unbalance must be given without SI units"),
     ],
