@@ -259,11 +259,6 @@ def _problem(
     if speeds.size not in {2, 3} or speeds[0] == 0.0:
         raise InputError(f"speed must be two or three speeds above 0, got {shown(speed)}")
     assembly = assemble(system, contacts, [], None, None)
-    listed = isinstance(probes, Sequence) and not isinstance(probes, str)
-    if not (listed and probes and all(isinstance(each, str) for each in probes)):
-        raise InputError(f"probes must be a list of names of nodes, got {shown(probes)}")
-    for node in probes:
-        system.rows(node)
     if not contacts:
         raise InputError("contacts must be at least one clearance, got none")
     low, high, trip = (*speeds.tolist(), speeds[-1].item())[:3]
@@ -272,7 +267,18 @@ def _problem(
             raise InputError("vibration_limit must be given without SI units, got None")
         limit = LIMIT * min(1.0, math.sqrt(LIMIT_SPEED * SPEED_UNITS["rpm"] / high))
     limit = check_positive("vibration_limit", limit, LARGEST_NUMBER)
-    return Problem(assembly, low, high, trip, tuple(probes), limit)
+    return Problem(assembly, low, high, trip, _probes(system, probes), limit)
+
+
+def _probes(system: RotorSystem, given: object) -> tuple[str, ...]:
+    """Return the names of nodes of a system."""
+    if isinstance(given, str) or not isinstance(given, Sequence) or not given:
+        raise InputError(f"probes must be a list of names of nodes, got {shown(given)}")
+    for node in given:
+        if not isinstance(node, str):
+            raise InputError(f"probes must be a list of names of nodes, got {shown(given)}")
+        system.rows(node)  # refuses an unknown one
+    return tuple(given)
 
 
 def _mass(problem: Problem, modes: Sequence[Mode]) -> float:
