@@ -15,7 +15,7 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress
 from rotor_ida.systems.archived import NEEDED, problem_of
 from rotor_ida.systems.campbell import campbell
-from rotor_ida.systems.clearance_report import clearance_report
+from rotor_ida.systems.clearances.report import clearance_report
 from rotor_ida.systems.special_speeds import special_speeds
 from rotor_ida.systems.synchronous import synchronous_response_system
 from rotor_ida.verification.verify import Verdict, Verification, apart_in_parts, counts_of

@@ -16,7 +16,7 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.systems.assembly import assemble
-from rotor_ida.systems.critical_speeds import Peak, antinodes, critical_modes, margins
+from rotor_ida.systems.clearances.critical_speeds import Peak, antinodes, critical_modes, margins
 from tests.systems.axisymmetric_systems import beam
 
 RPM = math.pi / 30.0

@@ -186,7 +186,8 @@ def peak_between(
 ) -> Peak | None:
     """Return the largest peak of a response between two speeds, None where it has none inside.
 
-    Its amplification factor is its speed over the width at 0.707 of its height.
+    Its amplification factor is its speed over the width at 0.707 of its height, or over twice the
+    half that lies within the speeds.
     """
     inside = np.flatnonzero((speeds >= low) & (speeds <= high))[1:-1]
     tops = inside[(values[inside] > values[inside - 1]) & (values[inside] > values[inside + 1])]
@@ -201,14 +202,16 @@ def peak_between(
     def above(omega: float) -> float:
         return function(omega) - HALF_POWER * largest
 
-    ends = []
-    for side in (-1, 1):
-        beside = speeds[speeds < where][::-1] if side < 0 else speeds[speeds > where]
-        foot = next((each for each in beside.tolist() if above(each) <= 0.0), None)
-        if foot is None:
-            return Peak(where, np.nan)
-        ends.append(float(brentq(above, min(where, foot), max(where, foot), rtol=PLACED)))
-    return Peak(where, where / (ends[1] - ends[0]))
+    halves = []
+    for side in (-1.0, 1.0):
+        beside = speeds[side * (speeds - where) > 0.0]
+        nearest = np.sort(side * beside) * side
+        foot = next((each for each in nearest.tolist() if above(each) <= 0.0), None)
+        if foot is not None:
+            end = brentq(above, min(where, foot), max(where, foot), rtol=PLACED)
+            halves.append(abs(float(end) - where))
+    # where the response ends beforehand, the peak is taken as symmetric
+    return Peak(where, where / (2.0 * float(np.mean(halves))) if halves else np.nan)
 
 
 def margins(peak: Peak, low: float, high: float) -> tuple[float, float]:
