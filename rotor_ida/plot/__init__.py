@@ -68,6 +68,7 @@ from rotor_ida.plot.system_whirls import (
     plot_special_speeds,
     plot_system_whirls,
     plot_unbalance_response,
+    plot_whirl_shapes,
     special_speeds_figure,
     system_whirls_figure,
 )
@@ -152,6 +153,7 @@ __all__ = [
     "plot_system_whirls",
     "plot_trace",
     "plot_unbalance_response",
+    "plot_whirl_shapes",
     "run_ups_figure",
     "save_figure",
     "shared_legend",

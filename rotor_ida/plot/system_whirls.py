@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_count, check_panels
+from rotor_ida.checks import check_count, check_panels, check_real
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     BLUE,
@@ -36,6 +36,7 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.datasets import check_dataset, units_in
 from rotor_ida.plot.labels import label_axis
+from rotor_ida.plot.systems import name_nodes
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import SPECIAL, STABILITY, WHIRL_DIRECTION
 from rotor_ida.signals.nodes import Ring
@@ -165,6 +166,93 @@ def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Ax
         ax.set_title("contact-free whirl by node")
         legend_below(ax, columns=4)
     return ax
+
+
+def plot_whirl_shapes(
+    whirls: xr.Dataset, *, speed: float | None = None, ax: Axes | None = None
+) -> Axes:
+    """Draw the deflected shape of every synchronous whirl at a speed.
+
+    Parameters
+    ----------
+    whirls : Dataset
+        Result of `rotor_ida.synchronous_response` for a rotor system.
+    speed : float, optional
+        The speed, in the unit of the dataset; the nearest one is drawn. Default: where a node is
+        farthest from its place of rest.
+    ax : Axes, optional
+        Axes to draw on and return; default: those of a new figure.
+
+    Raises
+    ------
+    InputError
+        If the dataset is of another kind, or the speed is outside its speeds.
+
+    Notes
+    -----
+    The displacement of each node is that along the direction of the node that moves most. Bars are
+    the clearances of stators that stand still.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, synchronous_response
+    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> whirls = synchronous_response(
+    ...     system, contacts=contacts, unbalance=unbalance, speed=[0.5, 1.0, 1.5])
+    >>> plot_whirl_shapes(whirls, speed=1.5).get_title()
+    'spin speed 1.5'
+    """
+    whirls = check_dataset("whirls", whirls, (*WHIRLS, "node", "node_phase_lag", "contact_stator"))
+    row = _row_at(whirls, speed)
+    here = whirls.isel(speed=row)
+    places = np.arange(float(here.sizes["node"]))
+    if "axial_position" in here.variables:
+        places = here["axial_position"].values
+    order = np.argsort(places, kind="stable")
+    with drawing(ax) as ax:
+        if "axial_position" in here.variables:
+            label_axis(ax.xaxis, "axial_position", here["axial_position"])
+        else:
+            name_nodes(ax, list(map(str, here["node"].values)))
+        label_axis(ax.yaxis, "displacement", here["node_amplitude"])
+        ax.axhline(0.0, color=GREY, lw=0.7)
+        _draw_rooms(ax, here, places)
+        for word, (label, colour, mark, size, fill) in MARKS.items():
+            for branch in np.flatnonzero(here["stability"].values == STABILITY[word]):
+                own = here.isel(branch=branch)
+                moved = own["node_amplitude"].values * np.exp(-1j * own["node_phase_lag"].values)
+                turn = moved[np.argmax(np.abs(moved))]
+                up = (moved * turn.conjugate()).real / max(abs(turn), 1e-300)
+                ax.plot(places[order], up[order], color=colour, marker=mark, ms=size,
+                        fillstyle=fill, label=label, zorder=3.0)  # fmt: skip
+        turns = in_rpm(whirls["speed"])
+        value = f"{here['speed'].item():.6g}" if turns is None else f"{turns[row]:.6g} rpm"
+        ax.set_title(f"spin speed {value}")
+        legend_below(ax, columns=4)
+    return ax
+
+
+def _row_at(whirls: xr.Dataset, speed: object) -> int:
+    """Return the number of the speed nearest to one; default: of the largest amplitude."""
+    speeds = whirls["speed"].values
+    if speed is None:
+        sizes = np.nan_to_num(whirls["node_amplitude"].values, nan=-1.0)
+        return int(np.argmax(sizes.max(axis=(1, 2), initial=-1.0)))
+    wanted = check_real("speed", speed)
+    if not speeds.min() <= wanted <= speeds.max():
+        ends = f"{speeds.min():g} to {speeds.max():g}"
+        raise InputError(f"speed must lie from {ends}, got {wanted!r}")
+    return int(np.argmin(np.abs(speeds - wanted)))
+
+
+def _draw_rooms(ax: Axes, here: xr.Dataset, places: Values) -> None:
+    """Draw the clearances of stators that stand still."""
+    fixed = here["contact_stator"].values == ""
+    nodes = list(map(str, here["node"].values))
+    at = [nodes.index(str(node)) for node in here["contact_node"].values[fixed]]
+    if at:
+        ax.errorbar(places[at], np.zeros(len(at)), here["clearance"].values[fixed], fmt="none",
+                    ecolor=INK, elinewidth=0.8, capsize=3.5, label="clearance")  # fmt: skip
 
 
 def system_whirls_figure(whirls: xr.Dataset) -> Figure:
