@@ -4,22 +4,45 @@ A shaft of ten beam elements on two bearings carries two discs, with the gyrosco
 discs: 44 degrees of freedom. A seal stands around the first disc with 0.1 mm of clearance. At the
 second one, 0.12 mm away, a retainer on a flexible mount moves with the shaft that it stops. Both
 rub with friction. Started from rest at a constant speed below the first critical speed, the rotor
-hits both. Run up, it rubs far beyond that speed before it comes off.
+hits both. Run up, it rubs far beyond that speed before it comes off. All its synchronous whirls are
+known exactly: those that touch nothing, one stator or both, with the speeds at which they change.
 
-Writes the run at constant speed (constant.nc), the run-up (run_up.nc) and the figures as PNG and
-SVG.
+Writes the run at constant speed (constant.nc), the run-up (run_up.nc), the exact whirls (exact.nc),
+the eigenvalues (campbell.nc) and the figures as PNG and SVG.
 """
 
 import math
 import sys
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from scipy.linalg import eigvals
 
-from rotor_ida import Contact, RotorSystem, Stator, Unbalance, run_up, signals_of, simulate
+from rotor_ida import (
+    Contact,
+    RotorSystem,
+    Stator,
+    Unbalance,
+    campbell,
+    run_up,
+    signals_of,
+    simulate,
+    special_speeds,
+    synchronous_response,
+)
 from rotor_ida.paper.scenario import Settings, run_script
-from rotor_ida.plot import plot_bode, plot_shape, system_figure
+from rotor_ida.plot import (
+    mixed_panels,
+    plot_bode,
+    plot_campbell,
+    plot_shape,
+    plot_special_speeds,
+    plot_whirl_shapes,
+    shared_legend,
+    system_figure,
+)
 
 ELEMENTS, LENGTH, DIAMETER = 10, 0.05, 20e-3  # of the shaft: number, length and diameter [m]
 YOUNG, DENSITY = 211e9, 7810.0  # Pa, kg/m^3
@@ -30,6 +53,9 @@ DRAG = 60.0  # damping of each disc [N s/m]
 UNBALANCE = 1e-4  # kg m, of each disc
 RPM = 2.0 * math.pi / 60.0  # rad/s
 SPEED, FIRST, LAST = 4070.0 * RPM, 1500.0 * RPM, 8500.0 * RPM
+BISTABLE = 6200.0 * RPM  # a speed with a rub and a contact-free whirl, both stable
+SETTLED = 0.8  # time in which a run settles [s]
+CLOSED = (0.0, 1e5, 1e6)  # stiffness of the contacts between open and closed [N/m]
 
 
 def main(settings: Settings) -> None:
@@ -47,6 +73,10 @@ def main(settings: Settings) -> None:
     )  # fmt: skip
     settings.keep(up, "run_up")
     draw_run_up(up, critical_speed(system), settings)
+    if settings.quick:
+        system = system.reduced(modes=8, keep=list(DISCS))
+    draw_exact(system, {"contacts": contacts, "unbalance": unbalance}, settings)
+    draw_eigenvalues(system, contacts, settings)
 
 
 def rotor() -> RotorSystem:
@@ -145,6 +175,59 @@ def draw_run_up(up: xr.Dataset, critical: float, settings: Settings) -> None:
         shows="Amplitude and phase lag of 1X at the seal as the rotor runs up with eight modes.",
         found=f"Without contacts the rotor resonates at {critical / RPM:.0f} rpm. It touches from "
         f"{first:.0f} rpm on, which stiffens it, and comes off at {last:.0f} rpm.",
+    )  # fmt: skip
+
+
+def draw_exact(system: RotorSystem, around: dict[str, Any], settings: Settings) -> None:
+    """Draw all synchronous whirls over the speed with runs from rest, and their shapes."""
+    special = special_speeds(
+        system, **around, limits=(FIRST, LAST), points=40 if settings.quick else 240
+    )
+    settings.keep(special, "exact")
+    speeds = np.linspace(FIRST, LAST, 4 if settings.quick else 12)
+    settled = np.array([
+        np.hypot(run.contact_x, run.contact_y).values[-1] for run in (
+            simulate(system, **around, speed=speed, duration=SETTLED, samples=2, modes=8)
+            for speed in speeds)
+    ])  # fmt: skip
+    figure, axes = mixed_panels(1, 2, width=7.4, height=3.6)
+    for number, ax in enumerate(axes):
+        plot_special_speeds(special, contact=number, ax=ax)
+        ax.plot(speeds / RPM, 1e6 * settled[:, number], "^", ms=5.5, mfc="none", color="black",
+                label="simulated from rest", zorder=3.5)  # fmt: skip
+    shared_legend(figure, axes, outer=False)
+    exact = synchronous_response(system, **around, speed=speeds)
+    apart = np.abs(exact.amplitude - xr.DataArray(settled, dims=("speed", "contact")))
+    settings.show(
+        figure, "exact", archives=["exact"],
+        shows="Every synchronous whirl at the seal and the retainer over the speed, with its folds "
+        "and grazes, and where runs from rest with eight modes have settled.",
+        found=f"{special.sizes['special']} special speeds. Each run ends within "
+        f"{1e6 * float(apart.max('contact').min('branch').max()):.2g} µm of a whirl.",
+    )  # fmt: skip
+    whirls = synchronous_response(system, **around, speed=BISTABLE)
+    settings.show(
+        plot_whirl_shapes(whirls).figure, "shapes", archives=["exact"],
+        shows="Deflected shapes of the whirls at 6200 rpm, with the clearance of the seal.",
+        found=f"{int((whirls.stability == 0).sum())} of {whirls.sizes['branch']} whirls are "
+        "stable: which of them the rotor follows depends on how it came to this speed.",
+    )  # fmt: skip
+
+
+def draw_eigenvalues(system: RotorSystem, contacts: Sequence[Contact], settings: Settings) -> None:
+    """Draw whirl speeds over the speed, with contacts open, half closed and closed."""
+    found = campbell(
+        system, contacts=contacts, speed=np.linspace(0.0, LAST, 9 if settings.quick else 35),
+        contact_stiffness=CLOSED, modes=8,
+    )  # fmt: skip
+    settings.keep(found, "campbell")
+    slowest = found.whirl_speed.where(found.whirl_sense == 1).min("eigenvalue")[:, 0]
+    first, _, last = (slowest.values / RPM).tolist()
+    settings.show(
+        plot_campbell(found).figure, "campbell", archives=["campbell"],
+        shows="A Campbell diagram with the contacts open and with springs for a rub.",
+        found=f"Contacts that are closed raise the first forward whirl from {first:.0f} to "
+        f"{last:.0f} rpm.",
     )  # fmt: skip
 
 

@@ -142,3 +142,22 @@ def test_a_clearance_report_is_drawn_with_its_limits_and_critical_speeds():
     assert figure.get_tightbbox().y0 >= -0.02
     with pytest.raises(InputError, match="contact must be one of 0 to 1, got 2"):
         plot.plot_clearance(report, contact=2)
+
+
+def test_the_shapes_of_whirls_are_those_of_their_nodes(whirls):
+    """Along the direction of the node that moves most; the speed is the nearest."""
+    ax = plot.plot_whirl_shapes(whirls, speed=451.0)
+    row = int(np.argmin(np.abs(SPEEDS - 451.0)))
+    assert ax.get_title() == f"spin speed {SPEEDS[row] * 30 / np.pi:.6g} rpm"
+    here = whirls.isel(speed=row)
+    lines = [line for line in ax.lines if len(line.get_ydata()) == 11]
+    assert len(lines) == int((here.stability >= 0).sum())
+    place = np.exp(-1j * here.node_phase_lag) * here.node_amplitude
+    for branch, line in enumerate(lines):
+        moved = place.isel(branch=branch).values
+        largest = moved[np.abs(moved).argmax()]
+        shown = 1e6 * (moved * np.conj(largest)).real / abs(largest)
+        np.testing.assert_allclose(np.sort(line.get_ydata()), np.sort(shown))
+    with pytest.raises(InputError, match=r"speed must lie from 300 to 600, got 700\.0"):
+        plot.plot_whirl_shapes(whirls, speed=700.0)
+    assert plot.plot_whirl_shapes(whirls).get_title() != ax.get_title()
