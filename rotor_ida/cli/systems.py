@@ -1,4 +1,4 @@
-"""Compute with the rotor system of a file: it says most, options change its speed and solver."""
+"""Simulate the rotor system of a file: its file says most, options change its speed and solver."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def simulate_file(
 ) -> Report:
     """Simulate the system of a file at a constant speed."""
     how = _checked(rotor, start, solver, output)
-    case = case_of(file, {**rotor.given, **given})
+    case = _case(file, rotor, given)
     speed = rotor.given.get(SPEED, case.speed)
     if speed is None:
         raise InputError(f"speed must be given with --speed or in {file}")
@@ -59,7 +59,7 @@ def run_up_file(
     """Simulate the system of a file at a changing speed."""
     how = _checked(rotor, start, solver, output)
     of_change = {name: each for name, each in asdict(change).items() if each is not None}
-    case = case_of(file, {**rotor.given, **given, **of_change})
+    case = _case(file, rotor, {**given, **of_change})
     with working("run-up [%]") as progress:
         run = rotor_ida.run_up_system(
             case.system, **case.around, **given, **how, **_change(case, rotor, of_change),
@@ -68,14 +68,58 @@ def run_up_file(
     return answer(run, output, most=FIRST_ROWS)
 
 
+def _checked(
+    rotor: options.RotorOptions,
+    start: State | None,
+    solver: options.SolverOptions | options.RunUpSolverOptions,
+    output: Output,
+) -> dict[str, Any]:
+    """Return the options of the solver; refuse what is of one disc only, and bad paths."""
+    of_disc: dict[str, object] = {**rotor.given, "machine": rotor.machine, "start": start}
+    of_disc.pop(SPEED, None)
+    chosen, usual = asdict(solver), asdict(type(solver)())
+    of_disc |= {name: each for name, each in chosen.items()
+                if name not in OF_SYSTEM and each != usual[name]}  # fmt: skip
+    for name, value in of_disc.items():
+        if value is not None:
+            raise InputError(f"{name} must be left out with a rotor system, got {shown(value)}")
+    output.check()
+    return {name: chosen[name] for name in OF_SYSTEM if chosen[name] is not None}
+
+
+def _case(file: Path, rotor: options.RotorOptions, given: Mapping[str, Any]) -> SystemFile:
+    """Return what a file says; units are for one in SI units."""
+    case = rotor_ida.load_system(file)
+    if case.system.units != "SI":
+        refuse_units({**rotor.given, **given})
+    return case
+
+
+def _change(
+    case: SystemFile, rotor: options.RotorOptions, given: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return the change of speed: that of the file, unless options give another."""
+    begins = [each for each in (given.get("begin"), rotor.given.get(SPEED)) if each is not None]
+    if len(begins) > 1:
+        raise InputError("speed must be left out with --from, got both")
+    ways = {name: each for name, each in given.items() if name != "begin"}
+    replaces = bool(ways.keys() - {"duration"})
+    found = {**({} if replaces else case.change), **ways}
+    if "speeds" not in found:
+        found[SPEED] = begins[0] if begins else case.change.get(SPEED, 0.0)
+    elif begins:
+        raise InputError(f"from must be left out with speeds, got {shown(begins[0])}")
+    return found
+
+
 def whirls_file(
     file: Path, rotors: options.RotorsOptions, output: Output, *, without_gravity: bool
 ) -> Report:
     """Compute the synchronous whirls of the system of a file."""
-    of_disc: dict[str, object] = {**rotors.values, "machine": rotors.machine}
-    of_disc.pop(SPEED, None)
     speeds: Any = rotors.values.get(SPEED)
-    _refuse_of_disc(of_disc)
+    for name, value in {**rotors.values, "machine": rotors.machine}.items():
+        if name != SPEED and value is not None:
+            raise InputError(f"{name} must be left out with a rotor system, got {shown(value)}")
     output.check()
     case = case_of(file, {SPEED: speeds})
     if speeds is None:
@@ -86,6 +130,14 @@ def whirls_file(
         **weighed(case, without_gravity=without_gravity), speed=speeds
     )
     return answer(found, output, most=FIRST_ROWS)
+
+
+def case_of(file: Path, given: Mapping[str, Any]) -> SystemFile:
+    """Return what a file says; options with units are for one in SI units."""
+    case = rotor_ida.load_system(file)
+    if case.system.units != "SI":
+        refuse_units(given)
+    return case
 
 
 def linear_system(case: SystemFile) -> RotorSystem:
@@ -105,52 +157,3 @@ def weighed(case: SystemFile, *, without_gravity: bool) -> dict[str, Any]:
         weight = system.mass @ (system.unit_translations() @ np.array(case.gravity))
         system = replace(system, static_force=own + weight)
     return {"system": system, "contacts": case.contacts, "unbalance": case.unbalance}
-
-
-def _checked(
-    rotor: options.RotorOptions,
-    start: State | None,
-    solver: options.SolverOptions | options.RunUpSolverOptions,
-    output: Output,
-) -> dict[str, Any]:
-    """Return the options of the solver; refuse what is of one disc only, and bad paths."""
-    of_disc: dict[str, object] = {**rotor.given, "machine": rotor.machine, "start": start}
-    of_disc.pop(SPEED, None)
-    chosen, usual = asdict(solver), asdict(type(solver)())
-    of_disc |= {name: each for name, each in chosen.items()
-                if name not in OF_SYSTEM and each != usual[name]}  # fmt: skip
-    _refuse_of_disc(of_disc)
-    output.check()
-    return {name: chosen[name] for name in OF_SYSTEM if chosen[name] is not None}
-
-
-def _refuse_of_disc(given: Mapping[str, object]) -> None:
-    """Refuse options that are of one disc only."""
-    for name, value in given.items():
-        if value is not None:
-            raise InputError(f"{name} must be left out with a rotor system, got {shown(value)}")
-
-
-def case_of(file: Path, given: Mapping[str, Any]) -> SystemFile:
-    """Return what a file says; units are for one in SI units."""
-    case = rotor_ida.load_system(file)
-    if case.system.units != "SI":
-        refuse_units(given)
-    return case
-
-
-def _change(
-    case: SystemFile, rotor: options.RotorOptions, given: Mapping[str, Any]
-) -> dict[str, Any]:
-    """Return the change of speed: that of the file, unless options give another."""
-    begins = [each for each in (given.get("begin"), rotor.given.get(SPEED)) if each is not None]
-    if len(begins) > 1:
-        raise InputError("speed must be left out with --from, got both")
-    ways = {name: each for name, each in given.items() if name != "begin"}
-    replaces = bool(ways.keys() - {"duration"})
-    found = {**({} if replaces else case.change), **ways}
-    if "speeds" not in found:
-        found[SPEED] = begins[0] if begins else case.change.get(SPEED, 0.0)
-    elif begins:
-        raise InputError(f"from must be left out with speeds, got {shown(begins[0])}")
-    return found

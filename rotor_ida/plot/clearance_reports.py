@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import cast
 
 import numpy as np
@@ -10,8 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rotor_ida.checks import check_count, check_panels
-from rotor_ida.errors import InputError
+from rotor_ida.checks import check_panels
 from rotor_ida.plot.appearance import (
     DASHES,
     GREY,
@@ -22,7 +20,7 @@ from rotor_ida.plot.appearance import (
     look,
 )
 from rotor_ida.plot.datasets import check_dataset, units_in
-from rotor_ida.plot.system_whirls import contact_panels
+from rotor_ida.plot.system_whirls import at_contact, panels_of_contacts
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import words_of
 from rotor_ida.signals.nodes import Ring
@@ -64,10 +62,7 @@ def plot_clearance(report: xr.Dataset, *, contact: int = 0, ax: Axes | None = No
     'contact 0 at disc: passes'
     """
     report = check_dataset("report", report, NEEDED)
-    count = report.sizes["contact"]
-    if check_count("contact", contact, minimum=0) >= count:
-        raise InputError(f"contact must be one of 0 to {count - 1}, got {contact}")
-    own = report.isel(contact=contact)
+    own = at_contact(report, contact)
     diameter = 2.0 * own["clearance"].item()
     scaled = (own["major_axis"] * own["scale_factor"]).transpose("case", "speed").values
     turns = in_rpm(report["speed"])
@@ -122,4 +117,6 @@ def clearance_report_figure(report: xr.Dataset) -> Figure:
     count = check_panels(report.sizes["contact"])
     if count == 1:
         return cast(Figure, plot_clearance(report).figure)
-    return contact_panels(count, partial(plot_clearance, report))
+    return panels_of_contacts(
+        count, lambda number, ax: plot_clearance(report, contact=number, ax=ax)
+    )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
 from typing import cast
 
 import numpy as np
@@ -93,17 +92,12 @@ def plot_system_whirls(
     'contact 0 at disc'
     """
     whirls = check_dataset("whirls", whirls, OF_CONTACTS)
-    count = whirls.sizes["contact"]
-    if check_count("contact", contact, minimum=0) >= count:
-        allowed = f"0 to {count - 1}" if count else "none: the whirls have no contact"
-        raise InputError(f"contact must be one of {allowed}, got {contact}")
-    part = whirls.isel(contact=contact)
+    part = at_contact(whirls, contact)
     amplitude, stability = part["amplitude"].values, part["stability"].values
     with drawing(ax) as ax:
-        speeds = _label_speed(ax, whirls)
+        speeds = label_speed(ax, whirls)
         label_axis(ax.yaxis, "amplitude", whirls["amplitude"])
-        ax.axhline(part["clearance"].item(), color=GREY, lw=0.9, ls="--", zorder=1.5,
-                   label="clearance")  # fmt: skip
+        draw_clearance(ax, part)
         across = np.broadcast_to(speeds[:, np.newaxis], amplitude.shape)
         for word, (label, colour, mark, size, fill) in MARKS.items():
             chosen = stability == STABILITY[word]
@@ -112,17 +106,33 @@ def plot_system_whirls(
                         color=colour, fillstyle=fill, label=label, zorder=3.0)  # fmt: skip
         if special is not None:
             _mark_special(ax, special, contact)
-        ax.set_title(f"contact {contact} at {Ring(part['contact_node'].item(), '', []).title}")
         ax.set_ylim(bottom=0.0)
         legend_below(ax, columns=4)
     return ax
+
+
+def at_contact(dataset: xr.Dataset, contact: int) -> xr.Dataset:
+    """Return the part of a dataset at a contact; refuse one that it has not."""
+    count = dataset.sizes["contact"]
+    if check_count("contact", contact, minimum=0) >= count:
+        allowed = f"0 to {count - 1}" if count else "none: there is no contact"
+        raise InputError(f"contact must be one of {allowed}, got {contact}")
+    return dataset.isel(contact=contact).assign(contact=contact)
+
+
+def draw_clearance(ax: Axes, part: xr.Dataset) -> None:
+    """Draw the clearance of a contact, and name it in the title."""
+    ax.axhline(part["clearance"].item(), color=GREY, lw=0.9, ls="--", zorder=1.5,
+               label="clearance")  # fmt: skip
+    number, node = part["contact"].item(), part["contact_node"].item()
+    ax.set_title(f"contact {number} at {Ring(node, '', []).title}")
 
 
 def _mark_special(ax: Axes, special: xr.Dataset, contact: int) -> None:
     """Mark folds, Hopf points and grazes at a contact."""
     needed = ("special_speed", "special_kind", "amplitude")
     special = check_dataset("special", special, needed)
-    speeds, kinds = _speeds(special["special_speed"]), special["special_kind"].values
+    speeds, kinds = speeds_in(special["special_speed"]), special["special_kind"].values
     amplitude = special["amplitude"].isel(contact=contact).values
     for word, (label, mark, size) in SPECIALS.items():
         chosen = kinds == SPECIAL[word]
@@ -157,7 +167,7 @@ def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Ax
     largest = np.nanmax(np.where(np.isnan(amplitude), -1.0, amplitude), axis=0, initial=-1.0)
     chosen = np.sort(np.argsort(-largest, kind="stable")[:MOST_NODES])
     with drawing(ax) as ax:
-        speeds = _label_speed(ax, whirls)
+        speeds = label_speed(ax, whirls)
         label_axis(ax.yaxis, "amplitude", whirls["node_amplitude"])
         for number, node in enumerate(chosen):
             colour, dashes = look(number)
@@ -278,7 +288,22 @@ def system_whirls_figure(whirls: xr.Dataset) -> Figure:
     if count < 2:
         ax = plot_system_whirls(whirls) if count else plot_unbalance_response(whirls)
         return cast(Figure, ax.figure)
-    return contact_panels(count, partial(plot_system_whirls, whirls))
+    return panels_of_contacts(
+        count, lambda number, ax: plot_system_whirls(whirls, contact=number, ax=ax)
+    )
+
+
+def panels_of_contacts(count: int, draw: Callable[[int, Axes], object]) -> Figure:
+    """Draw a panel for each contact, with one legend."""
+    columns = math.ceil(math.sqrt(count))
+    rows = math.ceil(count / columns)
+    figure, axes = mixed_panels(rows, columns, width=2.0 + 2.8 * columns, height=1.6 + 2.2 * rows)
+    for number, ax in enumerate(axes[:count]):
+        draw(number, ax)
+    for ax in axes[count:]:
+        ax.remove()
+    shared_legend(figure, axes[:count], outer=False)
+    return figure
 
 
 def plot_special_speeds(special: xr.Dataset, *, contact: int = 0, ax: Axes | None = None) -> Axes:
@@ -336,20 +361,9 @@ def special_speeds_figure(special: xr.Dataset) -> Figure:
         raise InputError("special must be of a system with contacts, got one without")
     if count == 1:
         return cast(Figure, plot_special_speeds(special).figure)
-    return contact_panels(count, partial(plot_special_speeds, special))
-
-
-def contact_panels(count: int, draw: Callable[..., Axes]) -> Figure:
-    """Return a figure with a panel for each contact."""
-    columns = math.ceil(math.sqrt(count))
-    rows = math.ceil(count / columns)
-    figure, axes = mixed_panels(rows, columns, width=2.0 + 2.8 * columns, height=1.6 + 2.2 * rows)
-    for number, ax in enumerate(axes[:count]):
-        draw(contact=number, ax=ax)
-    for ax in axes[count:]:
-        ax.remove()
-    shared_legend(figure, axes[:count], outer=False)
-    return figure
+    return panels_of_contacts(
+        count, lambda number, ax: plot_special_speeds(special, contact=number, ax=ax)
+    )
 
 
 def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -373,7 +387,7 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     found = check_dataset("found", found, needed)
     springs = found["contact_stiffness"].values
     with drawing(ax) as ax:
-        speeds = _label_speed(ax, found)
+        speeds = label_speed(ax, found)
         whirl, unit = np.abs(found["whirl_speed"].values), units_in(found["whirl_speed"])
         if (turns := in_rpm(found["whirl_speed"])) is not None:
             whirl, unit = np.abs(turns), "rpm"
@@ -410,15 +424,15 @@ def _handles(senses: Values, springs: Values, unit: str) -> list[Line2D]:
     return handles
 
 
-def _label_speed(ax: Axes, dataset: xr.Dataset) -> Values:
+def label_speed(ax: Axes, dataset: xr.Dataset) -> Values:
     """Label the axis of the speed, in rpm for SI units, and return the speeds in that unit."""
     ax.set_xlabel(
         r"spin speed $\Omega$" if in_rpm(dataset["speed"]) is None else "spin speed [rpm]"
     )
-    return _speeds(dataset["speed"])
+    return speeds_in(dataset["speed"])
 
 
-def _speeds(speeds: xr.DataArray) -> Values:
+def speeds_in(speeds: xr.DataArray) -> Values:
     """Return speeds in rpm, or as they are where they have no unit."""
     turns = in_rpm(speeds)
     return np.asarray(speeds.values) if turns is None else turns

@@ -72,7 +72,7 @@ class Kind:
 _WHIRLS = "rotor_ida.plot.figures:figure_of_whirls"
 _SHOWN = "rotor_ida.cli.describe"
 _SIGNALS = "rotor_ida.cli.describe_signals"
-_SYSTEMS = "rotor_ida.cli.describe_systems"
+_SYSTEMS = "rotor_ida.cli.describe_whirls"
 _DRAWN = "rotor_ida.plot.figures"
 _VERIFIED = "rotor_ida.verification.verify"
 _RESUMED = "rotor_ida.verification.resume"

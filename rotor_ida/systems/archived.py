@@ -17,14 +17,13 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
 from rotor_ida.systems.assembly import Assembly
-from rotor_ida.systems.dataset import stators_of
 
 MATRICES = ("mass", "damping", "gyroscopic", "stiffness", "stiffness_rate")
 LAW = ("stiffness", "exponent", "damping", "friction", "radius")
 OF_RACE = ("radius", "inertia", "drag", "speed")
 OF_STATOR = {"mass": ("stator",), "stiffness": ("stator", "axis"), "damping": ("stator", "axis")}
 NEEDED = (
-    *("mass_matrix", "stiffness_matrix", "node_rows", "constant_force"),
+    *("mass_matrix", "stiffness_matrix", "node_rows", "constant_force", "start_state"),
     *("clearance", "stator_number", "centre_x", "centre_y", "stator_mass", "stator_stiffness"),
     *(f"law_{name}" for name in LAW),
     *(f"race_{name}" for name in OF_RACE),
@@ -32,28 +31,17 @@ NEEDED = (
 )
 
 START = "start_state"
+# Results over the speed have no start.
+PROBLEM = tuple(name for name in NEEDED if name != START)
 # Variables whose units say whether a system is in SI units.
 SPEEDS = ("t", "speed", "special_speed")
 NAMES = ("node", "contact_node", "contact_stator", "unbalance_node")
 
 
-def described_problem(assembly: Assembly, unbalance: Sequence[Unbalance]) -> dict[str, Column]:
-    """Return what a result without a start is computed from, but for its nodes and speeds."""
-    found: dict[str, Column] = {
-        "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
-        "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
-        **stators_of(assembly),
-        **problem_variables(assembly, unbalance),
-    }
-    if (positions := assembly.system.positions) is not None:
-        found["axial_position"] = ("node", np.array(list(positions.values())))
-    return found
-
-
 def problem_variables(
     assembly: Assembly, unbalance: Sequence[Unbalance], start: Values | None = None
 ) -> dict[str, Column]:
-    """Return what a run is computed from, but for its speed and the places of its contacts.
+    """Return what a result is computed from, but for its nodes and speed.
 
     Parameters
     ----------
@@ -88,8 +76,15 @@ def problem_variables(
 
 
 def _contacts(assembly: Assembly) -> dict[str, Column]:
-    """Return the laws, stators and races of the contacts."""
+    """Return the nodes, stators, laws and races of the contacts."""
     contacts = assembly.contacts
+    stators = [
+        each.stator if isinstance(each.stator, str)
+        else "" if each.stator is None
+        else f"stator {assembly.stators.index(each.stator)}"
+        for each in contacts
+    ]  # fmt: skip
+    centres = np.array([each.centre for each in contacts]).reshape(-1, 2)
 
     def column(values: Sequence[Any]) -> Column:
         return "contact", np.array(values, float)
@@ -104,6 +99,11 @@ def _contacts(assembly: Assembly) -> dict[str, Column]:
         for race in assembly.races
     ]
     return {
+        "contact_node": ("contact", np.array([each.node for each in contacts], str)),
+        "clearance": column([each.clearance for each in contacts]),
+        "contact_stator": ("contact", np.array(stators, str)),
+        "centre_x": ("contact", centres[:, 0]),
+        "centre_y": ("contact", centres[:, 1]),
         "stator_number": ("contact", np.array(numbers, np.int16)),
         **{f"law_{name}": column([getattr(each, name) for each in contacts]) for name in LAW},
         **{f"race_{name}": column([race[name] for race in races]) for name in OF_RACE},
@@ -128,7 +128,7 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
     >>> simulate_system(again, **around, **given).equals(run)
     True
     """
-    missing = [name for name in (*NEEDED, *NAMES) if name not in run.variables]
+    missing = [name for name in (*PROBLEM, *NAMES) if name not in run.variables]
     missing += [dim for dim in ("contact", "node") if dim not in run.sizes]
     if missing:
         raise InputError(f"a result of a rotor system must have {', '.join(missing)}, got none")
@@ -179,3 +179,11 @@ def _contact(row: xr.Dataset, stators: Sequence[Stator]) -> Contact:
 def _rows(run: xr.Dataset, names: Sequence[str]) -> list[tuple[Any, ...]]:
     """Return variables along one dimension row by row."""
     return list(zip(*(run[name].values.tolist() for name in names), strict=True))
+
+
+def described_problem(assembly: Assembly, unbalance: Sequence[Unbalance]) -> dict[str, Column]:
+    """Return what a result over the speed is computed from, and where its nodes are."""
+    found = problem_variables(assembly, unbalance)
+    if (positions := assembly.system.positions) is not None:
+        found["axial_position"] = ("node", np.array(list(positions.values())))
+    return found

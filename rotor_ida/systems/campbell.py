@@ -18,8 +18,8 @@ from rotor_ida.schema import labelled_dataset
 from rotor_ida.systems.archived import described_problem
 from rotor_ida.systems.assembly import Assembly, assemble, canonical
 from rotor_ida.systems.axisymmetric import forward_motions
-from rotor_ida.systems.dataset import with_system_units
 from rotor_ida.systems.receptances import checked_speeds
+from rotor_ida.systems.units import with_system_units
 
 # A motion whose displacements at all nodes are below this part of the largest moves none.
 STILL = 1e-9

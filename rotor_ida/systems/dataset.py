@@ -10,9 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Values
-from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.results.provenance import provenance
-from rotor_ida.results.si_units import UNITS
 from rotor_ida.schema import (
     DAMPED_EVENT_KIND,
     OF_FRICTION_EVENT_KIND,
@@ -22,18 +20,7 @@ from rotor_ida.schema import (
 )
 from rotor_ida.systems.assembly import Assembly, Canonical
 from rotor_ida.systems.following import Followed
-
-# Units that no scale of a machine has.
-OTHER_UNITS = {
-    "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
-    "stator_stiffness": "N m-1", "stator_damping": "N s m-1", "unbalance_moment": "kg m",
-    "applied_unbalance": "kg m",
-}  # fmt: skip
-# Units of the attributes of a changing speed, as `rotor_ida.dimensional` names them.
-UNITS_OF_CHANGE = {
-    "speed": "s-1", "to": "s-1", "rate": "s-2", "speeds": "s, s-1", "torque": "N m, N m s",
-    "inertia": "kg m2",
-}  # fmt: skip
+from rotor_ida.systems.units import with_system_units
 
 
 def system_dataset(
@@ -65,9 +52,6 @@ def system_dataset(
         "event_state": (("event", "coordinate"), event_q.reshape(len(kinds), 2 * assembly.size)),
         "horizon": ((), followed.horizon),
         "final_state": ("component", np.concatenate([found.to_q(result.state).ravel(), races])),
-        "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
-        "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
-        **stators_of(assembly),
         **_relative(assembly, q, event_q[:, 0], result.event_contacts),
         **_forces(followed),
         **_episodes(followed),
@@ -95,21 +79,6 @@ def system_dataset(
     kind = Quantity(QUANTITIES["event_kind"].long_name, flags=flags)
     dataset["event_kind"].attrs = kind.attributes()
     return with_system_units(dataset, system)
-
-
-def stators_of(assembly: Assembly) -> dict[str, Column]:
-    """Return the stator of each contact, "" for the ground, and where its centre is."""
-    names = [
-        each.stator if isinstance(each.stator, str)
-        else "" if each.stator is None
-        else f"stator {assembly.stators.index(each.stator)}"
-        for each in assembly.contacts
-    ]  # fmt: skip
-    centres = np.array([each.centre for each in assembly.contacts]).reshape(-1, 2)
-    return {
-        "contact_stator": ("contact", np.array(names, str)),
-        "centre_x": ("contact", centres[:, 0]), "centre_y": ("contact", centres[:, 1]),
-    }  # fmt: skip
 
 
 def _relative(
@@ -166,18 +135,3 @@ def _episodes(followed: Followed) -> dict[str, Column]:
         "rolling_time": table["rolling_time"],
     }  # fmt: skip
     return {name: ("episode", np.ascontiguousarray(each)) for name, each in columns.items()}
-
-
-def with_system_units(dataset: xr.Dataset, system: RotorSystem) -> xr.Dataset:
-    """Return a result with the units of its system; its speeds are over no reference frequency."""
-    if "speed" in dataset.variables:
-        dataset["speed"].attrs["long_name"] = "spin speed"
-    if system.units == "SI":
-        for name, variable in dataset.variables.items():
-            scale = QUANTITIES[str(name)].scale
-            if scale or name in OTHER_UNITS:
-                variable.attrs["units"] = UNITS[scale] if scale else OTHER_UNITS[str(name)]
-        for name, unit in UNITS_OF_CHANGE.items():
-            if name in dataset.attrs:
-                dataset.attrs[f"{name}_units"] = unit
-    return dataset

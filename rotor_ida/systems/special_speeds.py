@@ -32,7 +32,6 @@ from rotor_ida.systems.axisymmetric import (
     check_axisymmetric_parts,
     forward_motions,
 )
-from rotor_ida.systems.dataset import with_system_units
 from rotor_ida.systems.double_rubs import balance
 from rotor_ida.systems.receptances import Receptances, receptances
 from rotor_ida.systems.synchronous import synchronous_response_system
@@ -42,6 +41,7 @@ from rotor_ida.systems.turning_axes import (
     eigenvalues_in_contact,
     eigenvalues_without_contact,
 )
+from rotor_ida.systems.units import with_system_units
 from rotor_ida.systems.whirls import MOST_TOUCHING, effects, rubbing_whirls, rubs, touching_sets
 
 MOST_POINTS = 100_000

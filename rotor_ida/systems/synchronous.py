@@ -19,7 +19,6 @@ from rotor_ida.systems.axisymmetric import (
     check_axisymmetric_parts,
     forward_motions,
 )
-from rotor_ida.systems.dataset import with_system_units
 from rotor_ida.systems.receptances import Receptances, checked_speeds, receptances
 from rotor_ida.systems.refined import refined_growth
 from rotor_ida.systems.turning_axes import (
@@ -30,6 +29,7 @@ from rotor_ida.systems.turning_axes import (
     normal_forces,
     springs_of,
 )
+from rotor_ida.systems.units import with_system_units
 from rotor_ida.systems.whirls import MOST_TOUCHING, sliding, whirls_of
 
 _REFERENCES = (

@@ -36,7 +36,7 @@ from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady.response import BOUNCING, CONTACT_FREE, FULL_CONTACT, SYNCHRONOUS
 from rotor_ida.steady.run_ups import run_ups
 from rotor_ida.steady.sweep import DIRECTIONS, sweep
-from rotor_ida.systems.archived import NEEDED, START, problem_of
+from rotor_ida.systems.archived import NEEDED, problem_of
 from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.testing import assert_events_close
 
@@ -356,7 +356,7 @@ def _points(name: str, again: xr.Dataset, archived: xr.Dataset) -> Verdict:
             trouble += f"{place}, computed again {one}, archived {other}"
         elif not apart <= CLOSE:
             trouble = f"amplitudes, radii or periods differ by {apart:.3g} of their size"
-    return counts_of(archived[name].size, differing, apart), trouble
+    return _counts(archived[name].size, differing, apart), trouble
 
 
 def _apart_in_motion(again: xr.Dataset, archived: xr.Dataset, name: str) -> float:
@@ -366,7 +366,7 @@ def _apart_in_motion(again: xr.Dataset, archived: xr.Dataset, name: str) -> floa
     """
     kinds = archived["kind" if "kind" in archived else "response"].values
     told = np.isin(kinds, [RESPONSE[kind] for kind in OF_MOTION[name]])
-    apart = apart_in_parts(again[name].values, archived[name].values)
+    apart = _apart(again[name].values, archived[name].values)
     return float(np.where(told, apart, 0.0).max(initial=0.0))
 
 
@@ -380,21 +380,19 @@ def _facts(
         here = found.get(name)
         agrees = here == value
         if isinstance(value, float) and isinstance(here, float):
-            least = 1.0 if name.startswith(OF_SIZE_ONE) else 0.0
-            apart = float(apart_in_parts(here, value, least))
+            apart = float(_apart(here, value, 1.0 if name.startswith(OF_SIZE_ONE) else 0.0))
             largest, agrees = max(largest, apart), apart <= CLOSE_OF_CYCLES
         differing += not agrees
         if not agrees and not trouble:
             trouble = f"{name} differs: computed again {here}, archived {value}"
-    return counts_of(len(facts), differing, largest), trouble
+    return _counts(len(facts), differing, largest), trouble
 
 
-def counts_of(compared: int, differing: int, largest: float) -> dict[str, object]:
-    """Return numbers of what was compared and of what differs, and the largest difference."""
+def _counts(compared: int, differing: int, largest: float) -> dict[str, object]:
     return {"compared": compared, "differing": differing, "largest_difference": largest}
 
 
-def apart_in_parts(one: Values | float, other: Values | float, least: float = 0.0) -> Values:
+def _apart(one: Values | float, other: Values | float, least: float = 0.0) -> Values:
     """Return the differences of numbers, relative to the larger one or to `least`.
 
     Numbers missing in both count as equal.
@@ -463,7 +461,7 @@ RUN = Verification(
     _events,
 )
 SYSTEM_RUN = Verification(
-    ("event_time", "event_time_error", "event_contact", "t", START, *NEEDED),
+    ("event_time", "event_time_error", "event_contact", "t", *NEEDED),
     ("duration", "rtol", "method"),
     _system_run,
     _events_of_contacts,

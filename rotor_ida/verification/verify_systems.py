@@ -10,15 +10,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress
-from rotor_ida.systems.archived import NEEDED, problem_of
+from rotor_ida.systems.archived import PROBLEM, problem_of
 from rotor_ida.systems.campbell import campbell
 from rotor_ida.systems.clearances.report import clearance_report
 from rotor_ida.systems.special_speeds import special_speeds
 from rotor_ida.systems.synchronous import synchronous_response_system
-from rotor_ida.verification.verify import Verdict, Verification, apart_in_parts, counts_of
+from rotor_ida.verification.verify import Verdict, Verification
 
 # Differences allowed between machines, relative to the largest number of a variable.
 CLOSE = 1e-8
@@ -76,13 +77,26 @@ def _numbers(names: Mapping[str, str], again: xr.Dataset, archived: xr.Dataset) 
             differing += there.size
             trouble = trouble or f"{here.size} {words} computed again, {there.size} archived"
             continue
-        size = float(np.nanmax(np.abs(there), initial=0.0, where=np.isfinite(there)))
-        apart = apart_in_parts(here, there, size)
+        apart = _apart(here, there)
         largest = max(largest, float(apart.max(initial=0.0)))
         differing += int((apart > CLOSE).sum())
         if not trouble and (apart > CLOSE).any():
             trouble = f"{words} differ by up to {apart.max():.3g} of the largest"
-    return counts_of(compared, differing, largest), trouble
+    counts: dict[str, object] = {
+        "compared": compared,
+        "differing": differing,
+        "largest_difference": largest,
+    }
+    return counts, trouble
+
+
+def _apart(here: Values, there: Values) -> Values:
+    """Return the differences of numbers, over the largest; those missing in both are equal."""
+    same = (here == there) | (np.isnan(here) & np.isnan(there))
+    size = np.abs(there).max(initial=0.0, where=np.isfinite(there))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        part = np.abs(here - there) / size
+    return np.where(same, 0.0, np.where(np.isfinite(part), part, np.inf))
 
 
 def _of(
@@ -91,7 +105,7 @@ def _of(
     attributes: tuple[str, ...] = (),
     *others: str,
 ) -> Verification:
-    needed = (*names, *others, *NEEDED)
+    needed = (*names, *others, *PROBLEM)
     return Verification(needed, attributes, again, partial(_numbers, names))
 
 

@@ -46,8 +46,8 @@ from rotor_ida.systems.clearances.response import (
 )
 from rotor_ida.systems.clearances.rubs import Rubs, Touching, touching_of
 from rotor_ida.systems.clearances.words import sentences
-from rotor_ida.systems.dataset import with_system_units
 from rotor_ida.systems.dry_whip import Whip
+from rotor_ida.systems.units import with_system_units
 from rotor_ida.units import SPEED_UNITS
 
 # Largest share of the diametral clearance.
@@ -261,6 +261,8 @@ def _dataset(
         "Close clearances of a rotor system", variables, coordinates, told, kind="clearance_report"
     )
     dataset = with_system_units(dataset, assembly.system)
+    if assembly.system.units == "SI":
+        dataset["applied_unbalance"].attrs["units"] = "kg m"
     return dataset.assign_attrs(sentence=sentences(dataset))
 
 

@@ -12,7 +12,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.schema import STABILITY
-from rotor_ida.systems.axisymmetric import check_axisymmetric_parts, forward_motions
+from rotor_ida.systems.axisymmetric import forward_motions
 from rotor_ida.systems.clearances.critical_speeds import Mode
 from rotor_ida.systems.clearances.response import Cases, Response, about, scaled
 from rotor_ida.systems.dry_whip import Whip, dry_whips
@@ -68,22 +68,21 @@ def touching_of(
     """Return the rubs with the scaled unbalance, and dry whip."""
     problem = response.problem
     assembly, count = problem.assembly, len(problem.assembly.contacts)
-    try:
-        check_axisymmetric_parts(assembly)
-        motions = forward_motions(assembly)
-    except InputError as error:
-        none = hardest_rubs([], count)
-        return Touching(none, none, [None] * count, str(error))
     speeds = np.concatenate([np.linspace(0.0, problem.trip, RUB_SPEEDS + 1), about(modes),
                              np.linspace(problem.low, problem.high, RUB_SPEEDS)])  # fmt: skip
     speeds = np.unique(speeds[(speeds > 0.0) & (speeds <= problem.trip)])
-    found = [
-        synchronous_response_system(
-            assembly.system, contacts=assembly.contacts, speed=speeds,
-            unbalance=[scaled(each, scale) for each in case],
-        )
-        for case, scale in zip(cases, scales.tolist(), strict=True)
-    ]  # fmt: skip
+    try:  # what is not axisymmetric is refused
+        found = [
+            synchronous_response_system(
+                assembly.system, contacts=assembly.contacts, speed=speeds,
+                unbalance=[scaled(each, scale) for each in case],
+            )
+            for case, scale in zip(cases, scales.tolist(), strict=True)
+        ]  # fmt: skip
+    except InputError as error:
+        none = hardest_rubs([], count)
+        return Touching(none, none, [None] * count, str(error))
+    motions = forward_motions(assembly)
     inside = (speeds >= problem.low) & (speeds <= problem.high)
     running = hardest_rubs([whirls.isel(speed=inside) for whirls in found], count)
     whips = [_first_stable(dry_whips(motions, number, each, problem.high))
