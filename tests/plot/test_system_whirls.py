@@ -68,7 +68,7 @@ def test_each_contact_has_a_panel_and_without_any_the_nodes_are_drawn(whirls):
     assert len(ax.lines) == 5
     drawn = next(line for line in ax.lines if line.get_label() == "3")
     np.testing.assert_allclose(drawn.get_ydata(), 1e6 * free.node_amplitude.sel(node="3")[:, 0])
-    with pytest.raises(InputError, match="the whirls have no contact"):
+    with pytest.raises(InputError, match="there is no contact"):
         plot.plot_system_whirls(free)
 
 
