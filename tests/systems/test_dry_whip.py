@@ -83,28 +83,47 @@ def two_discs():
     return system, contact
 
 
+def state_of(system, whip, speed):
+    """Return the complex displacements of the two discs in a whirl, by matrices of its own."""
+    w, forces = whip.whirl_speed, complex(whip.normal_force, whip.tangential_force)
+    stiffness, gyroscopic = system.stiffness[::2, ::2], np.diag([0.1, 0.3])
+    # forwards z = x + i y: the skew part of the matrix is -i times the moment
+    dynamic = stiffness - w * w * np.eye(2) + 1j * w * (0.2 * np.eye(2) - 1j * speed * gyroscopic)
+    return np.linalg.solve(dynamic, [0.0, -forces])
+
+
+def coordinates(z):
+    return np.column_stack([z.real, z.imag]).ravel()
+
+
 def test_a_run_that_starts_in_dry_whip_stays_there():
     """It rolls backwards with the computed amplitude, forces and whirl speed, to 1e-9."""
     system, contact = two_discs()
     (whip, *_) = whips_of(system, contact, 0.7)
     assert whip.growth_rate < 0.0
-    w, speed = whip.whirl_speed, 0.7
-    forces = complex(whip.normal_force, whip.tangential_force)
-    stiffness, gyroscopic = system.stiffness[::2, ::2], np.diag([0.1, 0.3])
-    # forwards z = x + i y: the skew part of the matrix is -i times the moment
-    dynamic = stiffness - w * w * np.eye(2) + 1j * w * (0.2 * np.eye(2) - 1j * speed * gyroscopic)
-    z = np.linalg.solve(dynamic, [0.0, -forces])
+    w, z = whip.whirl_speed, state_of(system, whip, 0.7)
     assert z[1] == pytest.approx(whip.amplitude, rel=1e-10)
-    q = np.column_stack([z.real, z.imag]).ravel()
-    velocity = np.column_stack([(1j * w * z).real, (1j * w * z).imag]).ravel()
-    run = simulate(system, contacts=[contact], speed=speed, start=(q, velocity), duration=30.0,
-                   samples=31, rtol=1e-12)  # fmt: skip
+    run = simulate(system, contacts=[contact], speed=0.7, duration=30.0, samples=31, rtol=1e-12,
+                   start=(coordinates(z), coordinates(1j * w * z)))  # fmt: skip
     exact = z * np.exp(1j * w * run.t.values)[:, np.newaxis]
     np.testing.assert_allclose((run.x + 1j * run.y).values, exact, atol=1e-9)
     np.testing.assert_allclose(run.normal_force[1:, 0], whip.normal_force, rtol=1e-8)
     np.testing.assert_allclose(np.abs(run.tangential_force[1:, 0]), abs(whip.tangential_force),
                                rtol=1e-8)  # fmt: skip
     assert (run["mode"].values[1:, 0] == 2).all()
+
+
+def test_a_small_difference_from_dry_whip_decays_at_the_growth_rate():
+    """The inner disc begins 1e-4 aside; two slow modes decay, and the slowest is left."""
+    system, contact = two_discs()
+    (whip, *_) = whips_of(system, contact, 0.7)
+    w, z = whip.whirl_speed, state_of(system, whip, 0.7)
+    start = (coordinates(z + [1e-4 + 5e-5j, 0.0]), coordinates(1j * w * z))
+    run = simulate(system, contacts=[contact], speed=0.7, duration=120.0, samples=1201, start=start,
+                   rtol=1e-13)  # fmt: skip
+    apart = np.abs(np.hypot(run.x, run.y).values[:, 0] - abs(z[0]))
+    early, late = (apart[first : first + 100].max() for first in (600, 1100))
+    assert np.log(late / early) / 50.0 == pytest.approx(whip.growth_rate, rel=0.05)
 
 
 def test_a_hard_knock_ends_in_dry_whip_where_friction_can_hold_it():

@@ -71,10 +71,10 @@ def _whip(report: xr.Dataset, own: xr.Dataset) -> str:
         return "Friction cannot hold dry whip."
     where = _speed(report, float(report.attrs["running_speeds"][1]))
     whirl = _speed(own, -own["whip_speed"].item())
-    held = "can hold" if word == "stable" else "could hold unstable"
+    unstable = "" if word == "stable" else ", but it is unstable"
     return (
-        f"Friction {held} dry whip at {where}: backwards at {whirl}, with "
-        f"{_force(own, 'whip_force')}."
+        f"Friction can hold dry whip at {where}: backwards at {whirl}, with "
+        f"{_force(own, 'whip_force')}{unstable}."
     )
 
 
