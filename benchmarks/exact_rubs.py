@@ -4,7 +4,8 @@ Systems of 2 to 8 complex degrees of freedom, with a contact or two, at random s
 contact are counted once more in exact arithmetic, by Descartes' rule of signs. Rubs at two are
 counted along one of the unknowns: where it is given, the other is a root of a polynomial of one
 variable, and the balance that is left changes its sign along each such root. Residuals are those of
-the balance of forces.
+the balance of forces. Growth rates are those of a beam without contact, whose decisive eigenvalue
+turns 10 million times faster than it decays, against inverse iterations with 40 digits.
 
     python benchmarks/exact_rubs.py --systems 1000 --steps 2000
 """
@@ -14,12 +15,16 @@ import time
 from collections import Counter
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 
 from rotor_ida import Contact, Unbalance, synchronous_response
 from rotor_ida.closed_forms.exact_polynomials import Polynomial, constant, positive_roots
+from rotor_ida.systems.assembly import assemble
+from rotor_ida.systems.axisymmetric import forward_motions
 from rotor_ida.systems.double_rubs import Pairs, balance, double_rubs
 from rotor_ida.systems.single_rubs import single_rubs
+from rotor_ida.systems.turning_axes import eigenvalues_without_contact
 from tests.systems.axisymmetric_systems import beam
 
 
@@ -133,10 +138,43 @@ def time_speeds():
         )
 
 
+def compare_growth(speeds=(200.0, 426.0, 900.0)):
+    """Print errors of growth rates, and of the eigenvalues that they are refined from."""
+    system = beam()
+    found = synchronous_response(
+        system, unbalance=[Unbalance(node="3", moment=1e-4)], speed=list(speeds)
+    ).growth_rate.values[:, 0]
+    motions = forward_motions(assemble(system, [], [], None, None))
+    mpmath.mp.dps = 40
+    mass, stiffness, damping, gyroscopic = (
+        mpmath.matrix(getattr(system, name).tolist())
+        for name in ("mass", "stiffness", "damping", "gyroscopic")
+    )
+    for omega, growth in zip(speeds, found, strict=True):
+        values = eigenvalues_without_contact(motions, np.array([omega]))[0]
+        plain = values[np.argmax(values.real)]
+        exact, drag = mpmath.mpc(complex(plain)), damping + omega * gyroscopic
+        x = mpmath.matrix([1.0 + i % 7 for i in range(system.size)])
+        y = x.copy()
+        for _ in range(3):
+            dynamic = stiffness + exact * drag + exact**2 * mass
+            for _ in range(2):
+                x, y = mpmath.lu_solve(dynamic, x), mpmath.lu_solve(dynamic.H, y)
+                x, y = x / mpmath.norm(x), y / mpmath.norm(y)
+            slope = (y.H * ((drag + 2 * exact * mass) * x))[0]
+            exact -= (y.H * (dynamic * x))[0] / slope
+        errors = [abs(float(each / exact.real - 1)) for each in (plain.real, growth)]
+        print(
+            f"speed {omega:g}: eigenvalue {complex(exact):.6g}, relative error of its real part "
+            f"{errors[0]:.1e}, refined {errors[1]:.1e}"
+        )
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--systems", type=int, default=1000)
     parser.add_argument("--steps", type=int, default=2000)
     asked = parser.parse_args()
     compare(asked.systems, asked.steps)
+    compare_growth()
     time_speeds()

@@ -59,6 +59,7 @@ from .steady.run_up_summary import summary as summary
 from .steady.run_ups import run_ups as run_ups
 from .steady.system_sweep import sweep_system as sweep_system
 from .systems.campbell import campbell as campbell
+from .systems.clearances.report import clearance_report as clearance_report
 from .systems.dispatch import run_up as run_up
 from .systems.dispatch import simulate as simulate
 from .systems.dispatch import synchronous_response as synchronous_response

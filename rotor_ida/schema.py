@@ -81,6 +81,7 @@ ENDS_IN_WORDS = {
 DIRECTION = {"down": -1, "from_start": 0, "up": 1}
 PASSAGE = {"down": -1, "none": 0, "up": 1}
 NO_YES = {"no": 0, "yes": 1}
+VERDICT = {"passes": 0, "fails": 1, "touches": 2}
 WHIRL_KIND = {"slipping": 0, "rolling": 1}
 WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
 EXACT = {"nothing": 0, "whirl": 1, "cycle": 2}
@@ -182,6 +183,54 @@ QUANTITIES: dict[str, Quantity] = {
     "contact_stiffness": Quantity("stiffness of springs at the contacts"),
     "eigenvalue": Quantity("number of the eigenvalue, in order of whirl speed"),
     "damping_ratio": Quantity("damping ratio of the motion, negative if it grows"),
+    "branch_amplitude": Quantity("amplitude of a whirl at a contact", scale="length"),
+    "branch_stability": Quantity("stability of a whirl", flags=STABILITY),
+    # a report on close clearances
+    "case": Quantity("number of the case of unbalance"),
+    "probe": Quantity("node at which vibration is measured", ""),
+    "major_axis": Quantity(
+        "largest axis of the orbit at a contact, from peak to peak", scale="length"
+    ),
+    "probe_major_axis": Quantity(
+        "largest axis of the orbit at a probe, from peak to peak", scale="length"
+    ),
+    "scale_factor": Quantity("vibration limit over the largest axis at a probe, at most 6"),
+    "vibration_limit": Quantity("vibration limit, from peak to peak", scale="length"),
+    "running_share": Quantity(
+        "scaled largest axis over the diametral clearance, at continuous speeds"
+    ),
+    "running_share_speed": Quantity("continuous speed of the largest such share", scale="speed"),
+    "passage_share": Quantity(
+        "scaled largest axis over the diametral clearance, from rest to the trip speed"
+    ),
+    "clearance_verdict": Quantity(
+        "whether the scaled orbit passes, fills too much of the clearance, or touches",
+        flags=VERDICT,
+    ),
+    "applied_unbalance": Quantity("unbalance at a node in a case"),
+    "applied_phase": Quantity("angle of the unbalance at a node in a case", "radian"),
+    "critical_speed": Quantity("critical speed", scale="speed"),
+    "amplification_factor": Quantity("speed of a peak over its width at 0.707 of its height"),
+    "separation_margin": Quantity(
+        "distance of a critical speed from the continuous speeds over the nearer of their ends"
+    ),
+    "required_margin": Quantity("separation margin that the amplification factor requires"),
+    **{
+        f"{prefix}_{name}": Quantity(f"{words} a synchronous rub {where}", scale=scale, flags=flags)
+        for prefix, where in (
+            ("rub", "at continuous speeds"),
+            ("passage_rub", "from rest to the trip speed"),
+        )
+        for name, words, scale, flags in (
+            ("force", "largest force of", "force", {}),
+            ("speed", "speed of", "speed", {}),
+            ("stability", "stability of", "", STABILITY),
+        )
+    },
+    "whip_speed": Quantity("whirl speed of dry whip, negative", scale="rate"),
+    "whip_amplitude": Quantity("amplitude of dry whip at the contact", scale="length"),
+    "whip_force": Quantity("normal force of dry whip", scale="force"),
+    "whip_stability": Quantity("stability of dry whip", flags=STABILITY),
     "node_phase_lag": Quantity(
         "phase by which the motion of a node at the spin speed lags", "radian"
     ),

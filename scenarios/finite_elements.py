@@ -9,11 +9,14 @@ to a fold the rubbing whirl is stable beside the contact-free one, to which the 
 Run down, it keeps clear of both stops until it would touch.
 
 Writes the run at constant speed (constant.nc), the run-up (run_up.nc), the settled responses up and
-down (speed_map.nc) and the figures as PNG and SVG.
+down (speed_map.nc), the exact whirls at one speed (whirls.nc), the eigenvalues (campbell.nc) and
+the figures as PNG and SVG.
 """
 
 import math
 import sys
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -24,14 +27,23 @@ from rotor_ida import (
     RotorSystem,
     Stator,
     Unbalance,
+    campbell,
     run_up,
     signals_of,
     simulate,
     special_speeds,
     sweep,
+    synchronous_response,
 )
 from rotor_ida.paper.scenario import Settings, run_script
-from rotor_ida.plot import plot_bode, plot_shape, system_figure, system_sweep_figure
+from rotor_ida.plot import (
+    plot_bode,
+    plot_campbell,
+    plot_shape,
+    plot_whirl_shapes,
+    system_figure,
+    system_sweep_figure,
+)
 from rotor_ida.schema import SPECIAL
 
 ELEMENTS, LENGTH, DIAMETER = 10, 0.05, 20e-3  # of the shaft: number, length and diameter [m]
@@ -43,6 +55,8 @@ DRAG = 60.0  # damping of each disc [N s/m]
 UNBALANCE = 1e-4  # kg m, of each disc
 RPM = 2.0 * math.pi / 60.0  # rad/s
 SPEED, FIRST, LAST = 4070.0 * RPM, 1500.0 * RPM, 8500.0 * RPM
+BISTABLE = 6200.0 * RPM  # a speed with a rub and a contact-free whirl, both stable
+CLOSED = (0.0, 1e5, 1e6)  # stiffness of the contacts between open and closed [N/m]
 
 
 def main(settings: Settings) -> None:
@@ -61,6 +75,8 @@ def main(settings: Settings) -> None:
     settings.keep(up, "run_up")
     draw_run_up(up, critical_speed(system), settings)
     draw_speed_map(system, contacts, unbalance, settings)
+    draw_shapes(system, {"contacts": contacts, "unbalance": unbalance}, settings)
+    draw_eigenvalues(system, contacts, settings)
 
 
 def rotor() -> RotorSystem:
@@ -186,6 +202,35 @@ def draw_speed_map(
         f"{max(folds) / RPM:.0f} rpm. Going down it rubs only from {last[1]:.0f} rpm on. The "
         f"largest forces are {largest[0]:.0f} N at the seal and {largest[1]:.0f} N at the "
         "retainer.",
+    )  # fmt: skip
+
+
+def draw_shapes(system: RotorSystem, around: dict[str, Any], settings: Settings) -> None:
+    """Draw the deflected shapes of all synchronous whirls at a speed."""
+    whirls = synchronous_response(system, **around, speed=BISTABLE)
+    settings.keep(whirls, "whirls")
+    settings.show(
+        plot_whirl_shapes(whirls).figure, "shapes", archives=["whirls"],
+        shows="Deflected shapes of the whirls at 6200 rpm, with the clearance of the seal.",
+        found=f"{int((whirls.stability == 0).sum())} of {whirls.sizes['branch']} whirls are "
+        "stable: which of them the rotor follows depends on how it came to this speed.",
+    )  # fmt: skip
+
+
+def draw_eigenvalues(system: RotorSystem, contacts: Sequence[Contact], settings: Settings) -> None:
+    """Draw whirl speeds over the speed, with contacts open, half closed and closed."""
+    found = campbell(
+        system, contacts=contacts, speed=np.linspace(0.0, LAST, 9 if settings.quick else 35),
+        contact_stiffness=CLOSED, modes=8,
+    )  # fmt: skip
+    settings.keep(found, "campbell")
+    slowest = found.whirl_speed.where(found.whirl_sense == 1).min("eigenvalue")[:, 0]
+    first, _, last = (slowest.values / RPM).tolist()
+    settings.show(
+        plot_campbell(found).figure, "campbell", archives=["campbell"],
+        shows="A Campbell diagram with the contacts open and with springs for a rub.",
+        found=f"Contacts that are closed raise the first forward whirl from {first:.0f} to "
+        f"{last:.0f} rpm.",
     )  # fmt: skip
 
 

@@ -62,6 +62,23 @@ def a_system_sweep() -> xr.Dataset:
     return rotor_ida.sweep(
         system, contacts=contacts, unbalance=unbalance, speed=[0.3, 1.2], direction="both"
     )
+def over_speed(function: str) -> xr.Dataset:
+    """Return a result of a rotor system over its speed."""
+    system = rotor_ida.RotorSystem(
+        mass=np.eye(4), stiffness=2.0 * np.eye(4), damping=0.1 * np.eye(4),
+        nodes={"disc": (0, 1), "end": (2, 3)}, positions={"disc": 0.1, "end": 0.2},
+    )  # fmt: skip
+    stator = rotor_ida.Stator(mass=1.0, stiffness=2.0)
+    contacts = [rotor_ida.Contact(node="disc", clearance=0.5, stiffness=4.0, stator=stator)]
+    unbalance = [rotor_ida.Unbalance(node="disc", moment=1.0)]
+    if function == "campbell":
+        return rotor_ida.campbell(system, speed=[0.5, 1.0], contacts=contacts)
+    given = {
+        "synchronous_response_system": {"speed": [0.5, 1.0]},
+        "special_speeds": {"limits": (0.5, 1.5), "points": 8},
+        "clearance_report": {"speed": (2.0, 3.0), "probes": ["end"], "points": 8},
+    }[function]
+    return getattr(rotor_ida, function)(system, contacts=contacts, unbalance=unbalance, **given)
 
 
 def a_cycle() -> xr.Dataset:
@@ -92,6 +109,10 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "run_without_times": lambda: a_run().drop_vars("t"),
     "system_run": a_system_run,
     "system_sweep": a_system_sweep,
+    "system_whirls": lambda: over_speed("synchronous_response_system"),
+    "special_speeds": lambda: over_speed("special_speeds"),
+    "campbell": lambda: over_speed("campbell"),
+    "clearance_report": lambda: over_speed("clearance_report"),
     "runs_by_name": lambda: xr.concat([a_run(), a_run()], xr.Variable("machine", ["a", "b"])),
     "run_in_si_units": lambda: rotor_ida.dimensional(a_run(), MACHINE),
     "sweep": a_sweep,

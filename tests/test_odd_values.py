@@ -278,6 +278,9 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
 
 
 SYSTEM = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)}, units="1")
+DAMPED = RotorSystem(
+    mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)}, units="1"
+)
 GIVEN |= {
     "RotorSystem": lambda _: {"mass": np.eye(2), "stiffness": np.eye(2), "nodes": {"a": (0, 1)}},
     "Contact": lambda _: {"node": "disc", "clearance": 0.5, "stiffness": 4.0},
@@ -303,6 +306,11 @@ GIVEN |= {
         "unbalance": [Unbalance(node="disc", moment=1.0)],
     },
     "campbell": lambda _: {"system": SYSTEM, "speed": [0.8, 1.2], "modes": 2},
+    "clearance_report": lambda _: {
+        "system": DAMPED, "speed": (0.8, 1.2), "probes": ["disc"], "points": 8,
+        "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)],
+        "unbalance": [Unbalance(node="disc", moment=1.0)], "vibration_limit": 1.0,
+    },
     "run_up_system": lambda _: {"system": SYSTEM, "speed": 1.2, "to": 1.4, "rate": 0.1},
     "load_system": lambda folder: {"path": system_in(folder)},
 }  # fmt: skip

@@ -21,7 +21,7 @@ TASKS = {
     "Simulate": ["simulate", "run_up", "run_ups", "contact_summary", "contact_forces", "rotating"],
     "Exact responses": [
         *("synchronous_response", "folds", "hopf_points", "backward_whirl", "impact", "rest"),
-        *("special_speeds", "campbell"),
+        *("special_speeds", "campbell", "clearance_report"),
     ],
     "Steady states, sweeps and chaos": [
         *("sweep", "compare", "bifurcation_diagram", "poincare_section", "lyapunov_exponent"),

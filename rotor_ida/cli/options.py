@@ -275,6 +275,68 @@ System = Annotated[
     ),
     IN_ROTOR,
 ]
+SystemFile = Annotated[
+    Path,
+    Parameter(
+        name="SYSTEM", help="Rotor system from a TOML file.",
+        converter=parsing.converter(parsing.system_file),
+    ),
+    IN_ROTOR,
+]  # fmt: skip
+WithoutGravity = Annotated[
+    bool, _flag("Leave out the gravity of the system's file: whirls have none."), IN_ROTOR
+]
+SpeedsOfSystem = Annotated[
+    list[float],
+    _numbers("Spin speeds, or START:STOP:COUNT (SI: rad/s, or as 3000rpm).", "rad s-1"),
+    IN_ROTOR,
+]
+LimitsOfSpeed = Annotated[
+    tuple[float, float],
+    _several_numbers(
+        "Lowest and highest speed (SI: rad/s, or as 3000rpm).", "LOW HIGH", "rad s-1", "rad s-1"
+    ),
+]
+PointsBetween = Annotated[
+    int, _whole_number("Number of speeds at which changes are noticed.", 2, MOST_NUMBERS)
+]
+ClosedStiffnesses = Annotated[
+    list[float],
+    _numbers("Stiffnesses of springs at the contacts, from open to closed (SI: N/m).", "N m-1"),
+]
+ModesShown = Annotated[
+    int | None, _whole_number("Number of eigenvalues, the slowest first.", 1, MOST_NUMBERS)
+]
+RunningSpeeds = Annotated[
+    list[float],
+    _numbers(
+        "Minimum and maximum continuous speed, and the trip speed (SI: rad/s, or as 3000rpm).",
+        "rad s-1",
+    ),
+    IN_ROTOR,
+]
+Probes = Annotated[
+    list[str],
+    Parameter(
+        help="Nodes at which vibration is measured.",
+        metavar="NAME",
+        consume_multiple=True,
+        negative=(),
+    ),
+]
+OwnUnbalance = Annotated[
+    bool, _flag("Take the unbalance of the file as residual, instead of that of the formula.")
+]
+Multiple = Annotated[float, _number("How many times the residual unbalance is applied.")]
+VibrationLimit = Annotated[
+    float | None,
+    _quantity("Vibration limit, from peak to peak (SI: m). Default: by the speed.", "m"),
+]
+RotorMass = Annotated[
+    float | None,
+    _quantity("Mass of the rotor, for its residual unbalance. Default: by the matrices.", "kg"),
+]
+PointsOfResponse = Annotated[int, _whole_number("Number of speeds.", 2, MOST_NUMBERS)]
 File = Annotated[Path, _path("Archive written by rotor-ida (.nc).", name="FILE")]
 FileToExplore = Annotated[
     Path | None, _path("Archived run whose rotor and initial state are shown first.")

@@ -46,6 +46,7 @@ from rotor_ida.cli.commands.fit import fit
 from rotor_ida.cli.commands.machine import machine
 from rotor_ida.cli.commands.plot import plot
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
+from rotor_ida.cli.commands.systems import campbell, clearance_report, special_speeds
 from rotor_ida.cli.machines import missing
 from rotor_ida.cli.parsing import SYSTEM_ENDING, as_given, readable, refuse_units
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
@@ -63,7 +64,13 @@ Exit status: 0 done, 1 the run or the check failed, 2 bad input.
 # The commands in the groups of the help, in order; some have a short name too.
 COMMANDS: dict[str, dict[Callable[..., object], str]] = {
     "Simulate": {machine: "", simulate: "", run_up: "", run_ups: "", sweep: ""},
-    "Exact whirls": {synchronous_response: "response", backward_whirl: "whirl"},
+    "Exact whirls": {
+        synchronous_response: "response",
+        backward_whirl: "whirl",
+        special_speeds: "",
+        campbell: "",
+        clearance_report: "",
+    },
     "Limit cycles": {limit_cycle: "cycle", continue_cycle: "continue", bifurcation_curve: "curve"},
     "Explore": {
         basin: "",
@@ -80,6 +87,11 @@ COMMANDS: dict[str, dict[Callable[..., object], str]] = {
 USAGE: dict[Callable[..., object], str] = {
     simulate: "Usage: rotor-ida simulate [OPTIONS] [SYSTEM]",
     run_up: "Usage: rotor-ida run-up [OPTIONS] [SYSTEM]",
+    synchronous_response: "Usage: rotor-ida synchronous-response [OPTIONS] [SYSTEM]",
+    special_speeds: "Usage: rotor-ida special-speeds --limits LOW HIGH [OPTIONS] SYSTEM",
+    campbell: "Usage: rotor-ida campbell --speed SPEED... [OPTIONS] SYSTEM",
+    clearance_report: "Usage: rotor-ida clearance-report --speed SPEED... --probes NODE... "
+    "[OPTIONS] SYSTEM",
     fit: "Usage: rotor-ida fit --unknown NAME [OPTIONS] FILE...",
     explore: "Usage: rotor-ida explore [OPTIONS] [FILE]",
 }

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 import rotor_ida
 from rotor_ida.checks import AT_REST, State, shown
@@ -16,6 +18,7 @@ from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
+    from rotor_ida.model.rotor_system import RotorSystem
     from rotor_ida.results.system_file import SystemFile
 
 # Options of one disc that also apply to a system.
@@ -136,3 +139,50 @@ def _change(
     elif begins:
         raise InputError(f"from must be left out with speeds, got {shown(begins[0])}")
     return found
+
+
+def whirls_file(
+    file: Path, rotors: options.RotorsOptions, output: Output, *, without_gravity: bool
+) -> Report:
+    """Compute the synchronous whirls of the system of a file."""
+    speeds: Any = rotors.values.get(SPEED)
+    for name, value in {**rotors.values, "machine": rotors.machine}.items():
+        if name != SPEED and value is not None:
+            raise InputError(f"{name} must be left out with a rotor system, got {shown(value)}")
+    output.check()
+    case = case_of(file, {SPEED: speeds})
+    if speeds is None:
+        speeds = case.speed
+    if speeds is None:
+        raise InputError(f"speed must be given with --speed or in {file}")
+    found = rotor_ida.synchronous_response_system(
+        **weighed(case, without_gravity=without_gravity), speed=speeds
+    )
+    return answer(found, output, most=FIRST_ROWS)
+
+
+def case_of(file: Path, given: Mapping[str, Any]) -> SystemFile:
+    """Return what a file says; options with units are for one in SI units."""
+    case = rotor_ida.load_system(file)
+    if case.system.units != "SI":
+        refuse_units(given)
+    return case
+
+
+def linear_system(case: SystemFile) -> RotorSystem:
+    """Return the rotor of a file, in a few modes if it says so."""
+    if case.modes is None:
+        return case.system
+    held = [each.node for each in case.contacts]
+    held += [each.stator for each in case.contacts if isinstance(each.stator, str)]
+    return case.system.reduced(modes=case.modes, keep=list(dict.fromkeys(held)))
+
+
+def weighed(case: SystemFile, *, without_gravity: bool) -> dict[str, Any]:
+    """Return the system with its weight as a static force, its contacts and unbalance."""
+    system = linear_system(case)
+    if case.gravity is not None and not without_gravity:
+        own = 0.0 if system.static_force is None else system.static_force
+        weight = system.mass @ (system.unit_translations() @ np.array(case.gravity))
+        system = replace(system, static_force=own + weight)
+    return {"system": system, "contacts": case.contacts, "unbalance": case.unbalance}

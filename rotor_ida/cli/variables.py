@@ -24,7 +24,10 @@ VERSION = "_version"
 # Attributes for internal use, or shown as the kind.
 HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format", RESULT_KIND)
 
-SPEEDS = ("speed", "event_speed")
+SPEEDS = (
+    "speed", "event_speed", "special_speed", "critical_speed", "running_share_speed", "rub_speed",
+    "passage_rub_speed",
+)  # fmt: skip
 # Most rows of a table in the record; for a larger result it has sums and ranges only.
 MOST_TOLD = 1_000_000
 

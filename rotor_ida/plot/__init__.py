@@ -27,6 +27,7 @@ from rotor_ida.plot.basins import (
     plot_basin_fractions,
 )
 from rotor_ida.plot.branches import plot_branch, plot_curves
+from rotor_ida.plot.clearance_reports import clearance_report_figure, plot_clearance
 from rotor_ida.plot.closed_forms import (
     plot_cuts,
     plot_deviation,
@@ -65,8 +66,11 @@ from rotor_ida.plot.signals import (
 from rotor_ida.plot.system_sweeps import plot_system_sweep, system_sweep_figure
 from rotor_ida.plot.system_whirls import (
     plot_campbell,
+    plot_special_speeds,
     plot_system_whirls,
     plot_unbalance_response,
+    plot_whirl_shapes,
+    special_speeds_figure,
     system_whirls_figure,
 )
 from rotor_ida.plot.systems import (
@@ -86,6 +90,7 @@ from rotor_ida.plot.whirls import (
 )
 
 __all__ = [
+    "clearance_report_figure",
     "cycle_figure",
     "fit_figure",
     "mixed_panels",
@@ -106,6 +111,7 @@ __all__ = [
     "plot_campbell",
     "plot_cascade",
     "plot_centre_line",
+    "plot_clearance",
     "plot_contact_forces",
     "plot_curves",
     "plot_cusp",
@@ -141,6 +147,7 @@ __all__ = [
     "plot_section",
     "plot_shape",
     "plot_solutions",
+    "plot_special_speeds",
     "plot_spectrogram",
     "plot_spectrum",
     "plot_surface",
@@ -148,9 +155,11 @@ __all__ = [
     "plot_system_whirls",
     "plot_trace",
     "plot_unbalance_response",
+    "plot_whirl_shapes",
     "run_ups_figure",
     "save_figure",
     "shared_legend",
+    "special_speeds_figure",
     "style",
     "system_figure",
     "system_sweep_figure",

@@ -85,7 +85,7 @@ def plot_system_sweep(
     'contact 0 at disc'
     """
     sweep = check_dataset("sweep", sweep, SWEEP)
-    part = at_contact(sweep, contact, "the sweep has no contact")
+    part = at_contact(sweep, contact)
     with drawing(ax) as ax:
         speeds = label_speed(ax, sweep)
         label_axis(ax.yaxis, "amplitude", sweep["amplitude"])
@@ -94,7 +94,7 @@ def plot_system_sweep(
         if whirls is not None:
             exact = check_dataset("whirls", whirls, (*WHIRLS, "contact_node"))
             highest = max(
-                highest, _draw_beneath(ax, at_contact(exact, contact, "the whirls have no contact"))
+                highest, _draw_beneath(ax, at_contact(exact, contact))
             )
         draw_simulated(
             ax, part.assign_coords(speed=("speed", speeds)), "amplitude", over="speed", reach="|u|"

@@ -13,11 +13,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_count, check_panels
+from rotor_ida.checks import check_count, check_panels, check_real
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     BLUE,
     FOLD,
+    GRAZE,
     GREY,
     HOPF,
     INK,
@@ -34,17 +35,21 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.datasets import check_dataset, units_in
 from rotor_ida.plot.labels import label_axis
+from rotor_ida.plot.systems import name_nodes
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import SPECIAL, STABILITY, WHIRL_DIRECTION
 from rotor_ida.signals.nodes import Ring
 
 WHIRLS = ("speed", "amplitude", "node_amplitude", "stability", "in_contact", "clearance")
+# The whirls of a result of special speeds, by their names in one of whirls.
+BRANCHES = {"branch_amplitude": "amplitude", "branch_stability": "stability"}
+OF_CONTACTS = ("speed", "amplitude", "stability", "clearance", "contact_node")
 MARKS = {
     "stable": (STABLE, BLUE, "o", 2.6, "full"),
     "unstable": (UNSTABLE, ORANGE, "x", 3.0, "full"),
     "neutral": (NEUTRAL, GREY, "o", 3.2, "none"),
 }
-SPECIALS = {"fold": (FOLD, "D", 4.0), "hopf": (HOPF, "o", 4.6)}
+SPECIALS = {"fold": (FOLD, "D", 4.0), "hopf": (HOPF, "o", 4.6), "graze": (GRAZE, "s", 4.0)}
 SENSES = {"forward": (BLUE, "^"), "backward": (ORANGE, "v"), "none": (GREY, "o")}
 MOST_NODES = 5
 # Eigenvalues above this many times the largest speed are cut off.
@@ -67,8 +72,8 @@ def plot_system_whirls(
     contact : int
         Number of the contact. Its clearance is a dashed line.
     special : Dataset, optional
-        Result of `rotor_ida.special_speeds` for the same system: its folds and Hopf points are
-        marked.
+        Result of `rotor_ida.special_speeds` for the same system: its folds, Hopf points and grazes
+        are marked.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -86,8 +91,8 @@ def plot_system_whirls(
     >>> plot_system_whirls(whirls).get_title()
     'contact 0 at disc'
     """
-    whirls = check_dataset("whirls", whirls, (*WHIRLS, "contact_node"))
-    part = at_contact(whirls, contact, "the whirls have no contact")
+    whirls = check_dataset("whirls", whirls, OF_CONTACTS)
+    part = at_contact(whirls, contact)
     amplitude, stability = part["amplitude"].values, part["stability"].values
     with drawing(ax) as ax:
         speeds = label_speed(ax, whirls)
@@ -106,14 +111,11 @@ def plot_system_whirls(
     return ax
 
 
-def at_contact(dataset: xr.Dataset, contact: int, without: str) -> xr.Dataset:
-    """Return the part of a dataset at a contact; refuse one that it has not.
-
-    `without` tells of a dataset that has none.
-    """
+def at_contact(dataset: xr.Dataset, contact: int) -> xr.Dataset:
+    """Return the part of a dataset at a contact; refuse one that it has not."""
     count = dataset.sizes["contact"]
     if check_count("contact", contact, minimum=0) >= count:
-        allowed = f"0 to {count - 1}" if count else f"none: {without}"
+        allowed = f"0 to {count - 1}" if count else "none: there is no contact"
         raise InputError(f"contact must be one of {allowed}, got {contact}")
     return dataset.isel(contact=contact).assign(contact=contact)
 
@@ -127,7 +129,7 @@ def draw_clearance(ax: Axes, part: xr.Dataset) -> None:
 
 
 def _mark_special(ax: Axes, special: xr.Dataset, contact: int) -> None:
-    """Mark folds and Hopf points at a contact."""
+    """Mark folds, Hopf points and grazes at a contact."""
     needed = ("special_speed", "special_kind", "amplitude")
     special = check_dataset("special", special, needed)
     speeds, kinds = speeds_in(special["special_speed"]), special["special_kind"].values
@@ -176,6 +178,93 @@ def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Ax
     return ax
 
 
+def plot_whirl_shapes(
+    whirls: xr.Dataset, *, speed: float | None = None, ax: Axes | None = None
+) -> Axes:
+    """Draw the deflected shape of every synchronous whirl at a speed.
+
+    Parameters
+    ----------
+    whirls : Dataset
+        Result of `rotor_ida.synchronous_response` for a rotor system.
+    speed : float, optional
+        The speed, in the unit of the dataset; the nearest one is drawn. Default: where a node is
+        farthest from its place of rest.
+    ax : Axes, optional
+        Axes to draw on and return; default: those of a new figure.
+
+    Raises
+    ------
+    InputError
+        If the dataset is of another kind, or the speed is outside its speeds.
+
+    Notes
+    -----
+    The displacement of each node is that along the direction of the node that moves most. Bars are
+    the clearances of stators that stand still.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, synchronous_response
+    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> whirls = synchronous_response(
+    ...     system, contacts=contacts, unbalance=unbalance, speed=[0.5, 1.0, 1.5])
+    >>> plot_whirl_shapes(whirls, speed=1.5).get_title()
+    'spin speed 1.5'
+    """
+    whirls = check_dataset("whirls", whirls, (*WHIRLS, "node", "node_phase_lag", "contact_stator"))
+    row = _row_at(whirls, speed)
+    here = whirls.isel(speed=row)
+    places = np.arange(float(here.sizes["node"]))
+    if "axial_position" in here.variables:
+        places = here["axial_position"].values
+    order = np.argsort(places, kind="stable")
+    with drawing(ax) as ax:
+        if "axial_position" in here.variables:
+            label_axis(ax.xaxis, "axial_position", here["axial_position"])
+        else:
+            name_nodes(ax, list(map(str, here["node"].values)))
+        label_axis(ax.yaxis, "displacement", here["node_amplitude"])
+        ax.axhline(0.0, color=GREY, lw=0.7)
+        _draw_rooms(ax, here, places)
+        for word, (label, colour, mark, size, fill) in MARKS.items():
+            for branch in np.flatnonzero(here["stability"].values == STABILITY[word]):
+                own = here.isel(branch=branch)
+                moved = own["node_amplitude"].values * np.exp(-1j * own["node_phase_lag"].values)
+                turn = moved[np.argmax(np.abs(moved))]
+                up = (moved * turn.conjugate()).real / max(abs(turn), 1e-300)
+                ax.plot(places[order], up[order], color=colour, marker=mark, ms=size,
+                        fillstyle=fill, label=label, zorder=3.0)  # fmt: skip
+        turns = in_rpm(whirls["speed"])
+        value = f"{here['speed'].item():.6g}" if turns is None else f"{turns[row]:.6g} rpm"
+        ax.set_title(f"spin speed {value}")
+        legend_below(ax, columns=4)
+    return ax
+
+
+def _row_at(whirls: xr.Dataset, speed: object) -> int:
+    """Return the number of the speed nearest to one; default: of the largest amplitude."""
+    speeds = whirls["speed"].values
+    if speed is None:
+        sizes = np.nan_to_num(whirls["node_amplitude"].values, nan=-1.0)
+        return int(np.argmax(sizes.max(axis=(1, 2), initial=-1.0)))
+    wanted = check_real("speed", speed)
+    if not speeds.min() <= wanted <= speeds.max():
+        ends = f"{speeds.min():g} to {speeds.max():g}"
+        raise InputError(f"speed must lie from {ends}, got {wanted!r}")
+    return int(np.argmin(np.abs(speeds - wanted)))
+
+
+def _draw_rooms(ax: Axes, here: xr.Dataset, places: Values) -> None:
+    """Draw the clearances of stators that stand still."""
+    fixed = here["contact_stator"].values == ""
+    nodes = list(map(str, here["node"].values))
+    at = [nodes.index(str(node)) for node in here["contact_node"].values[fixed]]
+    if at:
+        ax.errorbar(places[at], np.zeros(len(at)), here["clearance"].values[fixed], fmt="none",
+                    ecolor=INK, elinewidth=0.8, capsize=3.5, label="clearance")  # fmt: skip
+
+
 def system_whirls_figure(whirls: xr.Dataset) -> Figure:
     """Draw the synchronous whirls of a rotor system: a panel for each contact.
 
@@ -215,6 +304,66 @@ def panels_of_contacts(count: int, draw: Callable[[int, Axes], object]) -> Figur
         ax.remove()
     shared_legend(figure, axes[:count], outer=False)
     return figure
+
+
+def plot_special_speeds(special: xr.Dataset, *, contact: int = 0, ax: Axes | None = None) -> Axes:
+    """Draw the whirls at a contact over the spin speed, with the speeds at which they change.
+
+    Parameters
+    ----------
+    special : Dataset
+        Result of `rotor_ida.special_speeds`.
+    contact : int
+        Number of the contact.
+    ax : Axes, optional
+        Axes to draw on and return; default: those of a new figure.
+
+    Raises
+    ------
+    InputError
+        If the dataset is of another kind, or has no such contact.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, special_speeds
+    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> special = special_speeds(
+    ...     system, contacts=contacts, unbalance=unbalance, limits=(0.5, 2.5), points=50)
+    >>> ax = plot_special_speeds(special)
+    >>> [line.get_label() for line in ax.lines]
+    ['clearance', 'stable whirl', 'unstable whirl', 'fold']
+    """
+    check_dataset("special", special, (*BRANCHES, "special_speed", "special_kind", "amplitude"))
+    whirls = special.drop_vars(["amplitude", "stability"], errors="ignore").rename(BRANCHES)
+    return plot_system_whirls(whirls, contact=contact, special=special, ax=ax)
+
+
+def special_speeds_figure(special: xr.Dataset) -> Figure:
+    """Draw the speeds at which the whirls of a rotor system change: a panel for each contact.
+
+    Parameters
+    ----------
+    special : Dataset
+        Result of `rotor_ida.special_speeds`.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, special_speeds
+    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> special = special_speeds(
+    ...     system, contacts=contacts, unbalance=unbalance, limits=(0.5, 2.5), points=50)
+    >>> len(special_speeds_figure(special).axes)
+    1
+    """
+    check_dataset("special", special, tuple(BRANCHES))
+    count = check_panels(special.sizes["contact"])
+    if not count:
+        raise InputError("special must be of a system with contacts, got one without")
+    if count == 1:
+        return cast(Figure, plot_special_speeds(special).figure)
+    return panels_of_contacts(
+        count, lambda number, ax: plot_special_speeds(special, contact=number, ax=ax)
+    )
 
 
 def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:

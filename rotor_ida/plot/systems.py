@@ -250,7 +250,7 @@ def plot_shape(run: xr.Dataset, *, t: float | None = None) -> Figure:
         if has_positions:
             label_axis(axes[1].xaxis, "axial_position", run["axial_position"])
         else:
-            _name_nodes(axes[1], nodes_in(run))
+            name_nodes(axes[1], nodes_in(run))
         figure.align_ylabels(axes)
         shared_legend(figure, axes, outer=False)
         unit = unit_of(run["t"])
@@ -387,7 +387,7 @@ def _draw_shape(ax: Axes, now: xr.Dataset, name: str, across: Values) -> None:
     label_axis(ax.yaxis, name, now[name])
 
 
-def _name_nodes(ax: Axes, names: Sequence[str]) -> None:
+def name_nodes(ax: Axes, names: Sequence[str]) -> None:
     """Write the names of nodes along an axis, turned or not all of them if there are many."""
     step = math.ceil(len(names) / MOST_NAMES)
     drawn = names[::step]

@@ -72,6 +72,7 @@ class Kind:
 _WHIRLS = "rotor_ida.plot.figures:figure_of_whirls"
 _SHOWN = "rotor_ida.cli.describe"
 _SIGNALS = "rotor_ida.cli.describe_signals"
+_SYSTEMS = "rotor_ida.cli.describe_whirls"
 _DRAWN = "rotor_ida.plot.figures"
 _VERIFIED = "rotor_ida.verification.verify"
 _RESUMED = "rotor_ida.verification.resume"
@@ -96,16 +97,27 @@ KINDS = {
         Kind(
             name="system_whirls", meaning="exact whirls of a rotor system",
             variables=("amplitude", "node_amplitude"), dims=("speed", "branch"),
-            drawn="rotor_ida.plot:system_whirls_figure",
+            shown=f"{_SYSTEMS}:WHIRLS_OF_SYSTEM", drawn="rotor_ida.plot:system_whirls_figure",
+            verified=f"{_VERIFIED}_systems:WHIRLS",
         ),
         Kind(
             name="system_special_points", meaning="special speeds of a rotor system",
-            variables=("special_speed",),
+            variables=("special_speed",), shown=f"{_SYSTEMS}:SPECIAL_SPEEDS",
+            drawn="rotor_ida.plot:special_speeds_figure",
+            verified=f"{_VERIFIED}_systems:SPECIAL_SPEEDS",
         ),
         Kind(
             name="campbell", meaning="eigenvalues over the speed",
             variables=("whirl_speed", "damping_ratio"), dims=("eigenvalue",),
-            drawn="rotor_ida.plot:plot_campbell",
+            shown=f"{_SYSTEMS}:EIGENVALUES", drawn="rotor_ida.plot:plot_campbell",
+            verified=f"{_VERIFIED}_systems:CAMPBELL",
+        ),
+        Kind(
+            name="clearance_report", meaning="report on close clearances",
+            variables=("running_share", "clearance_verdict"), dims=("case", "contact"),
+            shown=f"{_SYSTEMS}:show_clearance_report",
+            drawn="rotor_ida.plot:clearance_report_figure",
+            verified=f"{_VERIFIED}_systems:CLEARANCE_REPORT",
         ),
         Kind(
             name="comparison", meaning="comparison", variables=("matched_branch",),

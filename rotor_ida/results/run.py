@@ -17,6 +17,7 @@ from rotor_ida.schema import (
     DAMPED_EVENT_KIND,
     EVENT_KIND,
     OF_FRICTION_EVENT_KIND,
+    RESULT_KIND,
     Column,
     Quantity,
     check_dimensionless,
@@ -26,6 +27,8 @@ from rotor_ida.schema import (
 # A run that begins or ends in a contact does not have all of these.
 PARTLY_KNOWN = ("entry_time", "exit_time", "peak_time", "peak_force")
 
+# Its kind of result.
+SYSTEM_RUN = "system_run"
 # The variables of a run of a rotor system: along which dimensions, and kinds of their numbers.
 _TEXT, _WHOLE, _REAL = "UO", "iu", "iuf"
 OF_SYSTEM: dict[str, tuple[tuple[str, ...], str]] = {
@@ -60,7 +63,8 @@ def samples_in(
 
 def is_of_system(dataset: xr.Dataset) -> bool:
     """Return whether a dataset is a run of a rotor system."""
-    return "contact_node" in dataset.variables
+    kind = dataset.attrs.get(RESULT_KIND, SYSTEM_RUN)
+    return bool(kind == SYSTEM_RUN) and "contact_node" in dataset.variables
 
 
 def nodes_in(run: xr.Dataset) -> list[str]:

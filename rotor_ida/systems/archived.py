@@ -1,4 +1,4 @@
-"""What a run or sweep of a rotor system was computed from, as variables of its dataset, and back.
+"""What a result of a rotor system was computed from, as variables of its dataset, and back.
 
 The matrices are those that were integrated: of a reduced system, the reduced ones. Gravity is
 within the constant force. So a result can be computed again, to the bit, from its dataset alone.
@@ -30,13 +30,18 @@ NEEDED = (
     *("stator_damping", "unbalance_moment", "unbalance_phase"),
 )
 
+START = "start_state"
+# Results over the speed have no start.
+PROBLEM = tuple(name for name in NEEDED if name != START)
+# Variables whose units say whether a system is in SI units.
+SPEEDS = ("t", "speed", "special_speed")
 NAMES = ("node", "contact_node", "contact_stator", "unbalance_node")
 
 
 def problem_variables(
-    assembly: Assembly, unbalance: Sequence[Unbalance], start: Values
+    assembly: Assembly, unbalance: Sequence[Unbalance], start: Values | None = None
 ) -> dict[str, Column]:
-    """Return what a run or sweep is computed from, but for its speed.
+    """Return what a result is computed from, but for its nodes and speed.
 
     Parameters
     ----------
@@ -44,11 +49,11 @@ def problem_variables(
         The system with its stators, contacts and forces.
     unbalance : sequence of Unbalance
         Its unbalance.
-    start : ndarray, shape (2, n) or (start, 2 n)
-        Displacement and velocity at time 0; of each start of a sweep, NaN for the settled whirl.
+    start : ndarray, shape (2, n) or (start, 2 n), optional
+        Displacement and velocity at time 0, of a run; of each start of a sweep, NaN for the settled
+        whirl.
     """
     system = assembly.system
-    is_one = start.shape == (2, assembly.size)
     square = ("freedom", "freedom_too")
     found: dict[str, Column] = {
         f"{name}_matrix": (square, matrix)
@@ -58,9 +63,9 @@ def problem_variables(
     rows = np.array([system.rows(name) for name in system.nodes]).reshape(-1, 2, system.size)
     found["node_rows"] = (("node", "axis", "freedom"), rows)
     found["constant_force"] = ("assembled_freedom", assembly.force)
-    found["start_state"] = (
-        ("coordinate", start.ravel()) if is_one else (("start", "coordinate"), start)
-    )
+    if start is not None:
+        is_one = start.shape == (2, assembly.size)
+        found[START] = ("coordinate", start.ravel()) if is_one else (("start", "coordinate"), start)
     found |= _contacts(assembly)
     for name, dims in OF_STATOR.items():
         values = np.array([getattr(each, name) for each in assembly.stators], float)
@@ -108,7 +113,7 @@ def _contacts(assembly: Assembly) -> dict[str, Column]:
 
 
 def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
-    """Return the system of a run or sweep, and the arguments for what stands around it.
+    """Return the system of a result, and the arguments for what stands around it.
 
     Raises
     ------
@@ -125,16 +130,15 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
     >>> simulate_system(again, **around, **given).equals(run)
     True
     """
-    missing = [name for name in (*NEEDED, *NAMES) if name not in run.variables]
+    missing = [name for name in (*PROBLEM, *NAMES) if name not in run.variables]
     missing += [dim for dim in ("contact", "node") if dim not in run.sizes]
     if missing:
-        raise InputError(f"a run of a rotor system must have {', '.join(missing)}, got none")
+        raise InputError(f"a result of a rotor system must have {', '.join(missing)}, got none")
     matrices: Any = {
         name: run[f"{name}_matrix"].values for name in MATRICES if f"{name}_matrix" in run
     }
     nodes = dict(zip(run["node"].values.tolist(), run["node_rows"].values, strict=True))
-    unit = run["t" if "t" in run.variables else "speed"].attrs.get("units")
-    si = unit in {"s", "s-1"}
+    si = any(run[name].attrs.get("units") in {"s", "s-1"} for name in SPEEDS if name in run)
     positions = None
     if "axial_position" in run.variables:
         positions = dict(zip(nodes, run["axial_position"].values.tolist(), strict=True))
@@ -154,11 +158,13 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
         "unbalance": unbalance,
         "static_force": run["constant_force"].values,
     }
-    states = [
-        "settled" if np.isnan(each).all() else tuple(each.reshape(2, -1))
-        for each in np.atleast_2d(run["start_state"].values)
-    ]
-    return system, around | ({"starts": states} if "start" in run.sizes else {"start": states[0]})
+    if START in run.variables:
+        states = [
+            "settled" if np.isnan(each).all() else tuple(each.reshape(2, -1))
+            for each in np.atleast_2d(run[START].values)
+        ]
+        around |= {"starts": states} if "start" in run.sizes else {"start": states[0]}
+    return system, around
 
 
 def design_of_problem(problem: Mapping[str, Column], system: RotorSystem) -> dict[str, object]:
@@ -205,3 +211,11 @@ def _contact(row: xr.Dataset, stators: Sequence[Stator]) -> Contact:
 def _rows(run: xr.Dataset, names: Sequence[str]) -> list[tuple[Any, ...]]:
     """Return variables along one dimension row by row."""
     return list(zip(*(run[name].values.tolist() for name in names), strict=True))
+
+
+def described_problem(assembly: Assembly, unbalance: Sequence[Unbalance]) -> dict[str, Column]:
+    """Return what a result over the speed is computed from, and where its nodes are."""
+    found = problem_variables(assembly, unbalance)
+    if (positions := assembly.system.positions) is not None:
+        found["axial_position"] = ("node", np.array(list(positions.values())))
+    return found

@@ -16,6 +16,7 @@ from itertools import pairwise
 from typing import NoReturn
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import shown
@@ -50,6 +51,8 @@ class ForwardMotions:
         The rows b.
     basis : ndarray of complex, shape (N, n)
         The motions in coordinates with a unit mass matrix, orthonormal.
+    shapes : ndarray of complex, shape (N, n)
+        Coordinates of each motion: ``q = sqrt(2) Re(shapes p)``.
     """
 
     stiffness: ComplexValues
@@ -57,6 +60,7 @@ class ForwardMotions:
     gyroscopic: ComplexValues
     rows: ComplexValues
     basis: ComplexValues
+    shapes: ComplexValues
 
     @property
     def size(self) -> int:
@@ -115,7 +119,10 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
         if (across > ROUNDED * np.sqrt(np.outer(sizes, sizes))).any():
             _refuse(name)
     rows = found.rows[:, 0] + 1j * found.rows[:, 1]
-    return ForwardMotions(rows=rows @ basis / np.sqrt(2.0), basis=basis, **reduced)
+    shapes = np.asarray(solve_triangular(found.factor, basis, lower=True, trans=1))
+    return ForwardMotions(
+        rows=rows @ basis / np.sqrt(2.0), basis=basis, shapes=shapes, **reduced
+    )
 
 
 def _matrices(found: Canonical) -> dict[str, Values]:

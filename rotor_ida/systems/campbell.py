@@ -15,6 +15,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact
 from rotor_ida.schema import labelled_dataset
+from rotor_ida.systems.archived import described_problem
 from rotor_ida.systems.assembly import Assembly, assemble, canonical
 from rotor_ida.systems.axisymmetric import forward_motions
 from rotor_ida.systems.receptances import checked_speeds
@@ -113,16 +114,19 @@ def campbell(
     along = ("contact_stiffness", "speed", "eigenvalue")
     variables: dict[str, Column] = {
         "whirl_speed": (along, whirl + 0.0), "damping_ratio": (along, damping),
-        "whirl_sense": (along, senses),
+        "whirl_sense": (along, senses), **described_problem(assembly, []),
     }  # fmt: skip
     coordinates: dict[str, Column] = {
         "contact_stiffness": ("contact_stiffness", springs), "speed": ("speed", speeds),
         "eigenvalue": ("eigenvalue", np.arange(shape[2])),
+        "node": ("node", np.array(list(system.nodes), str)),
     }  # fmt: skip
+    told: dict[str, object] = {"source": "rotor_ida closed forms"}
+    if most is not None:
+        told["modes"] = most
     dataset = labelled_dataset(
-        "Eigenvalues of a rotor system", variables, coordinates,
-        {"source": "rotor_ida closed forms"}, kind="campbell",
-    )  # fmt: skip
+        "Eigenvalues of a rotor system", variables, coordinates, told, kind="campbell"
+    )
     if system.units == "SI":
         dataset["contact_stiffness"].attrs["units"] = "N m-1"
     return with_system_units(dataset, system)

@@ -67,7 +67,7 @@ def receptances(assembly: Assembly, speeds: Values) -> Receptances:
     turning = np.nonzero(speeds)[0]
     for first in range(0, turning.size, step):
         chosen = turning[first : first + step]
-        found[chosen] = rows @ _solved(assembly, speeds[chosen], forces)
+        found[chosen] = rows @ solved_motions(assembly, speeds[chosen], forces)
     found[:, :, 0] *= speeds[:, np.newaxis] ** 2
     count = len(contacts)
     return Receptances(
@@ -81,7 +81,7 @@ def _forward(rows: Values) -> ComplexValues:
     return np.asarray(rows[:, 0] + 1j * rows[:, 1])
 
 
-def _solved(assembly: Assembly, speeds: Values, forces: ComplexValues) -> ComplexValues:
+def solved_motions(assembly: Assembly, speeds: Values, forces: ComplexValues) -> ComplexValues:
     """Return the motions by forces at speeds, shape (speed, n, force)."""
     omega = speeds[:, np.newaxis, np.newaxis]
     dynamic = (assembly.stiffness - omega**2 * assembly.mass).astype(complex)

@@ -35,6 +35,7 @@ from rotor_ida.systems.axisymmetric import (
 )
 from rotor_ida.systems.double_rubs import balance
 from rotor_ida.systems.receptances import Receptances, receptances
+from rotor_ida.systems.synchronous import synchronous_response_system
 from rotor_ida.systems.turning_axes import (
     NEUTRAL,
     Whirls,
@@ -45,6 +46,11 @@ from rotor_ida.systems.units import with_system_units
 from rotor_ida.systems.whirls import MOST_TOUCHING, effects, rubbing_whirls, rubs, touching_sets
 
 MOST_POINTS = 100_000
+# Variables of whirls that a result of special speeds has by another name, or not at all.
+OF_WHIRLS = (
+    "amplitude", "phase_lag", "normal_force", "in_contact", "node_amplitude", "node_phase_lag",
+    "stability", "growth_rate",
+)  # fmt: skip
 # Number of halvings of an interval of speeds around a fold. Part of the range left out beside it.
 # Largest number of Newton steps, and the relative size of the last.
 _HALVINGS, _BESIDE, _STEPS, _SOLVED = 12, 1e-7, 30, 1e-11
@@ -164,7 +170,8 @@ def special_speeds(
         On ``special``, in order of speed: ``special_speed`` and ``special_kind``: ``fold``, where
         two whirls meet and vanish; ``hopf``, where a whirl loses its stability to an oscillation,
         with ``hopf_frequency`` on turning axes; and ``graze``, where a whirl just touches another
-        contact. On ``(special, contact)``: ``amplitude`` and ``in_contact``.
+        contact. On ``(special, contact)``: ``amplitude`` and ``in_contact``. The whirls between:
+        ``branch_amplitude`` on ``(speed, branch, contact)`` and ``branch_stability``.
 
     Raises
     ------
@@ -197,7 +204,11 @@ def special_speeds(
     for touching in [(), *touching_sets(assembly.contacts)]:
         pieces = list(_pieces(touching, problem.roots(touching, speeds), speeds))
         found += [*_grazes(problem, pieces), *_hopf_points(problem, pieces)]
-    return _dataset(problem, [each for each in found if _is_free(problem, each)])
+    whirls = synchronous_response_system(
+        system, contacts=contacts, unbalance=unbalance, speed=np.linspace(low, high, points)
+    )
+    kept = sorted((each for each in found if _is_free(problem, each)), key=lambda each: each.speed)
+    return _dataset(problem, kept, whirls).assign_attrs(limits=np.array([low, high]), points=points)
 
 
 def _limits(given: object) -> tuple[float, float]:
@@ -359,10 +370,9 @@ def _is_free(problem: _Problem, point: _Point) -> bool:
     return bool((gaps >= rounded).all())
 
 
-def _dataset(problem: _Problem, points: Sequence[_Point]) -> xr.Dataset:
-    """Return special points in order of speed."""
+def _dataset(problem: _Problem, points: Sequence[_Point], whirls: xr.Dataset) -> xr.Dataset:
+    """Return special points in order of speed, with the whirls and what they are computed from."""
     assembly = problem.assembly
-    points = sorted(points, key=lambda each: each.speed)
     amplitude = np.zeros((len(points), len(assembly.contacts)))
     touches = np.zeros(amplitude.shape, np.int8)
     for number, each in enumerate(points):
@@ -376,11 +386,17 @@ def _dataset(problem: _Problem, points: Sequence[_Point]) -> xr.Dataset:
         "hopf_frequency": ("special", np.array([each.frequency for each in points])),
         "amplitude": (("special", "contact"), amplitude),
         "in_contact": (("special", "contact"), touches),
-        "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
+    }
+    others = {str(n): each for n, each in whirls.variables.items() if n not in OF_WHIRLS}
+    found = {
+        "branch_amplitude": (whirls["amplitude"].dims, whirls["amplitude"].values),
+        "branch_stability": (whirls["stability"].dims, whirls["stability"].values),
     }
     dataset = labelled_dataset(
-        "Special points of the synchronous whirls of a rotor system", variables, {},
+        "Special points of the synchronous whirls of a rotor system",
+        {**variables, **found, **{n: e for n, e in others.items() if n not in whirls.coords}},
+        {name: each for name, each in others.items() if name in whirls.coords},
         {"source": "rotor_ida closed forms", "most_touching": MOST_TOUCHING},
         kind="system_special_points",
-    )  # fmt: skip
+    )
     return with_system_units(dataset, assembly.system)

@@ -12,6 +12,7 @@ from rotor_ida.arrays import Column, ComplexValues, Flags, Values
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
 from rotor_ida.schema import STABILITY, labelled_dataset
+from rotor_ida.systems.archived import described_problem
 from rotor_ida.systems.assembly import Assembly, assemble
 from rotor_ida.systems.axisymmetric import (
     ForwardMotions,
@@ -20,12 +21,14 @@ from rotor_ida.systems.axisymmetric import (
     forward_motions,
 )
 from rotor_ida.systems.receptances import Receptances, checked_speeds, receptances
+from rotor_ida.systems.refined import refined_growth
 from rotor_ida.systems.turning_axes import (
     NEUTRAL,
     Whirls,
     eigenvalues_in_contact,
     eigenvalues_without_contact,
     normal_forces,
+    springs_of,
 )
 from rotor_ida.systems.units import with_system_units
 from rotor_ida.systems.whirls import MOST_TOUCHING, sliding, whirls_of
@@ -104,7 +107,8 @@ def synchronous_response_system(
     response = receptances(assembly, speeds)
     whirls = whirls_of(assembly, response, speeds)
     growth, neutral = growth_rates(motions, assembly, speeds, whirls)
-    return _dataset(assembly, response, speeds, whirls, growth, neutral)
+    dataset = _dataset(assembly, response, speeds, whirls, growth, neutral, unbalance)
+    return with_system_units(dataset, system)
 
 
 def growth_rates(
@@ -116,12 +120,12 @@ def growth_rates(
     for chosen in (touches, ~touches):
         part = whirls[chosen]
         at = speeds[part.row]
-        found = (
-            eigenvalues_in_contact(motions, assembly.contacts, at, part)
-            if chosen is touches
-            else eigenvalues_without_contact(motions, at)
-        )
-        growth[chosen] = found.real.max(axis=1, initial=-np.inf)
+        if chosen is touches:
+            found = eigenvalues_in_contact(motions, assembly.contacts, at, part)
+            springs = springs_of(assembly.contacts, at, part)
+        else:
+            found, springs = eigenvalues_without_contact(motions, at), None
+        growth[chosen] = refined_growth(motions, assembly, at, found, springs)
         size[chosen] = np.abs(found).max(axis=1, initial=0.0)
     return growth, np.abs(growth) <= NEUTRAL * size
 
@@ -133,6 +137,7 @@ def _dataset(
     whirls: Whirls,
     growth: Values,
     neutral: Flags,
+    unbalance: Sequence[Unbalance],
 ) -> xr.Dataset:
     """Return whirls as a labelled dataset, one column a branch."""
     column = np.arange(whirls.row.size) - np.searchsorted(whirls.row, whirls.row)
@@ -161,20 +166,18 @@ def _dataset(
         "node_phase_lag": (at_node, spread(-np.angle(moved), np.nan)),
         "stability": (along, spread(stable.astype(np.int8), STABILITY["absent"])),
         "growth_rate": (along, spread(growth, np.nan)),
-        "contact_node": ("contact", np.array([each.node for each in assembly.contacts], str)),
-        "clearance": ("contact", np.array([each.clearance for each in assembly.contacts])),
+        **described_problem(assembly, unbalance),
     }
     coordinates: dict[str, Column] = {
         "speed": ("speed", speeds), "branch": ("branch", np.arange(shape[1])),
         "node": ("node", np.array(list(assembly.system.nodes), str)),
     }  # fmt: skip
-    dataset = labelled_dataset(
+    return labelled_dataset(
         "Synchronous whirls of a rotor system", variables, coordinates,
         {"source": "rotor_ida closed forms", "references": _REFERENCES,
          "most_touching": MOST_TOUCHING},
         kind="system_whirls",
     )  # fmt: skip
-    return with_system_units(dataset, assembly.system)
 
 
 def _contact_forces(

@@ -89,7 +89,8 @@ def rerun(
     dataset : Dataset
         A result of `simulate` or `run_up`, also of a rotor system, of `sweep`, `run_ups`, `basin`,
         `basin_fractions`, `continue_attractors`, `limit_cycle`, `continue_cycle` or
-        `bifurcation_curve`, for example one loaded from an archive.
+        `bifurcation_curve`, or of a rotor system from `synchronous_response`, `special_speeds`,
+        `campbell` or `clearance_report`; for example one loaded from an archive.
     method : {"adams", "bdf", "ida", "taylor"}, optional
         Another solver for the contacts of a run, sweep or run-up: an independent check that shares
         no step with the first.
@@ -165,8 +166,9 @@ def _verification_of(dataset: xr.Dataset) -> Verification:
     if verification is None or not set(verification.variables) <= set(dataset.variables):
         raise InputError(
             "only results of simulate, run_up, sweep, run_ups, basin, basin_fractions, "
-            "continue_attractors, limit_cycle, continue_cycle and bifurcation_curve "
-            f"can be verified, got a dataset of {shown(list(map(str, dataset.data_vars)))}"
+            "continue_attractors, limit_cycle, continue_cycle, bifurcation_curve and those of "
+            "rotor systems over speed can be verified, "
+            f"got a dataset of {shown(list(map(str, dataset.data_vars)))}"
         )
     missing = [name for name in verification.attributes if name not in dataset.attrs]
     if missing:

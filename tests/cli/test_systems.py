@@ -202,7 +202,106 @@ def test_a_forged_run_does_not_verify(program: Program, rotor: str):
     assert "must have unbalance_node, got none" in answer.err
 
 
+STILL = "--without-gravity"
+PLAIN = (
+    SYSTEM.partition('[[contacts]]\nnode = "disc"')[0]
+    + """
+[[unbalance]]
+node = "disc"
+moment = "1200 g mm"
+"""
+)
+
+
+@pytest.fixture
+def plain(program: Program) -> str:
+    """Return the file of an axisymmetric system with one contact."""
+    np.savez("rotor.npz", **MATRICES)
+    Path("plain.toml").write_text(PLAIN)
+    return "plain.toml"
+
+
+OVER_SPEED = {
+    "synchronous-response": (
+        ("--speed", "3000rpm", "6000rpm", STILL),
+        lambda given: rotor_ida.synchronous_response(
+            **given, speed=[3000 * RPM, 6000 * RPM]
+        ),
+    ),
+    "special-speeds": (
+        ("--limits", "3000rpm", "6000rpm", "--points", 20, STILL),
+        lambda given: rotor_ida.special_speeds(
+            **given, limits=(3000 * RPM, 6000 * RPM), points=20
+        ),
+    ),
+    "campbell": (
+        ("--speed", 0, 500, "--contact-stiffness", 0, "1e7", "--modes", 4),
+        lambda given: rotor_ida.campbell(
+            given["system"], contacts=given["contacts"], speed=[0.0, 500.0], modes=4,
+            contact_stiffness=[0.0, 1e7],
+        ),
+    ),
+    "clearance-report": (
+        ("--speed", "680", "840", "--probes", "disc", "--points", 40, "--multiple", 4, STILL),
+        lambda given: rotor_ida.clearance_report(
+            given["system"], contacts=given["contacts"], speed=(680.0, 840.0), probes=["disc"],
+            points=40, multiple=4.0,
+        ),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("command", OVER_SPEED)
+def test_results_over_the_speed_are_those_of_python(program: Program, plain: str, command: str):
+    """Archived, drawn, shown, verified; without the file."""
+    options, expected = OVER_SPEED[command]
+    answer = program(command, plain, *options, "--out", "found.nc", "--figure", "found.png")
+    assert (answer.status, answer.err) == (0, "")
+    case = rotor_ida.load_system(plain)
+    given = {"system": case.system, "contacts": case.contacts, "unbalance": case.unbalance}
+    found = rotor_ida.load("found.nc")
+    for name, variable in expected(given).variables.items():
+        np.testing.assert_array_equal(found[name], variable, err_msg=name)
+    Path(plain).unlink()
+    assert json.loads(program("verify", "found.nc", "--json").out)["agrees"]
+    assert program("plot", "found.nc", "--figure", "again.png").status == 0
+    shown = program("show", "found.nc")
+    assert (shown.status, "freedom too" in shown.out.partition("dimensions")[0]) == (0, False)
+
+
+def test_a_report_begins_with_its_words_and_weight_has_no_whirl(program: Program, plain: str):
+    given = ("--speed", "680", "840", "--probes", "disc", "--points", 40)
+    answer = program("clearance-report", plain, *given, STILL)
+    assert answer.out.startswith("Contact 0 at 'seal' ")
+    heavy = program("clearance-report", plain, *given)
+    assert "not known: static_force of the system must be 0 for a whirl" in " ".join(
+        heavy.out.split()
+    )
+    own = program("clearance-report", plain, *given, "--own-unbalance", STILL, "--json")
+    applied = json.loads(own.out)["unbalance"]
+    assert [row["applied_unbalance"] for row in applied] == [pytest.approx(2.4e-3), 0.0]
+    answer = program("synchronous-response", plain)
+    assert (answer.status, answer.out) == (2, "")
+    assert "static_force of the system must be 0 for a whirl" in answer.err
+    found = json.loads(program("synchronous-response", plain, STILL, "--json").out)
+    assert {row["speed"] for row in found["whirls"]} == {4300 * RPM}
+
+
 MISTAKES = [
+    ("synchronous-response rotor.toml --zeta 1", "zeta must be left out with a rotor system"),
+    ("synchronous-response rotor.toml --folds", "folds must be left out with a rotor system"),
+    ("synchronous-response --omega 1 --zeta 1 --delta0 1 --without-gravity",
+     "without_gravity must be left out without a rotor system"),
+    ("synchronous-response slow.toml", "speed must be given with --speed or in slow.toml"),
+    ("synchronous-response bare.toml --speed 60rpm", "speed must have no unit for a dimension"),
+    ("special-speeds rotor.toml", "--limits must be given"),
+    ("special-speeds --limits 1 2", "SYSTEM must be given"),
+    ("special-speeds bare.toml --limits 60rpm 2", "limits must have no unit for a dimensionless"),
+    ("campbell rotor.npz --speed 1", "unexpected argument 'rotor.npz'; a rotor system must be"),
+    ("campbell rotor.toml --speed 1 --contact-stiffness 3kg", "the unit of contact-stiffness"),
+    ("clearance-report rotor.toml --probes disc", "--speed must be given"),
+    ("clearance-report rotor.toml --speed 1 2 --probes dusc", "node must be one of 'disc', 'seal'"),
+    ("clearance-report bare.toml --speed 1 2 --probes disc", "contacts must be at least one"),
     ("simulate gone.toml --duration 1", "cannot read 'gone.toml': No such file or directory"),
     ("simulate rotor.npz --duration 1", "unexpected argument 'rotor.npz'; a rotor system must be"),
     ("simulate rotor.toml", "--duration must be given"),

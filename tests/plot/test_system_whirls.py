@@ -9,6 +9,7 @@ from rotor_ida import (
     Rotor,
     Unbalance,
     campbell,
+    clearance_report,
     plot,
     special_speeds,
     synchronous_response,
@@ -67,7 +68,7 @@ def test_each_contact_has_a_panel_and_without_any_the_nodes_are_drawn(whirls):
     assert len(ax.lines) == 5
     drawn = next(line for line in ax.lines if line.get_label() == "3")
     np.testing.assert_allclose(drawn.get_ydata(), 1e6 * free.node_amplitude.sel(node="3")[:, 0])
-    with pytest.raises(InputError, match="the whirls have no contact"):
+    with pytest.raises(InputError, match="there is no contact"):
         plot.plot_system_whirls(free)
 
 
@@ -86,3 +87,77 @@ def test_a_campbell_diagram_has_forward_and_backward_whirls():
     figure = ax.figure
     figure.draw_without_rendering()
     assert figure.get_tightbbox().y0 >= -0.02
+
+
+def test_special_speeds_are_drawn_on_their_whirls_at_each_contact():
+    special = special_speeds(
+        beam(), contacts=[Contact(node="3", **TOUCH), Contact(node="6", **TOUCH)], points=31,
+        unbalance=[Unbalance(node="3", moment=2e-5), Unbalance(node="7", moment=2e-5)],
+        limits=(300.0, 700.0),
+    )  # fmt: skip
+    axes = figure_of(special).axes
+    assert [ax.get_title() for ax in axes] == ["contact 0 at node 3", "contact 1 at node 6"]
+    grazes = (special.special_kind == SPECIAL["graze"]).values
+    assert grazes.sum() == 4
+    for number, ax in enumerate(axes):
+        marks = {line.get_label(): line for line in ax.lines}
+        drawn = marks["graze"]
+        np.testing.assert_allclose(drawn.get_xdata(), special.special_speed[grazes] * 30 / np.pi)
+        np.testing.assert_allclose(
+            drawn.get_ydata(), 1e6 * special.amplitude.values[grazes, number]
+        )
+        shown = np.concatenate(
+            [marks[f"{each} whirl"].get_ydata() for each in ("stable", "unstable")]
+        )
+        branches = special.branch_amplitude.isel(contact=number).values
+        np.testing.assert_allclose(np.sort(shown), 1e6 * np.sort(branches[np.isfinite(branches)]))
+    with pytest.raises(InputError, match="special must contain branch_amplitude"):
+        plot.plot_special_speeds(special.drop_vars("branch_amplitude"))
+
+
+def test_a_clearance_report_is_drawn_with_its_limits_and_critical_speeds():
+    report = clearance_report(
+        beam(), contacts=[Contact(node="3", **TOUCH), Contact(node="6", **TOUCH)],
+        probes=["1", "9"], speed=(800.0, 1100.0, 1200.0), points=50,
+    )  # fmt: skip
+    axes = figure_of(report).axes
+    assert [ax.get_title() for ax in axes] == [
+        "contact 0 at node 3: passes", "contact 1 at node 6: passes"
+    ]  # fmt: skip
+    for number, ax in enumerate(axes):
+        assert ax.get_xlabel() == "spin speed [rpm]"
+        assert ax.get_ylabel() == "scaled orbit, peak to peak [µm]"
+        lines = {line.get_label(): line for line in ax.lines}
+        assert lines["diametral clearance"].get_ydata()[0] == pytest.approx(200.0)
+        assert lines["75 % of it"].get_ydata()[0] == pytest.approx(150.0)
+        assert lines["critical speed"].get_xdata()[0] == pytest.approx(
+            report.critical_speed.values[0] * 30 / np.pi
+        )
+        for case in range(report.sizes["case"]):
+            scaled = report.scale_factor[case] * report.major_axis.isel(case=case, contact=number)
+            np.testing.assert_allclose(lines[f"case {case}"].get_ydata(), 1e6 * scaled)
+        assert ax.get_ylim()[1] > 200.0
+    figure = axes[0].figure
+    figure.draw_without_rendering()
+    assert figure.get_tightbbox().y0 >= -0.02
+    with pytest.raises(InputError, match="contact must be one of 0 to 1, got 2"):
+        plot.plot_clearance(report, contact=2)
+
+
+def test_the_shapes_of_whirls_are_those_of_their_nodes(whirls):
+    """Along the direction of the node that moves most; the speed is the nearest."""
+    ax = plot.plot_whirl_shapes(whirls, speed=451.0)
+    row = int(np.argmin(np.abs(SPEEDS - 451.0)))
+    assert ax.get_title() == f"spin speed {SPEEDS[row] * 30 / np.pi:.6g} rpm"
+    here = whirls.isel(speed=row)
+    lines = [line for line in ax.lines if len(line.get_ydata()) == 11]
+    assert len(lines) == int((here.stability >= 0).sum())
+    place = np.exp(-1j * here.node_phase_lag) * here.node_amplitude
+    for branch, line in enumerate(lines):
+        moved = place.isel(branch=branch).values
+        largest = moved[np.abs(moved).argmax()]
+        shown = 1e6 * (moved * np.conj(largest)).real / abs(largest)
+        np.testing.assert_allclose(np.sort(line.get_ydata()), np.sort(shown))
+    with pytest.raises(InputError, match=r"speed must lie from 300 to 600, got 700\.0"):
+        plot.plot_whirl_shapes(whirls, speed=700.0)
+    assert plot.plot_whirl_shapes(whirls).get_title() != ax.get_title()

@@ -12,7 +12,7 @@ from rotor_ida.cli.machines import Units
 from rotor_ida.cli.output import Output, answer, answer_whole, summarised, working
 from rotor_ida.cli.parsing import MOST_POINTS, check_points
 from rotor_ida.cli.report import FIRST_ROWS, Report
-from rotor_ida.cli.systems import run_up_file, simulate_file, sweep_file
+from rotor_ida.cli.systems import run_up_file, simulate_file, sweep_file, whirls_file
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 
@@ -120,9 +120,12 @@ def run_up(
 
 
 def synchronous_response(
+    system: options.System = None,
+    /,
     *,
     rotors: options.WhirlsOptions = options.WhirlsOptions(),
     folds: options.WithFolds = False,
+    without_gravity: options.WithoutGravity = False,
     output: Output = Output(),
 ) -> Report:
     r"""List all exact synchronous whirls, with their stability.
@@ -134,7 +137,18 @@ def synchronous_response(
 
         rotor-ida synchronous-response --omega 0.5:3:251 --zeta 0.07 \
             --delta0 0 2 --out whirls.nc --figure whirls.png
+
+    A rotor of any size, from a system file:
+
+        rotor-ida synchronous-response rotor.toml --speed 3000rpm:9000rpm:61 \
+            --without-gravity --figure rubs
     """
+    if system is not None:
+        if folds:
+            raise InputError("folds must be left out with a rotor system: see special-speeds")
+        return whirls_file(system, rotors, output, without_gravity=without_gravity)
+    if without_gravity:
+        raise InputError("without_gravity must be left out without a rotor system")
     if not rotors.has_speed and not folds:
         raise InputError("omega must hold at least one number, got none")
     if not rotors.has_speed and output.figure is not None:

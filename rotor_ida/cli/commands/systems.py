@@ -1,0 +1,95 @@
+"""The commands for a rotor system over its speed: special speeds, eigenvalues, clearances."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rotor_ida
+from rotor_ida.cli import options
+from rotor_ida.cli.output import Output, answer
+from rotor_ida.cli.report import FIRST_ROWS, Report
+from rotor_ida.cli.systems import case_of, linear_system, weighed
+
+
+def special_speeds(
+    system: options.SystemFile,
+    /,
+    *,
+    limits: options.LimitsOfSpeed,
+    points: options.PointsBetween = 200,
+    without_gravity: options.WithoutGravity = False,
+    output: Output = Output(),
+) -> Report:
+    r"""List the speeds at which the whirls of a rotor system fold, oscillate or graze.
+
+    Between two speeds, with the whirls drawn to special.png and special.svg:
+
+        rotor-ida special-speeds rotor.toml --limits 3000rpm 9000rpm \
+            --without-gravity --out special.nc --figure special
+    """
+    output.check()
+    case = case_of(system, {"limits": limits})
+    found = rotor_ida.special_speeds(
+        **weighed(case, without_gravity=without_gravity), limits=limits, points=points
+    )
+    return answer(found, output, most=FIRST_ROWS)
+
+
+def campbell(
+    system: options.SystemFile,
+    /,
+    *,
+    speed: options.SpeedsOfSystem,
+    contact_stiffness: options.ClosedStiffnesses = [0.0],  # noqa: B006 - never changed
+    modes: options.ModesShown = None,
+    output: Output = Output(),
+) -> Report:
+    r"""Compute whirl speeds and damping ratios over the speed: a Campbell diagram.
+
+    With open contacts, and with springs at the contacts as in a rub:
+
+        rotor-ida campbell rotor.toml --speed 0:9000rpm:46 --modes 6 \
+            --contact-stiffness 0 1e7 --figure campbell
+    """
+    output.check()
+    given = {"speed": speed, "contact_stiffness": contact_stiffness}
+    case = case_of(system, given)
+    found = rotor_ida.campbell(
+        linear_system(case), contacts=case.contacts, modes=modes, speed=speed,
+        contact_stiffness=contact_stiffness,
+    )  # fmt: skip
+    return answer(found, output, most=FIRST_ROWS)
+
+
+def clearance_report(
+    system: options.SystemFile,
+    /,
+    *,
+    speed: options.RunningSpeeds,
+    probes: options.Probes,
+    own_unbalance: options.OwnUnbalance = False,
+    multiple: options.Multiple = 2.0,
+    vibration_limit: options.VibrationLimit = None,
+    mass: options.RotorMass = None,
+    points: options.PointsOfResponse = 300,
+    without_gravity: options.WithoutGravity = False,
+    output: Output = Output(),
+) -> Report:
+    r"""Check the unbalance response at close clearances in the manner of API 617.
+
+    Each contact of the file is a clearance. What follows a touch is computed where rotor and
+    stators are axisymmetric and carry no weight:
+
+        rotor-ida clearance-report rotor.toml --speed 7000rpm 9000rpm 9500rpm \
+            --probes disc --without-gravity --out report.nc --figure report
+    """
+    output.check()
+    given: dict[str, Any] = {"speed": speed, "vibration_limit": vibration_limit, "mass": mass}
+    case = case_of(system, given)
+    around = weighed(case, without_gravity=without_gravity)
+    unbalance = around.pop("unbalance")
+    found = rotor_ida.clearance_report(
+        **around, **given, probes=probes, multiple=multiple, points=points,
+        unbalance=unbalance if own_unbalance else None,
+    )  # fmt: skip
+    return answer(found, output, most=FIRST_ROWS)

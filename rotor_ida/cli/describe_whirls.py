@@ -1,0 +1,76 @@
+"""Describe results of rotor systems over the speed: whirls, eigenvalues, reports."""
+
+from __future__ import annotations
+
+import xarray as xr
+
+from rotor_ida.cli.report import pairs
+from rotor_ida.cli.variables import Description, Rows, Sheet, scalars_of, tabled, with_units
+
+_OF_WHIRL = ("stability", "growth_rate")
+WHIRLS_OF_SYSTEM = Sheet(
+    "Whirls",
+    (
+        Rows(
+            title="At contacts", key="whirls", lead="amplitude", gaps=True,
+            names=("speed", "branch", "contact", "amplitude", "phase_lag", "normal_force",
+                   "in_contact", *_OF_WHIRL),
+        ),
+        Rows(
+            title="At nodes", key="nodes", lead="node_amplitude", gaps=True,
+            names=("speed", "branch", "node", "node_amplitude", "node_phase_lag", *_OF_WHIRL),
+        ),
+    ),
+)  # fmt: skip
+SPECIAL_SPEEDS = Sheet(
+    "Special speeds",
+    (
+        Rows(
+            title="Special speeds", key="special_speeds", lead="special_speed", prefix="special_",
+            names=("special_speed", "special_kind", "hopf_frequency"),
+        ),
+        Rows(
+            title="At contacts", key="contacts", lead="amplitude",
+            names=("special", "contact", "amplitude", "in_contact"),
+        ),
+    ),
+)  # fmt: skip
+EIGENVALUES = Sheet(
+    "Eigenvalues",
+    (
+        Rows(
+            title="Eigenvalues", key="eigenvalues", lead="whirl_speed", gaps=True,
+            names=("contact_stiffness", "speed", "eigenvalue", "whirl_speed", "damping_ratio",
+                   "whirl_sense"),
+        ),
+    ),
+)  # fmt: skip
+OF_REPORT = (
+    Rows(
+        title="Clearances", key="clearances", lead="clearance_verdict",
+        names=("contact", "contact_node", "clearance", "clearance_verdict", "rub_force",
+               "rub_speed", "rub_stability", "passage_rub_force", "whip_speed", "whip_force",
+               "whip_stability"), digits=5,
+    ),
+    Rows(
+        title="Shares of the clearances", key="shares", lead="running_share",
+        names=("case", "contact", "running_share", "running_share_speed", "passage_share"),
+        digits=5,
+    ),
+    Rows(
+        title="Critical speeds", key="critical_speeds", lead="critical_speed",
+        names=("critical_speed", "amplification_factor", "separation_margin", "required_margin"),
+        digits=5,
+    ),
+    Rows(
+        title="Unbalance", key="unbalance", lead="applied_unbalance",
+        names=("case", "node", "applied_unbalance", "applied_phase", "scale_factor"), digits=5,
+    ),
+)  # fmt: skip
+
+
+def show_clearance_report(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return a report on close clearances, its words first."""
+    record, parts = tabled(dataset, most, *OF_REPORT)
+    told = with_units(dataset, scalars_of(dataset))
+    return record, [str(dataset.attrs.get("sentence", "")), pairs("Report", told), *parts]

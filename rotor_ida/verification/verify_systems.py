@@ -1,0 +1,134 @@
+"""Compute results of rotor systems over the speed again, from what their datasets hold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.errors import InputError
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.parallel import Progress
+from rotor_ida.systems.archived import PROBLEM, problem_of
+from rotor_ida.systems.campbell import campbell
+from rotor_ida.systems.clearances.report import clearance_report
+from rotor_ida.systems.special_speeds import special_speeds
+from rotor_ida.systems.synchronous import synchronous_response_system
+from rotor_ida.verification.verify import Verdict, Verification
+
+# Differences allowed between machines, relative to the largest number of a variable.
+CLOSE = 1e-8
+
+
+def problem_in(dataset: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
+    """Return the system of a result, with its constant force, and what stands around it."""
+    try:
+        system, around = problem_of(dataset)
+    except (IndexError, ValueError) as error:
+        raise InputError(f"this result of a system cannot be verified: {error}") from error
+    force = around.pop("static_force")
+    if np.any(force):
+        system = replace(system, static_force=force[: system.size])
+    return system, around
+
+
+def _whirls(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
+    system, around = problem_in(dataset)
+    return synchronous_response_system(system, **around, speed=dataset["speed"].values)
+
+
+def _special(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
+    system, around = problem_in(dataset)
+    low, high = np.asarray(dataset.attrs["limits"]).tolist()
+    return special_speeds(system, **around, limits=(low, high), points=dataset.attrs["points"])
+
+
+def _campbell(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
+    system, around = problem_in(dataset)
+    given = {name: dataset[name].values for name in ("speed", "contact_stiffness")}
+    contacts, modes = around["contacts"], dataset.attrs.get("modes")
+    return campbell(system, **given, contacts=contacts, modes=modes)
+
+
+def _report(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
+    system, around = problem_in(dataset)
+    given = dataset.attrs
+    mass = given.get("rotor_mass")
+    return clearance_report(
+        system, contacts=around["contacts"], speed=np.unique(given["running_speeds"]).tolist(),
+        probes=list(map(str, dataset["probe"].values)), multiple=given["multiple"],
+        unbalance=around["unbalance"] if mass is None else None, mass=mass,
+        vibration_limit=float(dataset["vibration_limit"]), points=given["points"],
+    )  # fmt: skip
+
+
+def _numbers(names: Mapping[str, str], again: xr.Dataset, archived: xr.Dataset) -> Verdict:
+    """Compare variables: their shapes, and their numbers."""
+    trouble, compared, differing, largest = "", 0, 0, 0.0
+    for name, words in names.items():
+        here, there = again[name].transpose(*archived[name].dims).values, archived[name].values
+        compared += there.size
+        if here.shape != there.shape:
+            differing += there.size
+            trouble = trouble or f"{here.size} {words} computed again, {there.size} archived"
+            continue
+        apart = _apart(here, there)
+        largest = max(largest, float(apart.max(initial=0.0)))
+        differing += int((apart > CLOSE).sum())
+        if not trouble and (apart > CLOSE).any():
+            trouble = f"{words} differ by up to {apart.max():.3g} of the largest"
+    counts: dict[str, object] = {
+        "compared": compared,
+        "differing": differing,
+        "largest_difference": largest,
+    }
+    return counts, trouble
+
+
+def _apart(here: Values, there: Values) -> Values:
+    """Return the differences of numbers, over the largest; those missing in both are equal."""
+    same = (here == there) | (np.isnan(here) & np.isnan(there))
+    size = np.abs(there).max(initial=0.0, where=np.isfinite(there))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        part = np.abs(here - there) / size
+    return np.where(same, 0.0, np.where(np.isfinite(part), part, np.inf))
+
+
+def _of(
+    again: Callable[[xr.Dataset, int | None, Progress | None], xr.Dataset],
+    names: Mapping[str, str],
+    attributes: tuple[str, ...] = (),
+    *others: str,
+) -> Verification:
+    needed = (*names, *others, *PROBLEM)
+    return Verification(needed, attributes, again, partial(_numbers, names))
+
+
+WHIRLS = _of(
+    _whirls,
+    {"amplitude": "amplitudes", "normal_force": "forces", "growth_rate": "growth rates",
+     "node_amplitude": "amplitudes of nodes"},
+    (), "speed",
+)  # fmt: skip
+SPECIAL_SPEEDS = _of(
+    _special,
+    {"special_speed": "special speeds", "special_kind": "kinds of special speeds",
+     "amplitude": "amplitudes", "branch_amplitude": "amplitudes of branches"},
+    ("limits", "points"),
+)  # fmt: skip
+CAMPBELL = _of(
+    _campbell, {"whirl_speed": "whirl speeds", "damping_ratio": "damping ratios"},
+    (), "speed", "contact_stiffness",
+)  # fmt: skip
+CLEARANCE_REPORT = _of(
+    _report,
+    {"major_axis": "axes", "scale_factor": "scale factors", "running_share": "shares",
+     "passage_share": "shares", "critical_speed": "critical speeds",
+     "clearance_verdict": "verdicts", "rub_force": "forces", "whip_force": "forces"},
+    ("multiple", "points", "running_speeds"), "vibration_limit",
+)  # fmt: skip

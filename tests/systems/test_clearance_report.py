@@ -1,0 +1,212 @@
+"""Reports on close clearances: against closed forms, settled runs and the formulas themselves."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    Contact,
+    InputError,
+    RotorSystem,
+    Unbalance,
+    clearance_report,
+    decode_flags,
+    simulate,
+    synchronous_response,
+)
+from rotor_ida.systems.assembly import assemble
+from rotor_ida.systems.clearances.critical_speeds import Peak, antinodes, critical_modes, margins
+from tests.systems.axisymmetric_systems import beam
+
+RPM = math.pi / 30.0
+MASS, STIFFNESS, DAMPING = 20.0, 4e6, 1800.0
+DISC = RotorSystem(mass=MASS * np.eye(2), stiffness=STIFFNESS * np.eye(2),
+                   damping=DAMPING * np.eye(2), nodes={"disc": (0, 1)})  # fmt: skip
+SEAL = Contact(node="disc", clearance=100e-6, stiffness=1e8, exponent=1.0, friction=0.1,
+               radius=0.05)  # fmt: skip
+
+
+def test_one_disc_is_that_of_the_formulas():
+    """Unbalance, limit, scale, share, critical speed and amplification, written out again."""
+    low, high, trip = 600.0, 1500.0, 1650.0
+    report = clearance_report(DISC, contacts=[SEAL], probes=["disc"], speed=(low, high, trip))
+    n = high / RPM
+    unbalance = 2.0 * 6350.0 / n * MASS * 1e-6  # g mm
+    limit = 25.4e-6 * math.sqrt(12_000.0 / n)
+
+    def axis(omega):
+        dynamic = STIFFNESS - omega**2 * MASS + 1j * omega * DAMPING
+        return 2.0 * unbalance * omega**2 / abs(dynamic)
+
+    assert report.applied_unbalance.item() == pytest.approx(unbalance, rel=1e-12)
+    assert report.vibration_limit.item() == pytest.approx(limit, rel=1e-12)
+    scale = min(limit / axis(low), 6.0)
+    assert report.scale_factor.item() == pytest.approx(scale, rel=1e-9)
+    assert report.running_share.item() == pytest.approx(scale * axis(low) / 200e-6, rel=1e-9)
+    assert report.running_share_speed.item() == pytest.approx(low)
+    # the peak of r**2/sqrt((1 - r**2)**2 + (2 zeta r)**2), and its width
+    zeta, natural = DAMPING / (2.0 * math.sqrt(MASS * STIFFNESS)), math.sqrt(STIFFNESS / MASS)
+    critical = natural / math.sqrt(1.0 - 2.0 * zeta**2)
+    assert report.critical_speed.item() == pytest.approx(critical, rel=1e-6)
+    assert report.passage_share.item() == pytest.approx(scale * axis(critical) / 200e-6, rel=1e-9)
+    b = 1.0 - 2.0 * zeta**2  # with y = r**-2: y**2 - 2 b y + 1 = 2 (1 - b**2) at 0.707
+    half = math.sqrt(b**2 - 1.0 + 2.0 * (1.0 - b**2))
+    ends = [natural / math.sqrt(b + side * half) for side in (1.0, -1.0)]
+    factor = critical / (ends[1] - ends[0])
+    assert report.amplification_factor.item() == pytest.approx(factor, rel=1e-5)
+    assert report.separation_margin.item() == pytest.approx((low - critical) / low, rel=1e-5)
+    needed = 0.17 * (1.0 - 1.0 / (factor - 1.5))
+    assert report.required_margin.item() == pytest.approx(min(needed, 0.16), rel=1e-5)
+    assert decode_flags(report).clearance_verdict.values.tolist() == ["passes"]
+
+
+@pytest.mark.parametrize(
+    ("factor", "speed", "margin", "needed"),
+    [
+        (2.4, 90.0, 0.1, 0.0), (math.nan, 90.0, 0.1, 0.0), (2.5, 90.0, 0.1, 0.0),
+        (4.0, 90.0, 0.1, 0.102), (50.0, 90.0, 0.1, 0.16), (4.0, 250.0, 0.25, 0.202),
+        (50.0, 250.0, 0.25, 0.26), (4.0, 120.0, -0.2, 0.102), (4.0, 199.0, -0.005, 0.202),
+    ],
+)  # fmt: skip
+def test_margins_by_the_amplification_factor(factor, speed, margin, needed):
+    found = margins(Peak(speed, factor), 100.0, 200.0)
+    assert found == pytest.approx((margin, needed), abs=1e-12)
+
+
+def uneven_beam():
+    """Return the beam on bearings that are softer along y."""
+    system = beam()
+    stiffness, damping = system.stiffness.copy(), 4.0 * system.damping
+    for node in (0, 40):
+        stiffness[node + 1, node + 1] -= 4e6
+    return RotorSystem(mass=system.mass, stiffness=stiffness, damping=damping,
+                       gyroscopic=system.gyroscopic, nodes=system.nodes)  # fmt: skip
+
+
+def test_the_axes_are_those_of_settled_runs_of_a_rotor_on_uneven_bearings():
+    """The farthest of 2,000 samples of a settled orbit, on both sides; and why no rub is told."""
+    system = uneven_beam()
+    contacts = [Contact(node="3", clearance=1e-3, stiffness=5e6, exponent=1.0)]
+    report = clearance_report(system, contacts=contacts, probes=["1", "9"], speed=(200.0, 500.0),
+                              points=40)  # fmt: skip
+    row = int(np.argmin(np.abs(report.speed.values - 430.0)))
+    speed = float(report.speed.values[row])
+    for case in range(report.sizes["case"]):
+        applied = [
+            Unbalance(node=str(node), moment=moment, phase=phase)
+            for node, moment, phase in zip(
+                report.node.values, report.applied_unbalance.values[case],
+                report.applied_phase.values[case], strict=True)
+            if moment > 0.0
+        ]  # fmt: skip
+        run = simulate(system, contacts=[], unbalance=applied, speed=speed, start="settled",
+                       duration=2.0 * math.pi / speed, samples=2001)  # fmt: skip
+        farthest = 2.0 * np.hypot(run.x, run.y).max("t")
+        found = report.isel(case=case, speed=row)
+        assert found.major_axis.item() == pytest.approx(farthest.sel(node="3").item(), rel=1e-5)
+        for probe in ("1", "9"):
+            seen = found.probe_major_axis.sel(probe=probe).item()
+            assert seen == pytest.approx(farthest.sel(node=probe).item(), rel=1e-5)
+    assert "stiffness is not the same along x and y" in report.attrs["not_exact"]
+    assert (decode_flags(report).rub_stability == "absent").all()
+    assert "What follows a touch is not known" in report.attrs["sentence"]
+
+
+def test_critical_speeds_are_where_whirls_meet_the_spin():
+    """Peaks of the response lie there; each mode of uneven bearings comes twice."""
+    system = beam()
+    speeds = [mode.speed for mode in critical_modes(assemble(system, [], [], None, None), 3000.0)]
+    response = synchronous_response(
+        system, unbalance=[Unbalance(node="1", moment=1e-5)],
+        speed=np.concatenate([np.linspace(0.97, 1.03, 601) * each for each in speeds]),
+    )  # fmt: skip
+    sizes = response.node_amplitude.max("node").values[:, 0].reshape(len(speeds), -1)
+    np.testing.assert_allclose(np.linspace(0.97, 1.03, 601)[sizes.argmax(axis=1)], 1.0, atol=2e-3)
+    uneven = critical_modes(assemble(uneven_beam(), [], [], None, None), speeds[0] * 1.2)
+    assert len(speeds) == 2
+    assert len(uneven) == 2
+
+
+def test_antinodes_are_one_for_each_lobe():
+    modes = critical_modes(assemble(beam(), [], [], None, None), 3000.0)
+    first, second = (antinodes(mode, range(11)) for mode in modes)
+    assert [node for node, _ in first] == [5]
+    assert [node for node, _ in second] in ([2, 8], [3, 8], [2, 7], [3, 7])
+    assert abs(second[0][1] - second[1][1]) == pytest.approx(math.pi)
+
+
+def test_a_given_unbalance_rubs_as_the_exact_whirls_do():
+    """Dimensionless: the hardest stable rub at continuous speeds, and one on the way up."""
+    system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), damping=0.1 * np.eye(2),
+                         nodes={"disc": (0, 1)}, units="1")  # fmt: skip
+    contact = Contact(node="disc", clearance=2.0, stiffness=4.0, exponent=1.0)
+    given = [Unbalance(node="disc", moment=0.25)]
+    report = clearance_report(
+        system, contacts=[contact], probes=["disc"], speed=(1.2, 1.8), unbalance=given,
+        multiple=4.0, vibration_limit=1000.0,
+    )  # fmt: skip
+    assert report.scale_factor.item() == 6.0
+    whirls = synchronous_response(
+        system, contacts=[contact], unbalance=[Unbalance(node="disc", moment=6.0)],
+        speed=np.linspace(1.2, 1.8, 41),
+    )  # fmt: skip
+    stable = (whirls.stability == 0) & (whirls.in_contact.isel(contact=0) == 1)
+    forces = whirls.normal_force.isel(contact=0).where(stable)
+    assert report.rub_force.item() == pytest.approx(float(forces.max()), rel=1e-12)
+    assert report.rub_speed.item() == pytest.approx(
+        float(forces.max("branch").idxmax("speed")), rel=1e-12
+    )
+    assert report.passage_rub_force.item() >= report.rub_force.item()
+    words = decode_flags(report)
+    assert words.clearance_verdict.item() == "touches"
+    assert words.rub_stability.item() == "stable"
+    assert report.attrs["sentence"].startswith("Contact 0 at 'disc' touches: ")
+    assert "Without friction there is no dry whip." in report.attrs["sentence"]
+    assert "at a speed of" in report.attrs["sentence"]
+
+
+def test_a_sentence_says_what_dry_whip_would_do():
+    report = clearance_report(DISC, contacts=[SEAL], probes=["disc"], speed=(600.0, 1500.0))
+    told = report.attrs["sentence"]
+    assert f"backwards at {-report.whip_speed.item() / RPM:.4g} rpm" in told
+    assert f"with {report.whip_force.item() / 1e3:.4g} kN" in told
+    slippery = Contact(node="disc", clearance=100e-6, stiffness=1e8, exponent=1.0, friction=1e-4,
+                       radius=0.05)  # fmt: skip
+    report = clearance_report(DISC, contacts=[slippery], probes=["disc"], speed=(600.0, 1500.0))
+    assert "Friction cannot hold dry whip." in report.attrs["sentence"]
+
+
+UNDAMPED = RotorSystem(mass=MASS * np.eye(2), stiffness=STIFFNESS * np.eye(2),
+                       nodes={"disc": (0, 1)})  # fmt: skip
+PLAIN = RotorSystem(mass=np.eye(2), damping=np.eye(2), stiffness=np.eye(2),
+                    nodes={"disc": (0, 1)}, units="1")  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"speed": (500.0,)}, "speed must be two or three speeds"),
+        ({"speed": (500.0, 400.0)}, "speed must increase, got 400.0 after 500.0"),
+        ({"speed": (0.0, 400.0)}, "speed must be two or three speeds above 0"),
+        ({"probes": []}, "probes must be a list of names"),
+        ({"probes": "disc"}, "probes must be a list of names"),
+        ({"probes": ["dusc"]}, "node must be one of 'disc', got 'dusc'; did you mean"),
+        ({"contacts": []}, "contacts must be at least one clearance, got none"),
+        ({"multiple": 0.0}, "multiple must be positive"),
+        ({"multiple": 1e9}, "multiple must lie from 1e-06 to 1000000.0, got"),
+        ({"probes": [3]}, "probes must be a list of names of nodes"),
+        ({"mass": -1.0}, "mass must be positive"),
+        ({"points": 1}, "points must be at least 2"),
+        ({"vibration_limit": math.inf}, "vibration_limit must be a finite"),
+        ({"unbalance": 3.0}, "unbalance must be a list of Unbalance"),
+        ({"system": UNDAMPED}, "system must be damped at its critical speeds .* at 447.214"),
+        ({"system": PLAIN}, "vibration_limit must be given without SI units"),
+        ({"system": PLAIN, "vibration_limit": 1.0}, "unbalance must be given without SI units"),
+    ],
+)
+def test_what_cannot_be_reported_is_refused(change, words):
+    given = {"system": DISC, "contacts": [SEAL], "probes": ["disc"], "speed": (600.0, 1500.0)}
+    with pytest.raises(InputError, match=words) as refusal:
+        clearance_report(**{**given, **change})
+    assert "\n" not in str(refusal.value)

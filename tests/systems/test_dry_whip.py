@@ -1,0 +1,164 @@
+"""Dry whip of rotor systems: that of one disc, and runs that roll as computed."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from rotor_ida import Contact, Rotor, RotorSystem, backward_whirl, simulate
+from rotor_ida.systems.assembly import assemble
+from rotor_ida.systems.axisymmetric import forward_motions
+from rotor_ida.systems.dry_whip import _edges, dry_whips
+from tests.systems.axisymmetric_systems import QUARTER, random_axisymmetric
+
+
+def whips_of(system, contact, speed):
+    motions = forward_motions(assemble(system, [contact], [], None, None))
+    return dry_whips(motions, 0, contact, speed)
+
+
+def test_one_disc_as_a_system_has_the_same_dry_whip():
+    """Amplitudes, whirl speeds, forces and growth rates, and where friction cannot hold."""
+    rng = np.random.default_rng(0)
+    absent = 0
+    for _ in range(40):
+        rotor = Rotor(
+            omega=rng.uniform(0.05, 2.0), zeta=rng.uniform(0.01, 0.4),
+            delta0=rng.uniform(0.2, 2.0), friction=rng.uniform(0.05, 0.5),
+            shaft_stiffness=float(rng.choice([0.0, 0.25, 1.0])),
+            contact_exponent=float(rng.choice([1.0, 1.5])), disc_radius=rng.uniform(1.0, 20.0),
+            contact_damping=float(rng.choice([0.0, 0.5])),
+        )  # fmt: skip
+        exact = backward_whirl(rotor).isel(whirl=1)
+        system, (contact,), _ = rotor.system()
+        found = whips_of(system, contact, rotor.omega)
+        if exact.amplitude.isnull():
+            assert not found
+            absent += 1
+            continue
+        (whip,) = found
+        assert whip.amplitude == pytest.approx(exact.amplitude.item(), rel=1e-10)
+        assert whip.whirl_speed == pytest.approx(exact.whirl_speed.item(), rel=1e-10)
+        assert whip.normal_force == pytest.approx(exact.normal_force.item(), rel=1e-9)
+        assert whip.tangential_force == pytest.approx(exact.tangential_force.item(), rel=1e-9)
+        assert whip.growth_rate == pytest.approx(exact.growth_rate.item(), abs=1e-9)
+    assert 5 < absent < 35
+
+
+def test_no_edge_of_holding_friction_is_lost():
+    """Sign changes of ``Im((1 + i m) H)`` over 20,000 whirl speeds, by real matrices."""
+    seen = 0
+    for seed in range(8):
+        system, contacts, _ = random_axisymmetric(seed, contacts=1)
+        motions = forward_motions(assemble(system, contacts, [], None, None))
+        speed, row = 0.8, motions.rows[0]
+        turned = speed * motions.gyroscopic
+        edges = _edges(motions, row, turned, 0.3, -30.0)
+
+        def flexible(w, motions=motions, row=row, turned=turned):
+            dynamic = motions.stiffness - w * w * np.eye(motions.size)
+            dynamic = dynamic + 1j * w * (motions.damping + turned)
+            return row @ np.linalg.solve(dynamic, row.conj())
+
+        grid = -np.geomspace(0.01, 29.0, 20_000)
+        for m in (0.3, -0.3):
+            values = np.array([((1 + 1j * m) * flexible(w)).imag for w in grid])
+            for i in np.flatnonzero(values[1:] * values[:-1] < 0.0):
+                root = brentq(lambda w, m=m: ((1 + 1j * m) * flexible(w)).imag,
+                              grid[i], grid[i + 1], xtol=1e-14)  # fmt: skip
+                assert np.abs(edges / root - 1.0).min() < 1e-8
+                seen += 1
+    assert seen > 20
+
+
+def two_discs():
+    """Return two discs on a shaft, and the contact of the outer one."""
+    chain = np.array([[2.0, -1.0], [-1.0, 1.5]])
+    gyroscopic = np.kron(np.diag([0.1, 0.3]), -QUARTER)
+    system = RotorSystem(
+        mass=np.eye(4), stiffness=np.kron(chain, np.eye(2)), gyroscopic=gyroscopic,
+        damping=0.2 * np.eye(4), nodes={"inner": (0, 1), "outer": (2, 3)}, units="1",
+    )  # fmt: skip
+    contact = Contact(node="outer", clearance=0.5, stiffness=20.0, exponent=1.0, friction=0.4,
+                      radius=6.0, damping=0.1)  # fmt: skip
+    return system, contact
+
+
+def state_of(system, whip, speed):
+    """Return the complex displacements of the two discs in a whirl, by matrices of its own."""
+    w, forces = whip.whirl_speed, complex(whip.normal_force, whip.tangential_force)
+    stiffness, gyroscopic = system.stiffness[::2, ::2], np.diag([0.1, 0.3])
+    # forwards z = x + i y: the skew part of the matrix is -i times the moment
+    dynamic = stiffness - w * w * np.eye(2) + 1j * w * (0.2 * np.eye(2) - 1j * speed * gyroscopic)
+    return np.linalg.solve(dynamic, [0.0, -forces])
+
+
+def coordinates(z):
+    return np.column_stack([z.real, z.imag]).ravel()
+
+
+def test_a_run_that_starts_in_dry_whip_stays_there():
+    """It rolls backwards with the computed amplitude, forces and whirl speed, to 1e-9."""
+    system, contact = two_discs()
+    (whip, *_) = whips_of(system, contact, 0.7)
+    assert whip.growth_rate < 0.0
+    w, z = whip.whirl_speed, state_of(system, whip, 0.7)
+    assert z[1] == pytest.approx(whip.amplitude, rel=1e-10)
+    run = simulate(system, contacts=[contact], speed=0.7, duration=30.0, samples=31, rtol=1e-12,
+                   start=(coordinates(z), coordinates(1j * w * z)))  # fmt: skip
+    exact = z * np.exp(1j * w * run.t.values)[:, np.newaxis]
+    np.testing.assert_allclose((run.x + 1j * run.y).values, exact, atol=1e-9)
+    np.testing.assert_allclose(run.normal_force[1:, 0], whip.normal_force, rtol=1e-8)
+    np.testing.assert_allclose(np.abs(run.tangential_force[1:, 0]), abs(whip.tangential_force),
+                               rtol=1e-8)  # fmt: skip
+    assert (run["mode"].values[1:, 0] == 2).all()
+
+
+def test_a_small_difference_from_dry_whip_decays_at_the_growth_rate():
+    """The inner disc begins 1e-4 aside; two slow modes decay, and the slowest is left."""
+    system, contact = two_discs()
+    (whip, *_) = whips_of(system, contact, 0.7)
+    w, z = whip.whirl_speed, state_of(system, whip, 0.7)
+    start = (coordinates(z + [1e-4 + 5e-5j, 0.0]), coordinates(1j * w * z))
+    run = simulate(system, contacts=[contact], speed=0.7, duration=120.0, samples=1201, start=start,
+                   rtol=1e-13)  # fmt: skip
+    apart = np.abs(np.hypot(run.x, run.y).values[:, 0] - abs(z[0]))
+    early, late = (apart[first : first + 100].max() for first in (600, 1100))
+    assert np.log(late / early) / 50.0 == pytest.approx(whip.growth_rate, rel=0.05)
+
+
+def test_a_hard_knock_ends_in_dry_whip_where_friction_can_hold_it():
+    """From a fast backward start the run settles on it; with a tenth of the friction it leaves."""
+    system, contact = two_discs()
+    (whip, *_) = whips_of(system, contact, 0.7)
+    start = ([0.0, 0.0, 0.5, 0.0], [0.0, -1.5, 0.3, -6.0])
+    run = simulate(system, contacts=[contact], speed=0.7, start=start, duration=200.0, samples=201)
+    assert np.hypot(run.x, run.y).values[-1, 1] == pytest.approx(whip.amplitude, rel=1e-6)
+    slippery = Contact(node="outer", clearance=0.5, stiffness=20.0, exponent=1.0, friction=0.04,
+                       radius=6.0, damping=0.1)  # fmt: skip
+    assert not whips_of(system, slippery, 0.7)
+    run = simulate(system, contacts=[slippery], speed=0.7, start=start, duration=200.0,
+                   samples=201)  # fmt: skip
+    assert np.hypot(run.x, run.y).values[-1, 1] < 0.5
+
+
+def test_the_whip_approaches_the_eigenfrequency_with_the_contact_closed():
+    """As the rotor spins faster, the whirl speed tends to that with the contact's stiffness."""
+    system, contact = two_discs()
+    closed = np.array([[2.0, -1.0], [-1.0, 21.5]])
+    moment = np.diag([0.1, 0.3])
+    for speed, apart in ((2.0, 0.1), (20.0, 0.01)):
+        whips = whips_of(system, contact, speed)
+        # p'' - i Omega G p' + K p = 0: w**2 - Omega G w - K is singular
+        companion = np.block([[np.zeros((2, 2)), np.eye(2)], [closed, speed * moment]])
+        values = np.linalg.eigvals(companion).real
+        for whip in whips:
+            assert np.abs(values / whip.whirl_speed - 1.0).min() < apart
+        assert whips
+
+
+def test_without_friction_or_a_radius_there_is_none():
+    system, contact = two_discs()
+    for missing in ({"friction": 0.0}, {"friction": 0.0, "radius": None}):
+        given = {"node": "outer", "clearance": 0.5, "stiffness": 20.0, "radius": 6.0} | missing
+        assert whips_of(system, Contact(**given), 0.7) == []
+    assert whips_of(system, contact, 0.0) == []

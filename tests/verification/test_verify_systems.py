@@ -1,0 +1,93 @@
+"""Results of rotor systems over the speed are made again from their archives."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    Contact,
+    InputError,
+    RotorSystem,
+    Stator,
+    Unbalance,
+    campbell,
+    clearance_report,
+    load,
+    save,
+    special_speeds,
+    synchronous_response,
+)
+from rotor_ida.verification.verify import differences, rerun
+
+CHAIN = np.array([[8e6, -4e6], [-4e6, 6e6]])
+SYSTEM = RotorSystem(
+    mass=np.diag([12.0, 12.0, 8.0, 8.0]), stiffness=np.kron(CHAIN, np.eye(2)),
+    damping=np.kron(2e-4 * CHAIN, np.eye(2)), nodes={"disc": (0, 1), "seal": (2, 3)},
+    positions={"disc": 0.3, "seal": 0.1},
+)  # fmt: skip
+CONTACTS = [
+    Contact(node="seal", clearance=30e-6, stiffness=5e7, exponent=1.0, friction=0.1, radius=0.05,
+            stator=Stator(mass=20.0, stiffness=1e7, damping=2000.0)),
+    Contact(node="disc", clearance=50e-6, stiffness=4e9, damping=2.0),
+]  # fmt: skip
+UNBALANCE = [Unbalance(node="disc", moment=2e-4, phase=1.0)]
+LOADED = RotorSystem(
+    mass=SYSTEM.mass, stiffness=SYSTEM.stiffness, damping=SYSTEM.damping, nodes=SYSTEM.nodes,
+    static_force=[0.0, -100.0, 0.0, 0.0],
+)  # fmt: skip
+AROUND = {"contacts": CONTACTS, "unbalance": UNBALANCE}
+OF_REPORT = {"contacts": CONTACTS, "probes": ["disc"], "speed": (680.0, 840.0), "points": 40}
+MADE = {
+    "whirls": lambda: synchronous_response(SYSTEM, **AROUND, speed=[400.0, 600.0]),
+    "unbalance response": lambda: synchronous_response(SYSTEM, unbalance=UNBALANCE, speed=500.0),
+    "special speeds": lambda: special_speeds(SYSTEM, **AROUND, limits=(300.0, 900.0), points=20),
+    "Campbell diagram": lambda: campbell(
+        SYSTEM, contacts=CONTACTS, speed=[0.0, 500.0], contact_stiffness=[0.0, 1e7], modes=4
+    ),
+    "report": lambda: clearance_report(SYSTEM, **OF_REPORT),
+    "report of an unbalance": lambda: clearance_report(
+        SYSTEM, **OF_REPORT, unbalance=UNBALANCE, multiple=1.5, vibration_limit=3e-5
+    ),
+    "report of a loaded rotor": lambda: clearance_report(LOADED, **OF_REPORT, mass=18.0),
+}
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_a_result_is_made_again_to_the_bit(tmp_path, name):
+    made = MADE[name]()
+    archived = load(save(made, tmp_path / "result.nc"))
+    again = rerun(archived)
+    assert again.drop_attrs().equals(made.drop_attrs())
+    found = differences(again, archived)
+    assert (found["agrees"], found["largest_difference"]) == (True, 0.0)
+    assert found["compared"] >= 3
+    with pytest.raises(InputError, match="method must be left out for the kind"):
+        rerun(archived, method="taylor")
+
+
+@pytest.mark.parametrize(
+    ("name", "variable", "words"),
+    [
+        ("whirls", "growth_rate", "growth rates differ by up to"),
+        ("special speeds", "special_speed", "special speeds differ by up to"),
+        ("Campbell diagram", "damping_ratio", "damping ratios differ by up to"),
+        ("report", "running_share", "shares differ by up to"),
+    ],
+)
+def test_a_forged_number_is_found(name, variable, words):
+    made = MADE[name]()
+    forged = made.copy(deep=True)
+    forged[variable].values.ravel()[0] *= 1.0 + 1e-6
+    found = differences(rerun(forged), forged)
+    assert found["agrees"] is False
+    assert words in found["trouble"]
+    assert found["differing"] >= 1
+
+
+def test_lost_branches_and_parts_are_named():
+    made = MADE["special speeds"]()
+    found = differences(rerun(made), made.isel(special=slice(1, None)))
+    assert f"{made.sizes['special']} special speeds computed again" in found["trouble"]
+    with pytest.raises(InputError, match="cannot be verified: a result of a rotor system must"):
+        rerun(made.drop_vars("unbalance_node"))
+    with pytest.raises(InputError, match="only results of simulate"):
+        rerun(made.drop_vars("mass_matrix"))
