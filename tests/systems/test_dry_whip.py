@@ -118,7 +118,7 @@ def test_a_small_difference_from_dry_whip_decays_at_the_growth_rate():
     system, contact = two_discs()
     (whip, *_) = whips_of(system, contact, 0.7)
     w, z = whip.whirl_speed, state_of(system, whip, 0.7)
-    start = (coordinates(z + [1e-4 + 5e-5j, 0.0]), coordinates(1j * w * z))
+    start = (coordinates(z + np.array([1e-4 + 5e-5j, 0.0])), coordinates(1j * w * z))
     run = simulate(system, contacts=[contact], speed=0.7, duration=120.0, samples=1201, start=start,
                    rtol=1e-13)  # fmt: skip
     apart = np.abs(np.hypot(run.x, run.y).values[:, 0] - abs(z[0]))

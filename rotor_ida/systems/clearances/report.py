@@ -139,7 +139,8 @@ def clearance_report(
     see `rotor_ida.systems.clearances.critical_speeds.margins`.
 
     *Not public*, and left out: the wording of the 9th edition, its exceptions, and what it asks of
-    models of bearings, seals and supports. Earlier editions ask for other multiples.
+    models of bearings, seals and supports. The sources below apply the residual unbalance once;
+    twice is what public discussions say of the 9th edition.
 
     *Touches.* Rubs are those of `synchronous_response`, of one contact or two at a time; for dry
     whip see `rotor_ida.systems.dry_whip`. Both need an axisymmetric rotor and stators; otherwise
