@@ -12,12 +12,13 @@ kernels of OpenBLAS (OPENBLAS_CORETYPE); what moves with these, and by how much,
 import argparse
 import importlib.util
 import os
-import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from runpy import run_path
 
 import numpy as np
 
@@ -99,7 +100,7 @@ def results():
             keep(f"run-up, {word}, {method}", run_up(machine, start=rest, method=method, **drive))
     keep("run-up, paper's", run_up(rotors["bouncing"][0], start=rest, to=2.2, rate=1e-3))
     keep("sweep", sweep(omega=[1.2, 2.0], zeta=0.07, delta0=[0.0, 0.5, 2.0], starts=[rest]))
-    places = np.linspace(-15.0, 15.0, 48)
+    places = np.linspace(-15.0, 15.0, 24)
     for delta0 in (0.0, 1.0, 2.0):
         keep(f"basin, {delta0:g}", basin(Rotor(omega=1.7, zeta=0.07, delta0=delta0), x=places,
                                          y=places))  # fmt: skip
@@ -117,7 +118,7 @@ def write(path, libraries):
 
 def computed(folder, name, settings, libraries=""):
     """Return the results of a process with some settings of its environment."""
-    path = Path(folder) / f"{len(list(Path(folder).iterdir()))}.npz"
+    path = Path(folder) / f"{name}.npz"
     words = [sys.executable, __file__, "--write", str(path), "--libraries", libraries]
     subprocess.run(words, check=True, env=os.environ | settings)
     with np.load(path) as held:
@@ -148,21 +149,29 @@ def compilers():
 
 def compare(folder):
     """Compare levels and compilers; return how many of them give other bits."""
-    from rotor_ida.core.library import offered
+    from rotor_ida.core.library import build_info, offered
 
-    first = computed(folder, "the installed core", {"ROTOR_IDA_CPU": "baseline"})
-    others, wrong = [], 0
+    hatch_build = run_path(str(ROOT / "hatch_build.py"))
     levels = offered()
-    for level in levels[1:]:
-        others.append(computed(folder, f"level {level}", {"ROTOR_IDA_CPU": level}))
+    ways = [(f"level {level}", {"ROTOR_IDA_CPU": level}) for level in levels]
+
+    def version(said):  # cc may be gcc by another name
+        return said.partition(" ")[2]
+
+    installed = version(build_info()["compiler"])
     for name, words in compilers().items():
-        made = tempfile.mkdtemp(dir=folder)
-        command = [sys.executable, str(ROOT / "hatch_build.py"), "--out", made]
-        subprocess.run(
-            [*command, "--compiler", shlex.join(words)], check=True, stdout=subprocess.DEVNULL
-        )
+        if version(hatch_build["described"](words)) == installed:
+            continue  # it made the installed core of these very sources
+        made = Path(tempfile.mkdtemp(dir=folder))
+        hatch_build["build"](words, out=made)
         for level in sorted({levels[0], levels[-1]}):
-            others.append(computed(folder, f"{name}, {level}", {"ROTOR_IDA_CPU": level}, made))
+            ways.append((f"{name}, {level}", {"ROTOR_IDA_CPU": level}, str(made)))
+    with ThreadPoolExecutor(os.cpu_count()) as processes:
+        first, *others = processes.map(
+            lambda way: computed(folder, *way), [*ways, *OUTSIDE.items()]
+        )
+    others, outside = others[: len(ways) - 1], others[len(ways) - 1 :]
+    wrong = 0
     print(f"{len(first) - 1} arrays of the installed core, level baseline, beside:")
     for other in others:
         told = differing(first, other)
@@ -171,14 +180,14 @@ def compare(folder):
         for each, size in list(told.items())[:5]:
             print(f"    {each}: by up to {size:.3g}")
     print("What else moves (chaos makes the last bit another orbit; nothing here is a failure):")
-    for name, settings in OUTSIDE.items():
-        told = differing(first, computed(folder, name, settings))
+    for other in outside:
+        told = differing(first, other)
         by_kind = {}
         for each, size in told.items():
             kind = each.split(":")[0]
             by_kind[kind] = max(by_kind.get(kind, 0.0), 0.0 if np.isnan(size) else size)
         said = ", ".join(f"{kind} by up to {size:.1g}" for kind, size in by_kind.items())
-        print(f"  {name}: {said or 'nothing'}")
+        print(f"  {other['name']}: {said or 'nothing'}")
     return len(others) - wrong, wrong
 
 

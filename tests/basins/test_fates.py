@@ -139,10 +139,10 @@ def test_chaos_that_is_a_transient_says_how_long_it_lasts():
 
 
 NARROW = {
-    "beside a doubling": (Rotor(omega=1.8036, zeta=0.07, delta0=2.0), 24),
-    "chaos in a narrow window": (Rotor(omega=1.38, zeta=0.07, delta0=1.0), 60),
-    "weak chaos": (Rotor(omega=1.69, zeta=0.07, delta0=2.0), 24),
-    "chaos that is left": (Rotor(omega=1.5, zeta=0.01, delta0=2.0), 60),
+    "beside a doubling": (Rotor(omega=1.8036, zeta=0.07, delta0=2.0), 12),
+    "chaos in a narrow window": (Rotor(omega=1.38, zeta=0.07, delta0=1.0), 24),
+    "weak chaos": (Rotor(omega=1.69, zeta=0.07, delta0=2.0), 12),
+    "chaos that is left": (Rotor(omega=1.5, zeta=0.01, delta0=2.0), 24),
 }
 
 
@@ -162,7 +162,7 @@ def test_no_label_hangs_on_what_else_is_in_the_batch(name, sections, monkeypatch
     if not sections:
         monkeypatch.setattr(known_module, "cycle_section", without_a_set)
     rotor, count = NARROW[name]
-    count = count if sections else count // 6
+    count = count if sections else count // 4
     states = random_states(2 * count, seed=1)
     alone, together = decide(batch_of(rotor, states[:, :count])), decide(batch_of(rotor, states))
     assert names_of(alone) == names_of(together)[:count]

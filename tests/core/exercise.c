@@ -448,7 +448,7 @@ static void runs_with_all_observers(void)
                 run.slack = kind == 3 ? 1e-8 : 0.0;
                 run.rtol = kind == 4 ? 1e-15 : 1e-9;
                 run.exact_flight = kind < 5;
-                stop_after(30000);
+                stop_after(8000);
                 const int status = followed(run, kind == 2 ? nothing : everything);
                 const int fair = number < SOUND_STARTS && ROTORS[i].omega < 100.0
                                  && ROTORS[i].load < 100.0 && !stop;
@@ -467,7 +467,7 @@ static int releases_in_rooms_that_are_too_small(void)
     for (int number = 0; number < 8; number++) {
         const double start[4] = {2.0 + number, 0.1, number % 2 ? -9.0 : 3.0, 1.0};
         for (int64_t size = 0; size < 9; size++) {
-            stop_after(100000);
+            stop_after(25000);
             const struct run run = run_of(ROTORS[ROTOR_COUNT - 1 - number % 5], start, 9.0);
             full_inside += followed(run, (struct room){3, size, 40, 40, ALONE}) == FULL_INSIDE;
         }
@@ -481,7 +481,7 @@ static void runs_in_rooms_that_are_too_small(void)
     int full_inside = 0;
     for (int i = 0; i < ROTOR_COUNT; i++) {
         for (int64_t size = 0; size < 7; size++) {
-            stop_after(100000);
+            stop_after(25000);
             const struct run run = run_of(ROTORS[i], start, 20.0);
             full_inside += followed(run, (struct room){size, size, 400, 0, 0}) == FULL_INSIDE;
             followed(run, (struct room){size, size, size, size, 0});
@@ -521,7 +521,7 @@ static void runs_of_odd_lengths(void)
                 run.rtol = tolerances_asked[j];
                 run.atol = tolerances_asked[j];
                 furnish(&run, (struct room){0, 64, 64, 64, ALONE});
-                stop_after(20000);
+                stop_after(5000);
                 core_run(&run);
                 clear(&run);
             }
@@ -531,7 +531,7 @@ static void runs_of_odd_lengths(void)
     double start[4] = {0.0};
     struct run run = run_of(ROTORS[0], start, 9.0);
     require(core_run(&run) == STOPPED, "a run that was asked to stop went on");
-    stop_after(30000);
+    stop_after(8000);
     run = run_of(ROTORS[0], start, 1e12);
     require(core_run(&run) == STOPPED, "a long run did not stop");
     run = run_of(ROTORS[0], start, 9.0);
@@ -571,7 +571,7 @@ static void runs_by_a_solver_that_fails(void)
             run.method = ADAMS;
             run.exact_flight = number % 2;
             run.sundials = &made_up;
-            stop_after(50000);
+            stop_after(10000);
             followed(run, (struct room){40, 400, 200, 400, 0});
             require(objects == 0, "an object of SUNDIALS was not freed");
         }
@@ -588,7 +588,7 @@ static void stretches(void)
             furnish(&run, (struct room){0, 0, 0, 0, 4});
             double *rows = room_for(20, STRETCH_COLUMNS * sizeof(double));
             int64_t done = 0;
-            stop_after(50000);
+            stop_after(10000);
             core_stretch(&run, 20, rows, &done);
             require(0 <= done && done <= 20, "there are more spans than were asked for");
             core_stretch(&run, 0, rows, &done);
@@ -616,7 +616,7 @@ static void single_states(void)
             core_rotate(states, spans, ROTORS[i].omega, SPANS);
             core_rotate(states, spans, ROTORS[i].omega, 0);
             for (int j = 0; j < SPANS; j++) {
-                stop_after(20000);
+                stop_after(5000);
                 core_first_touch(&ROTORS[i], start, spans[j], &stop);
             }
             free(states);
@@ -659,11 +659,11 @@ static void lanes(void)
                 labels[i] = i % 5 == 0 ? 3 : -2;
                 times[i] = 0.0F;
             }
-            stop_after(50000);
+            stop_after(10000);
             core_follow_lanes(&rotor, states, labels, times, count, region, regions, whirl, section,
                               sections, kind == 7 ? INFINITY : 3.0, kind == 3 ? 0.0 : 1e-6, &stop);
             double *values = room_for(count, sizeof(double)), *one = table_of(SECTION, 0.2, 0.7);
-            stop_after(50000);
+            stop_after(10000);
             core_measure_returns(&rotor, states, count, one, 0.5, kind == 7 ? INFINITY : 3.0, 1e-6,
                                  values, &stop);
             stop = 1;
@@ -757,7 +757,7 @@ static void systems(void)
                                  .open = open,
                                  .episode_room = ROWS,
                                  .room = room};
-        stop_after(200000);
+        stop_after(50000);
         while (core_system_run(&run) == FULL)
             run.events = run.episode_count = 0; /* what is full is written over */
         free(room);

@@ -26,17 +26,20 @@ def hatch_build() -> dict[str, Any]:
     return run_path(str(ROOT / "hatch_build.py"))
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_no_source_gives_rise_to_a_warning(hatch_build: dict[str, Any], compiler: str) -> None:
-    """At no level; those that need an optimiser are seen where the sanitizers are."""
-    if shutil.which(compiler) is None:
-        pytest.skip(f"{compiler} is not installed")
-    sources = [path.name for path in sorted(CORE.glob("*.c")) if path.stem != "build"]
-    for level, model in product(hatch_build["levels"](), MODELS):
-        flags = hatch_build["flags"]([compiler], level, model=model, warnings=True)
-        command = [compiler, *flags, "-fsyntax-only", *sources]
-        ended = subprocess.run(command, cwd=CORE, capture_output=True, check=False, text=True)
-        assert (ended.returncode, ended.stderr) == (0, "")
+@pytest.mark.parametrize("model", MODELS)
+def test_no_source_gives_rise_to_a_warning(
+    hatch_build: dict[str, Any], tmp_path: Path, model: str
+) -> None:
+    """By gcc, optimised, as some warnings need it; by clang where the sanitizers are."""
+    if shutil.which("gcc") is None:
+        pytest.skip("gcc is not installed")
+    sources = [str(path) for path in sorted(CORE.glob("*.c")) if path.stem != "build"]
+    flags = hatch_build["flags"](["gcc"], "baseline", model=model, warnings=True)
+    ended = subprocess.run(
+        ["gcc", *flags, "-O1", "-c", *sources], cwd=tmp_path, capture_output=True, check=False,
+        text=True,
+    )  # fmt: skip
+    assert (ended.returncode, ended.stderr) == (0, "")
 
 
 @needs_compiler

@@ -67,13 +67,13 @@ def test_without_noise_the_truth_comes_back(up):
 
 
 def test_the_truth_is_covered_as_often_as_it_should_be(up):
-    """Of 40 fits with noise the true values lie within 95 % intervals as often as chance has it.
+    """Of 20 fits with noise the true values lie within 95 % intervals as often as chance has it.
 
     The bounds leave a chance of 1e-5 on each side; chi-square is held against its own law. A
     thousand more are in benchmarks/fit.py.
     """
     rng = np.random.default_rng(28)
-    seen, trials = signals_of(up), 40
+    seen, trials = signals_of(up), 20
     entries = up.event_time.values[up.event_kind.values == 1]
     covered, squares, freedom = np.zeros(3), 0.0, 0
     for _ in range(trials):
@@ -93,7 +93,7 @@ def test_the_truth_is_covered_as_often_as_it_should_be(up):
 def test_errors_are_those_of_the_scatter(up):
     """The mean square of the error over its stated one is 1, by the law of chi-square."""
     rng = np.random.default_rng(5)
-    seen, trials = signals_of(up), 40
+    seen, trials = signals_of(up), 20
     found = [fit(noisy(seen, rng), TRUE, SOUGHT) for _ in range(trials)]
     parts = np.array([(each.estimate - TRUTH) / each.standard_error for each in found])
     low, high = chi2.ppf([1e-5, 1.0 - 1e-5], trials) / trials
@@ -154,7 +154,7 @@ def test_times_beside_a_graze_are_left_out():
 def test_a_machine_in_si_units_and_its_mark(up):
     """Of a measured rotor nobody knows where on the shaft the unbalance is."""
     rng = np.random.default_rng(3)
-    run = in_si(MACHINE)
+    run = in_si(MACHINE, samples=8001)
     seen = noisy(signals_of(run), rng, 1.0)
     ahead = 0.7
     seen["angle"] = seen.angle - ahead  # the mark comes later

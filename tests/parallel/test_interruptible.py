@@ -45,7 +45,7 @@ calls = {
 for name, (call, short, long) in calls.items():
     call(short)
     for number, expected in ((signal.SIGINT, KeyboardInterrupt), (signal.SIGALRM, Late)):
-        timer = threading.Timer(0.5, signal.pthread_kill, (main, number))
+        timer = threading.Timer(0.15, signal.pthread_kill, (main, number))
         timer.start()
         try:
             call(long)

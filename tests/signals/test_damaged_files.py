@@ -28,7 +28,7 @@ from tests.signals.test_files import (
 )
 
 SCRIPT = Path(__file__).with_name("damaged.py")
-COUNT = 120
+COUNT = 48
 NESTED = {
     "rec": {"pump": {"t": TIMES, "x": A, "y": B, "name": "pump"}},
     "cell": np.array([1.0, "text", A], dtype=object),

@@ -85,9 +85,9 @@ def graze(draw, kind):
 
 # How many tolerances from a border the events are decided: docs/events.md.
 FLOORS = [
-    *((-4, method, floor, 12) for method, floor in (("taylor", 1e2), ("adams", 1e2), ("bdf", 1e3))),
+    *((-4, method, floor, 6) for method, floor in (("taylor", 1e2), ("adams", 1e2), ("bdf", 1e3))),
     *(
-        (kind, method, floor, 6)
+        (kind, method, floor, 4)
         for kind in (2, -2)
         for method, floor in (("taylor", 10.0), ("adams", 1e2), ("bdf", 1e3))
     ),

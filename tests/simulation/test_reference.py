@@ -40,10 +40,14 @@ def test_it_moves_by_the_equation():
 
 # Three times what was measured, 25 to 27 rtol of t + K.
 @pytest.mark.parametrize(
-    ("method", "rtol", "allowed"),
-    [("adams", 1e-12, 75.0), ("bdf", 1e-10, 80.0), ("ida", 1e-10, 80.0)],
+    ("case", "method", "rtol", "allowed"),
+    [
+        *((case, "adams", 1e-12, 75.0) for case in CASES),
+        # the loop is the same for all; these take three times as long
+        *((case, method, 1e-10, 80.0) for method in ("bdf", "ida") for case in CASES[::4]),
+    ],
+    ids=lambda value: value["name"] if isinstance(value, dict) else None,
 )
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
 def test_its_events_are_those_of_the_table(case, method, rtol, allowed):
     if (case.get("shallowest") or np.inf) < 1e2 * rtol:
         pytest.skip("below what this tolerance tells")
@@ -70,8 +74,8 @@ def random_rotor(draw, number):
     return rotor, tuple((draw.uniform(-2.0, 2.0, 4) * max(delta0, 0.5)).tolist())
 
 
-@pytest.mark.parametrize("part", range(10))
-def test_it_agrees_with_the_core_on_300_random_rotors(part):
+@pytest.mark.parametrize("part", range(3))
+def test_it_agrees_with_the_core_on_90_random_rotors(part):
     """Within its own error, in as far as its start determines its events at 1e-8."""
     draw = np.random.default_rng(part)
     compared = 0

@@ -74,7 +74,7 @@ def start_to(rotor, kind):
     ],
 )
 def test_forces_and_losses_are_those_of_a_long_run(rotor, kind, near):
-    row = of_kind(touchdown_report(rotor, **WIDE, starts=30, seed=3), kind)
+    row = of_kind(touchdown_report(rotor, **WIDE, starts=8, seed=3), kind)
     run = long_run(rotor, start_to(rotor, kind))
     told, forces, turns = contact_summary(run), contact_forces(run), 200
     normal = forces["normal_force" if rotor.friction > 0.0 else "force"]
