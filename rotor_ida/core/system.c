@@ -51,8 +51,14 @@ struct work *open_work(struct system_run *run)
         each->touch = &run->touches[i];
         each->rows = &run->rows[2 * i * stride];
         memset(each->touch->zeros, 0, sizeof each->touch->zeros);
-        each->mobility = sum_of_products(each->rows, each->rows, stride)
-                         + sum_of_products(each->rows + stride, each->rows + stride, stride);
+        each->mobility = each->stator_mobility = 0.0;
+        for (int64_t k = 0; k < run->size; k++) {
+            const double x = each->rows[k], y = each->rows[stride + k];
+            if (k < run->size - run->massless)
+                each->mobility += x * x + y * y;
+            else /* the same in both directions */
+                each->stator_mobility += x * x;
+        }
         memset(each->series.terms, 0, sizeof each->series.terms);
     }
     return work;
@@ -138,7 +144,7 @@ void begin_terms(struct work *work)
         each->series.terms[0][ELEMENT_RACE] = each->touch->race;
         each->is_edge = is_touching(each) && root < EDGE * sqrt(each->law->clearance);
         edges += each->is_edge;
-        if (each->touch->way == ROLLS)
+        if (each->touch->way == ROLLS && each->stator_mobility == 0.0)
             work->rolling[work->rolls++] = (int)i;
     }
     work->moves = edges > 0;
@@ -146,11 +152,26 @@ void begin_terms(struct work *work)
 
 /* ---- One order ---- */
 
+/* Take the answers of a contact with a stator without mass, which moves by them at once. */
+static void push_massless(struct work *work, struct touching *each, int n)
+{
+    const struct system_run *run = work->run;
+    double *answers = each->answers[n], *v = row_of(work, work->v, n);
+    massless_order(&each->element, &each->series, n, answers);
+    each->drag[n] = answers[ELEMENT_DRAG];
+    for (int64_t i = run->size - run->massless; i < run->size; i++)
+        v[i] += each->rows[i] * answers[ELEMENT_FORCE_X]
+                + each->rows[work->stride + i] * answers[ELEMENT_FORCE_Y];
+}
+
 /* Give contacts coefficient n of their displacement and velocity, and take their answers. */
 static void ask_contacts(struct work *work, int n)
 {
     struct system_run *run = work->run;
-    const double *y = row_of(work, work->y, n), *v = row_of(work, work->v, n);
+    const double *y = row_of(work, work->y, n);
+    double *v = row_of(work, work->v, n);
+    for (int64_t i = run->size - run->massless; i < run->size; i++)
+        v[i] = drift_of(run, y, n == 0 ? run->force[i] : 0.0, i);
     for (int64_t i = 0; i < run->contact_count; i++) {
         struct touching *each = &work->touching[i];
         double *given = each->series.terms[n];
@@ -162,7 +183,9 @@ static void ask_contacts(struct work *work, int n)
                 given[ELEMENT_VX + j] = sum_of_products(row, v, work->stride);
         }
         given[ELEMENT_SPIN] = work->spin[n];
-        if (is_touching(each)) {
+        if (is_touching(each) && each->stator_mobility > 0.0) {
+            push_massless(work, each, n);
+        } else if (is_touching(each)) {
             element_order(&each->element, &each->series, n, each->answers[n]);
             each->drag[n] = each->element.friction * each->element.sigma
                             * each->answers[n][ELEMENT_PUSH];
@@ -270,6 +293,8 @@ static void accelerate(struct work *work, int n)
         add_scaled(each->answers[n][ELEMENT_FORCE_X], each->rows, to, stride);
         add_scaled(each->answers[n][ELEMENT_FORCE_Y], each->rows + stride, to, stride);
     }
+    for (int64_t i = size - run->massless; i < size; i++)
+        to[i] = 0.0; /* whose velocities follow from the forces */
 }
 
 /* ---- What is implicit ---- */
@@ -437,7 +462,7 @@ static void add_implicit(struct work *work, int n)
         }
         for (int64_t i = 0; i < run->contact_count; i++) {
             const struct touching *each = &work->touching[i];
-            if (is_pressed(each) && each->touch->way != ROLLS)
+            if (is_pressed(each) && (each->touch->way != ROLLS || each->stator_mobility > 0.0))
                 torque -= each->law->radius * each->drag[n];
         }
         right[work->rolls] = torque;
@@ -570,7 +595,7 @@ static double worst_of(const struct work *work, int n)
     const struct system_run *run = work->run;
     const double *y = &work->y[n * work->stride], *v = &work->v[n * work->stride];
     double of_y = 0.0, of_v = 0.0, total = 0.0;
-    for (int64_t i = 0; i < run->size; i++) {
+    for (int64_t i = 0; i < run->size - run->massless; i++) {
         of_y = fmax(of_y, fabs(y[i]));
         of_v = fmax(of_v, fabs(v[i]));
         total += fabs(y[i]) + fabs(v[i]);
@@ -589,6 +614,12 @@ static double worst_of(const struct work *work, int n)
         }
         if (each->law->inverse_race_inertia > 0.0)
             worst = fmax(worst, fabs(terms[ELEMENT_RACE]) / scale);
+        for (int64_t k = run->size - run->massless; k < run->size; k++) {
+            const double row = fabs(each->rows[k] + each->rows[work->stride + k]);
+            const double moved = row * fmax(fabs(y[k]), fabs(v[k]) / scale);
+            worst = fmax(worst, moved / each->law->clearance);
+            total += moved;
+        }
     }
     return isfinite(total) ? worst / run->rtol : NAN;
 }
@@ -607,14 +638,17 @@ void choose_step(struct work *work)
             longest = smaller(longest, (FALL * (order - n) - log(worst)) / n);
     }
     work->step = exp(longest);
-    double square = work->run->fastest * work->run->fastest;
+    double square = work->run->fastest * work->run->fastest, following = 0.0;
     for (int64_t i = 0; i < work->run->contact_count; i++) {
         const struct touching *each = &work->touching[i];
-        if (is_touching(each))
-            square += each->mobility
-                      * (1.5 * each->law->hertz * each->touch->root + each->law->linear);
+        const struct system_law *law = each->law;
+        if (!is_touching(each))
+            continue;
+        const double stiffness = 1.5 * law->hertz * each->touch->root + law->linear;
+        square += each->mobility * stiffness;
+        following = fmax(following, each->stator_mobility * stiffness);
     }
-    const double rate = (sqrt(square) + fabs(work->spin[0])) * work->pace[0];
+    const double rate = (sqrt(square) + following + fabs(work->spin[0])) * work->pace[0];
     if (rate > 0.0)
         work->step = smaller(work->step, FARTHEST * order / rate);
 }

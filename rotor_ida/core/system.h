@@ -43,6 +43,8 @@ struct ledger {
 
 struct system_run {
     int64_t size, stride, contact_count;
+    /* how many of the coordinates, the last, are of stators without mass: y' = -K y + contacts */
+    int64_t massless;
     const double *stiffness, *damping, *gyroscopic, *stiffness_rate; /* or NULL */
     const double *unbalance; /* 2 rows: by the cosine and by the sine of the angle */
     const double *force;

@@ -25,6 +25,7 @@ struct touching {
     double others[ORDERS];  /* the pace but for its own root */
     double hidden;          /* a tangential force that rounding hides, while it rolls */
     double mobility;        /* the largest acceleration of its displacement by a unit force */
+    double stator_mobility; /* the velocity of its stator without mass by a unit force; or 0 */
     int is_edge;            /* whether its root is a factor of the pace */
 };
 
@@ -97,6 +98,13 @@ static inline double polynomial(const double *terms, int apart, int order, doubl
     for (int n = order - 1; n >= 0; n--)
         value = fma(value, point, terms[n * apart]);
     return value;
+}
+
+/* The velocity of a coordinate without mass by its spring and a constant force. */
+static inline double drift_of(const struct system_run *run, const double *y, double force,
+                              int64_t i)
+{
+    return force - run->stiffness[i * (run->stride + 1)] * y[i];
 }
 
 static inline int is_touching(const struct touching *each) { return each->touch->way != FLIES; }

@@ -54,7 +54,7 @@ class SystemRunStruct(Structure):
     """``struct system_run``."""
 
     _fields_ = [
-        *((name, c_int64) for name in ("size", "stride", "contact_count")),
+        *((name, c_int64) for name in ("size", "stride", "contact_count", "massless")),
         *((name, c_void_p) for name in (
             "stiffness", "damping", "gyroscopic", "stiffness_rate", "unbalance", "force", "rows",
             "laws", "touches", "pieces",
@@ -120,6 +120,8 @@ class SystemRequest:
         Times of samples; the last is the end.
     duration : float
         The end.
+    massless : int
+        How many of the coordinates, the last, are of stators without mass.
     """
 
     stiffness: Values
@@ -143,6 +145,7 @@ class SystemRequest:
     start: Values
     times: Values
     duration: float
+    massless: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -275,7 +278,7 @@ def follow_system(
     forces, turns = np.zeros((request.times.size, count, FORCES)), np.zeros((request.times.size, 2))
     tables = _Tables(2 * stride + count, max(FIRST_ROOM, 4 * count + 4))
     run = SystemRunStruct(
-        size=size, stride=stride, contact_count=count,
+        size=size, stride=stride, contact_count=count, massless=request.massless,
         stiffness=given(by_columns(request.stiffness)), damping=given(by_columns(request.damping)),
         gyroscopic=given(by_columns(request.gyroscopic)),
         stiffness_rate=given(by_columns(request.stiffness_rate)),

@@ -76,7 +76,7 @@ def request_of(
         force=found.force, laws=laws, races=np.array(speeds), pieces=profile.pieces(),
         speed=speed, inertia=inertia, rtol=max(STEP_SAFETY * rtol, TIGHTEST), order=ORDERS[0],
         displacement=displacement, velocity=velocity, fastest=fastest, start=start, times=times,
-        duration=duration,
+        duration=duration, massless=found.massless,
     )  # fmt: skip
 
 
@@ -93,11 +93,16 @@ def scales_of(
     resisted = np.zeros((size, size)) if found.damping is None else found.damping.copy()
     if found.gyroscopic is not None:
         resisted += fastest_speed * found.gyroscopic
-    first_order = np.block([[np.zeros((size, size)), np.eye(size)], [-found.stiffness, -resisted]])
-    fastest = float(np.abs(np.linalg.eigvals(first_order)).max())
-    squares = np.abs(np.linalg.eigvals(found.stiffness))
+    inert = size - found.massless
+    stiffness = found.stiffness[:inert, :inert]
+    first_order = np.block(
+        [[np.zeros((inert, inert)), np.eye(inert)], [-stiffness, -resisted[:inert, :inert]]]
+    )
+    relaxing = np.abs(np.diag(found.stiffness)[inert:]).max(initial=0.0)
+    fastest = max(float(np.abs(np.linalg.eigvals(first_order)).max()), float(relaxing))
+    squares = np.abs(np.linalg.eigvals(stiffness))
     slow = [float(each) for each in squares if each > FREE * squares.max(initial=0.0)]
-    mobilities = (found.rows**2).sum(axis=2).max(axis=1, initial=0.0)
+    mobilities = (found.rows[:, :, :inert] ** 2).sum(axis=2).max(axis=1, initial=0.0)
     for each, mobility in zip(assembly.contacts, mobilities, strict=True):
         hertz = each.exponent == HERTZ_EXPONENT
         slow.append(each.stiffness * mobility * (each.clearance**0.5 if hertz else 1.0))
@@ -196,7 +201,8 @@ def errors_of(
 def energy_of(found: Canonical, state: Values) -> float:
     """Return the energy of a state: kinetic, elastic and of the constant force."""
     y, v = state
-    return float(0.5 * (v @ v) + 0.5 * (y @ (found.stiffness @ y)) - found.force @ y)
+    moving = v[: len(v) - found.massless]
+    return float(0.5 * (moving @ moving) + 0.5 * (y @ (found.stiffness @ y)) - found.force @ y)
 
 
 def size_of_energy(found: Canonical, states: Values) -> float:
