@@ -92,4 +92,3 @@ def _motion_of(given: Numbers, contact: Any) -> tuple[Number, Number, Number, Nu
     approach = vx * normal_x + vy * normal_y
     across = vy * normal_x - vx * normal_y
     return normal_x, normal_y, approach, across
-

@@ -577,7 +577,7 @@ def _rotor() -> str:
 
 
 def _element() -> str:
-    """Return the laws of one contact of a rotor system: their series, order by order, and values."""
+    """Return the laws of a contact of a rotor system: series, order by order, and values."""
     given = Mode("element", element.GIVEN, *(None,) * 3, (), None)  # type: ignore[arg-type]
     names = [*(_place(given, name) for name in (*element.GIVEN, "given"))]
     laws = {

@@ -16,7 +16,7 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact
 from rotor_ida.schema import labelled_dataset
 from rotor_ida.systems.assembly import Assembly, assemble, canonical
-from rotor_ida.systems.axisymmetric import forward_motions
+from rotor_ida.systems.axisymmetric import check_masses, forward_motions
 from rotor_ida.systems.dataset import with_system_units
 from rotor_ida.systems.receptances import checked_speeds
 
@@ -140,6 +140,7 @@ def _springs(given: object, contacts: Sequence[Contact]) -> Values:
 
 def _motions(assembly: Assembly) -> Callable[[float, float], _Motions]:
     """Return a function of the contacts' stiffness and the speed that gives the motions."""
+    check_masses(assembly)
     try:
         axisymmetric = forward_motions(assembly)
     except InputError:

@@ -17,6 +17,7 @@ from rotor_ida import (
     RotorSystem,
     Stator,
     Unbalance,
+    campbell,
     run_up,
     simulate,
 )
@@ -93,9 +94,16 @@ def test_a_contact_that_cannot_be_is_refused(change, words):
         Contact(**TOUCH | change)
 
 
-def test_a_stator_without_mass_is_refused():
-    with pytest.raises(InputError, match="mass of a stator must be positive"):
+def test_a_stator_without_mass_and_damping_is_refused():
+    with pytest.raises(InputError, match="damping of a stator without mass must be positive"):
         Stator(mass=0.0, stiffness=1.0)
+    light = Stator(mass=0.0, stiffness=1.0, damping=1.0)
+    contacts = [Contact(**TOUCH | {"clearance": c, "stator": light}) for c in (1.0, 2.0)]
+    system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)}, units="1")
+    with pytest.raises(InputError, match="a stator without mass must have one contact, got 2"):
+        simulate(system, contacts=contacts, speed=1.0, duration=1.0)
+    with pytest.raises(InputError, match="mass of the stator of contact 0 at 'disc' must be"):
+        campbell(system, contacts=contacts[:1], speed=1.0)
     with pytest.raises(InputError, match="inertia of a race must"):
         Race(radius=1.0, inertia=0.0)
 
