@@ -11,18 +11,18 @@ struct element {
 };
 
 enum { ELEMENT_ROOT, ELEMENT_X, ELEMENT_Y, ELEMENT_VX, ELEMENT_VY, ELEMENT_SPIN, ELEMENT_RACE, ELEMENT_GIVEN };
-enum { ELEMENT_NORMAL_X, ELEMENT_NORMAL_Y, ELEMENT_APPROACH, ELEMENT_SLIP, ELEMENT_PUSH, ELEMENT_FORCE_X, ELEMENT_FORCE_Y, ELEMENT_POWER, ELEMENT_HEAT, ELEMENT_TURNING, ELEMENT_DRAG, ELEMENT_ANSWERS };
+enum { ELEMENT_NORMAL_X, ELEMENT_NORMAL_Y, ELEMENT_APPROACH, ELEMENT_SLIP, ELEMENT_PUSH, ELEMENT_FORCE_X, ELEMENT_FORCE_Y, ELEMENT_POWER, ELEMENT_TURNING, ELEMENT_DRAG, ELEMENT_ANSWERS };
 
 /* Coefficient n of what a contact answers, from those up to n of what it is given:
- * 15 lanes, which must be empty at n = 0. */
+ * 12 lanes, which must be empty at n = 0. */
 static inline void element_order(const struct element *m,
     struct series *series, int n, double *answers)
 {
-    _Static_assert(7 <= WIDTH && 15 <= LANES, "no room");
+    _Static_assert(7 <= WIDTH && 12 <= LANES, "no room");
     const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
     const double root_first = series->terms[0][ELEMENT_ROOT];
     const double inverse_radius = inverse(m->clearance + root_first * root_first);
-    sum_known(series, n, 4);
+    sum_known(series, n, 3);
     const double root = here[ELEMENT_ROOT];
     const double x = here[ELEMENT_X];
     const double y = here[ELEMENT_Y];
@@ -54,10 +54,6 @@ static inline void element_order(const struct element *m,
     const double force_y = -(m->friction * m->sigma * m->pressed) * w15 - push_y;
     const double w20 = times(series, 11, n, w12, approach); /* w12 * approach */
     const double power = m->pressed * w20;
-    const double w22 = times(series, 12, n, w12, slip); /* w12 * slip */
-    const double heat = m->friction * m->sigma * m->pressed * w22;
-    const double w24 = times(series, 13, n, approach, across); /* approach * across */
-    const double turning = over(series, 14, n, w24, radius, inverse_radius); /* w24 / radius */
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach;
@@ -66,8 +62,6 @@ static inline void element_order(const struct element *m,
     answers[ELEMENT_FORCE_X] = force_x;
     answers[ELEMENT_FORCE_Y] = force_y;
     answers[ELEMENT_POWER] = power;
-    answers[ELEMENT_HEAT] = heat;
-    answers[ELEMENT_TURNING] = turning;
 }
 
 /* What it answers, as values. */
@@ -103,10 +97,6 @@ static inline void element_values(const struct element *m,
     const double force_y = -(m->friction * m->sigma * m->pressed) * w15 - push_y;
     const double w20 = w12 * approach;
     const double power = m->pressed * w20;
-    const double w22 = w12 * slip;
-    const double heat = m->friction * m->sigma * m->pressed * w22;
-    const double w24 = approach * across;
-    const double turning = ratio(w24, radius);
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach;
@@ -115,16 +105,68 @@ static inline void element_values(const struct element *m,
     answers[ELEMENT_FORCE_X] = force_x;
     answers[ELEMENT_FORCE_Y] = force_y;
     answers[ELEMENT_POWER] = power;
-    answers[ELEMENT_HEAT] = heat;
+}
+
+/* Coefficient n of what one that rolls answers, from those up to n of what it is given:
+ * 14 lanes, which must be empty at n = 0. */
+static inline void rolling_order(const struct element *m,
+    struct series *series, int n, double *answers)
+{
+    _Static_assert(7 <= WIDTH && 14 <= LANES, "no room");
+    const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
+    const double root_first = series->terms[0][ELEMENT_ROOT];
+    const double inverse_radius = inverse(m->clearance + root_first * root_first);
+    sum_known(series, n, 4);
+    const double root = here[ELEMENT_ROOT];
+    const double x = here[ELEMENT_X];
+    const double y = here[ELEMENT_Y];
+    const double vx = here[ELEMENT_VX];
+    const double vy = here[ELEMENT_VY];
+    const double spin = here[ELEMENT_SPIN];
+    const double race = here[ELEMENT_RACE];
+    const double w0 = times(series, 0, n, root, root); /* root * root */
+    const double radius = one * m->clearance + w0;
+    const double normal_x = over(series, 1, n, x, radius, inverse_radius); /* x / radius */
+    const double normal_y = over(series, 2, n, y, radius, inverse_radius); /* y / radius */
+    const double w4 = times(series, 3, n, normal_x, vx); /* normal_x * vx */
+    const double w5 = times(series, 4, n, normal_y, vy); /* normal_y * vy */
+    const double approach = w4 + w5;
+    const double w7 = times(series, 5, n, normal_x, vy); /* normal_x * vy */
+    const double w8 = times(series, 6, n, normal_y, vx); /* normal_y * vx */
+    const double across = w7 - w8;
+    const double slip = across + m->radius * spin - m->race_radius * race;
+    /* (hertz * root + linear) * w0 */
+    const double w11 = times(series, 7, n, m->hertz * root + one * m->linear, w0);
+    /* (1.0 + contact_damping * approach) * w11 */
+    const double w12 = times(series, 8, n, one * 1.0 + m->contact_damping * approach, w11);
+    const double push = m->pressed * w12;
+    const double w14 = times(series, 9, n, w12, normal_y); /* w12 * normal_y */
+    const double w15 = times(series, 10, n, w12, normal_x); /* w12 * normal_x */
+    const double push_x = m->pressed * w15;
+    const double force_x = m->friction * m->sigma * m->pressed * w14 - push_x;
+    const double push_y = m->pressed * w14;
+    const double force_y = -(m->friction * m->sigma * m->pressed) * w15 - push_y;
+    const double w20 = times(series, 11, n, w12, approach); /* w12 * approach */
+    const double power = m->pressed * w20;
+    const double w22 = times(series, 12, n, approach, across); /* approach * across */
+    const double turning = over(series, 13, n, w22, radius, inverse_radius); /* w22 / radius */
+    answers[ELEMENT_NORMAL_X] = normal_x;
+    answers[ELEMENT_NORMAL_Y] = normal_y;
+    answers[ELEMENT_APPROACH] = approach;
+    answers[ELEMENT_SLIP] = slip;
+    answers[ELEMENT_PUSH] = push;
+    answers[ELEMENT_FORCE_X] = force_x;
+    answers[ELEMENT_FORCE_Y] = force_y;
+    answers[ELEMENT_POWER] = power;
     answers[ELEMENT_TURNING] = turning;
 }
 
 /* Coefficient n of what one with a stator without mass answers, from those up to n of what it is given:
- * 16 lanes, which must be empty at n = 0. */
+ * 15 lanes, which must be empty at n = 0. */
 static inline void massless_order(const struct element *m,
     struct series *series, int n, double *answers)
 {
-    _Static_assert(7 <= WIDTH && 16 <= LANES, "no room");
+    _Static_assert(7 <= WIDTH && 15 <= LANES, "no room");
     const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
     const double root_first = series->terms[0][ELEMENT_ROOT];
     const double inverse_radius = inverse(m->clearance + root_first * root_first);
@@ -167,7 +209,6 @@ static inline void massless_order(const struct element *m,
     const double force_y = -w23 - m->pressed * w24;
     const double w26 = times(series, 14, n, approach_, w10); /* approach_ * w10 */
     const double power = m->pressed * w26;
-    const double heat = times(series, 15, n, slip, drag); /* slip * drag */
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach_;
@@ -176,7 +217,6 @@ static inline void massless_order(const struct element *m,
     answers[ELEMENT_FORCE_X] = force_x;
     answers[ELEMENT_FORCE_Y] = force_y;
     answers[ELEMENT_POWER] = power;
-    answers[ELEMENT_HEAT] = heat;
     answers[ELEMENT_DRAG] = drag;
 }
 
@@ -219,7 +259,6 @@ static inline void massless_values(const struct element *m,
     const double force_y = -w23 - m->pressed * w24;
     const double w26 = approach_ * w10;
     const double power = m->pressed * w26;
-    const double heat = slip * drag;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach_;
@@ -228,7 +267,6 @@ static inline void massless_values(const struct element *m,
     answers[ELEMENT_FORCE_X] = force_x;
     answers[ELEMENT_FORCE_Y] = force_y;
     answers[ELEMENT_POWER] = power;
-    answers[ELEMENT_HEAT] = heat;
     answers[ELEMENT_DRAG] = drag;
 }
 

@@ -40,6 +40,7 @@ struct work {
     double time[ORDERS], pace[ORDERS], cosine[ORDERS], sine[ORDERS];
     double spin[ORDERS], spin_rate[ORDERS], spin_square[ORDERS], turning[ORDERS];
     double by_cosine[ORDERS], by_sine[ORDERS]; /* what multiplies the unbalance's two rows */
+    double weights[ORDERS]; /* integrals by the time, up to where a step ends, of powers of u */
     /* what is solved for at each order: the tangential forces that roll, and the rate of the spin
      */
     int rolling[MOST_CONTACTS], rolls;
@@ -73,23 +74,31 @@ static inline void add_scaled(double factor, const double *row, double *to, int6
         store(&to[i], fma4(by, load(&row[i]), load(&to[i])));
 }
 
-/* Coefficient n of a product, from terms that are so far apart in memory. */
+/* Coefficient n of a product, from terms that are so far apart in memory, without the first terms
+ * of its first factor. Two sums side by side, as each waits for itself. */
+static inline double convolved_from(int first, const double *a, int a_apart, const double *b,
+                                    int b_apart, int n)
+{
+    double even = 0.0, odd = 0.0;
+    int k = first;
+    for (; k < n; k += 2) {
+        even = fma(a[k * a_apart], b[(n - k) * b_apart], even);
+        odd = fma(a[(k + 1) * a_apart], b[(n - k - 1) * b_apart], odd);
+    }
+    return k == n ? fma(a[n * a_apart], b[0], even) + odd : even + odd;
+}
+
+/* Coefficient n of a product. */
 static inline double convolved(const double *a, int a_apart, const double *b, int b_apart, int n)
 {
-    double sum = 0.0;
-    for (int k = 0; k <= n; k++)
-        sum = fma(a[k * a_apart], b[(n - k) * b_apart], sum);
-    return sum;
+    return convolved_from(0, a, a_apart, b, b_apart, n);
 }
 
 /* The same without a_0. */
 static inline double convolved_later(const double *a, int a_apart, const double *b, int b_apart,
                                      int n)
 {
-    double sum = 0.0;
-    for (int k = 1; k <= n; k++)
-        sum = fma(a[k * a_apart], b[(n - k) * b_apart], sum);
-    return sum;
+    return convolved_from(1, a, a_apart, b, b_apart, n);
 }
 
 static inline double polynomial(const double *terms, int apart, int order, double point)

@@ -33,20 +33,17 @@ PARAMETERS = (
     "clearance", "hertz", "linear", "contact_damping", "pressed",
     "friction", "sigma", "radius", "race_radius", "mobility", "holding",
 )  # fmt: skip
-# What it answers, in this order: with a stator that has mass, and with one that has none.
-ANSWERS = (
-    "normal_x", "normal_y", "approach", "slip", "push", "force_x", "force_y", "power", "heat",
-    "turning",
-)  # fmt: skip
-MASSLESS_ANSWERS = (*ANSWERS[:-1], "drag")
+# What it answers, in this order; while surfaces roll, and with a stator without mass, one more.
+ANSWERS = ("normal_x", "normal_y", "approach", "slip", "push", "force_x", "force_y", "power")
+ROLLING_ANSWERS = (*ANSWERS, "turning")
+MASSLESS_ANSWERS = (*ANSWERS, "drag")
 
 
 def answers_of(given: Numbers, contact: Any) -> list[Number]:
     """Return what a contact answers: see `ANSWERS`.
 
     They are the direction e of the displacement, the radial velocity ``d'``, the speed of slip
-    ``v_s``, the normal force N, the force of a sliding contact on the rotor, the powers ``N d'``
-    and ``T v_s``, and ``d' u'.t/|u|``, by which the direction's rotation changes the slip.
+    ``v_s``, the normal force N, the force of a sliding contact on the rotor, and ``N d'``.
     """
     normal_x, normal_y, approach, across = _motion_of(given, contact)
     root, *_, spin, race = given
@@ -55,11 +52,19 @@ def answers_of(given: Numbers, contact: Any) -> list[Number]:
     push_x, push_y = push * normal_x, push * normal_y
     grip = contact.friction * contact.sigma
     force_x, force_y = grip * push_y - push_x, -(grip * push_x) - push_y
+    power = push * approach
+    return [normal_x, normal_y, approach, slip, push, force_x, force_y, power]
+
+
+def rolling_answers_of(given: Numbers, contact: Any) -> list[Number]:
+    """Return what a contact answers while the surfaces roll: see `ROLLING_ANSWERS`.
+
+    It is ``d' u'.t/|u|``, by which the rotation of the direction e changes the slip.
+    """
+    root, *_ = given
+    _, _, approach, across = _motion_of(given, contact)
     turning = approach * across / (contact.clearance + root * root)
-    power, heat = push * approach, grip * (push * slip)
-    return [
-        normal_x, normal_y, approach, slip, push, force_x, force_y, power, heat, turning,
-    ]  # fmt: skip
+    return [*answers_of(given, contact), turning]
 
 
 def massless_answers_of(given: Numbers, contact: Any) -> list[Number]:
@@ -78,10 +83,8 @@ def massless_answers_of(given: Numbers, contact: Any) -> list[Number]:
     slip = across + rim
     force_x = drag * normal_y - push * normal_x
     force_y = -(drag * normal_x) - push * normal_y
-    power, heat = push * approach, drag * slip
-    return [
-        normal_x, normal_y, approach, slip, push, force_x, force_y, power, heat, drag,
-    ]  # fmt: skip
+    power = push * approach
+    return [normal_x, normal_y, approach, slip, push, force_x, force_y, power, drag]
 
 
 def _motion_of(given: Numbers, contact: Any) -> tuple[Number, Number, Number, Number]:

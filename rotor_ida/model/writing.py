@@ -582,6 +582,7 @@ def _element() -> str:
     names = [*(_place(given, name) for name in (*element.GIVEN, "given"))]
     laws = {
         "element": (element.answers_of, element.ANSWERS),
+        "rolling": (element.rolling_answers_of, element.ROLLING_ANSWERS),
         "massless": (element.massless_answers_of, element.MASSLESS_ANSWERS),
     }
     answers = list(dict.fromkeys(name for _, each in laws.values() for name in each))
@@ -639,17 +640,24 @@ def _answering(
     ]  # fmt: skip
     values = _values([(f"answers[{place}]", answer) for place, answer in pairs], given)
     head = "static inline void {}(const struct element *m,\n    {}, double *answers)"
-    whose = "a contact" if stem == "element" else "one with a stator without mass"
+    as_values = [
+        "/* What it answers, as values. */",
+        head.format(f"{stem}_values", "const double *state"),
+        "{", *(f"    {line}" for line in values), "}",
+        "",
+    ]  # fmt: skip
+    whose = {
+        "element": "a contact",
+        "rolling": "one that rolls",
+        "massless": "one with a stator without mass",
+    }[stem]
     return [
         f"/* Coefficient n of what {whose} answers, from those up to n of what it is given:",
         f" * {lanes} lanes, which must be empty at n = 0. */",
         head.format(f"{stem}_order", "struct series *series, int n"),
         "{", *(f"    {line}" for line in series), "}",
         "",
-        "/* What it answers, as values. */",
-        head.format(f"{stem}_values", "const double *state"),
-        "{", *(f"    {line}" for line in values), "}",
-        "",
+        *(as_values if stem != "rolling" else []),
     ]  # fmt: skip
 
 
