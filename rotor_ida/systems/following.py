@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Stop, Values, Watch
+from rotor_ida.arrays import ComplexValues, Stop, Values, Watch
 from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.core.systems import LAW, SystemRequest, SystemResult, follow_system
@@ -32,6 +32,8 @@ APART = 30.0
 WIDENING, MEMORY, SAME_EVENT = 10.0, 4, 0.25
 # Relative size below which an eigenvalue is that of a free motion.
 FREE = 1e-9
+# Growth rates below this part of the largest eigenvalue are rounding.
+GROWING = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,17 +91,9 @@ def scales_of(
     the motion. The velocity belongs to it at
     the largest speed, or at the slowest vibration if that is faster.
     """
-    size = assembly.size
-    resisted = np.zeros((size, size)) if found.damping is None else found.damping.copy()
-    if found.gyroscopic is not None:
-        resisted += fastest_speed * found.gyroscopic
-    inert = size - found.massless
+    inert = assembly.size - found.massless
     stiffness = found.stiffness[:inert, :inert]
-    first_order = np.block(
-        [[np.zeros((inert, inert)), np.eye(inert)], [-stiffness, -resisted[:inert, :inert]]]
-    )
-    relaxing = np.abs(np.diag(found.stiffness)[inert:]).max(initial=0.0)
-    fastest = max(float(np.abs(np.linalg.eigvals(first_order)).max()), float(relaxing))
+    fastest = float(np.abs(rates_of(found, fastest_speed)).max())
     squares = np.abs(np.linalg.eigvals(stiffness))
     slow = [float(each) for each in squares if each > FREE * squares.max(initial=0.0)]
     mobilities = (found.rows[:, :, :inert] ** 2).sum(axis=2).max(axis=1, initial=0.0)
@@ -114,6 +108,28 @@ def scales_of(
         sizes = [np.abs(each).max() for each in (start[0], start[1] / rate, deflection)]
         displacement = max(sizes) or displacement
     return float(displacement), float(displacement * rate), max(fastest, rate)
+
+
+def rates_of(found: Canonical, speed: float) -> ComplexValues:
+    """Return the eigenvalues of the motion without contact at a speed."""
+    inert = len(found.stiffness) - found.massless
+    resisted = np.zeros((inert, inert))
+    if found.damping is not None:
+        resisted = resisted + found.damping[:inert, :inert]
+    if found.gyroscopic is not None:
+        resisted = resisted + speed * found.gyroscopic[:inert, :inert]
+    first_order = np.block(
+        [[np.zeros((inert, inert)), np.eye(inert)], [-found.stiffness[:inert, :inert], -resisted]]
+    )
+    relaxing = -np.diag(found.stiffness)[inert:]  # stators without mass
+    return np.concatenate([np.linalg.eigvals(first_order), relaxing])
+
+
+def growth_of(found: Canonical, speed: float) -> float:
+    """Return the rate at which the motion without contact grows at a speed; 0 if it does not."""
+    rates = rates_of(found, speed)
+    growth = float(rates.real.max())
+    return growth if growth > GROWING * float(np.abs(rates).max()) else 0.0
 
 
 def follow_twice(

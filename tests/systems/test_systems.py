@@ -21,6 +21,7 @@ from rotor_ida import (
     run_up,
     simulate,
 )
+from rotor_ida.cli.describe import describe
 from rotor_ida.systems.archived import problem_of
 from tests.systems.random_systems import random_system
 
@@ -391,3 +392,20 @@ def test_a_run_computed_again_has_the_same_axial_positions():
     again, _ = problem_of(run)
     assert again.positions == places
     assert again.reduced(modes=2).positions == places
+
+
+def test_a_linear_system_that_grows_is_told():
+    """Cross-coupled stiffness of 0.2 against a damping of 0.1 of its frequency: by (0.2 - 0.1)/2."""
+    around = {"speed": 1.0, "duration": 5.0, "samples": 5}
+    bearing = {"mass": np.eye(2), "nodes": {"disc": (0, 1)}, "units": "1"}
+    crossed = np.array([[1.0, 0.2], [-0.2, 1.0]])
+    growing = RotorSystem(**bearing, stiffness=crossed, damping=0.1 * np.eye(2))
+    run = simulate(growing, contacts=[Contact(**TOUCH)], start=([0.05, 0.0], [0.0, 0.0]), **around)
+    exact = np.linalg.eigvals(
+        np.block([[np.zeros((2, 2)), np.eye(2)], [-crossed, -0.1 * np.eye(2)]])
+    ).real.max()
+    assert run.attrs["growth_rate_without_contact"] == pytest.approx(exact, rel=1e-12)
+    _, parts = describe(run)
+    assert any(str(each).startswith("Without contact the motion grows") for each in parts)
+    still = RotorSystem(**bearing, stiffness=np.eye(2))  # grows by rounding alone
+    assert "growth_rate_without_contact" not in simulate(still, **around).attrs
