@@ -62,6 +62,8 @@ def a_system_sweep() -> xr.Dataset:
     return rotor_ida.sweep(
         system, contacts=contacts, unbalance=unbalance, speed=[0.3, 1.2], direction="both"
     )
+
+
 def over_speed(function: str) -> xr.Dataset:
     """Return a result of a rotor system over its speed."""
     system = rotor_ida.RotorSystem(

@@ -64,7 +64,7 @@ def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:
     rows: list[Record] = [{heads[name]: each[name] for name in heads} for each in contacts]
     table = rows_table("Contacts", rows, list(heads.values()), None, digits=6)
     told = pairs("Run", _of_run(dataset))
-    return record, [_sentence(dataset, first), *table, told, *parts]
+    return record, [_sentence(dataset, first), *_growth(dataset), *table, told, *parts]
 
 
 def show_system_sweep(dataset: xr.Dataset, most: int | None) -> Description:
@@ -115,6 +115,18 @@ def _sentence(run: xr.Dataset, first: Record | None) -> str:
     unit = str(run["t"].attrs.get("units", "1")).removeprefix("1")
     time = f"{shown(first['first_touch'])} {unit}".rstrip()
     return f"First touch: contact {first['contact']} at node {first['node']!r}, at {time}."
+
+
+def _growth(run: xr.Dataset) -> list[str]:
+    """Return a sentence where the motion without contact grows."""
+    if not (rate := run.attrs.get("growth_rate_without_contact")):
+        return []
+    si = run["t"].attrs.get("units") == "s"
+    unit = " per second" if si else ""
+    return [
+        f"Without contact the motion grows at a rate of {shown(float(rate))}{unit}: the linear "
+        "system is unstable."
+    ]
 
 
 def _of_run(run: xr.Dataset) -> Record:

@@ -7,22 +7,22 @@
 
 /* What the law of a contact knows. */
 struct element {
-    double clearance, hertz, linear, contact_damping, pressed, friction, sigma, radius, race_radius;
+    double clearance, hertz, linear, contact_damping, pressed, friction, sigma, radius, race_radius, mobility, holding;
 };
 
 enum { ELEMENT_ROOT, ELEMENT_X, ELEMENT_Y, ELEMENT_VX, ELEMENT_VY, ELEMENT_SPIN, ELEMENT_RACE, ELEMENT_GIVEN };
-enum { ELEMENT_NORMAL_X, ELEMENT_NORMAL_Y, ELEMENT_APPROACH, ELEMENT_SLIP, ELEMENT_PUSH, ELEMENT_FORCE_X, ELEMENT_FORCE_Y, ELEMENT_TURNING, ELEMENT_POWER, ELEMENT_HEAT, ELEMENT_ANSWERS };
+enum { ELEMENT_NORMAL_X, ELEMENT_NORMAL_Y, ELEMENT_APPROACH, ELEMENT_SLIP, ELEMENT_PUSH, ELEMENT_FORCE_X, ELEMENT_FORCE_Y, ELEMENT_POWER, ELEMENT_TURNING, ELEMENT_DRAG, ELEMENT_ANSWERS };
 
 /* Coefficient n of what a contact answers, from those up to n of what it is given:
- * 15 lanes, which must be empty at n = 0. */
+ * 12 lanes, which must be empty at n = 0. */
 static inline void element_order(const struct element *m,
     struct series *series, int n, double *answers)
 {
-    _Static_assert(7 <= WIDTH && 15 <= LANES, "no room");
+    _Static_assert(7 <= WIDTH && 12 <= LANES, "no room");
     const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
     const double root_first = series->terms[0][ELEMENT_ROOT];
     const double inverse_radius = inverse(m->clearance + root_first * root_first);
-    sum_known(series, n, 4);
+    sum_known(series, n, 3);
     const double root = here[ELEMENT_ROOT];
     const double x = here[ELEMENT_X];
     const double y = here[ELEMENT_Y];
@@ -52,12 +52,8 @@ static inline void element_order(const struct element *m,
     const double force_x = m->friction * m->sigma * m->pressed * w14 - push_x;
     const double push_y = m->pressed * w14;
     const double force_y = -(m->friction * m->sigma * m->pressed) * w15 - push_y;
-    const double w20 = times(series, 11, n, approach, across); /* approach * across */
-    const double turning = over(series, 12, n, w20, radius, inverse_radius); /* w20 / radius */
-    const double w22 = times(series, 13, n, w12, approach); /* w12 * approach */
-    const double power = m->pressed * w22;
-    const double w24 = times(series, 14, n, w12, slip); /* w12 * slip */
-    const double heat = m->friction * m->sigma * m->pressed * w24;
+    const double w20 = times(series, 11, n, w12, approach); /* w12 * approach */
+    const double power = m->pressed * w20;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach;
@@ -65,9 +61,7 @@ static inline void element_order(const struct element *m,
     answers[ELEMENT_PUSH] = push;
     answers[ELEMENT_FORCE_X] = force_x;
     answers[ELEMENT_FORCE_Y] = force_y;
-    answers[ELEMENT_TURNING] = turning;
     answers[ELEMENT_POWER] = power;
-    answers[ELEMENT_HEAT] = heat;
 }
 
 /* What it answers, as values. */
@@ -101,12 +95,8 @@ static inline void element_values(const struct element *m,
     const double force_x = m->friction * m->sigma * m->pressed * w14 - push_x;
     const double push_y = m->pressed * w14;
     const double force_y = -(m->friction * m->sigma * m->pressed) * w15 - push_y;
-    const double w20 = approach * across;
-    const double turning = ratio(w20, radius);
-    const double w22 = w12 * approach;
-    const double power = m->pressed * w22;
-    const double w24 = w12 * slip;
-    const double heat = m->friction * m->sigma * m->pressed * w24;
+    const double w20 = w12 * approach;
+    const double power = m->pressed * w20;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach;
@@ -114,9 +104,170 @@ static inline void element_values(const struct element *m,
     answers[ELEMENT_PUSH] = push;
     answers[ELEMENT_FORCE_X] = force_x;
     answers[ELEMENT_FORCE_Y] = force_y;
-    answers[ELEMENT_TURNING] = turning;
     answers[ELEMENT_POWER] = power;
-    answers[ELEMENT_HEAT] = heat;
+}
+
+/* Coefficient n of what one that rolls answers, from those up to n of what it is given:
+ * 14 lanes, which must be empty at n = 0. */
+static inline void rolling_order(const struct element *m,
+    struct series *series, int n, double *answers)
+{
+    _Static_assert(7 <= WIDTH && 14 <= LANES, "no room");
+    const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
+    const double root_first = series->terms[0][ELEMENT_ROOT];
+    const double inverse_radius = inverse(m->clearance + root_first * root_first);
+    sum_known(series, n, 4);
+    const double root = here[ELEMENT_ROOT];
+    const double x = here[ELEMENT_X];
+    const double y = here[ELEMENT_Y];
+    const double vx = here[ELEMENT_VX];
+    const double vy = here[ELEMENT_VY];
+    const double spin = here[ELEMENT_SPIN];
+    const double race = here[ELEMENT_RACE];
+    const double w0 = times(series, 0, n, root, root); /* root * root */
+    const double radius = one * m->clearance + w0;
+    const double normal_x = over(series, 1, n, x, radius, inverse_radius); /* x / radius */
+    const double normal_y = over(series, 2, n, y, radius, inverse_radius); /* y / radius */
+    const double w4 = times(series, 3, n, normal_x, vx); /* normal_x * vx */
+    const double w5 = times(series, 4, n, normal_y, vy); /* normal_y * vy */
+    const double approach = w4 + w5;
+    const double w7 = times(series, 5, n, normal_x, vy); /* normal_x * vy */
+    const double w8 = times(series, 6, n, normal_y, vx); /* normal_y * vx */
+    const double across = w7 - w8;
+    const double slip = across + m->radius * spin - m->race_radius * race;
+    /* (hertz * root + linear) * w0 */
+    const double w11 = times(series, 7, n, m->hertz * root + one * m->linear, w0);
+    /* (1.0 + contact_damping * approach) * w11 */
+    const double w12 = times(series, 8, n, one * 1.0 + m->contact_damping * approach, w11);
+    const double push = m->pressed * w12;
+    const double w14 = times(series, 9, n, w12, normal_y); /* w12 * normal_y */
+    const double w15 = times(series, 10, n, w12, normal_x); /* w12 * normal_x */
+    const double push_x = m->pressed * w15;
+    const double force_x = m->friction * m->sigma * m->pressed * w14 - push_x;
+    const double push_y = m->pressed * w14;
+    const double force_y = -(m->friction * m->sigma * m->pressed) * w15 - push_y;
+    const double w20 = times(series, 11, n, w12, approach); /* w12 * approach */
+    const double power = m->pressed * w20;
+    const double w22 = times(series, 12, n, approach, across); /* approach * across */
+    const double turning = over(series, 13, n, w22, radius, inverse_radius); /* w22 / radius */
+    answers[ELEMENT_NORMAL_X] = normal_x;
+    answers[ELEMENT_NORMAL_Y] = normal_y;
+    answers[ELEMENT_APPROACH] = approach;
+    answers[ELEMENT_SLIP] = slip;
+    answers[ELEMENT_PUSH] = push;
+    answers[ELEMENT_FORCE_X] = force_x;
+    answers[ELEMENT_FORCE_Y] = force_y;
+    answers[ELEMENT_POWER] = power;
+    answers[ELEMENT_TURNING] = turning;
+}
+
+/* Coefficient n of what one with a stator without mass answers, from those up to n of what it is given:
+ * 15 lanes, which must be empty at n = 0. */
+static inline void massless_order(const struct element *m,
+    struct series *series, int n, double *answers)
+{
+    _Static_assert(7 <= WIDTH && 15 <= LANES, "no room");
+    const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
+    const double root_first = series->terms[0][ELEMENT_ROOT];
+    const double inverse_radius = inverse(m->clearance + root_first * root_first);
+    const double inverse_softened = inverse(1.0 + m->mobility * m->contact_damping * ((m->hertz * root_first + m->linear) * (root_first * root_first)));
+    sum_known(series, n, 4);
+    const double root = here[ELEMENT_ROOT];
+    const double x = here[ELEMENT_X];
+    const double y = here[ELEMENT_Y];
+    const double vx = here[ELEMENT_VX];
+    const double vy = here[ELEMENT_VY];
+    const double spin = here[ELEMENT_SPIN];
+    const double race = here[ELEMENT_RACE];
+    const double w0 = times(series, 0, n, root, root); /* root * root */
+    const double radius = one * m->clearance + w0;
+    const double normal_x = over(series, 1, n, x, radius, inverse_radius); /* x / radius */
+    const double normal_y = over(series, 2, n, y, radius, inverse_radius); /* y / radius */
+    const double w4 = times(series, 3, n, normal_x, vx); /* normal_x * vx */
+    const double w5 = times(series, 4, n, normal_y, vy); /* normal_y * vy */
+    const double approach = w4 + w5;
+    /* (hertz * root + linear) * w0 */
+    const double spring = times(series, 5, n, m->hertz * root + one * m->linear, w0);
+    /* (1.0 + contact_damping * approach) * spring */
+    const double w8 = times(series, 6, n, one * 1.0 + m->contact_damping * approach, spring);
+    const double softened = one * 1.0 + m->mobility * m->contact_damping * spring;
+    const double w10 = over(series, 7, n, w8, softened, inverse_softened); /* w8 / softened */
+    const double approach_ = approach - m->mobility * m->pressed * w10;
+    const double w12 = times(series, 8, n, normal_x, vy); /* normal_x * vy */
+    const double w13 = times(series, 9, n, normal_y, vx); /* normal_y * vx */
+    const double across = w12 - w13;
+    const double rim = m->radius * spin - m->race_radius * race;
+    const double drag = m->friction * m->sigma * m->pressed * w10 + m->holding * (across + rim);
+    const double across_ = across - m->mobility * drag;
+    const double slip = across_ + rim;
+    const double push = m->pressed * w10;
+    const double w20 = times(series, 10, n, drag, normal_y); /* drag * normal_y */
+    const double w21 = times(series, 11, n, w10, normal_x); /* w10 * normal_x */
+    const double force_x = w20 - m->pressed * w21;
+    const double w23 = times(series, 12, n, drag, normal_x); /* drag * normal_x */
+    const double w24 = times(series, 13, n, w10, normal_y); /* w10 * normal_y */
+    const double force_y = -w23 - m->pressed * w24;
+    const double w26 = times(series, 14, n, approach_, w10); /* approach_ * w10 */
+    const double power = m->pressed * w26;
+    answers[ELEMENT_NORMAL_X] = normal_x;
+    answers[ELEMENT_NORMAL_Y] = normal_y;
+    answers[ELEMENT_APPROACH] = approach_;
+    answers[ELEMENT_SLIP] = slip;
+    answers[ELEMENT_PUSH] = push;
+    answers[ELEMENT_FORCE_X] = force_x;
+    answers[ELEMENT_FORCE_Y] = force_y;
+    answers[ELEMENT_POWER] = power;
+    answers[ELEMENT_DRAG] = drag;
+}
+
+/* What it answers, as values. */
+static inline void massless_values(const struct element *m,
+    const double *state, double *answers)
+{
+    const double root = state[ELEMENT_ROOT];
+    const double x = state[ELEMENT_X];
+    const double y = state[ELEMENT_Y];
+    const double vx = state[ELEMENT_VX];
+    const double vy = state[ELEMENT_VY];
+    const double spin = state[ELEMENT_SPIN];
+    const double race = state[ELEMENT_RACE];
+    const double w0 = root * root;
+    const double radius = m->clearance + w0;
+    const double normal_x = ratio(x, radius);
+    const double normal_y = ratio(y, radius);
+    const double w4 = normal_x * vx;
+    const double w5 = normal_y * vy;
+    const double approach = w4 + w5;
+    const double spring = (m->hertz * root + m->linear) * w0;
+    const double w8 = (1.0 + m->contact_damping * approach) * spring;
+    const double softened = 1.0 + m->mobility * m->contact_damping * spring;
+    const double w10 = ratio(w8, softened);
+    const double approach_ = approach - m->mobility * m->pressed * w10;
+    const double w12 = normal_x * vy;
+    const double w13 = normal_y * vx;
+    const double across = w12 - w13;
+    const double rim = m->radius * spin - m->race_radius * race;
+    const double drag = m->friction * m->sigma * m->pressed * w10 + m->holding * (across + rim);
+    const double across_ = across - m->mobility * drag;
+    const double slip = across_ + rim;
+    const double push = m->pressed * w10;
+    const double w20 = drag * normal_y;
+    const double w21 = w10 * normal_x;
+    const double force_x = w20 - m->pressed * w21;
+    const double w23 = drag * normal_x;
+    const double w24 = w10 * normal_y;
+    const double force_y = -w23 - m->pressed * w24;
+    const double w26 = approach_ * w10;
+    const double power = m->pressed * w26;
+    answers[ELEMENT_NORMAL_X] = normal_x;
+    answers[ELEMENT_NORMAL_Y] = normal_y;
+    answers[ELEMENT_APPROACH] = approach_;
+    answers[ELEMENT_SLIP] = slip;
+    answers[ELEMENT_PUSH] = push;
+    answers[ELEMENT_FORCE_X] = force_x;
+    answers[ELEMENT_FORCE_Y] = force_y;
+    answers[ELEMENT_POWER] = power;
+    answers[ELEMENT_DRAG] = drag;
 }
 
 #endif

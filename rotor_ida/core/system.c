@@ -51,8 +51,14 @@ struct work *open_work(struct system_run *run)
         each->touch = &run->touches[i];
         each->rows = &run->rows[2 * i * stride];
         memset(each->touch->zeros, 0, sizeof each->touch->zeros);
-        each->mobility = sum_of_products(each->rows, each->rows, stride)
-                         + sum_of_products(each->rows + stride, each->rows + stride, stride);
+        each->mobility = each->stator_mobility = 0.0;
+        for (int64_t k = 0; k < run->size; k++) {
+            const double x = each->rows[k], y = each->rows[stride + k];
+            if (k < run->size - run->massless)
+                each->mobility += x * x + y * y;
+            else /* the same in both directions */
+                each->stator_mobility += x * x;
+        }
         memset(each->series.terms, 0, sizeof each->series.terms);
     }
     return work;
@@ -138,7 +144,7 @@ void begin_terms(struct work *work)
         each->series.terms[0][ELEMENT_RACE] = each->touch->race;
         each->is_edge = is_touching(each) && root < EDGE * sqrt(each->law->clearance);
         edges += each->is_edge;
-        if (each->touch->way == ROLLS)
+        if (each->touch->way == ROLLS && each->stator_mobility == 0.0)
             work->rolling[work->rolls++] = (int)i;
     }
     work->moves = edges > 0;
@@ -146,11 +152,26 @@ void begin_terms(struct work *work)
 
 /* ---- One order ---- */
 
+/* Take the answers of a contact with a stator without mass, which moves by them at once. */
+static void push_massless(struct work *work, struct touching *each, int n)
+{
+    const struct system_run *run = work->run;
+    double *answers = each->answers[n], *v = row_of(work, work->v, n);
+    massless_order(&each->element, &each->series, n, answers);
+    each->drag[n] = answers[ELEMENT_DRAG];
+    for (int64_t i = run->size - run->massless; i < run->size; i++)
+        v[i] += each->rows[i] * answers[ELEMENT_FORCE_X]
+                + each->rows[work->stride + i] * answers[ELEMENT_FORCE_Y];
+}
+
 /* Give contacts coefficient n of their displacement and velocity, and take their answers. */
 static void ask_contacts(struct work *work, int n)
 {
     struct system_run *run = work->run;
-    const double *y = row_of(work, work->y, n), *v = row_of(work, work->v, n);
+    const double *y = row_of(work, work->y, n);
+    double *v = row_of(work, work->v, n);
+    for (int64_t i = run->size - run->massless; i < run->size; i++)
+        v[i] = drift_of(run, y, n == 0 ? run->force[i] : 0.0, i);
     for (int64_t i = 0; i < run->contact_count; i++) {
         struct touching *each = &work->touching[i];
         double *given = each->series.terms[n];
@@ -162,7 +183,14 @@ static void ask_contacts(struct work *work, int n)
                 given[ELEMENT_VX + j] = sum_of_products(row, v, work->stride);
         }
         given[ELEMENT_SPIN] = work->spin[n];
-        if (is_touching(each)) {
+        if (!is_touching(each))
+            continue;
+        if (each->stator_mobility > 0.0) {
+            push_massless(work, each, n);
+        } else if (each->touch->way == ROLLS) {
+            rolling_order(&each->element, &each->series, n, each->answers[n]);
+            each->drag[n] = 0.0; /* until what is implicit is known */
+        } else {
             element_order(&each->element, &each->series, n, each->answers[n]);
             each->drag[n] = each->element.friction * each->element.sigma
                             * each->answers[n][ELEMENT_PUSH];
@@ -209,15 +237,17 @@ static void set_pace(struct work *work, int n)
 static void set_drive(struct work *work, int n)
 {
     const double rate = work->run->pieces[work->run->piece].rate;
-    work->spin_square[n] = convolved(work->spin, 1, work->spin, 1, n);
-    work->turning[n] = convolved(work->pace, 1, work->spin, 1, n);
     if (!work->has_torque)
         work->spin_rate[n] = n == 0 ? rate : 0.0;
     if (!work->has_rate) {
-        work->by_cosine[n] = work->spin_square[0] * work->cosine[n];
-        work->by_sine[n] = work->spin_square[0] * work->sine[n];
+        const double square = work->spin[0] * work->spin[0];
+        work->turning[n] = work->pace[n] * work->spin[0];
+        work->by_cosine[n] = square * work->cosine[n];
+        work->by_sine[n] = square * work->sine[n];
         return;
     }
+    work->spin_square[n] = convolved(work->spin, 1, work->spin, 1, n);
+    work->turning[n] = convolved(work->pace, 1, work->spin, 1, n);
     const double *c = work->cosine, *s = work->sine, *d = work->spin_rate;
     work->by_cosine[n] = convolved(work->spin_square, 1, c, 1, n);
     work->by_sine[n] = convolved(work->spin_square, 1, s, 1, n);
@@ -270,6 +300,8 @@ static void accelerate(struct work *work, int n)
         add_scaled(each->answers[n][ELEMENT_FORCE_X], each->rows, to, stride);
         add_scaled(each->answers[n][ELEMENT_FORCE_Y], each->rows + stride, to, stride);
     }
+    for (int64_t i = size - run->massless; i < size; i++)
+        to[i] = 0.0; /* whose velocities follow from the forces */
 }
 
 /* ---- What is implicit ---- */
@@ -437,7 +469,7 @@ static void add_implicit(struct work *work, int n)
         }
         for (int64_t i = 0; i < run->contact_count; i++) {
             const struct touching *each = &work->touching[i];
-            if (is_pressed(each) && each->touch->way != ROLLS)
+            if (is_pressed(each) && (each->touch->way != ROLLS || each->stator_mobility > 0.0))
                 torque -= each->law->radius * each->drag[n];
         }
         right[work->rolls] = torque;
@@ -504,8 +536,13 @@ static void go_on(struct work *work, int n)
         }
     }
     work->time[n + 1] = work->pace[n] * share;
-    work->cosine[n + 1] = -convolved(work->turning, 1, work->sine, 1, n) * share;
-    work->sine[n + 1] = convolved(work->turning, 1, work->cosine, 1, n) * share;
+    if (work->moves || work->has_rate) {
+        work->cosine[n + 1] = -convolved(work->turning, 1, work->sine, 1, n) * share;
+        work->sine[n + 1] = convolved(work->turning, 1, work->cosine, 1, n) * share;
+    } else {
+        work->cosine[n + 1] = -work->turning[0] * work->sine[n] * share;
+        work->sine[n + 1] = work->turning[0] * work->cosine[n] * share;
+    }
     work->spin[n + 1] = work->has_rate ? convolved(work->pace, 1, work->spin_rate, 1, n) * share
                                        : 0.0;
     for (int64_t i = 0; i < run->contact_count; i++) {
@@ -570,7 +607,7 @@ static double worst_of(const struct work *work, int n)
     const struct system_run *run = work->run;
     const double *y = &work->y[n * work->stride], *v = &work->v[n * work->stride];
     double of_y = 0.0, of_v = 0.0, total = 0.0;
-    for (int64_t i = 0; i < run->size; i++) {
+    for (int64_t i = 0; i < run->size - run->massless; i++) {
         of_y = fmax(of_y, fabs(y[i]));
         of_v = fmax(of_v, fabs(v[i]));
         total += fabs(y[i]) + fabs(v[i]);
@@ -589,6 +626,12 @@ static double worst_of(const struct work *work, int n)
         }
         if (each->law->inverse_race_inertia > 0.0)
             worst = fmax(worst, fabs(terms[ELEMENT_RACE]) / scale);
+        for (int64_t k = run->size - run->massless; k < run->size; k++) {
+            const double row = fabs(each->rows[k] + each->rows[work->stride + k]);
+            const double moved = row * fmax(fabs(y[k]), fabs(v[k]) / scale);
+            worst = fmax(worst, moved / each->law->clearance);
+            total += moved;
+        }
     }
     return isfinite(total) ? worst / run->rtol : NAN;
 }
@@ -607,14 +650,17 @@ void choose_step(struct work *work)
             longest = smaller(longest, (FALL * (order - n) - log(worst)) / n);
     }
     work->step = exp(longest);
-    double square = work->run->fastest * work->run->fastest;
+    double square = work->run->fastest * work->run->fastest, following = 0.0;
     for (int64_t i = 0; i < work->run->contact_count; i++) {
         const struct touching *each = &work->touching[i];
-        if (is_touching(each))
-            square += each->mobility
-                      * (1.5 * each->law->hertz * each->touch->root + each->law->linear);
+        const struct system_law *law = each->law;
+        if (!is_touching(each))
+            continue;
+        const double stiffness = 1.5 * law->hertz * each->touch->root + law->linear;
+        square += each->mobility * stiffness;
+        following = fmax(following, each->stator_mobility * stiffness);
     }
-    const double rate = (sqrt(square) + fabs(work->spin[0])) * work->pace[0];
+    const double rate = (sqrt(square) + following + fabs(work->spin[0])) * work->pace[0];
     if (rate > 0.0)
         work->step = smaller(work->step, FARTHEST * order / rate);
 }
@@ -631,93 +677,114 @@ void read_rows(const struct work *work, const double *rows, double point, double
     }
 }
 
-/* The integral, up to a point, of a series by the time: of its product with the pace. */
-static double integral_of(const struct work *work, const double *terms, int apart, double point)
+/* Write what the powers of u give up to a point, integrated by the time: with the pace. */
+static void weigh(struct work *work, double point)
+{
+    double shares[ORDERS], power = 1.0;
+    for (int n = 0; n < work->order; n++) {
+        power *= point;
+        shares[n] = power / (n + 1);
+    }
+    for (int j = 0; j < work->order; j++) {
+        double sum = shares[j] * work->pace[0];
+        for (int k = 1; k < work->order - j && work->moves; k++)
+            sum = fma(work->pace[k], shares[j + k], sum);
+        work->weights[j] = sum;
+    }
+}
+
+/* The integral of a series by the time, up to where the step ends. */
+static double integral_of(const struct work *work, const double *terms, int apart)
 {
     double sum = 0.0;
-    for (int n = work->order - 1; n >= 0; n--) {
-        const double term = work->moves ? convolved(work->pace, 1, terms, apart, n)
-                                        : terms[n * apart];
-        sum = (sum + term / (n + 1)) * point;
-    }
+    for (int n = 0; n < work->order; n++)
+        sum = fma(terms[n * apart], work->weights[n], sum);
     return sum;
 }
 
-/* Coefficient n of the scalar product of two series of rows, term by term. */
+/* Coefficient n of the scalar product of two series of rows. */
 static double power_of(const struct work *work, const double *a, const double *b, int n)
 {
-    vec4 sum = spread(0.0);
-    for (int k = 0; k <= n; k++) {
-        const double *first = &a[k * work->stride], *second = &b[(n - k) * work->stride];
-        for (int64_t i = 0; i < work->stride; i += 4)
-            sum = fma4(load(&first[i]), load(&second[i]), sum);
+    vec4 even = spread(0.0), odd = spread(0.0);
+    for (int64_t i = 0; i < work->stride; i += 4) {
+        const double *first = &a[i], *second = &b[n * work->stride + i];
+        int k = 0;
+        for (; k < n; k += 2) {
+            even = fma4(load(first), load(second), even);
+            odd = fma4(load(first + work->stride), load(second - work->stride), odd);
+            first += 2 * work->stride;
+            second -= 2 * work->stride;
+        }
+        if (k == n)
+            even = fma4(load(first), load(second), even);
     }
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    even += odd;
+    return (even[0] + even[1]) + (even[2] + even[3]);
 }
 
-/* Keep what has been gained and lost up to a point of the step. */
-static void keep_ledger(struct work *work, double point)
+/* Keep what has been gained and lost up to where the step ends. */
+static void keep_ledger(struct work *work)
 {
     struct system_run *run = work->run;
     const int64_t stride = work->stride;
-    double driven[ORDERS], lost[ORDERS], stiffened[ORDERS], bent[ORDERS], by_row[2][ORDERS];
+    const int stiffens = run->stiffness_rate != NULL && work->has_rate;
+    double by_cosine[ORDERS], by_sine[ORDERS], bent[ORDERS], driven[ORDERS], lost[ORDERS];
     for (int n = 0; n < work->order; n++) {
         const double *v = row_of(work, work->v, n);
-        by_row[0][n] = sum_of_products(run->unbalance, v, stride);
-        by_row[1][n] = sum_of_products(run->unbalance + stride, v, stride);
-        double by_cosine = 0.0, by_sine = 0.0; /* side by side, as each waits for its own sum */
-        for (int k = 0; k <= n; k++) {
-            by_cosine = fma(work->by_cosine[k], by_row[0][n - k], by_cosine);
-            by_sine = fma(work->by_sine[k], by_row[1][n - k], by_sine);
-        }
-        driven[n] = by_cosine + by_sine;
+        by_cosine[n] = sum_of_products(run->unbalance, v, stride);
+        by_sine[n] = sum_of_products(run->unbalance + stride, v, stride);
+        driven[n] = convolved(work->by_cosine, 1, by_cosine, 1, n)
+                    + convolved(work->by_sine, 1, by_sine, 1, n);
         lost[n] = power_of(work, work->v, work->resisted, n);
-        stiffened[n] = 0.0;
-        if (run->stiffness_rate != NULL && work->has_rate) {
-            bent[n] = power_of(work, work->v, work->stiffened, n);
-            stiffened[n] = convolved(work->spin_rate, 1, bent, 1, n);
-        }
+        if (run->circulation == NULL)
+            continue;
+        double *pushed = row_of(work, work->turned, n); /* which the step needs no more */
+        memset(pushed, 0, sizeof(double) * (size_t)stride);
+        multiply(run->circulation, row_of(work, work->y, n), 1.0, run->size, stride, pushed);
+        lost[n] += power_of(work, work->v, work->turned, n);
     }
-    run->ledger.unbalance += integral_of(work, driven, 1, point);
-    run->ledger.damping += integral_of(work, lost, 1, point);
-    if (run->stiffness_rate != NULL && work->has_rate)
-        run->ledger.stiffness_rate += integral_of(work, stiffened, 1, point);
+    run->ledger.unbalance += integral_of(work, driven, 1);
+    run->ledger.damping += integral_of(work, lost, 1);
+    for (int n = 0; n < work->order && stiffens; n++) {
+        bent[n] = power_of(work, work->v, work->stiffened, n);
+        lost[n] = convolved(work->spin_rate, 1, bent, 1, n);
+    }
+    if (stiffens)
+        run->ledger.stiffness_rate += integral_of(work, lost, 1);
 }
 
-/* Keep what an episode of a contact has spent up to a point of the step. */
-static void keep_episode(struct work *work, struct touching *each, double point, double span)
+/* Keep what an episode of a contact has spent up to where the step ends. */
+static void keep_episode(struct work *work, struct touching *each, double span)
 {
     struct system_run *run = work->run;
     struct episode *episode = &run->open[each - work->touching];
-    double across[ORDERS];
     const double *answers = each->answers[0];
     if (is_pressed(each)) {
-        const double work_of_force = integral_of(work, &answers[ELEMENT_POWER], ELEMENT_ANSWERS,
-                                                 point);
-        episode->impulse += integral_of(work, &answers[ELEMENT_PUSH], ELEMENT_ANSWERS, point);
+        const double work_of_force = integral_of(work, &answers[ELEMENT_POWER], ELEMENT_ANSWERS);
+        episode->impulse += integral_of(work, &answers[ELEMENT_PUSH], ELEMENT_ANSWERS);
         episode->work += work_of_force;
         run->ledger.normal += work_of_force;
     }
     if (each->law->friction == 0.0 || !is_pressed(each))
         return;
-    const int rolls = each->touch->way == ROLLS;
-    if (rolls) {
-        episode->rolling_time += span;
-    } else {
-        episode->heat += integral_of(work, &answers[ELEMENT_HEAT], ELEMENT_ANSWERS, point);
-        episode->slip_distance +=
-            each->touch->sense * integral_of(work, &answers[ELEMENT_SLIP], ELEMENT_ANSWERS, point);
-    }
+    double rim[ORDERS], power[ORDERS], heat[ORDERS];
     for (int n = 0; n < work->order; n++) {
-        double at_rim = each->law->radius * work->spin[n]
-                        - each->law->race_radius * each->series.terms[n][ELEMENT_RACE];
-        at_rim = (rolls ? 0.0 : answers[n * ELEMENT_ANSWERS + ELEMENT_SLIP]) - at_rim;
-        across[n] = at_rim;
+        rim[n] = each->law->radius * work->spin[n]
+                 - each->law->race_radius * each->series.terms[n][ELEMENT_RACE];
+        power[n] = convolved(each->drag, 1, rim, 1, n);
     }
-    double power[ORDERS];
+    run->ledger.tangential -= integral_of(work, power, 1);
+    if (each->touch->way == ROLLS) {
+        episode->rolling_time += span;
+        return;
+    }
+    const double *slip = &answers[ELEMENT_SLIP];
     for (int n = 0; n < work->order; n++)
-        power[n] = convolved(each->drag, 1, across, 1, n);
-    run->ledger.tangential += integral_of(work, power, 1, point);
+        heat[n] = convolved(each->drag, 1, slip, ELEMENT_ANSWERS, n);
+    const double lost = integral_of(work, heat, 1);
+    episode->heat += lost;
+    run->ledger.tangential += lost;
+    episode->slip_distance += each->touch->sense * integral_of(work, slip, ELEMENT_ANSWERS);
 }
 
 /* Where a prescribed speed has turned the rotor, which no step makes less exact. */
@@ -734,14 +801,16 @@ void move_system(struct work *work, double point)
     struct system_run *run = work->run;
     const double reached = polynomial(work->time, 1, work->order, point);
     const double span = reached - run->time;
+    if (!run->only_events || work->has_torque)
+        weigh(work, point);
     if (!run->only_events)
-        keep_ledger(work, point);
+        keep_ledger(work);
     for (int64_t i = 0; i < run->contact_count; i++) {
         struct touching *each = &work->touching[i];
         const double *terms = each->series.terms[0];
         if (is_touching(each)) {
             if (!run->only_events)
-                keep_episode(work, each, point, span);
+                keep_episode(work, each, span);
             each->touch->root = polynomial(&terms[ELEMENT_ROOT], WIDTH, work->order, point);
         }
         if (each->law->inverse_race_inertia > 0.0)
@@ -751,7 +820,7 @@ void move_system(struct work *work, double point)
     read_rows(work, work->y, point, run->state);
     read_rows(work, work->v, point, run->state + work->stride);
     if (work->has_torque) {
-        run->angle += integral_of(work, work->spin, 1, point);
+        run->angle += integral_of(work, work->spin, 1);
         run->speed = polynomial(work->spin, 1, work->order, point);
     }
     run->time = reached;

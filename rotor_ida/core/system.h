@@ -35,16 +35,19 @@ struct episode {
 };
 
 /* What a run has gained and lost so far: by the unbalance, to damping (with what gyroscopic
- * matrices that are not skew do), to the stiffness that a changing speed adds, and to the contacts,
- * normally and tangentially. */
+ * matrices that are not skew do, and the part of the stiffness that is skew), to the stiffness that
+ * a changing speed adds, and to the contacts, normally and tangentially. */
 struct ledger {
     double unbalance, damping, stiffness_rate, normal, tangential;
 };
 
 struct system_run {
     int64_t size, stride, contact_count;
+    /* how many of the coordinates, the last, are of stators without mass: y' = -K y + contacts */
+    int64_t massless;
     const double *stiffness, *damping, *gyroscopic, *stiffness_rate; /* or NULL */
-    const double *unbalance; /* 2 rows: by the cosine and by the sine of the angle */
+    const double *circulation; /* the skew part of the stiffness, or NULL */
+    const double *unbalance;   /* 2 rows: by the cosine and by the sine of the angle */
     const double *force;
     const double *rows; /* 2 a contact: its displacement by the coordinates */
     const struct system_law *laws;

@@ -36,6 +36,8 @@ void set_element(struct touching *each)
         .sigma = slides ? each->touch->sense : 0.0,
         .radius = law->radius,
         .race_radius = law->race_radius,
+        .mobility = each->stator_mobility,
+        .holding = each->touch->way == ROLLS ? inverse(each->stator_mobility) : 0.0,
     };
 }
 
@@ -171,8 +173,9 @@ static double guard_of_slip(const struct work *work, const struct touching *each
         for (int n = 0; n < work->order; n++)
             left[n] = each->law->friction * each->answers[n][ELEMENT_PUSH]
                       - (side ? -1.0 : 1.0) * each->drag[n];
-        first = smaller(first,
-                        first_fall(left, 1, work->order - 1, step, each->touch->zeros[OF_SLIP]));
+        /* on a stator without mass it has just begun, at this limit */
+        const int zeros = (each->touch->sense < 0.0) == side ? each->touch->zeros[OF_SLIP] : 0;
+        first = smaller(first, first_fall(left, 1, work->order - 1, step, zeros));
     }
     return first;
 }
@@ -219,7 +222,17 @@ static void values_of_touch(const struct work *work, const struct touching *each
     given[ELEMENT_ROOT] = is_touching(each) ? each->touch->root : 0.0;
     given[ELEMENT_SPIN] = run->speed;
     given[ELEMENT_RACE] = each->touch->race;
-    element_values(&each->element, given, answers);
+    if (each->stator_mobility == 0.0) {
+        element_values(&each->element, given, answers);
+        return;
+    }
+    const double *v = run->state + work->stride;
+    for (int64_t i = run->size - run->massless; i < run->size; i++) {
+        const double push = drift_of(run, run->state, run->force[i], i) - v[i];
+        given[ELEMENT_VX] += each->rows[i] * push;
+        given[ELEMENT_VY] += each->rows[work->stride + i] * push;
+    }
+    massless_values(&each->element, given, answers);
 }
 
 static double radius_of_touch(const struct work *work, const struct touching *each)
@@ -335,11 +348,14 @@ static int settle_others(struct work *work, int but)
     return status;
 }
 
-/* How a contact with these values goes on that is pressed, but for friction that may hold it. */
+/* How a contact with these values, in which it does not rub, goes on that is pressed, but for
+ * friction that may hold it. A stator without mass may follow at once. */
 static void slide(const struct work *work, struct touching *each, const double *answers)
 {
-    const double slip = answers[ELEMENT_SLIP];
-    const int is_still = fabs(slip) <= hidden_slip(work, each);
+    const double slip = answers[ELEMENT_SLIP], hidden = hidden_slip(work, each);
+    const double followed = each->stator_mobility * each->law->friction * answers[ELEMENT_PUSH];
+    const int is_still = fabs(slip) <= fmax(hidden, followed);
+    each->hidden = ratio(hidden, each->stator_mobility);
     each->touch->sense = slip < 0.0 ? -1.0 : 1.0;
     each->touch->way = slip < 0.0 ? SLIDES_BACKWARDS : SLIDES_FORWARDS;
     if (is_still && each->law->friction > 0.0)
@@ -515,12 +531,14 @@ static int happens_to_slip(struct work *work, int contact)
         const double drag = polynomial(each->drag, 1, work->order - 1, work->step);
         touch->sense = drag > 0.0 ? 1.0 : -1.0;
         touch->way = drag > 0.0 ? SLIDES_FORWARDS : SLIDES_BACKWARDS;
-        each->touch->zeros[OF_SLIP] = 2; /* its rate is 0 as well */
+        /* its rate is 0 as well, but for a stator without mass */
+        each->touch->zeros[OF_SLIP] = each->stator_mobility > 0.0 ? 1 : 2;
         record_system_event(work->run, SLIP, contact);
         return DONE;
     }
     const double sense = touch->sense;
     touch->way = ROLLS;
+    touch->zeros[OF_SLIP] = each->stator_mobility > 0.0 ? 1 : 0;
     const int status = settle_others(work, contact);
     if (touch->way == ROLLS)
         record_system_event(work->run, ROLL, contact);

@@ -25,6 +25,7 @@ struct touching {
     double others[ORDERS];  /* the pace but for its own root */
     double hidden;          /* a tangential force that rounding hides, while it rolls */
     double mobility;        /* the largest acceleration of its displacement by a unit force */
+    double stator_mobility; /* the velocity of its stator without mass by a unit force; or 0 */
     int is_edge;            /* whether its root is a factor of the pace */
 };
 
@@ -39,6 +40,7 @@ struct work {
     double time[ORDERS], pace[ORDERS], cosine[ORDERS], sine[ORDERS];
     double spin[ORDERS], spin_rate[ORDERS], spin_square[ORDERS], turning[ORDERS];
     double by_cosine[ORDERS], by_sine[ORDERS]; /* what multiplies the unbalance's two rows */
+    double weights[ORDERS]; /* integrals by the time, up to where a step ends, of powers of u */
     /* what is solved for at each order: the tangential forces that roll, and the rate of the spin
      */
     int rolling[MOST_CONTACTS], rolls;
@@ -72,23 +74,31 @@ static inline void add_scaled(double factor, const double *row, double *to, int6
         store(&to[i], fma4(by, load(&row[i]), load(&to[i])));
 }
 
-/* Coefficient n of a product, from terms that are so far apart in memory. */
+/* Coefficient n of a product, from terms that are so far apart in memory, without the first terms
+ * of its first factor. Two sums side by side, as each waits for itself. */
+static inline double convolved_from(int first, const double *a, int a_apart, const double *b,
+                                    int b_apart, int n)
+{
+    double even = 0.0, odd = 0.0;
+    int k = first;
+    for (; k < n; k += 2) {
+        even = fma(a[k * a_apart], b[(n - k) * b_apart], even);
+        odd = fma(a[(k + 1) * a_apart], b[(n - k - 1) * b_apart], odd);
+    }
+    return k == n ? fma(a[n * a_apart], b[0], even) + odd : even + odd;
+}
+
+/* Coefficient n of a product. */
 static inline double convolved(const double *a, int a_apart, const double *b, int b_apart, int n)
 {
-    double sum = 0.0;
-    for (int k = 0; k <= n; k++)
-        sum = fma(a[k * a_apart], b[(n - k) * b_apart], sum);
-    return sum;
+    return convolved_from(0, a, a_apart, b, b_apart, n);
 }
 
 /* The same without a_0. */
 static inline double convolved_later(const double *a, int a_apart, const double *b, int b_apart,
                                      int n)
 {
-    double sum = 0.0;
-    for (int k = 1; k <= n; k++)
-        sum = fma(a[k * a_apart], b[(n - k) * b_apart], sum);
-    return sum;
+    return convolved_from(1, a, a_apart, b, b_apart, n);
 }
 
 static inline double polynomial(const double *terms, int apart, int order, double point)
@@ -97,6 +107,13 @@ static inline double polynomial(const double *terms, int apart, int order, doubl
     for (int n = order - 1; n >= 0; n--)
         value = fma(value, point, terms[n * apart]);
     return value;
+}
+
+/* The velocity of a coordinate without mass by its spring and a constant force. */
+static inline double drift_of(const struct system_run *run, const double *y, double force,
+                              int64_t i)
+{
+    return force - run->stiffness[i * (run->stride + 1)] * y[i];
 }
 
 static inline int is_touching(const struct touching *each) { return each->touch->way != FLIES; }

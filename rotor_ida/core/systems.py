@@ -17,6 +17,8 @@ from rotor_ida.core.interface import DONE, FULL, pointer
 from rotor_ida.core.runs import NO_STOP, PIECE, Rows
 
 FIRST_ROOM = 256
+# A skew part of a stiffness below this part of it is rounding.
+SYMMETRIC = 1e-12
 # Numbers of a contact at a sample: normal and tangential force, slip speed, mode.
 FORCES = 4
 LAW = np.dtype(
@@ -54,10 +56,10 @@ class SystemRunStruct(Structure):
     """``struct system_run``."""
 
     _fields_ = [
-        *((name, c_int64) for name in ("size", "stride", "contact_count")),
+        *((name, c_int64) for name in ("size", "stride", "contact_count", "massless")),
         *((name, c_void_p) for name in (
-            "stiffness", "damping", "gyroscopic", "stiffness_rate", "unbalance", "force", "rows",
-            "laws", "touches", "pieces",
+            "stiffness", "damping", "gyroscopic", "stiffness_rate", "circulation", "unbalance",
+            "force", "rows", "laws", "touches", "pieces",
         )),
         *((name, c_int64) for name in ("piece_count", "piece")),
         *((name, c_double) for name in ("inertia", "rtol", "displacement", "velocity", "fastest")),
@@ -120,6 +122,8 @@ class SystemRequest:
         Times of samples; the last is the end.
     duration : float
         The end.
+    massless : int
+        How many of the coordinates, the last, are of stators without mass.
     """
 
     stiffness: Values
@@ -143,6 +147,7 @@ class SystemRequest:
     start: Values
     times: Values
     duration: float
+    massless: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -243,6 +248,13 @@ class _Tables:
         run.event_room = run.episode_room = self.room
 
 
+def _skew_part(stiffness: Values) -> Values | None:
+    """Return the part of a stiffness that has no potential; None where there is none."""
+    skew = 0.5 * (stiffness - stiffness.T)
+    rounded = SYMMETRIC * float(np.abs(stiffness).max(initial=0.0))
+    return skew if np.abs(skew).max(initial=0.0) > rounded else None
+
+
 def follow_system(
     request: SystemRequest, stop: Stop = NO_STOP, watch: Watch | None = None
 ) -> SystemResult:
@@ -275,10 +287,11 @@ def follow_system(
     forces, turns = np.zeros((request.times.size, count, FORCES)), np.zeros((request.times.size, 2))
     tables = _Tables(2 * stride + count, max(FIRST_ROOM, 4 * count + 4))
     run = SystemRunStruct(
-        size=size, stride=stride, contact_count=count,
+        size=size, stride=stride, contact_count=count, massless=request.massless,
         stiffness=given(by_columns(request.stiffness)), damping=given(by_columns(request.damping)),
         gyroscopic=given(by_columns(request.gyroscopic)),
         stiffness_rate=given(by_columns(request.stiffness_rate)),
+        circulation=given(by_columns(_skew_part(request.stiffness))),
         unbalance=given(padded(request.unbalance)), force=given(padded(request.force)),
         rows=given(padded(request.rows)), laws=given(request.laws),
         touches=given(touches, writeable=True),

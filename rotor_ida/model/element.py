@@ -8,9 +8,16 @@ in dimensional form:
 ``d = |u| - delta``, ``N = k d**n max(0, 1 + lambda d')``, ``T = mu N sigma``,
 ``v_s = u'.t + R Omega - R_b Omega_b``, and the force on the rotor is ``-(N + i T) u/|u|``.
 
+A stator without mass but with damping C moves as the contact pushes it, at once. It is given the
+velocities that all else leaves, w, and its own follows from the force: with ``a = k d**n``,
+
+``d' = w.e - N/C``, ``N = a max(0, 1 + lambda w.e)/(1 + a lambda/C)``, ``v_s = w.t + ... - T/C``;
+
+and while the surfaces roll, ``v_s = 0`` gives T.
+
 The root ``s = sqrt(d)`` is a component of the state: in a fictitious time that runs by it the
-motion is analytic through entry and exit. While the surfaces roll, T is not known from the law; the
-core finds it from ``v_s' = 0`` for all contacts together.
+motion is analytic through entry and exit. While the surfaces roll on a stator with mass, T is not
+known from the law; the core finds it from ``v_s' = 0`` for all contacts together.
 """
 
 from __future__ import annotations
@@ -24,34 +31,67 @@ from rotor_ida.model.modes import Number, Numbers, damped, spring_of_root
 GIVEN = ("root", "x", "y", "vx", "vy", "spin", "race")
 PARAMETERS = (
     "clearance", "hertz", "linear", "contact_damping", "pressed",
-    "friction", "sigma", "radius", "race_radius",
+    "friction", "sigma", "radius", "race_radius", "mobility", "holding",
 )  # fmt: skip
-# What it answers, in this order.
-ANSWERS = (
-    "normal_x", "normal_y", "approach", "slip", "push", "force_x", "force_y", "turning", "power",
-    "heat",
-)  # fmt: skip
+# What it answers, in this order; while surfaces roll, and with a stator without mass, one more.
+ANSWERS = ("normal_x", "normal_y", "approach", "slip", "push", "force_x", "force_y", "power")
+ROLLING_ANSWERS = (*ANSWERS, "turning")
+MASSLESS_ANSWERS = (*ANSWERS, "drag")
 
 
 def answers_of(given: Numbers, contact: Any) -> list[Number]:
     """Return what a contact answers: see `ANSWERS`.
 
     They are the direction e of the displacement, the radial velocity ``d'``, the speed of slip
-    ``v_s``, the normal force N, the force of a sliding contact on the rotor, ``d' u'.t/|u|`` (by
-    which the direction's rotation changes the slip), and the powers ``N d'`` and ``T v_s``.
+    ``v_s``, the normal force N, the force of a sliding contact on the rotor, and ``N d'``.
     """
-    root, x, y, vx, vy, spin, race = given
-    radius = contact.clearance + root * root
-    normal_x, normal_y = x / radius, y / radius
-    approach = vx * normal_x + vy * normal_y
-    across = vy * normal_x - vx * normal_y
+    normal_x, normal_y, approach, across = _motion_of(given, contact)
+    root, *_, spin, race = given
     slip = across + contact.radius * spin - contact.race_radius * race
     push = damped(spring_of_root(root, contact), approach, contact)
     push_x, push_y = push * normal_x, push * normal_y
     grip = contact.friction * contact.sigma
     force_x, force_y = grip * push_y - push_x, -(grip * push_x) - push_y
-    turning = approach * across / radius
-    power, heat = push * approach, grip * (push * slip)
-    return [
-        normal_x, normal_y, approach, slip, push, force_x, force_y, turning, power, heat,
-    ]  # fmt: skip
+    power = push * approach
+    return [normal_x, normal_y, approach, slip, push, force_x, force_y, power]
+
+
+def rolling_answers_of(given: Numbers, contact: Any) -> list[Number]:
+    """Return what a contact answers while the surfaces roll: see `ROLLING_ANSWERS`.
+
+    It is ``d' u'.t/|u|``, by which the rotation of the direction e changes the slip.
+    """
+    root, *_ = given
+    _, _, approach, across = _motion_of(given, contact)
+    turning = approach * across / (contact.clearance + root * root)
+    return [*answers_of(given, contact), turning]
+
+
+def massless_answers_of(given: Numbers, contact: Any) -> list[Number]:
+    """Return what a contact with a stator without mass answers: see `MASSLESS_ANSWERS`.
+
+    `mobility` is 1/C, and `holding` C while the surfaces roll, else 0. The force holds T.
+    """
+    normal_x, normal_y, towards, aside = _motion_of(given, contact)
+    root, *_, spin, race = given
+    rim = contact.radius * spin - contact.race_radius * race
+    spring = spring_of_root(root, contact)
+    softened = 1.0 + contact.mobility * contact.contact_damping * spring
+    push = damped(spring, towards, contact) / softened
+    drag = contact.friction * contact.sigma * push + contact.holding * (aside + rim)
+    approach, across = towards - contact.mobility * push, aside - contact.mobility * drag
+    slip = across + rim
+    force_x = drag * normal_y - push * normal_x
+    force_y = -(drag * normal_x) - push * normal_y
+    power = push * approach
+    return [normal_x, normal_y, approach, slip, push, force_x, force_y, power, drag]
+
+
+def _motion_of(given: Numbers, contact: Any) -> tuple[Number, Number, Number, Number]:
+    """Return the direction e of the displacement, and the velocities along and across it."""
+    root, x, y, vx, vy, _, _ = given
+    radius = contact.clearance + root * root
+    normal_x, normal_y = x / radius, y / radius
+    approach = vx * normal_x + vy * normal_y
+    across = vy * normal_x - vx * normal_y
+    return normal_x, normal_y, approach, across

@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from rotor_ida.checks import (
     check_array,
     check_flag,
@@ -61,9 +63,10 @@ class Stator:
     Parameters
     ----------
     mass : float
-        Its mass.
+        Its mass; 0 for one that its mount damps, which then moves as its one contact pushes it.
     stiffness, damping : float or (float, float)
-        Stiffness and damping of its mount, along x and y.
+        Stiffness and damping of its mount, along x and y; without mass the damping is the same
+        along both.
     weight : bool
         Whether gravity acts on it.
     race : Race, optional
@@ -77,14 +80,15 @@ class Stator:
     race: Race | None = None
 
     def __post_init__(self) -> None:
-        given = check_real("mass of a stator", self.mass)
-        if given <= 0.0:
-            raise InputError(
-                f"mass of a stator must be positive, got {given!r}: a light stator is the limit"
-            )
-        object.__setattr__(self, "mass", given)
+        object.__setattr__(self, "mass", check_nonnegative("mass of a stator", self.mass))
         for name in ("stiffness", "damping"):
             object.__setattr__(self, name, _along_both(f"{name} of a stator", getattr(self, name)))
+        pair = np.broadcast_to(self.damping, 2)
+        if self.mass == 0.0 and not pair[0] == pair[1] > 0.0:
+            raise InputError(
+                "damping of a stator without mass must be positive, and the same along x and y, "
+                f"got {self.damping!r}"
+            )
         check_flag("weight", self.weight)
         if self.race is not None:
             check_instance("race", self.race, Race)

@@ -34,7 +34,7 @@ from rotor_ida.model.derivation import (
     needs_convolution,
     operands,
 )
-from rotor_ida.model.modes import PAPER, WHOLE, Mode, Model
+from rotor_ida.model.modes import PAPER, WHOLE, Mode, Model, Number
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.spinning import OF_DRIVE, RUN_UP
 from rotor_ida.model.symbols import Graph, Symbol, named_as_in, split
@@ -577,28 +577,15 @@ def _rotor() -> str:
 
 
 def _element() -> str:
-    """Return the law of one contact of a rotor system: its series, order by order, and values."""
-    graph = Graph()
-    contact = SimpleNamespace(**{name: graph.parameter(name) for name in element.PARAMETERS})
-    with named_as_in("element.py"):
-        answers = element.answers_of([graph.state(name) for name in element.GIVEN], contact)
-    nodes = [node for node in needed(answers) if node.changes]
-    names = _names_of(nodes, answers)
-    lanes = sum(lanes_of(node) for node in nodes if needs_convolution(node))
+    """Return the laws of a contact of a rotor system: series, order by order, and values."""
     given = Mode("element", element.GIVEN, *(None,) * 3, (), None)  # type: ignore[arg-type]
-    before, lines = _recurrences(given, nodes, names)
-    writer = Writer(lambda name: name, names, one="one")
-    places = [f"ELEMENT_{name.upper()}" for name in element.ANSWERS]
-    answered = [f"answers[{p}] = {writer(a)};" for p, a in zip(places, answers, strict=True)]
-    series = [
-        f'_Static_assert({len(element.GIVEN)} <= WIDTH && {lanes} <= LANES, "no room");',
-        "const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;",
-        *[line for line in before if not _is_idle(line, [*before, *lines])],
-        f"sum_known(series, n, {-(-lanes // LANES_A_VECTOR)});",
-        *_given(nodes, given, "here"), *lines, *answered,
-    ]  # fmt: skip
-    values = _values([(f"answers[{p}]", a) for p, a in zip(places, answers, strict=True)], given)
-    head = "static inline void {}(const struct element *m,\n    {}, double *answers)"
+    names = [*(_place(given, name) for name in (*element.GIVEN, "given"))]
+    laws = {
+        "element": (element.answers_of, element.ANSWERS),
+        "rolling": (element.rolling_answers_of, element.ROLLING_ANSWERS),
+        "massless": (element.massless_answers_of, element.MASSLESS_ANSWERS),
+    }
+    answers = list(dict.fromkeys(name for _, each in laws.values() for name in each))
     return "\n".join(
         [
             f"/* Derived from rotor_ida/model/element.py by `{COMMAND}`. */",
@@ -611,22 +598,67 @@ def _element() -> str:
             "/* What the law of a contact knows. */",
             f"struct element {{\n    double {', '.join(element.PARAMETERS)};\n}};",
             "",
-            f"enum {{ {', '.join([*(_place(given, n) for n in (*element.GIVEN, 'given'))])} }};",
-            f"enum {{ {', '.join([*places, 'ELEMENT_ANSWERS'])} }};",
+            f"enum {{ {', '.join(names)} }};",
+            f"enum {{ {', '.join(map(_answer, [*answers, 'answers']))} }};",
             "",
-            "/* Coefficient n of what a contact answers, from those up to n of what it is given:",
-            f" * {lanes} lanes, which must be empty at n = 0. */",
-            head.format("element_order", "struct series *series, int n"),
-            "{", *(f"    {line}" for line in series), "}",
-            "",
-            "/* What it answers, as values. */",
-            head.format("element_values", "const double *state"),
-            "{", *(f"    {line}" for line in values), "}",
-            "",
+            *(
+                line
+                for stem, (law, asked) in laws.items()
+                for line in _answering(stem, given, law, list(map(_answer, asked)))
+            ),
             "#endif",
             "",
         ]
-    )  # fmt: skip
+    )
+
+
+def _answer(name: str) -> str:
+    return f"ELEMENT_{name.upper()}"
+
+
+def _answering(
+    stem: str, given: Mode, law: Callable[..., list[Number]], places: Sequence[str]
+) -> list[str]:
+    """Return the functions of one law: coefficient n of what it answers, and values."""
+    graph = Graph()
+    contact = SimpleNamespace(**{name: graph.parameter(name) for name in element.PARAMETERS})
+    with named_as_in("element.py"):
+        answers = law([graph.state(name) for name in element.GIVEN], contact)
+    nodes = [node for node in needed(answers) if node.changes]
+    names = _names_of(nodes, answers)
+    lanes = sum(lanes_of(node) for node in nodes if needs_convolution(node))
+    before, lines = _recurrences(given, nodes, names)
+    writer = Writer(lambda name: name, names, one="one")
+    pairs = list(zip(places, answers, strict=True))
+    series = [
+        f'_Static_assert({len(element.GIVEN)} <= WIDTH && {lanes} <= LANES, "no room");',
+        "const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;",
+        *[line for line in before if not _is_idle(line, [*before, *lines])],
+        f"sum_known(series, n, {-(-lanes // LANES_A_VECTOR)});",
+        *_given(nodes, given, "here"), *lines,
+        *(f"answers[{place}] = {writer(answer)};" for place, answer in pairs),
+    ]  # fmt: skip
+    values = _values([(f"answers[{place}]", answer) for place, answer in pairs], given)
+    head = "static inline void {}(const struct element *m,\n    {}, double *answers)"
+    as_values = [
+        "/* What it answers, as values. */",
+        head.format(f"{stem}_values", "const double *state"),
+        "{", *(f"    {line}" for line in values), "}",
+        "",
+    ]  # fmt: skip
+    whose = {
+        "element": "a contact",
+        "rolling": "one that rolls",
+        "massless": "one with a stator without mass",
+    }[stem]
+    return [
+        f"/* Coefficient n of what {whose} answers, from those up to n of what it is given:",
+        f" * {lanes} lanes, which must be empty at n = 0. */",
+        head.format(f"{stem}_order", "struct series *series, int n"),
+        "{", *(f"    {line}" for line in series), "}",
+        "",
+        *(as_values if stem != "rolling" else []),
+    ]  # fmt: skip
 
 
 def sources_of(model: Model) -> dict[str, str]:

@@ -93,9 +93,7 @@ def plot_system_sweep(
         highest = float(np.nanmax(part["radius_max"].values, initial=part["clearance"].item()))
         if whirls is not None:
             exact = check_dataset("whirls", whirls, (*WHIRLS, "contact_node"))
-            highest = max(
-                highest, _draw_beneath(ax, at_contact(exact, contact))
-            )
+            highest = max(highest, _draw_beneath(ax, at_contact(exact, contact)))
         draw_simulated(
             ax, part.assign_coords(speed=("speed", speeds)), "amplitude", over="speed", reach="|u|"
         )

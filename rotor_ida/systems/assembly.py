@@ -32,7 +32,8 @@ class Assembly:
     contacts : tuple of Contact
         Its contacts.
     stators : tuple of Stator
-        The stators that move, each with two degrees of freedom behind those of the rotor.
+        The stators that move, each with two degrees of freedom behind those of the rotor; those
+        without mass come last.
     mass, damping, gyroscopic, stiffness, stiffness_rate : ndarray, shape (n, n)
         Matrices of rotor and stators; None where there are none.
     rows : ndarray, shape (contact, 2, n)
@@ -61,6 +62,11 @@ class Assembly:
         return len(self.mass)
 
     @property
+    def massless(self) -> int:
+        """How many of the degrees of freedom, the last, are of stators without mass."""
+        return 2 * sum(each.mass == 0.0 for each in self.stators)
+
+    @property
     def races(self) -> list[Race | None]:
         """The race of each contact."""
         return [each.spinning_race for each in self.contacts]
@@ -81,15 +87,20 @@ class Assembly:
 class Canonical:
     """The matrices of an assembly in coordinates with a unit mass matrix.
 
+    Where there is no mass, the damping is a unit matrix instead.
+
     Parameters
     ----------
     factor : ndarray, shape (n, n)
-        Cholesky's factor L of the mass matrix.
+        Cholesky's factor L of the mass matrix, with the damping of stators without mass.
+    massless : int
+        How many of the coordinates, the last, are of stators without mass.
     stiffness, damping, gyroscopic, stiffness_rate, rows, unbalance, force
         As in `Assembly`.
     """
 
     factor: Values
+    massless: int
     stiffness: Values
     damping: Values | None
     gyroscopic: Values | None
@@ -125,8 +136,7 @@ def assemble(
 ) -> Assembly:
     """Return a rotor system joined with its stators, contacts and forces."""
     check_parts(system, contacts, unbalance)
-    stators = tuple({id(each.stator): each.stator for each in contacts
-                     if isinstance(each.stator, Stator)}.values())  # fmt: skip
+    stators = _stators(contacts)
     size = system.size + 2 * len(stators)
     rows = np.zeros((len(contacts), 2, size))
     for number, each in enumerate(contacts):
@@ -154,6 +164,21 @@ def assemble(
     )
 
 
+def _stators(contacts: Sequence[Contact]) -> tuple[Stator, ...]:
+    """Return the stators of contacts, those without mass behind; refuse one that two push."""
+    given = [each.stator for each in contacts if isinstance(each.stator, Stator)]
+    for number, contact in enumerate(contacts):
+        stator = contact.stator
+        if isinstance(stator, Stator) and stator.mass == 0.0:
+            shared = sum(each is stator for each in given)
+            if shared > 1:
+                raise InputError(
+                    f"a stator without mass must have one contact, got {shared} of that of contact "
+                    f"{number} at {shown(contact.node)}"
+                )
+    return tuple(sorted({id(each): each for each in given}.values(), key=lambda s: s.mass == 0.0))
+
+
 def check_parts(system: object, contacts: object, unbalance: object) -> None:
     """Refuse a system, contacts and unbalance of other types, and contacts that overlap."""
     check_instance("system", system, RotorSystem)
@@ -170,7 +195,12 @@ def check_parts(system: object, contacts: object, unbalance: object) -> None:
 
 def canonical(assembly: Assembly) -> Canonical:
     """Return an assembly in coordinates with a unit mass matrix."""
-    factor = cholesky(assembly.mass, lower=True)
+    inert = assembly.mass
+    if held := assembly.massless:
+        assert assembly.damping is not None
+        inert = inert.copy()
+        inert[-held:, -held:] = assembly.damping[-held:, -held:]
+    factor = cholesky(inert, lower=True)
 
     def forwards(values: Values) -> Values:
         return np.asarray(solve_triangular(factor, values, lower=True))
@@ -183,6 +213,7 @@ def canonical(assembly: Assembly) -> Canonical:
     size = assembly.size
     return Canonical(
         factor=factor,
+        massless=held,
         stiffness=stiffness,
         damping=of_matrix(assembly.damping),
         gyroscopic=of_matrix(assembly.gyroscopic),

@@ -97,6 +97,16 @@ def check_axisymmetric_parts(assembly: Assembly) -> None:
         raise InputError(f"static_force of the system must be 0 for a whirl, got up to {size:.6g}")
 
 
+def check_masses(assembly: Assembly) -> None:
+    """Refuse stators without mass, whose motions are of first order."""
+    for number, each in enumerate(assembly.contacts):
+        if isinstance(each.stator, Stator) and each.stator.mass == 0.0:
+            raise InputError(
+                f"mass of the stator of contact {number} at {shown(each.node)} must be positive "
+                "for the linear motions of a system, got 0.0"
+            )
+
+
 def forward_motions(assembly: Assembly) -> ForwardMotions:
     """Return the forward motions of a system with its stators; refuse one without axial symmetry.
 
@@ -108,6 +118,7 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
     >>> forward_motions(assemble(system, [], [], None, None)).stiffness.real
     array([[4.]])
     """
+    check_masses(assembly)
     found = canonical(assembly)
     matrices = _matrices(found)
     basis = _basis(matrices, _seeds(assembly, found))
@@ -120,9 +131,7 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
             _refuse(name)
     rows = found.rows[:, 0] + 1j * found.rows[:, 1]
     shapes = np.asarray(solve_triangular(found.factor, basis, lower=True, trans=1))
-    return ForwardMotions(
-        rows=rows @ basis / np.sqrt(2.0), basis=basis, shapes=shapes, **reduced
-    )
+    return ForwardMotions(rows=rows @ basis / np.sqrt(2.0), basis=basis, shapes=shapes, **reduced)
 
 
 def _matrices(found: Canonical) -> dict[str, Values]:

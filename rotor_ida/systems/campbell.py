@@ -17,7 +17,7 @@ from rotor_ida.model.system_parts import Contact
 from rotor_ida.schema import labelled_dataset
 from rotor_ida.systems.archived import described_problem
 from rotor_ida.systems.assembly import Assembly, assemble, canonical
-from rotor_ida.systems.axisymmetric import forward_motions
+from rotor_ida.systems.axisymmetric import check_masses, forward_motions
 from rotor_ida.systems.receptances import checked_speeds
 from rotor_ida.systems.units import with_system_units
 
@@ -144,6 +144,7 @@ def _springs(given: object, contacts: Sequence[Contact]) -> Values:
 
 def _motions(assembly: Assembly) -> Callable[[float, float], _Motions]:
     """Return a function of the contacts' stiffness and the speed that gives the motions."""
+    check_masses(assembly)
     try:
         axisymmetric = forward_motions(assembly)
     except InputError:

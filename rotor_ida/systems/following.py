@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Stop, Values, Watch
+from rotor_ida.arrays import ComplexValues, Stop, Values, Watch
 from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.core.systems import LAW, SystemRequest, SystemResult, follow_system
@@ -32,6 +32,8 @@ APART = 30.0
 WIDENING, MEMORY, SAME_EVENT = 10.0, 4, 0.25
 # Relative size below which an eigenvalue is that of a free motion.
 FREE = 1e-9
+# Growth rates below this part of the largest eigenvalue are rounding.
+GROWING = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +78,7 @@ def request_of(
         force=found.force, laws=laws, races=np.array(speeds), pieces=profile.pieces(),
         speed=speed, inertia=inertia, rtol=max(STEP_SAFETY * rtol, TIGHTEST), order=ORDERS[0],
         displacement=displacement, velocity=velocity, fastest=fastest, start=start, times=times,
-        duration=duration,
+        duration=duration, massless=found.massless,
     )  # fmt: skip
 
 
@@ -89,15 +91,12 @@ def scales_of(
     the motion. The velocity belongs to it at
     the largest speed, or at the slowest vibration if that is faster.
     """
-    size = assembly.size
-    resisted = np.zeros((size, size)) if found.damping is None else found.damping.copy()
-    if found.gyroscopic is not None:
-        resisted += fastest_speed * found.gyroscopic
-    first_order = np.block([[np.zeros((size, size)), np.eye(size)], [-found.stiffness, -resisted]])
-    fastest = float(np.abs(np.linalg.eigvals(first_order)).max())
-    squares = np.abs(np.linalg.eigvals(found.stiffness))
+    inert = assembly.size - found.massless
+    stiffness = found.stiffness[:inert, :inert]
+    fastest = float(np.abs(rates_of(found, fastest_speed)).max())
+    squares = np.abs(np.linalg.eigvals(stiffness))
     slow = [float(each) for each in squares if each > FREE * squares.max(initial=0.0)]
-    mobilities = (found.rows**2).sum(axis=2).max(axis=1, initial=0.0)
+    mobilities = (found.rows[:, :, :inert] ** 2).sum(axis=2).max(axis=1, initial=0.0)
     for each, mobility in zip(assembly.contacts, mobilities, strict=True):
         hertz = each.exponent == HERTZ_EXPONENT
         slow.append(each.stiffness * mobility * (each.clearance**0.5 if hertz else 1.0))
@@ -109,6 +108,28 @@ def scales_of(
         sizes = [np.abs(each).max() for each in (start[0], start[1] / rate, deflection)]
         displacement = max(sizes) or displacement
     return float(displacement), float(displacement * rate), max(fastest, rate)
+
+
+def rates_of(found: Canonical, speed: float) -> ComplexValues:
+    """Return the eigenvalues of the motion without contact at a speed."""
+    inert = len(found.stiffness) - found.massless
+    resisted = np.zeros((inert, inert))
+    if found.damping is not None:
+        resisted = resisted + found.damping[:inert, :inert]
+    if found.gyroscopic is not None:
+        resisted = resisted + speed * found.gyroscopic[:inert, :inert]
+    first_order = np.block(
+        [[np.zeros((inert, inert)), np.eye(inert)], [-found.stiffness[:inert, :inert], -resisted]]
+    )
+    relaxing = -np.diag(found.stiffness)[inert:]  # stators without mass
+    return np.concatenate([np.linalg.eigvals(first_order), relaxing])
+
+
+def growth_of(found: Canonical, speed: float) -> float:
+    """Return the rate at which the motion without contact grows at a speed; 0 if it does not."""
+    rates = rates_of(found, speed)
+    growth = float(rates.real.max())
+    return growth if growth > GROWING * float(np.abs(rates).max()) else 0.0
 
 
 def follow_twice(
@@ -196,7 +217,8 @@ def errors_of(
 def energy_of(found: Canonical, state: Values) -> float:
     """Return the energy of a state: kinetic, elastic and of the constant force."""
     y, v = state
-    return float(0.5 * (v @ v) + 0.5 * (y @ (found.stiffness @ y)) - found.force @ y)
+    moving = v[: len(v) - found.massless]
+    return float(0.5 * (moving @ moving) + 0.5 * (y @ (found.stiffness @ y)) - found.force @ y)
 
 
 def size_of_energy(found: Canonical, states: Values) -> float:

@@ -41,6 +41,7 @@ from rotor_ida.systems.following import (
     Followed,
     energy_of,
     follow_twice,
+    growth_of,
     request_of,
     shifts_of,
     size_of_energy,
@@ -435,6 +436,8 @@ def _simulate(
     allowed = ROUNDED + OF_TOLERANCE * tolerance
     _check(first.assembly, first.found, first.request.start, followed, allowed)
     more = problem_variables(first.assembly, unbalance, first.begun)
+    if growth := growth_of(first.found, fastest):
+        told["growth_rate_without_contact"] = growth
     if moved is not None:
         more["event_time_shift"] = ("event", moved)
     return system_dataset(

@@ -44,7 +44,10 @@ MOST_STUCK = 8
 
 @dataclass(slots=True)
 class Touch:
-    """How a contact is at a state: indentation, directions, velocities and normal force."""
+    """How a contact is at a state: indentation, directions, velocities and normal force.
+
+    `held` is the tangential force that a stator without mass follows, where the surfaces roll.
+    """
 
     depth: float
     normal: Values
@@ -54,6 +57,7 @@ class Touch:
     turning: float
     factor: float
     spring: float
+    held: float = 0.0
 
     def push(self, way: int) -> float:
         """Return the normal force in a mode of motion."""
@@ -82,6 +86,11 @@ class _Run:
     def size(self) -> int:
         return len(self.request.force)
 
+    @property
+    def inert(self) -> int:
+        """How many coordinates have mass."""
+        return self.size - self.request.massless
+
     def spin(self, time: float, state: Values) -> tuple[float, float]:
         """Return angle and speed."""
         if self.profile.is_driven:
@@ -93,7 +102,8 @@ class _Run:
         """Return how a contact is at a state."""
         request, n = self.request, self.size
         law, rows = request.laws[number], request.rows[number]
-        place, velocity = rows @ state[:n] - law["offset"], rows @ state[n : 2 * n]
+        v = np.concatenate([state[n : n + self.inert], self.drift(state)])
+        place, velocity = rows @ state[:n] - law["offset"], rows @ v
         radius = float(np.hypot(*place))
         normal = place / radius if radius > 0.0 else np.array([1.0, 0.0])
         tangent = np.array([-normal[1], normal[0]])
@@ -102,12 +112,47 @@ class _Run:
         slip = across + rim - law["race_radius"] * state[2 * n + number]
         depth = radius - float(law["clearance"])
         root = np.sqrt(max(depth, 0.0))
-        return Touch(
+        touch = Touch(
             depth, normal, tangent, approach, float(slip),
             approach * across / radius if radius > 0.0 else 0.0,
             1.0 + float(law["contact_damping"]) * approach,
             float(root**2 * (law["hertz"] * root + law["linear"])),
         )  # fmt: skip
+        return self.yielded(number, touch) if self.mobility(number) else touch
+
+    def mobility(self, number: int) -> float:
+        """Return 1/C of the stator of a contact if it has no mass, else 0."""
+        rows = self.request.rows[number][0, self.inert :]
+        return float(rows @ rows)
+
+    def yielded(self, number: int, touch: Touch) -> Touch:
+        """Return how a contact is whose stator has no mass: its velocity follows the forces."""
+        law, way, mobility = self.request.laws[number], self.ways[number], self.mobility(number)
+        damping = float(law["contact_damping"])
+        push = touch.push(way) / (1.0 + mobility * damping * touch.spring)
+        approach = touch.approach - mobility * push
+        held = touch.slip / mobility if way == ROLLS else 0.0
+        drag = held if abs(way) != 1 else float(law["friction"]) * way * push
+        slip, factor = touch.slip - mobility * drag, 1.0 + damping * approach
+        return replace(touch, approach=approach, slip=slip, factor=factor, held=held)
+
+    def drift(self, state: Values) -> Values:
+        """Return the velocities of stators without mass, but for what contacts do to them."""
+        n, inert, request = self.size, self.inert, self.request
+        return np.asarray((request.force - request.stiffness @ state[:n])[inert:])
+
+    def filled(self, time: float, state: Values) -> Values:
+        """Return a state with the velocities of stators without mass."""
+        n, inert, full = self.size, self.inert, state.copy()
+        full[n + inert : 2 * n] = self.drift(state)
+        for i, way in enumerate(self.ways):
+            if self.mobility(i) and way != FLIES:
+                touch = self.touch(i, time, state)
+                rubs = float(self.request.laws[i]["friction"]) * way * touch.push(way)
+                drag = touch.held if way in {ROLLS, IS_LOOSE} else rubs
+                force = touch.push(way) * touch.normal + drag * touch.tangent
+                full[n + inert : 2 * n] -= self.request.rows[i][:, inert:].T @ force
+        return full
 
     def implicit(self, time: float, state: Values) -> tuple[Values, Values, Values, list[int]]:
         """Return accelerations without what is implicit, its columns, and matrix and right side.
@@ -129,15 +174,17 @@ class _Run:
             a = a - speed * (request.gyroscopic @ v)
         bent = np.zeros(n) if request.stiffness_rate is None else request.stiffness_rate @ y
         a = a - rate * bent
-        rolling = [i for i, way in enumerate(self.ways) if way == ROLLS]
+        a[self.inert :] = 0.0
+        rolling = self.rolling()
         torque_on_rotor = 0.0
         touches = [self.touch(i, time, state) for i in range(len(self.ways))]
         for i, (way, touch) in enumerate(zip(self.ways, touches, strict=True)):
             if way in {FLIES, IS_LOOSE}:
                 continue
             push = touch.push(way)
-            drag = 0.0 if way == ROLLS else request.laws[i]["friction"] * way * push
+            drag = touch.held if way == ROLLS else request.laws[i]["friction"] * way * push
             a = a - request.rows[i].T @ (push * touch.normal + drag * touch.tangent)
+            a[self.inert :] = 0.0
             torque_on_rotor += request.laws[i]["radius"] * drag
         columns = [-request.rows[i].T @ touches[i].tangent for i in rolling]
         if driven:
@@ -165,18 +212,23 @@ class _Run:
             right[-1] = spin[1] - spin[2] * speed - torque_on_rotor - pull @ a
         return a, np.array(columns).reshape(count, n), np.column_stack([matrix, right]), rolling
 
+    def rolling(self) -> list[int]:
+        """Return the contacts that roll on stators with mass."""
+        return [i for i, way in enumerate(self.ways) if way == ROLLS and not self.mobility(i)]
+
     def rates(self, time: float, state: Values, out: Values) -> None:
         """Write the rate of change of a state."""
         n, request = self.size, self.request
         a, columns, system, rolling = self.implicit(time, state)
         found = np.linalg.solve(system[:, :-1], system[:, -1]) if len(system) else np.empty(0)
-        out[:n], out[n : 2 * n] = state[n : 2 * n], a + found @ columns
+        out[:n], out[n : 2 * n] = self.filled(time, state)[n : 2 * n], a + found @ columns
         held = dict(zip(rolling, found, strict=False))
         for i, way in enumerate(self.ways):
             law = request.laws[i]
-            drag = held.get(i, 0.0)
+            touch = self.touch(i, time, state)
+            drag = held.get(i, touch.held)
             if way in {1, -1}:
-                drag = law["friction"] * way * self.touch(i, time, state).push(way)
+                drag = law["friction"] * way * touch.push(way)
             torque = law["race_radius"] * drag - law["race_drag"] * state[2 * n + i]
             out[2 * n + i] = law["inverse_race_inertia"] * torque
         angle_rate = self.spin(time, state)[1]
@@ -185,10 +237,15 @@ class _Run:
     def holds(self, time: float, state: Values) -> dict[int, float]:
         """Return the tangential forces of the contacts that roll."""
         _, _, system, rolling = self.implicit(time, state)
+        held = {
+            i: self.touch(i, time, state).held
+            for i, way in enumerate(self.ways)
+            if way == ROLLS and i not in rolling
+        }
         if not rolling:
-            return {}
+            return held
         found = np.linalg.solve(system[:, :-1], system[:, -1])
-        return dict(zip(rolling, found.tolist(), strict=False))
+        return held | dict(zip(rolling, found.tolist(), strict=False))
 
     def guards(self, time: float, state: Values) -> Values:
         """Return what must not fall below 0: three numbers a contact, infinite where none is."""
@@ -217,7 +274,7 @@ def settle(run: _Run, time: float, state: Values) -> None:
 
     All combinations are tried; by the convexity of the problem one of them fits.
     """
-    stuck = [i for i, way in enumerate(run.ways) if way == ROLLS]
+    stuck = run.rolling()
     if not stuck:
         return
     if len(stuck) > MOST_STUCK:
@@ -254,7 +311,7 @@ def _begin(run: _Run, state: Values) -> None:
     """Decide the modes at the start."""
     velocity = run.request.velocity
     for i in range(len(run.ways)):
-        run.ways[i] = 1
+        run.ways[i] = ROLLS if run.mobility(i) else 1
         touch = run.touch(i, 0.0, state)
         pushed = touch.depth > 0.0 or (touch.depth == 0.0 and touch.approach > 0.0)
         if not pushed:
@@ -268,16 +325,19 @@ def _begin(run: _Run, state: Values) -> None:
 
 
 def _sliding(run: _Run, number: int, touch: Touch, velocity: float) -> int:
-    if abs(touch.slip) <= STILL * velocity and run.request.laws[number]["friction"] > 0.0:
+    friction, mobility = float(run.request.laws[number]["friction"]), run.mobility(number)
+    slip = touch.slip + mobility * touch.held
+    followed = mobility * friction * touch.push(run.ways[number])
+    if abs(slip) <= max(STILL * velocity, followed) and friction > 0.0:
         return ROLLS
-    return -1 if touch.slip < 0.0 else 1
+    return -1 if slip < 0.0 else 1
 
 
 def _record(run: _Run, time: float, kind: int, number: int, state: Values) -> None:
     run.times.append(time)
     run.kinds.append(kind)
     run.numbers.append(number)
-    run.states.append(state.copy())
+    run.states.append(run.filled(time, state))
 
 
 def _change(run: _Run, time: float, number: int, guard: int, state: Values) -> None:
@@ -337,7 +397,7 @@ def _sample(run: _Run, motion: Integration, until: float) -> None:
         if time > until:
             break
         state = motion.at(time)
-        run.samples.append(state)
+        run.samples.append(run.filled(time, state))
         holds = run.holds(time, state)
         rows = np.zeros((len(run.ways), FORCES))
         for i, way in enumerate(run.ways):
@@ -413,6 +473,7 @@ class _Scaled(Integration):
 def _result(run: _Run, status: int, time: float, state: Values) -> SystemResult:
     """Return a run in the form of the core's."""
     n, count = run.size, len(run.ways)
+    state = run.filled(time, state)
     events = np.array(run.states).reshape(-1, len(state))
     samples = np.array(run.samples).reshape(-1, len(state))
     touches = np.zeros(count, TOUCH)

@@ -233,6 +233,55 @@ def test_a_settled_rub_is_the_exact_one(friction):
     np.testing.assert_allclose(radius - clearance, depths[0], rtol=1e-9)
 
 
+def on_a_stator(mass, friction, *, race=None, damping=0.4, **how):
+    """Return a run of two discs, one in a stator of a mass and one on the ground."""
+    rng = np.random.default_rng(3)
+    bent = rng.normal(size=(4, 4))
+    system = RotorSystem(
+        mass=np.eye(4), stiffness=np.eye(4) + 0.1 * bent @ bent.T, damping=0.05 * np.eye(4),
+        nodes={"a": (0, 1), "b": (2, 3)}, units="1",
+    )  # fmt: skip
+    stator = Stator(mass=mass, stiffness=(3.0, 5.0), damping=0.8)
+    contacts = [
+        Contact(
+            node="a", clearance=0.5, stiffness=20.0, damping=damping, friction=friction, radius=2.0,
+            stator=stator, race=race,
+        ),
+        Contact(node="b", clearance=0.6, stiffness=15.0, friction=friction, radius=1.0),
+    ]  # fmt: skip
+    unbalance = [Unbalance(node="a", moment=0.5), Unbalance(node="b", moment=0.3, phase=1.0)]
+    start = 0.2 * rng.normal(size=4), 0.5 * rng.normal(size=4)
+    return simulate(
+        system, contacts=contacts, unbalance=unbalance, speed=1.1, duration=10.0, samples=31,
+        start=start, **how,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, 1.0])
+def test_a_stator_without_mass_is_the_limit_of_light_ones(friction):
+    """The events move by the mass: a tenth of it moves them a tenth as far."""
+    race = Race(radius=1.5, inertia=0.3, drag=0.05)
+    runs = [on_a_stator(mass, friction, race=race) for mass in (0.0, 1e-3, 1e-4)]
+    for other in runs[1:]:
+        np.testing.assert_array_equal(other.event_kind, runs[0].event_kind)
+    assert runs[0].sizes["event"] >= 9
+    apart = [np.abs(other.event_time - runs[0].event_time).max().item() for other in runs[1:]]
+    assert apart[1] < 5e-4
+    assert apart[0] / apart[1] == pytest.approx(10.0, rel=0.1)
+
+
+@pytest.mark.parametrize(("friction", "damping"), [(0.0, 0.0), (0.3, 1.5), (1.0, 0.4)])
+def test_events_on_a_stator_without_mass_are_those_of_cvode(friction, damping):
+    runs = [
+        on_a_stator(0.0, friction, damping=damping, **how)
+        for how in ({}, {"method": "adams", "rtol": 1e-11})
+    ]
+    np.testing.assert_array_equal(runs[0].event_kind, runs[1].event_kind)
+    for name in ("event_time", "event_state", "normal_force", "tangential_force", "final_state"):
+        scale = np.abs(runs[0][name]).max().item()
+        assert np.abs(runs[0][name] - runs[1][name]).max() <= 1e-6 * scale, name
+
+
 def test_energy_of_a_free_rotor_on_a_moving_stator_is_kept():
     """Without damping, friction and unbalance, over hundreds of bounces."""
     stator = Stator(mass=0.7, stiffness=3.0)

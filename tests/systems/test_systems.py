@@ -17,9 +17,11 @@ from rotor_ida import (
     RotorSystem,
     Stator,
     Unbalance,
+    campbell,
     run_up,
     simulate,
 )
+from rotor_ida.cli.describe import describe
 from rotor_ida.systems.archived import problem_of
 from tests.systems.random_systems import random_system
 
@@ -93,9 +95,16 @@ def test_a_contact_that_cannot_be_is_refused(change, words):
         Contact(**TOUCH | change)
 
 
-def test_a_stator_without_mass_is_refused():
-    with pytest.raises(InputError, match="mass of a stator must be positive"):
+def test_a_stator_without_mass_and_damping_is_refused():
+    with pytest.raises(InputError, match="damping of a stator without mass must be positive"):
         Stator(mass=0.0, stiffness=1.0)
+    light = Stator(mass=0.0, stiffness=1.0, damping=1.0)
+    contacts = [Contact(**TOUCH | {"clearance": c, "stator": light}) for c in (1.0, 2.0)]
+    system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)}, units="1")
+    with pytest.raises(InputError, match="a stator without mass must have one contact, got 2"):
+        simulate(system, contacts=contacts, speed=1.0, duration=1.0)
+    with pytest.raises(InputError, match="mass of the stator of contact 0 at 'disc' must be"):
+        campbell(system, contacts=contacts[:1], speed=1.0)
     with pytest.raises(InputError, match="inertia of a race must"):
         Race(radius=1.0, inertia=0.0)
 
@@ -383,3 +392,20 @@ def test_a_run_computed_again_has_the_same_axial_positions():
     again, _ = problem_of(run)
     assert again.positions == places
     assert again.reduced(modes=2).positions == places
+
+
+def test_a_linear_system_that_grows_is_told():
+    """Cross-coupled stiffness of 0.2 against a damping of 0.1, as of a journal bearing."""
+    around = {"speed": 1.0, "duration": 5.0, "samples": 5}
+    bearing = {"mass": np.eye(2), "nodes": {"disc": (0, 1)}, "units": "1"}
+    crossed = np.array([[1.0, 0.2], [-0.2, 1.0]])
+    growing = RotorSystem(**bearing, stiffness=crossed, damping=0.1 * np.eye(2))
+    run = simulate(growing, contacts=[Contact(**TOUCH)], start=([0.05, 0.0], [0.0, 0.0]), **around)
+    exact = np.linalg.eigvals(
+        np.block([[np.zeros((2, 2)), np.eye(2)], [-crossed, -0.1 * np.eye(2)]])
+    ).real.max()
+    assert run.attrs["growth_rate_without_contact"] == pytest.approx(exact, rel=1e-12)
+    _, parts = describe(run)
+    assert any(str(each).startswith("Without contact the motion grows") for each in parts)
+    still = RotorSystem(**bearing, stiffness=np.eye(2))  # grows by rounding alone
+    assert "growth_rate_without_contact" not in simulate(still, **around).attrs
