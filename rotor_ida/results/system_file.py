@@ -58,7 +58,7 @@ MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate")
 # What may stand in each table of a file; with units where it is a number.
 TOP = ("units", "speed", "gravity", "static_force", "start", "modes", "more_modes", "system",
        "stators", "contacts", "unbalance", "run_up")  # fmt: skip
-OF_SYSTEM = (*MATRICES, "translations", "nodes")
+OF_SYSTEM = (*MATRICES, "translations", "nodes", "positions")
 OF_CONTACT = {"clearance": "m", "damping": "s m-1", "friction": "1", "radius": "m"}
 KEYS_OF_CONTACT = (
     "node", "stiffness", *OF_CONTACT, "exponent", "centre", "stator", "race",
@@ -264,7 +264,7 @@ def _system(file: _Table, folder: Path) -> RotorSystem:
     given = file.table("system")
     nodes = given.table("nodes").entries
     if "file" in given.entries:
-        given.check(("file", "nodes"))
+        given.check(("file", "nodes", "positions"))
         place = given.entries["file"]
         if not isinstance(place, str) or not place:
             raise InputError(f"system.file must be the path of a file, got {shown(place)}")
@@ -281,6 +281,9 @@ def _system(file: _Table, folder: Path) -> RotorSystem:
         arguments["nodes"] = nodes
         if "translations" in given.entries:
             arguments["translations"] = given.entries["translations"]
+    if "positions" in given.entries:
+        places = given.table("positions")
+        arguments["positions"] = {node: places.number(node, "m") for node in places.entries}
     with _naming("system"):
         return RotorSystem(**arguments, units="SI" if file.si else "1")
 

@@ -67,8 +67,12 @@ def test_the_documented_file_runs_as_in_python_to_the_bit(load):
 
 def test_matrices_are_read_from_the_folder_of_the_file(load, tmp_path):
     np.savez(tmp_path / "rotor.npz", M=np.eye(4), K=CHAIN[0, 0] * np.eye(4), node_disc=[0, 1])
-    case = load('modes = 2\n[system]\nfile = "rotor.npz"\nnodes = { end = [2, 3] }')
+    case = load(
+        'modes = 2\n[system]\nfile = "rotor.npz"\nnodes = { end = [2, 3] }\n'
+        'positions = { disc = "10 cm", end = 0.3 }'
+    )
     assert dict(case.system.nodes) == {"disc": (0, 1), "end": (2, 3)}
+    assert dict(case.system.positions) == {"disc": 0.1, "end": 0.3}
     assert case.around["modes"] == 2
     np.testing.assert_array_equal(case.system.mass, np.eye(4))
 
