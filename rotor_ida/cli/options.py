@@ -316,9 +316,9 @@ RunningSpeeds = Annotated[
     IN_ROTOR,
 ]
 Probes = Annotated[
-    list[str],
+    list[str] | None,
     Parameter(
-        help="Nodes at which vibration is measured.",
+        help="Nodes at which vibration is measured. Default: those of the contacts.",
         metavar="NAME",
         consume_multiple=True,
         negative=(),

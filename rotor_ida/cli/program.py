@@ -90,8 +90,7 @@ USAGE: dict[Callable[..., object], str] = {
     synchronous_response: "Usage: rotor-ida synchronous-response [OPTIONS] [SYSTEM]",
     special_speeds: "Usage: rotor-ida special-speeds --limits LOW HIGH [OPTIONS] SYSTEM",
     campbell: "Usage: rotor-ida campbell --speed SPEED... [OPTIONS] SYSTEM",
-    clearance_report: "Usage: rotor-ida clearance-report --speed SPEED... --probes NODE... "
-    "[OPTIONS] SYSTEM",
+    clearance_report: "Usage: rotor-ida clearance-report --speed SPEED... [OPTIONS] SYSTEM",
     fit: "Usage: rotor-ida fit --unknown NAME [OPTIONS] FILE...",
     explore: "Usage: rotor-ida explore [OPTIONS] [FILE]",
 }

@@ -166,6 +166,17 @@ def test_a_given_unbalance_rubs_as_the_exact_whirls_do():
     assert "at a speed of" in report.attrs["sentence"]
 
 
+def test_without_probes_the_clearances_are_where_vibration_is_measured():
+    """There the scaled orbit is the vibration limit, where the scale factor is below 6."""
+    report = clearance_report(DISC, contacts=[SEAL], speed=(460.0, 700.0))
+    assert report.probe.values.tolist() == ["disc"]
+    assert report.scale_factor.item() < 6.0
+    share = report.vibration_limit.item() / 200e-6
+    assert report.running_share.item() == pytest.approx(share, rel=1e-9)
+    again = clearance_report(DISC, contacts=[SEAL], speed=(460.0, 700.0), probes=["disc"])
+    assert again.identical(report)
+
+
 def test_a_sentence_says_what_dry_whip_would_do():
     report = clearance_report(DISC, contacts=[SEAL], probes=["disc"], speed=(600.0, 1500.0))
     told = report.attrs["sentence"]

@@ -66,7 +66,7 @@ def clearance_report(
     /,
     *,
     speed: options.RunningSpeeds,
-    probes: options.Probes,
+    probes: options.Probes = None,
     own_unbalance: options.OwnUnbalance = False,
     multiple: options.Multiple = 2.0,
     vibration_limit: options.VibrationLimit = None,

@@ -30,7 +30,7 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
 from rotor_ida.schema import STABILITY, VERDICT, labelled_dataset
 from rotor_ida.systems.archived import described_problem
-from rotor_ida.systems.assembly import assemble
+from rotor_ida.systems.assembly import Assembly, assemble
 from rotor_ida.systems.clearances.critical_speeds import Peak, critical_modes, margins
 from rotor_ida.systems.clearances.response import (
     REACH,
@@ -70,7 +70,7 @@ def clearance_report(
     *,
     contacts: Sequence[Contact],
     speed: Sequence[float],
-    probes: Sequence[str],
+    probes: Sequence[str] | None = None,
     unbalance: Sequence[Unbalance] | None = None,
     multiple: float = 2.0,
     vibration_limit: float | None = None,
@@ -87,8 +87,9 @@ def clearance_report(
         The close clearances.
     speed : sequence of float, shape (2,) or (3,)
         Minimum and maximum continuous speed, and the trip speed.
-    probes : sequence of str
-        Nodes at which vibration is measured.
+    probes : sequence of str, optional
+        Nodes at which vibration is measured. Those near bearings see less than others, so that the
+        scale factor is larger. Default: the nodes of the contacts.
     unbalance : sequence of Unbalance, optional
         Residual unbalance. Default: that of each mode up to 1.5 times the maximum continuous
         speed, at its antinodes; see Notes.
@@ -208,17 +209,19 @@ def _problem(
             raise InputError("vibration_limit must be given without SI units, got None")
         limit = LIMIT * min(1.0, math.sqrt(LIMIT_SPEED * SPEED_UNITS["rpm"] / high))
     limit = check_positive("vibration_limit", limit, LARGEST_NUMBER)
-    return Problem(assembly, low, high, trip, _probes(system, probes), limit)
+    return Problem(assembly, low, high, trip, _probes(assembly, probes), limit)
 
 
-def _probes(system: RotorSystem, given: object) -> tuple[str, ...]:
-    """Return the names of nodes of a system."""
+def _probes(assembly: Assembly, given: object) -> tuple[str, ...]:
+    """Return the names of nodes of a system, by default those of its contacts."""
+    if given is None:
+        return tuple(dict.fromkeys(each.node for each in assembly.contacts))
     if isinstance(given, str) or not isinstance(given, Sequence) or not given:
         raise InputError(f"probes must be a list of names of nodes, got {shown(given)}")
     for node in given:
         if not isinstance(node, str):
             raise InputError(f"probes must be a list of names of nodes, got {shown(given)}")
-        system.rows(node)  # refuses an unknown one
+        assembly.system.rows(node)  # refuses an unknown one
     return tuple(given)
 
 
