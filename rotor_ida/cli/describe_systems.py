@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.cli.describe import change_of_speed
-from rotor_ida.cli.report import pairs, shown
+from rotor_ida.cli.report import pairs, shown, table
 from rotor_ida.cli.variables import (
     Description,
     Record,
@@ -40,6 +40,12 @@ COLUMNS = {
     "first_touch": "entry_time", "largest_r_over_clearance": "", "largest_force": "peak_force",
     "rolling_time": "rolling_time", "ends": "",
 }  # fmt: skip
+# The same of a drop, all of them variables by contact.
+OF_DROP = (
+    "contact_count", "excursion", "largest_force", "largest_force_time", "largest_impulse", "total_impulse", "total_heat",
+    "total_contact_loss", "first_roll_time", "largest_race_speed", "race_speed_time",
+    "whirl_turns", "whirl_speed", "rest_time",
+)  # fmt: skip
 OF_RUN = ("method", "rtol", "modes", "more_modes")
 
 
@@ -54,9 +60,29 @@ def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:
     record |= {"first_touch": first, "contacts": contacts}
     heads = {name: _with_unit_of(dataset, name, variable) for name, variable in COLUMNS.items()}
     rows: list[Record] = [{heads[name]: each[name] for name in heads} for each in contacts]
-    table = rows_table("Contacts", rows, list(heads.values()), None, digits=6)
+    listed = rows_table("Contacts", rows, list(heads.values()), None, digits=6)
     told = pairs("Run", _of_run(dataset))
-    return record, [_sentence(dataset, first), *table, told, *parts]
+    return record, [_sentence(dataset, first), *listed, told, *parts]
+
+
+def show_drop(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return what is delivered of a drop by bearing, then what is shown of any run."""
+    record, parts = show_system_run(dataset, most)
+    if "contact" not in dataset.sizes or not set(OF_DROP) <= dataset.variables.keys():
+        return record, parts
+    bearings = [
+        {"node": str(dataset["contact_node"].values[number])}
+        | {name: dataset[name].values[number].item() for name in OF_DROP}
+        for number in range(dataset.sizes["contact"])
+    ]
+    turned: list[Record] = [
+        {"quantity": with_unit(dataset, name)}
+        | {f"{number}: {each['node']}": each[name] for number, each in enumerate(bearings)}
+        for name in OF_DROP
+    ]
+    drawn = table("Bearings", turned, list(turned[0]), digits=5)
+    sentence, *others = parts
+    return {**record, "bearings": bearings}, [sentence, drawn, *others]
 
 
 def _of_contact(run: xr.Dataset, number: int) -> dict[str, Any]:

@@ -81,6 +81,12 @@ KINDS = {
     kind.name: kind
     for kind in (
         Kind(
+            name="drop", meaning="drop of a rotor system",
+            variables=("whirl_turns", "standstill_time", "event_contact"), dims=("t", "node"),
+            shown="rotor_ida.cli.describe_systems:show_drop",
+            drawn="rotor_ida.plot:system_figure", verified=f"{_VERIFIED}:SYSTEM_RUN",
+        ),
+        Kind(
             name="system_run", meaning="run of a rotor system", variables=("x", "event_contact"),
             dims=("t", "node"), shown="rotor_ida.cli.describe_systems:show_system_run",
             drawn="rotor_ida.plot:system_figure", verified=f"{_VERIFIED}:SYSTEM_RUN",
