@@ -56,6 +56,7 @@ from .simulation.contact_table import contact_summary as contact_summary
 from .simulation.lyapunov import lyapunov_exponent as lyapunov_exponent
 from .simulation.sections import poincare_section as poincare_section
 from .steady.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
+from .steady.drop_ensemble import drop_ensemble as drop_ensemble
 from .steady.run_up_summary import summary as summary
 from .steady.run_ups import run_ups as run_ups
 from .steady.sweep import sweep as sweep

@@ -87,6 +87,11 @@ KINDS = {
             drawn="rotor_ida.plot:system_figure", verified=f"{_VERIFIED}:SYSTEM_RUN",
         ),
         Kind(
+            name="drop_ensemble", meaning="many drops of a rotor system",
+            variables=("whirl_turns", "decided_fraction"), dims=("drop", "contact"),
+            shown="rotor_ida.cli.describe_systems:show_drops",
+        ),
+        Kind(
             name="system_run", meaning="run of a rotor system", variables=("x", "event_contact"),
             dims=("t", "node"), shown="rotor_ida.cli.describe_systems:show_system_run",
             drawn="rotor_ida.plot:system_figure", verified=f"{_VERIFIED}:SYSTEM_RUN",

@@ -126,11 +126,19 @@ class Rows:
     events: Table | None = None
 
 
+class Points(Protocol):
+    """Points of a study, of which their number matters here."""
+
+    @property
+    def points(self) -> int:
+        """Number of points."""
+
+
 class Plan(Protocol[Job_co]):
     """The jobs of a study, by number, each of `length` points."""
 
     @property
-    def grid(self) -> Grid:
+    def grid(self) -> Points:
         """The points of all jobs."""
 
     @property

@@ -141,13 +141,13 @@ def drop(
     found, fails = check_supports(system, supports, failing)
     if gravity is None and system.units == "SI":
         gravity = (0.0, -GRAVITY)
-    around = {
+    around: dict[str, Any] = {
         "contacts": bearings, "gravity": gravity, "static_force": static_force, "start": start,
         "unbalance": [replace(each, phase=each.phase + turned) for each in unbalance],
     }  # fmt: skip
     case = _released(in_modes(system, modes, around), found, fails, omega)
-    how = {"duration": duration, "samples": samples, "rtol": rtol, "method": method,
-           "progress": progress, "speed": omega}  # fmt: skip
+    how: dict[str, Any] = {"duration": duration, "samples": samples, "rtol": rtol, "method": method,
+                           "progress": progress, "speed": omega}  # fmt: skip
     if inertia is None:
         if check_nonnegative("drag", drag) > 0.0:
             raise InputError(f"inertia must be given with drag, got drag {drag!r} alone")
@@ -156,7 +156,9 @@ def drop(
         torque = (0.0, check_nonnegative("drag", drag))
         run = run_up_system(**case.around, **how, torque=torque,
                             inertia=check_positive("inertia", inertia))  # fmt: skip
-    told = {"phase": turned} | ({} if modes is None else {"modes": modes})
+    told: dict[str, object] = {"phase": turned}
+    if modes is not None:
+        told["modes"] = modes
     return _dataset(system, run, figures_of_drop(run, checked) | case.told, told)
 
 

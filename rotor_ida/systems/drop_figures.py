@@ -1,4 +1,4 @@
-"""What is delivered of a drop: of each touchdown bearing forces, impulses, whirl, races and rest."""
+"""What is delivered of a drop: forces, impulses, whirl, races and rest in each bearing."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Column, Values
-from rotor_ida.schema import EVENT_KIND, OF_FRICTION_EVENT_KIND
+from rotor_ida.schema import EVENT_KIND, OF_BEARING, OF_FRICTION_EVENT_KIND
 
 # Part of the clearance beyond which a rotor goes round a bearing, and turns in one sense without a
 # return below it that make a whirl.
@@ -18,6 +18,11 @@ AROUND, FEWEST_TURNS = 0.5, 3.0
 STANDING = 0.01
 # Part of the end of a run for which a contact must last to be at rest in its bearing.
 LASTING = 0.1
+# What is delivered of each bearing, with the kind of number.
+NUMBERS = {
+    **{name: np.float64 for name in OF_BEARING if name != "excursion"},
+    "contact_count": np.int64, "whirl_sense": np.int8,
+}  # fmt: skip
 
 
 def figures_of_drop(run: xr.Dataset, clearances: Mapping[str, float]) -> dict[str, Column]:
@@ -33,11 +38,9 @@ def figures_of_drop(run: xr.Dataset, clearances: Mapping[str, float]) -> dict[st
     count = run.sizes["contact"]
     of_contacts = [_of_contact(run, number) for number in range(count)]
     columns: dict[str, Column] = {
-        name: ("contact", np.array([each[name] for each in of_contacts]))
-        for name in _of_contact_names()
+        name: ("contact", np.array([each[name] for each in of_contacts], kind))
+        for name, kind in NUMBERS.items()
     }
-    columns["contact_count"] = ("contact", columns["contact_count"][1].astype(np.int64))
-    columns["whirl_sense"] = ("contact", columns["whirl_sense"][1].astype(np.int8))
     radii = np.hypot(run["x"].values, run["y"].values).max(axis=0)
     columns["largest_radius"] = ("node", radii)
     if clearances:
@@ -47,14 +50,6 @@ def figures_of_drop(run: xr.Dataset, clearances: Mapping[str, float]) -> dict[st
         columns["node_excursion"] = ("node", radii / gaps)
     columns["standstill_time"] = ((), _standstill(run))
     return columns
-
-
-def _of_contact_names() -> tuple[str, ...]:
-    return (
-        "contact_count", "largest_force", "largest_force_time", "largest_impulse", "total_impulse", "total_heat",
-        "total_contact_loss", "first_roll_time", "largest_race_speed", "race_speed_time",
-        "whirl_turns", "whirl_speed", "whirl_sense", "rest_time",
-    )  # fmt: skip
 
 
 def _of_contact(run: xr.Dataset, number: int) -> dict[str, float]:

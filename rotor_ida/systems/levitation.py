@@ -60,7 +60,9 @@ def check_supports(
         raise InputError(f"failing must be a list of nodes of supports, got {shown(failing)}")
     for name in failing:
         if name not in names:
-            allowed = listed(map(repr, names), "or") or "none, as there are no supports"
+            allowed = (
+                listed([repr(each) for each in names], "or") or "none, as there are no supports"
+            )
             raise InputError(f"failing must be nodes of supports, {allowed}, got {shown(name)}")
     return found, [name in failing for name in names]
 
@@ -111,7 +113,7 @@ def _held(assembly: Assembly, rows: Values) -> tuple[Values, Values]:
         found = np.linalg.lstsq(stiffness, assembly.force)[0]
         left = stiffness @ found - assembly.force
         held = np.abs(left).max(initial=0.0) <= BALANCED * np.abs(assembly.force).max(initial=0.0)
-        return (found if held else np.zeros(size)), np.zeros(0)
+        return np.asarray(found if held else np.zeros(size)), np.zeros(0)
     scale = float(np.abs(stiffness).max()) or 1.0
     both = np.block([[stiffness, -scale * rows.T], [scale * rows, np.zeros((len(rows),) * 2)]])
     right = np.concatenate([assembly.force, np.zeros(len(rows))])
