@@ -50,7 +50,6 @@ struct work *open_work(struct system_run *run)
         each->law = &run->laws[i];
         each->touch = &run->touches[i];
         each->rows = &run->rows[2 * i * stride];
-        memset(each->touch->zeros, 0, sizeof each->touch->zeros);
         each->mobility = sum_of_products(each->rows, each->rows, stride)
                          + sum_of_products(each->rows + stride, each->rows + stride, stride);
         memset(each->series.terms, 0, sizeof each->series.terms);
