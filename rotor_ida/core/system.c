@@ -745,7 +745,10 @@ void move_system(struct work *work, double point)
         }
         if (each->law->inverse_race_inertia > 0.0)
             each->touch->race = polynomial(&terms[ELEMENT_RACE], WIDTH, work->order, point);
+        const int of_slip = each->touch->zeros[OF_SLIP];
         memset(each->touch->zeros, 0, sizeof each->touch->zeros);
+        if (span <= 0.0) /* holds that give way together: each slip still has its zero here */
+            each->touch->zeros[OF_SLIP] = of_slip;
     }
     read_rows(work, work->y, point, run->state);
     read_rows(work, work->v, point, run->state + work->stride);
