@@ -33,7 +33,10 @@ from rotor_ida.results.si_units import in_suitable_units
 
 WIDTH, ROW = 7.2, 1.7
 # Figures of a bearing in many drops, and samples of an orbit behind the rotor in a film.
-DISTRIBUTED = ("largest_force", "excursion", "total_heat", "largest_race_speed")
+WORDS = {
+    "largest_force": "largest force", "excursion": "largest radius over clearance",
+    "total_heat": "heat of friction", "largest_race_speed": "largest speed of the race",
+}  # fmt: skip
 TRAIL, MOST_FRAMES = 60, 5000
 ENDINGS = (".gif", ".mp4")
 
@@ -86,7 +89,7 @@ def drop_figure(run: xr.Dataset) -> Figure:
 
 def _draw_bearing(above: Axes, below: Axes, run: xr.Dataset, number: int) -> None:
     """Draw radius and force of one bearing."""
-    colour, dashes = look(number)
+    colour, dashes = look(1 + number)
     time, node = run["t"].values, str(run["contact_node"].values[number])
     x, y = run["contact_x"].values[:, number], run["contact_y"].values[:, number]
     radius = np.hypot(x, y) / float(run["clearance"][number])
@@ -109,15 +112,14 @@ def _draw_speeds(ax: Axes, run: xr.Dataset) -> None:
         ax.plot(run["t"], run["speed"], color=INK, lw=1.2, label="rotor")
     if "event_race_speed" in run.variables:
         for number in np.flatnonzero(~np.isnan(run["race_radius"].values)):
-            colour, dashes = look(int(number))
+            colour, dashes = look(1 + int(number))
             times, speeds = run["event_time"].values, run["event_race_speed"].values[:, number]
             if times.size:
-                node = str(run["contact_node"].values[number])
                 kept = kept_in_columns(times, speeds)
-                ax.plot(times[kept], speeds[kept], color=colour, ls=dashes, lw=0.8,
-                        label=f"race at {node}")  # fmt: skip
+                ax.plot(times[kept], speeds[kept], color=colour, ls=dashes, lw=0.8)
     unit = str(run["event_speed"].attrs.get("units", "1")) if "event_speed" in run else "1"
-    ax.set_ylabel("speed [rad/s]" if unit == "s-1" else "speed")
+    words = "speeds of rotor, races" if "event_race_speed" in run else "speed of rotor"
+    ax.set_ylabel(f"{words} [rad/s]" if unit == "s-1" else words, fontsize=9.0)
     ax.axhline(0.0, color=GREY, lw=0.6)
 
 
@@ -146,17 +148,17 @@ def drops_figure(drops: xr.Dataset) -> Figure:
     4
     """
     drops = check_instance("drops", drops, xr.Dataset)
-    missing = [name for name in (*DISTRIBUTED, "contact_node") if name not in drops.variables]
+    missing = [name for name in (*WORDS, "contact_node") if name not in drops.variables]
     if missing:
         raise InputError(f"drops must be a result of drop_ensemble; it lacks {missing[0]}")
     drops = in_suitable_units(drops)
     with style():
         figure = new_figure(WIDTH, 5.0)
         axes = figure.subplots(2, 2).ravel().tolist()
-        for ax, name in zip(axes, DISTRIBUTED, strict=True):
+        for ax, name in zip(axes, WORDS, strict=True):
             for number in range(drops.sizes["contact"]):
                 _draw_distribution(ax, drops, name, number)
-            label_axis(ax.xaxis, name, drops[name], words=name.replace("_", " "))
+            label_axis(ax.xaxis, name, drops[name], words=WORDS[name])
             ax.set_ylabel("fraction of drops")
             ax.set_ylim(0.0, 1.0)
             if not np.isfinite(drops[name].values).any():
@@ -234,6 +236,9 @@ def save_orbit_film(
         lines = [_film_panel(ax, run, number) for number, ax in enumerate(axes)]
         title = figure.suptitle(" ", fontsize=10.0)
         unit = str(run["t"].attrs.get("units", "")).removeprefix("1")
+
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")  # laid out once, not for every frame
 
         def draw(place: int) -> None:
             first = max(0, place - TRAIL)

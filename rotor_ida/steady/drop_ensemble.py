@@ -287,6 +287,8 @@ def follow_drop(job: Drop, _stop: Stop) -> Outcome:
     count = len(job.case["bearings"])
     try:
         run = drop(**_arguments(job))
+    except InputError as error:  # what was drawn cannot be dropped, as it touches at once
+        return Outcome({}, count, str(error))
     except EXPECTED as error:
         return Outcome({}, count, reason_of(error))
     touches = run["event_time"].values
