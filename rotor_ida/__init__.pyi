@@ -7,6 +7,7 @@ from .closed_forms import folds as folds
 from .closed_forms import hopf_points as hopf_points
 from .closed_forms import impact as impact
 from .closed_forms import rest as rest
+from .closed_forms.ball_bearing import ball_bearing_stiffness as ball_bearing_stiffness
 from .cycles.bifurcation_curve import bifurcation_curve as bifurcation_curve
 from .cycles.branches import branches_through as branches_through
 from .cycles.continue_cycle import continue_cycle as continue_cycle
@@ -25,6 +26,7 @@ from .model.rotor_system import RotorSystem as RotorSystem
 from .model.system_parts import Contact as Contact
 from .model.system_parts import Race as Race
 from .model.system_parts import Stator as Stator
+from .model.system_parts import Support as Support
 from .model.system_parts import Unbalance as Unbalance
 from .results.archive import load as load
 from .results.archive import open_archive as open_archive
@@ -55,6 +57,7 @@ from .simulation.lyapunov import lyapunov_exponent as lyapunov_exponent
 from .simulation.sections import poincare_section as poincare_section
 from .steady.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
 from .steady.dispatch import sweep as sweep
+from .steady.drop_ensemble import drop_ensemble as drop_ensemble
 from .steady.run_up_summary import summary as summary
 from .steady.run_ups import run_ups as run_ups
 from .steady.system_sweep import sweep_system as sweep_system
@@ -63,6 +66,7 @@ from .systems.clearances.report import clearance_report as clearance_report
 from .systems.dispatch import run_up as run_up
 from .systems.dispatch import simulate as simulate
 from .systems.dispatch import synchronous_response as synchronous_response
+from .systems.drop import drop as drop
 from .systems.simulate import run_up_system as run_up_system
 from .systems.simulate import simulate_system as simulate_system
 from .systems.special_speeds import special_speeds as special_speeds

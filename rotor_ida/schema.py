@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
@@ -269,6 +269,42 @@ QUANTITIES: dict[str, Quantity] = {
     "unbalance_node": Quantity("node of an unbalance", ""),
     "unbalance_moment": Quantity("unbalance: mass times eccentricity"),
     "unbalance_phase": Quantity("angle of an unbalance from the x axis at time 0", "radian"),
+    # a drop
+    "largest_force_time": Quantity("time of the largest contact force", scale="time"),
+    "largest_impulse": Quantity("largest impulse of one complete contact", scale="impulse"),
+    "first_roll_time": Quantity("time at which the surfaces first roll", scale="time"),
+    "largest_race_speed": Quantity("largest speed of the race of a contact", scale="speed"),
+    "race_speed_time": Quantity("time of the largest speed of the race", scale="time"),
+    "whirl_turns": Quantity("turns of the longest whirl in a bearing, negative if backward"),
+    "rest_time": Quantity("time from which the contact lasts to the end", scale="time"),
+    "standstill_time": Quantity(
+        "time from which the speed stays below 1 % of that at the drop", scale="time"
+    ),
+    "node_clearance": Quantity("close clearance at a node", scale="length"),
+    "node_excursion": Quantity("largest distance from the axis over the clearance at a node"),
+    # many drops
+    "drop": Quantity("number of the drop"),
+    "first_touch_time": Quantity("time of the first touch", scale="time"),
+    "drop_phase": Quantity("angle of the rotor at the drop", "radian"),
+    "drop_friction": Quantity("friction coefficient of all bearings in a drop"),
+    "drop_contact_damping": Quantity("contact damping of all bearings in a drop"),
+    "drop_unbalance_factor": Quantity("factor of all unbalance in a drop"),
+    "drop_clearance_factor": Quantity("factor of all clearances in a drop"),
+    "quantile": Quantity("fraction of drops below"),
+    **{
+        f"{name}_fraction{end}": Quantity(f"{words}fraction of drops {which}")
+        for name, which in (
+            ("backward_whirl", "with a backward whirl in the bearing"),
+            ("rest", "at rest in the bearing at the end"),
+            ("decided", "whose largest force comes before the horizon"),
+        )
+        for end, words in (("", ""), ("_low", "lower end of the "), ("_high", "upper end of the "))
+    },
+    "support_node": Quantity("node of a support", ""),
+    "support_fails": Quantity("whether a support fails", flags=NO_YES),
+    "support_stiffness": Quantity("stiffness of a support, by axis"),
+    "support_damping": Quantity("damping of a support, by axis"),
+    "support_load": Quantity("static force of a support on the rotor", scale="force"),
     "event_time_error": Quantity("estimated error of the event time", scale="time"),
     "event_time_shift": Quantity("how far the event moves with more modes", scale="time"),
     "horizon": Quantity("time up to which the start determines the orbit", scale="time"),
@@ -645,6 +681,21 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "digits": Quantity("decimal digits to which simulated and exact response agree"),
 }
+# Figures of a bearing in a drop, of which many drops give statistics.
+OF_BEARING = (
+    "contact_count", "largest_force", "largest_force_time", "largest_impulse", "total_impulse",
+    "total_heat", "total_contact_loss", "first_roll_time", "largest_race_speed", "race_speed_time",
+    "whirl_turns", "whirl_speed", "rest_time", "excursion",
+)  # fmt: skip
+QUANTITIES |= {
+    f"{name}_{end}": replace(QUANTITIES[name], long_name=f"{words}: {QUANTITIES[name].long_name}")
+    for name in OF_BEARING
+    for end, words in {
+        "mean": "mean over drops", "mean_error": "standard error of the mean over drops",
+        "quantile": "quantile over drops", "quantile_low": "lower end of a quantile over drops",
+        "quantile_high": "upper end of a quantile over drops",
+    }.items()
+}  # fmt: skip
 
 
 def labelled(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike) -> xr.Variable:

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.cli.describe import change_of_speed, count_of_kinds
-from rotor_ida.cli.report import pairs, shown
+from rotor_ida.cli.report import pairs, shown, table
 from rotor_ida.cli.variables import (
     Description,
     Record,
@@ -22,7 +22,7 @@ from rotor_ida.cli.variables import (
     with_unit,
     with_units,
 )
-from rotor_ida.schema import EVENT_KIND, QUANTITIES, words_of
+from rotor_ida.schema import EVENT_KIND, OF_BEARING, QUANTITIES, words_of
 from rotor_ida.units import SPEED_UNITS
 
 EVENTS = Rows(
@@ -42,6 +42,14 @@ RESPONSES = Rows(
            "message"),
 )  # fmt: skip
 OF_KINDS = ("speed", "excursion", "largest_force")
+DROPS = Rows(
+    title="Drops", key="drops", lead="drop",
+    names=("drop_phase", "first_touch_time", "horizon", "standstill_time", "message"),
+)  # fmt: skip
+FRACTIONS = {
+    "backward whirl of three turns": "backward_whirl", "in contact at the end": "rest",
+    "largest force before the horizon": "decided",
+}  # fmt: skip
 # The columns of the table of contacts, with the variables whose units they have.
 COLUMNS = {
     "contact": "", "node": "", "stator": "", "clearance": "clearance", "entries": "",
@@ -62,9 +70,9 @@ def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:
     record |= {"first_touch": first, "contacts": contacts}
     heads = {name: _with_unit_of(dataset, name, variable) for name, variable in COLUMNS.items()}
     rows: list[Record] = [{heads[name]: each[name] for name in heads} for each in contacts]
-    table = rows_table("Contacts", rows, list(heads.values()), None, digits=6)
+    listed = rows_table("Contacts", rows, list(heads.values()), None, digits=6)
     told = pairs("Run", _of_run(dataset))
-    return record, [_sentence(dataset, first), *_growth(dataset), *table, told, *parts]
+    return record, [_sentence(dataset, first), *_growth(dataset), *listed, told, *parts]
 
 
 def show_system_sweep(dataset: xr.Dataset, most: int | None) -> Description:
@@ -83,6 +91,66 @@ def show_system_sweep(dataset: xr.Dataset, most: int | None) -> Description:
     record, parts = tabled(told, most, RESPONSES)
     contacts = rows_of(dataset, ("clearance", "contact_node"))
     return record | {"contacts": contacts}, [count_of_kinds(told, OF_KINDS), *parts]
+
+
+def show_drop(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return what is delivered of a drop by bearing, then what is shown of any run."""
+    record, parts = show_system_run(dataset, most)
+    if "contact" not in dataset.sizes or not set(OF_BEARING) <= dataset.variables.keys():
+        return record, parts
+    bearings = [
+        {"node": str(dataset["contact_node"].values[number])}
+        | {name: dataset[name].values[number].item() for name in OF_BEARING}
+        for number in range(dataset.sizes["contact"])
+    ]
+    turned: list[Record] = [
+        {"quantity": with_unit(dataset, name)}
+        | {f"{number}: {each['node']}": each[name] for number, each in enumerate(bearings)}
+        for name in OF_BEARING
+    ]
+    drawn = table("Bearings", turned, list(turned[0]), digits=5)
+    sentence, *others = parts
+    return {**record, "bearings": bearings}, [sentence, drawn, *others]
+
+
+def show_drops(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the statistics of many drops by bearing, and the drops."""
+    if not {"drop", "contact", "quantile"} <= dataset.sizes.keys():  # a grid, or a part
+        return show_by_dimension(dataset, most)
+    record, parts = tabled(dataset, most, DROPS)
+    tables: list[Any] = []
+    for number in range(dataset.sizes["contact"]):
+        own, node = dataset.isel(contact=number), str(dataset["contact_node"].values[number])
+        rows: list[Record] = [_statistics(own, name) for name in OF_BEARING]
+        record |= {f"contact_{number}": rows}
+        tables.append(table(f"Bearing {number} at node {node!r}", rows, list(rows[0]), digits=4))
+        facts: Record = {
+            word: _interval(own, name) for word, name in FRACTIONS.items()
+        }  # fmt: skip
+        tables.append(pairs("Fraction of drops, with its 95 % interval", facts))
+    failed = int((dataset["status"].values != 0).sum())
+    count = dataset.sizes["drop"]
+    sentence = f"{count} drops" + (f", of which {failed} failed." if failed else ".")
+    return record, [sentence, *tables, *parts]
+
+
+def _statistics(own: xr.Dataset, name: str) -> Record:
+    """Return mean and quantiles of one figure of a bearing."""
+    quantiles = {
+        f"{100 * float(level):g} %": float(value)
+        for level, value in zip(own["quantile"], own[f"{name}_quantile"], strict=True)
+    }
+    low, high = own[f"{name}_quantile_low"].values[-1], own[f"{name}_quantile_high"].values[-1]
+    return {
+        "quantity": with_unit(own, name),
+        "mean": float(own[f"{name}_mean"]), "error": float(own[f"{name}_mean_error"]),
+        **quantiles, "from": float(low), "to": float(high),
+    }  # fmt: skip
+
+
+def _interval(own: xr.Dataset, name: str) -> list[float]:
+    """Return a fraction and the ends of its interval."""
+    return [float(own[f"{name}_fraction{end}"]) for end in ("", "_low", "_high")]
 
 
 def _of_contact(run: xr.Dataset, number: int) -> dict[str, Any]:

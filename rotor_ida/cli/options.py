@@ -337,6 +337,21 @@ RotorMass = Annotated[
     _quantity("Mass of the rotor, for its residual unbalance. Default: by the matrices.", "kg"),
 ]
 PointsOfResponse = Annotated[int, _whole_number("Number of speeds.", 2, MOST_NUMBERS)]
+ReportFolder = Annotated[Path, _path("Folder of the report, which is made."), IN_OUTPUT]
+DropSpeed = Annotated[
+    float | None,
+    _quantity("Speed at the drop (rad/s, or as 3000rpm). Default: that of the file.", "rad s-1"),
+]
+DropDuration = Annotated[
+    float | None, _quantity("Time to simulate (s). Default: that of the file.", "s")
+]
+DropCount = Annotated[
+    int | None,
+    _whole_number("Number of drops at random, beside one. Default: that of the file.", 2, 100_000),
+]
+Film = Annotated[
+    Path | None, _path("Write a film of the orbits to this file (.gif, or .mp4)."), IN_OUTPUT
+]
 File = Annotated[Path, _path("Archive written by rotor-ida (.nc).", name="FILE")]
 FileToExplore = Annotated[
     Path | None, _path("Archived run whose rotor and initial state are shown first.")

@@ -41,6 +41,7 @@ from rotor_ida.cli.commands.compute import (
 )
 from rotor_ida.cli.commands.cycles import bifurcation_curve, continue_cycle, limit_cycle
 from rotor_ida.cli.commands.doctor import doctor
+from rotor_ida.cli.commands.drop import drop
 from rotor_ida.cli.commands.explore import explore
 from rotor_ida.cli.commands.fit import fit
 from rotor_ida.cli.commands.machine import machine
@@ -63,7 +64,7 @@ Exit status: 0 done, 1 the run or the check failed, 2 bad input.
 """
 # The commands in the groups of the help, in order; some have a short name too.
 COMMANDS: dict[str, dict[Callable[..., object], str]] = {
-    "Simulate": {machine: "", simulate: "", run_up: "", run_ups: "", sweep: ""},
+    "Simulate": {machine: "", simulate: "", run_up: "", run_ups: "", sweep: "", drop: ""},
     "Exact whirls": {
         synchronous_response: "response",
         backward_whirl: "whirl",

@@ -50,7 +50,6 @@ struct work *open_work(struct system_run *run)
         each->law = &run->laws[i];
         each->touch = &run->touches[i];
         each->rows = &run->rows[2 * i * stride];
-        memset(each->touch->zeros, 0, sizeof each->touch->zeros);
         each->mobility = each->stator_mobility = 0.0;
         for (int64_t k = 0; k < run->size; k++) {
             const double x = each->rows[k], y = each->rows[stride + k];
@@ -815,7 +814,10 @@ void move_system(struct work *work, double point)
         }
         if (each->law->inverse_race_inertia > 0.0)
             each->touch->race = polynomial(&terms[ELEMENT_RACE], WIDTH, work->order, point);
+        const int of_slip = each->touch->zeros[OF_SLIP];
         memset(each->touch->zeros, 0, sizeof each->touch->zeros);
+        if (span <= 0.0) /* holds that give way together: each slip still has its zero here */
+            each->touch->zeros[OF_SLIP] = of_slip;
     }
     read_rows(work, work->y, point, run->state);
     read_rows(work, work->v, point, run->state + work->stride);

@@ -4,6 +4,8 @@
 /* Where contacts enter together, or without a radial velocity, flight goes on to an indentation of
  * this part of the clearance. */
 static const double PASSED = 1e-11;
+/* Error of a displacement after some steps, in parts of their tolerance. */
+static const double SLACK = 10.0;
 /* Contacts whose roots are less than this part of that of the clearance end together. */
 static const double TOGETHER = 1e-7;
 /* Nearer to the stator, in clearances, rounding decides on which side a contact is. */
@@ -139,6 +141,11 @@ static double guard_of_gap(const struct work *work, const struct touching *each,
             gap[n + k] -= here[ELEMENT_X] * other[ELEMENT_X] + here[ELEMENT_Y] * other[ELEMENT_Y];
         }
     }
+    /* beyond the stator by an error of the step, and on the way from it: it has just left */
+    const double clearance = each->law->clearance;
+    const double apart = 2.0 * clearance * clearance * fmax(PASSED, SLACK * work->run->rtol);
+    if (gap[0] < 0.0 && gap[0] >= -apart && gap[1] > 0.0)
+        gap[0] = 0.0;
     return first_fall(gap, 1, 2 * order, step, each->touch->zeros[OF_ROOT]);
 }
 

@@ -206,6 +206,36 @@ class Unbalance:
             raise InputError(f"phase {where} must be finite, got {self.phase!r}")
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Support:
+    """A magnetic bearing, linear about the centre in which it levitates a node.
+
+    It carries the static load of its node without a deflection, as the integral part of its
+    controller does.
+
+    Parameters
+    ----------
+    node : str
+        Name of the node.
+    stiffness, damping : float or (float, float)
+        Stiffness and damping, along x and y.
+
+    Examples
+    --------
+    >>> Support(node="disc", stiffness=2e6, damping=1e3)
+    Support(node='disc', stiffness=(2000000.0, 2000000.0), damping=(1000.0, 1000.0))
+    """
+
+    node: str
+    stiffness: float | tuple[float, float]
+    damping: float | tuple[float, float] = 0.0
+
+    def __post_init__(self) -> None:
+        where = f"of the support at {_node(self.node)}"
+        for name in ("stiffness", "damping"):
+            object.__setattr__(self, name, _along_both(f"{name} {where}", getattr(self, name)))
+
+
 def check_contacts(contacts: Sequence[Contact]) -> None:
     """Refuse too many contacts, or two between the same bodies with the same centre."""
     if len(contacts) > MOST_CONTACTS:

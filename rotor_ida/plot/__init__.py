@@ -37,6 +37,7 @@ from rotor_ida.plot.closed_forms import (
     plot_surface,
 )
 from rotor_ida.plot.cycles import cycle_figure, plot_cycle, plot_lines, plot_multipliers
+from rotor_ida.plot.drops import drop_figure, drops_figure, save_orbit_film
 from rotor_ida.plot.dynamics import plot_exponents, plot_extrema, plot_section
 from rotor_ida.plot.fits import fit_figure, plot_fit, plot_fit_residuals
 from rotor_ida.plot.forces import plot_force_peaks, plot_forces
@@ -92,6 +93,8 @@ from rotor_ida.plot.whirls import (
 __all__ = [
     "clearance_report_figure",
     "cycle_figure",
+    "drop_figure",
+    "drops_figure",
     "fit_figure",
     "mixed_panels",
     "panels",
@@ -158,6 +161,7 @@ __all__ = [
     "plot_whirl_shapes",
     "run_ups_figure",
     "save_figure",
+    "save_orbit_film",
     "shared_legend",
     "special_speeds_figure",
     "style",

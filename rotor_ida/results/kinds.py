@@ -82,6 +82,18 @@ KINDS = {
     kind.name: kind
     for kind in (
         Kind(
+            name="drop", meaning="drop of a rotor system",
+            variables=("whirl_turns", "standstill_time", "event_contact"), dims=("t", "node"),
+            shown="rotor_ida.cli.describe_systems:show_drop",
+            drawn="rotor_ida.plot:drop_figure", verified=f"{_VERIFIED}:SYSTEM_RUN",
+        ),
+        Kind(
+            name="drop_ensemble", meaning="many drops of a rotor system",
+            variables=("whirl_turns", "decided_fraction"), dims=("drop", "contact"),
+            shown="rotor_ida.cli.describe_systems:show_drops",
+            drawn="rotor_ida.plot:drops_figure",
+        ),
+        Kind(
             name="system_run", meaning="run of a rotor system", variables=("x", "event_contact"),
             dims=("t", "node"), shown="rotor_ida.cli.describe_systems:show_system_run",
             drawn="rotor_ida.plot:system_figure", verified=f"{_VERIFIED}:SYSTEM_RUN",

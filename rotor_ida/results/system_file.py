@@ -51,13 +51,21 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, in_si, units_of
 from rotor_ida.model.rotor_system import UNITS, RotorSystem
 from rotor_ida.model.system_files import read_system
-from rotor_ida.model.system_parts import STARTS, Contact, Race, Stator, Unbalance, check_contacts
+from rotor_ida.model.system_parts import (
+    STARTS,
+    Contact,
+    Race,
+    Stator,
+    Support,
+    Unbalance,
+    check_contacts,
+)
 from rotor_ida.results.machine_file import read_toml
 
 MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate")
 # What may stand in each table of a file; with units where it is a number.
 TOP = ("units", "speed", "gravity", "static_force", "start", "modes", "more_modes", "system",
-       "stators", "contacts", "unbalance", "run_up")  # fmt: skip
+       "stators", "contacts", "unbalance", "run_up", "supports", "drop")  # fmt: skip
 OF_SYSTEM = (*MATRICES, "translations", "nodes", "positions")
 OF_CONTACT = {"clearance": "m", "damping": "s m-1", "friction": "1", "radius": "m"}
 KEYS_OF_CONTACT = (
@@ -69,6 +77,15 @@ OF_UNBALANCE = {"moment": "kg m", "phase": "rad"}
 OF_RUN_UP = {
     "from": "rad s-1", "to": "rad s-1", "rate": "rad s-2", "ramp_time": "s", "inertia": "kg m2",
     "duration": "s",
+}  # fmt: skip
+
+
+OF_SUPPORT = {"stiffness": OF_LINEAR, "damping": "N s m-1"}
+OF_DROP = {"duration": "s", "inertia": "kg m2", "drag": "N m s", "phase": "rad"}
+# What varies over many drops, each a range of two numbers.
+OF_DROPS = {
+    "phase": "rad", "friction": "1", "contact_damping": "s m-1", "unbalance_factor": "1",
+    "clearance_factor": "1",
 }  # fmt: skip
 
 
@@ -96,6 +113,12 @@ class SystemFile:
         Running speed.
     change : dict
         The arguments of `run_up` for the change of speed.
+    supports : tuple of Support
+        The magnetic bearings, for `drop`.
+    fall : dict
+        The arguments of `drop` alone.
+    vary : dict
+        The arguments of `drop_ensemble` alone: number of drops, seed, and what varies.
     """
 
     system: RotorSystem
@@ -107,6 +130,16 @@ class SystemFile:
     more_modes: int | None = None
     speed: float | None = None
     change: Mapping[str, Any]
+    supports: tuple[Support, ...] = ()
+    fall: Mapping[str, Any]
+    vary: Mapping[str, Any]
+
+    @property
+    def drop(self) -> dict[str, Any]:
+        """The arguments of `drop` but for the system."""
+        given = {"bearings": self.contacts, "supports": self.supports, **self.fall}
+        given |= {name: getattr(self, name) for name in ("speed", "unbalance", "gravity", "modes")}
+        return given | ({} if isinstance(self.start, str | None) else {"start": self.start})
 
     @property
     def around(self) -> dict[str, Any]:
@@ -128,7 +161,8 @@ def load_system(path: str | os.PathLike[str]) -> SystemFile:
     SystemFile
         ``system``, ``around`` (contacts, unbalance, gravity, start, modes, more_modes), ``speed``
         and ``change``: ``simulate(case.system, **case.around, speed=case.speed, duration=...)`` and
-        ``run_up(case.system, **case.around, **case.change)``.
+        ``run_up(case.system, **case.around, **case.change)``; and ``drop(case.system,
+        **case.drop)``.
 
     Raises
     ------
@@ -184,6 +218,9 @@ def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:
         else None,
         speed=file.number("speed", "rad s-1") if "speed" in entries else None,
         change=_change(file.table("run_up")),
+        supports=tuple(_supports(file, system)),
+        fall=_fall(file.table("drop")),
+        vary=_vary(file.table("drop").table("vary")),
     )
 
 
@@ -234,6 +271,11 @@ class _Table:
         if not isinstance(value, list) or len(value) != 2:
             raise InputError(f"{name} must be two numbers, got {shown(value)}")
         return self.one(name, value[0], unit), self.one(name, value[1], other or unit)
+
+    def one_or_pair(self, key: str, unit: str) -> float | tuple[float, float]:
+        """Return an entry of one number, or of two along x and y, in SI units."""
+        both = isinstance(self.entries[key], list)
+        return self.pair(key, unit) if both else self.number(key, unit)
 
     def table(self, key: str) -> _Table:
         """Return a table within it; an empty one if it is not there."""
@@ -322,11 +364,11 @@ def _stators(file: _Table) -> dict[str, Stator]:
 
 def _stator(table: _Table) -> Stator:
     table.check((*OF_STATOR, "weight", "race"), needed=("mass", "stiffness"))
-    found: dict[str, Any] = {}
-    for key, unit in OF_STATOR.items():
-        if key in table.entries:
-            both = isinstance(table.entries[key], list) and key != "mass"
-            found[key] = table.pair(key, unit) if both else table.number(key, unit)
+    found: dict[str, Any] = {
+        key: table.number(key, unit) if key == "mass" else table.one_or_pair(key, unit)
+        for key, unit in OF_STATOR.items()
+        if key in table.entries
+    }
     if "weight" in table.entries:
         found["weight"] = table.entries["weight"]
     with _naming(table.place):
@@ -434,4 +476,37 @@ def _change(table: _Table) -> dict[str, Any]:
         found["speed"] = begin or 0.0
     elif begin is not None:
         raise InputError("run_up.from must be left out with speeds, which begin at time 0")
+    return found
+
+
+def _supports(file: _Table, system: RotorSystem) -> Iterator[Support]:
+    for table in file.tables("supports"):
+        table.check(("node", *OF_SUPPORT), needed=("node", "stiffness"))
+        found = {key: table.one_or_pair(key, unit) for key, unit in OF_SUPPORT.items()
+                 if key in table.entries}  # fmt: skip
+        with _naming(table.place):
+            yield Support(node=_node(table, system), **found)
+
+
+def _fall(table: _Table) -> dict[str, Any]:
+    """Return the arguments of `drop` alone."""
+    table.check((*OF_DROP, "failing", "clearances", "vary"))
+    found: dict[str, Any] = dict(table.numbers(OF_DROP))
+    if "failing" in table.entries:
+        found["failing"] = table.entries["failing"]
+    if "clearances" in table.entries:
+        gaps = table.table("clearances")
+        found["clearances"] = gaps.numbers(dict.fromkeys(gaps.entries, "m"))
+    return found
+
+
+def _vary(table: _Table) -> dict[str, Any]:
+    """Return the arguments of `drop_ensemble` alone."""
+    table.check((*OF_DROPS, "drops", "seed"))
+    found: dict[str, Any] = {
+        key: table.pair(key, unit) for key, unit in OF_DROPS.items() if key in table.entries
+    }
+    for key, least in (("drops", 2), ("seed", 0)):
+        if key in table.entries:
+            found[key] = check_count(table.name(key), table.entries[key], minimum=least)
     return found

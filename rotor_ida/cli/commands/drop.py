@@ -1,0 +1,100 @@
+"""The command drop: a levitated rotor falls on its touchdown bearings, and a report on it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import rotor_ida
+from rotor_ida.checks import shown
+from rotor_ida.cli import options
+from rotor_ida.cli.output import working
+from rotor_ida.cli.report import Report
+from rotor_ida.errors import InputError
+
+
+def drop(
+    system: options.SystemFile,
+    /,
+    *,
+    out: options.ReportFolder,
+    speed: options.DropSpeed = None,
+    duration: options.DropDuration = None,
+    drops: options.DropCount = None,
+    film: options.Film = None,
+    jobs: options.JobOptions = options.JobOptions(),
+    study: options.Study = None,
+    as_json: options.AsJson = False,
+    force: options.Force = False,
+) -> Report:
+    r"""Drop a levitated rotor on its touchdown bearings, and write a report.
+
+    The system file gives magnetic bearings as [[supports]], touchdown bearings as [[contacts]], and
+    duration, inertia and what varies in [drop]:
+
+        rotor-ida drop rotor.toml --out report
+
+    The report is a page of HTML and a PDF, with archives beside them. Many drops take a --study, so
+    that they go on after a break:
+
+        rotor-ida drop rotor.toml --out report --drops 1000 --study many_drops
+    """
+    from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.cli.drop_report import report_files, write_report  # noqa: PLC0415
+    from rotor_ida.results.files import check_target  # noqa: PLC0415
+
+    case = rotor_ida.load_system(system)
+    if case.system.units != "SI":
+        raise InputError(f"system must be in SI units for a report, got {shown(str(system))}")
+    given, vary = dict(case.drop), dict(case.vary)
+    given |= {name: each for name, each in (("speed", speed), ("duration", duration))
+              if each is not None}  # fmt: skip
+    for name in ("speed", "duration"):
+        if given.get(name) is None:
+            raise InputError(f"{name} must be given with --{name} or in {system}")
+    if drops is not None:
+        vary["drops"] = drops
+    many = "drops" in vary
+    if study is not None and not many:
+        raise InputError("study must be left out without drops")
+    files = report_files(out, many=many)
+    _make(out)
+    for path in files:
+        check_target("out", path, overwrite=force, permission="--force is given")
+    with working("drop [%]") as progress:
+        run = rotor_ida.drop(case.system, **given, progress=progress)
+    rotor_ida.save(run, files[0], overwrite=force)
+    everything = _many(case.system, given, vary, jobs, study) if many else None
+    if everything is not None:
+        rotor_ida.save(everything, files[1], overwrite=force)
+    pages = write_report(out, system, run, everything)
+    written = [*files[:-2], *pages]
+    if film is not None:
+        from rotor_ida.plot import save_orbit_film  # noqa: PLC0415 - heavy
+
+        written.append(save_orbit_film(run, film))
+    record, parts = describe(run, most=0)
+    told = [f"wrote {each}" for each in written]
+    return Report(record=record, parts=[*parts, *told], as_json=as_json)
+
+
+def _make(folder: Path) -> None:
+    """Make the folder of the report."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"out must be a folder, got {shown(str(folder))}: {error.strerror}"
+        ) from error
+
+
+def _many(
+    system: rotor_ida.RotorSystem, given: dict[str, Any], vary: dict[str, Any],
+    jobs: options.JobOptions, study: Path | None,
+) -> Any:  # fmt: skip
+    """Return the ensemble of drops."""
+    ways = {name: each for name, each in given.items() if name not in {"phase", "clearances"}}
+    with working("drops", study) as progress:
+        return rotor_ida.drop_ensemble(
+            system, **ways, **vary, **jobs.on_every_core(), study=study, progress=progress
+        )

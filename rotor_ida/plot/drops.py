@@ -1,0 +1,272 @@
+"""Plots of drops: forces, radius, speeds and races over time; distributions of many drops."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from rotor_ida.checks import check_count, check_instance, shown
+from rotor_ida.errors import InputError
+from rotor_ida.plot.appearance import (
+    BLUE,
+    DASHES,
+    GREY,
+    INK,
+    ORANGE,
+    circle,
+    look,
+    new_figure,
+    say_in_middle,
+    shared_legend,
+    style,
+)
+from rotor_ida.plot.decimation import kept_in_columns
+from rotor_ida.plot.labels import label_axis
+from rotor_ida.results.run import check_system_run
+from rotor_ida.results.si_units import in_suitable_units
+
+WIDTH, ROW = 7.2, 1.7
+# Figures of a bearing in many drops, and samples of an orbit behind the rotor in a film.
+WORDS = {
+    "largest_force": "largest force", "excursion": "largest radius over clearance",
+    "total_heat": "heat of friction", "largest_race_speed": "largest speed of the race",
+}  # fmt: skip
+TRAIL, MOST_FRAMES = 60, 5000
+ENDINGS = (".gif", ".mp4")
+
+
+def drop_figure(run: xr.Dataset) -> Figure:
+    """Draw a drop over time: radius and force in each bearing, and the speeds of rotor and races.
+
+    Parameters
+    ----------
+    run : Dataset
+        Result of `rotor_ida.drop`.
+
+    Returns
+    -------
+    Figure
+        The figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import Contact, RotorSystem, drop
+    >>> system = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)),
+    ...                      nodes={"disc": (0, 1)})
+    >>> bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0)
+    >>> run = drop(system, bearings=[bearing], speed=500.0, duration=0.1)
+    >>> [ax.get_ylabel() for ax in drop_figure(run).axes]
+    ['radius over clearance', 'normal force $N$ [kN]']
+    """
+    run = in_suitable_units(check_system_run(run))
+    has_speeds = "speed" in run.variables or "event_race_speed" in run.variables
+    rows = 3 if has_speeds else 2
+    with style():
+        figure = new_figure(WIDTH, 0.9 + ROW * rows)
+        axes = figure.subplots(rows, 1, sharex=True).tolist()
+        time = run["t"].values
+        for number in range(run.sizes["contact"]):
+            _draw_bearing(axes[0], axes[1], run, number)
+        axes[0].axhline(1.0, color=INK, lw=0.8, ls=DASHES, label="clearance")
+        axes[0].set_ylabel("radius over clearance")
+        axes[0].set_ylim(bottom=0.0)
+        axes[1].set_ylim(bottom=0.0)
+        label_axis(axes[1].yaxis, "normal_force", run["normal_force"])
+        if has_speeds:
+            _draw_speeds(axes[2], run)
+        axes[0].set_xlim(*time[[0, -1]])
+        label_axis(axes[-1].xaxis, "t", run["t"])
+        figure.align_ylabels(axes)
+        shared_legend(figure, axes, columns=5, outer=False)
+    return figure
+
+
+def _draw_bearing(above: Axes, below: Axes, run: xr.Dataset, number: int) -> None:
+    """Draw radius and force of one bearing."""
+    colour, dashes = look(1 + number)
+    time, node = run["t"].values, str(run["contact_node"].values[number])
+    x, y = run["contact_x"].values[:, number], run["contact_y"].values[:, number]
+    radius = np.hypot(x, y) / float(run["clearance"][number])
+    kept = kept_in_columns(time, radius)
+    above.plot(time[kept], radius[kept], color=colour, ls=dashes, lw=0.8, label=node)
+    own = run.isel(episode=run["episode_contact"].values == number)
+    force = run["normal_force"].values[:, number]
+    at = np.concatenate([time, own["peak_time"].values])
+    values = np.concatenate([force, own["peak_force"].values])
+    known = np.isfinite(at) & np.isfinite(values)
+    order = np.argsort(at[known], kind="stable")
+    at, values = at[known][order], values[known][order]
+    kept = kept_in_columns(at, values)
+    below.plot(at[kept], values[kept], color=colour, ls=dashes, lw=0.8, label=node)
+
+
+def _draw_speeds(ax: Axes, run: xr.Dataset) -> None:
+    """Draw the speeds of the rotor and of the races, these at events."""
+    if "speed" in run.variables:
+        ax.plot(run["t"], run["speed"], color=INK, lw=1.2, label="rotor")
+    if "event_race_speed" in run.variables:
+        for number in np.flatnonzero(~np.isnan(run["race_radius"].values)):
+            colour, dashes = look(1 + int(number))
+            times, speeds = run["event_time"].values, run["event_race_speed"].values[:, number]
+            if times.size:
+                kept = kept_in_columns(times, speeds)
+                ax.plot(times[kept], speeds[kept], color=colour, ls=dashes, lw=0.8)
+    unit = str(run["event_speed"].attrs.get("units", "1")) if "event_speed" in run else "1"
+    words = "speeds of rotor, races" if "event_race_speed" in run else "speed of rotor"
+    ax.set_ylabel(f"{words} [rad/s]" if unit == "s-1" else words, fontsize=9.0)
+    ax.axhline(0.0, color=GREY, lw=0.6)
+
+
+def drops_figure(drops: xr.Dataset) -> Figure:
+    """Draw distributions over many drops: the fraction of drops below a value, by bearing.
+
+    Parameters
+    ----------
+    drops : Dataset
+        Result of `rotor_ida.drop_ensemble`.
+
+    Returns
+    -------
+    Figure
+        The figure: forces, excursions, heat, and speeds of races.
+
+    Examples
+    --------
+    >>> from rotor_ida import Contact, RotorSystem, drop_ensemble
+    >>> system = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)),
+    ...                      nodes={"disc": (0, 1)})
+    >>> bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0)
+    >>> drops = drop_ensemble(system, bearings=[bearing], speed=500.0, duration=0.05, drops=4,
+    ...                       workers=1)
+    >>> len(drops_figure(drops).axes)
+    4
+    """
+    drops = check_instance("drops", drops, xr.Dataset)
+    missing = [name for name in (*WORDS, "contact_node") if name not in drops.variables]
+    if missing:
+        raise InputError(f"drops must be a result of drop_ensemble; it lacks {missing[0]}")
+    drops = in_suitable_units(drops)
+    with style():
+        figure = new_figure(WIDTH, 5.0)
+        axes = figure.subplots(2, 2).ravel().tolist()
+        for ax, name in zip(axes, WORDS, strict=True):
+            for number in range(drops.sizes["contact"]):
+                _draw_distribution(ax, drops, name, number)
+            label_axis(ax.xaxis, name, drops[name], words=WORDS[name])
+            ax.set_ylabel("fraction of drops")
+            ax.set_ylim(0.0, 1.0)
+            if not np.isfinite(drops[name].values).any():
+                say_in_middle(ax, "no race")
+        shared_legend(figure, axes, columns=5, outer=False)
+    return figure
+
+
+def _draw_distribution(ax: Axes, drops: xr.Dataset, name: str, number: int) -> None:
+    """Draw the fraction of drops below a value, with dots at the quantiles."""
+    values = drops[name].values[:, number].astype(float)
+    values = np.sort(values[np.isfinite(values)])
+    if not values.size:
+        return
+    colour, dashes = look(number)
+    node = str(drops["contact_node"].values[number])
+    ax.step(values, np.arange(1, values.size + 1) / values.size, where="post", color=colour,
+            ls=dashes, lw=1.0, label=node)  # fmt: skip
+    if f"{name}_quantile" not in drops.variables:
+        return
+    levels = drops["quantile"].values
+    ends = [drops[f"{name}_quantile{end}"].values[:, number] for end in ("", "_low", "_high")]
+    middle, low, high = (np.where(np.isfinite(each), each, ends[0]) for each in ends)
+    ax.errorbar(middle, levels, xerr=[middle - low, high - middle], fmt="o", ms=3.0,
+                color=colour, elinewidth=1.0, capsize=2.0)  # fmt: skip
+
+
+def save_orbit_film(
+    run: xr.Dataset, path: str | os.PathLike[str], *, frames: int = 200, rate: int = 20
+) -> Path:
+    """Write a film of the orbits in all bearings, as GIF, or as MP4 where ffmpeg is installed.
+
+    Parameters
+    ----------
+    run : Dataset
+        A run of a rotor system.
+    path : path-like
+        The file, ending in ``.gif`` or ``.mp4``.
+    frames : int
+        Number of frames, spread evenly over the samples of the run.
+    rate : int
+        Frames per second.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the file has another ending, or ffmpeg is missing for MP4.
+    """
+    from matplotlib.animation import (  # noqa: PLC0415 - takes a moment
+        AbstractMovieWriter,
+        FFMpegWriter,
+        FuncAnimation,
+        PillowWriter,
+    )
+
+    run = in_suitable_units(check_system_run(run))
+    target, count = Path(path), check_count("frames", frames, minimum=2, maximum=MOST_FRAMES)
+    speed = check_count("rate", rate, minimum=1, maximum=100)
+    if target.suffix not in ENDINGS:
+        raise InputError(f"path must end in .gif or .mp4, got {shown(str(path))}")
+    if target.suffix == ".mp4" and not FFMpegWriter.isAvailable():
+        raise InputError("path must end in .gif, as ffmpeg is not installed for .mp4")
+    contacts = run.sizes["contact"]
+    if not contacts:
+        raise InputError("run must have contacts, got none")
+    places = np.unique(np.linspace(0, run.sizes["t"] - 1, count).astype(int))
+    with style():
+        figure = new_figure(min(3.2 * contacts, 9.6), 3.5)
+        axes = figure.subplots(1, contacts, squeeze=False)[0].tolist()
+        lines = [_film_panel(ax, run, number) for number, ax in enumerate(axes)]
+        title = figure.suptitle(" ", fontsize=10.0)
+        unit = str(run["t"].attrs.get("units", "")).removeprefix("1")
+
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")  # laid out once, not for every frame
+
+        def draw(place: int) -> None:
+            first = max(0, place - TRAIL)
+            for number, (trail, dot) in enumerate(lines):
+                x, y = (run[f"contact_{axis}"].values[:, number] for axis in "xy")
+                trail.set_data(x[first : place + 1], y[first : place + 1])
+                dot.set_data(x[place : place + 1], y[place : place + 1])
+            title.set_text(f"t = {float(run['t'][place]):.4f} {unit}")
+
+        film = FuncAnimation(figure, draw, frames=places.tolist())
+        writer: AbstractMovieWriter = (
+            PillowWriter(fps=speed) if target.suffix == ".gif" else FFMpegWriter(fps=speed)
+        )
+        film.save(target, writer=writer, dpi=90)
+    return target
+
+
+def _film_panel(ax: Axes, run: xr.Dataset, number: int) -> tuple[Line2D, Line2D]:
+    """Draw the clearance of a bearing; return the lines of orbit and rotor."""
+    clearance = float(run["clearance"][number])
+    ax.plot(*circle(clearance), color=INK, lw=0.9, ls=DASHES)
+    x, y = (run[f"contact_{axis}"].values[:, number] for axis in "xy")
+    reach = 1.1 * max(clearance, float(np.hypot(x, y).max()))
+    (trail,) = ax.plot([], [], color=BLUE, lw=0.8)
+    (dot,) = ax.plot([], [], "o", color=ORANGE, ms=5.0)
+    ax.set(xlim=(-reach, reach), ylim=(-reach, reach))
+    ax.set_aspect("equal")
+    ax.set_title(f"contact {number} at {run['contact_node'].values[number]}", fontsize=9.5)
+    label_axis(ax.xaxis, "x_alone", run["x"])
+    label_axis(ax.yaxis, "y_alone", run["y"])
+    return trail, dot

@@ -1,0 +1,375 @@
+"""Many drops of one rotor: distributions of what a drop delivers, over what is uncertain.
+
+draw each drop: phase, friction, damping, unbalance and clearance, at random or on a grid;
+follow each drop twice, to its horizon;
+keep what each bearing suffered;
+summarise: means, quantiles and fractions, each with its sampling error, and how many of the drops
+reached each figure before their horizon.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Column, Stop, Values
+from rotor_ida.checks import check_axis, check_count, check_instance, check_progress, shown
+from rotor_ida.errors import InputError
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parts import Contact, Support, Unbalance
+from rotor_ida.parallel import Progress, choose
+from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.studies.results import Folder
+from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled_dataset
+from rotor_ida.steady.drop_statistics import statistics_of
+from rotor_ida.steady.grid import EXPECTED, Places, Rows, Task, form_of, reason_of, run_study
+from rotor_ida.systems.drop import drop
+from rotor_ida.systems.drop_figures import NUMBERS
+from rotor_ida.systems.units import with_system_units
+
+# What varies, with the ranges that are allowed. Factors multiply what is given.
+VARIED = {
+    "phase": (-math.tau, math.tau),
+    "friction": (0.0, 10.0),
+    "contact_damping": (0.0, 1e6),
+    "unbalance_factor": (0.0, 1e3),
+    "clearance_factor": (1e-3, 1e3),
+}
+MOST_DROPS = 100_000
+FIGURES = {**NUMBERS, "excursion": np.float64}
+OF_DROP = ("first_touch_time", "standstill_time", "horizon")
+
+
+def drop_ensemble(
+    system: RotorSystem,
+    *,
+    bearings: Sequence[Contact],
+    speed: float,
+    duration: float,
+    phase: npt.ArrayLike | None = None,
+    friction: npt.ArrayLike | None = None,
+    contact_damping: npt.ArrayLike | None = None,
+    unbalance_factor: npt.ArrayLike | None = None,
+    clearance_factor: npt.ArrayLike | None = None,
+    drops: int | None = None,
+    seed: int = 0,
+    supports: Sequence[Support] = (),
+    failing: Sequence[str] | None = None,
+    unbalance: Sequence[Unbalance] = (),
+    gravity: tuple[float, float] | None = None,
+    static_force: npt.ArrayLike | None = None,
+    inertia: float | None = None,
+    drag: float = 0.0,
+    modes: int | None = None,
+    rtol: float = 1e-10,
+    workers: int | None = None,
+    executor: str = "auto",
+    study: Folder | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Drop a rotor many times, and compute distributions of what its bearings suffer.
+
+    Parameters
+    ----------
+    system, bearings, speed, duration, supports, failing, unbalance, gravity, static_force :
+        As for `drop`.
+    inertia, drag, modes, rtol : optional
+        As for `drop`.
+    phase : array_like, optional
+        Angle of the rotor at the drop [rad]. Default: all angles at random; 0 on a grid.
+    friction, contact_damping : array_like, optional
+        Of all bearings, in place of their own.
+    unbalance_factor, clearance_factor : array_like, optional
+        By which every unbalance, or every clearance, is multiplied.
+    drops : int, optional
+        Number of drops at random: what varies is drawn uniformly from its range, two numbers.
+        Default: a grid of all combinations of the given values.
+    seed : int
+        Of the random numbers.
+    workers, executor, study, progress
+        As for `sweep`, with drops instead of points. The result is the same, bit for bit.
+
+    Returns
+    -------
+    Dataset
+        On ``drop`` what was varied, ``first_touch_time``, ``standstill_time``, ``horizon``,
+        ``status`` and ``message``; on ``(drop, contact)`` what `drop` delivers by bearing. For
+        each figure on ``contact``, of the drops in which it is known, as a random sample:
+        ``largest_force_mean`` and ``largest_force_mean_error`` (standard error);
+        on ``(quantile, contact)`` ``largest_force_quantile`` and the ends of its 95 % interval,
+        ``largest_force_quantile_low`` and ``_high``; and so on. ``backward_whirl_fraction``,
+        ``rest_fraction`` and ``decided_fraction``, each with the ends ``_low`` and ``_high`` of
+        its 95 % interval.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used. A drop that fails does not raise: its ``status`` and
+        ``message`` give the reason.
+    SimulationError
+        If one of the ``"processes"``, or the scheduler, died.
+
+    Notes
+    -----
+    Intervals of fractions are Wilson's; those of quantiles are the order statistics between which
+    the quantile lies with 95 % by the binomial distribution, whatever the distribution of the
+    figure, and infinite where the sample is too small. ``backward_whirl_fraction`` counts drops
+    with a backward whirl of three turns or more, ``rest_fraction`` those that stay in contact at
+    the end.
+
+    Up to its horizon a drop is determined by its parameters. ``decided_fraction`` is the fraction
+    of the drops whose largest force comes before: where it is 1, the largest forces do not depend
+    on the sample but through what was varied; where it is small, each one is one of many that are
+    possible, and only their distribution has a meaning.
+
+    Examples
+    --------
+    >>> system = RotorSystem(mass=np.diag([20.0, 20.0]), stiffness=np.zeros((2, 2)),
+    ...                      nodes={"disc": (0, 1)})
+    >>> bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0, friction=0.1,
+    ...                   radius=0.03)
+    >>> many = drop_ensemble(
+    ...     system, bearings=[bearing], speed=500.0, duration=0.1, inertia=0.08,
+    ...     unbalance=[Unbalance(node="disc", moment=8e-5)], friction=(0.05, 0.2), drops=8,
+    ...     supports=[Support(node="disc", stiffness=2e6, damping=2e3)], workers=1)
+    >>> many.sizes["drop"], bool((many.largest_force > 500.0).all())
+    (8, True)
+    >>> many.backward_whirl_fraction.values, many.backward_whirl_fraction_high.values.round(3)
+    (array([0.]), array([0.324]))
+    """
+    check_instance("system", system, RotorSystem)
+    check_progress(progress)
+    given = {
+        "phase": phase, "friction": friction, "contact_damping": contact_damping,
+        "unbalance_factor": unbalance_factor, "clearance_factor": clearance_factor,
+    }  # fmt: skip
+    varied = _varied(given, drops, seed)
+    case: dict[str, Any] = {
+        "system": system, "bearings": bearings, "speed": speed, "duration": duration,
+        "supports": supports, "failing": failing, "unbalance": unbalance, "gravity": gravity,
+        "static_force": static_force, "inertia": inertia, "drag": drag, "modes": modes,
+        "rtol": rtol,
+    }  # fmt: skip
+    plan = Drops(case, varied)
+    example = drop(**_arguments(plan.job(0)), samples=2, progress=None)
+    chosen = choose(executor, workers, compiled=True)
+    point = _point(example.sizes["contact"])
+    design = {"kind": "drop_ensemble", "case": _digest(case), "drops": drops, "seed": seed,
+              "varied": {name: each.tolist() for name, each in varied.items()},
+              **computing()}  # fmt: skip
+    task = Task(follow_drop, _lost, _rows, form_of("drop", "drops", point), point)
+    columns = run_study(plan, task, design, study=study, workers=chosen, progress=progress)
+    told = {"duration": example.attrs["duration"], "rtol": example.attrs["rtol"]}
+    told |= {} if drops is None else {"seed": seed}
+    told |= {name: example.attrs[name] for name in ("speed", "start_speed", "inertia", "torque")
+             if name in example.attrs}  # fmt: skip
+    return _dataset(system, example, varied, columns.points, told, is_random=drops is not None)
+
+
+def _varied(given: Mapping[str, object], drops: int | None, seed: object) -> dict[str, Values]:
+    """Return the value of what varies in each drop."""
+    found: dict[str, Values] = {}
+    for name, values in given.items():
+        if values is None:
+            continue
+        axis = check_axis(name, values)
+        low, high = VARIED[name]
+        if not (axis.min() >= low and axis.max() <= high):
+            raise InputError(f"{name} must lie from {low:.4g} to {high:.4g}, got {shown(values)}")
+        found[name] = axis
+    if drops is None:
+        found.setdefault("phase", np.zeros(1))
+        count = math.prod(each.size for each in found.values())
+        if count > MOST_DROPS:
+            raise InputError(f"drops must be at most {MOST_DROPS} on the grid, got {count}")
+        rows = np.array(list(product(*found.values())))
+        return dict(zip(found, rows.T, strict=True))
+    count = check_count("drops", drops, minimum=2, maximum=MOST_DROPS)
+    draw = np.random.default_rng(check_count("seed", seed, minimum=0))
+    found.setdefault("phase", np.array([0.0, math.tau]))
+    for name, axis in found.items():
+        if axis.size != 2 or not axis[0] <= axis[1]:
+            raise InputError(f"{name} must be a range of two numbers, got {shown(given[name])}")
+        found[name] = draw.uniform(float(axis[0]), float(axis[1]), count)
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Drop:
+    """One drop, with everything a worker needs to follow it.
+
+    Parameters
+    ----------
+    case : dict
+        Arguments of `drop`, before anything is varied.
+    varied : dict
+        What is varied, by name.
+    """
+
+    case: dict[str, Any]
+    varied: dict[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a drop delivers, or why it failed."""
+
+    figures: dict[str, Any]
+    count: int
+    message: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Drops:
+    """All drops, by number.
+
+    Parameters
+    ----------
+    case : dict
+        Arguments of `drop`, before anything is varied.
+    varied : dict
+        The values of what varies, by name, shape (drop,).
+    """
+
+    case: dict[str, Any]
+    varied: dict[str, Values]
+
+    length = 1
+
+    @property
+    def points(self) -> int:
+        """Number of drops."""
+        return next(iter(self.varied.values())).size
+
+    def places(self, number: int) -> Places:
+        """Return the position of a drop among all: each is a separate job."""
+        return np.array([number])
+
+    def job(self, number: int) -> Drop:
+        """Return what a worker needs to follow a drop."""
+        return Drop(self.case, {name: float(each[number]) for name, each in self.varied.items()})
+
+    def slowest_first(self) -> Places:
+        """Return the numbers of the drops, in their order."""
+        return np.arange(self.points)
+
+
+def _arguments(job: Drop) -> dict[str, Any]:
+    """Return the arguments of `drop` for one drop."""
+    found, varied = dict(job.case), job.varied
+    contacts = list(found["bearings"])
+    changes = {"friction": "friction", "contact_damping": "damping"}
+    for name, field in changes.items():
+        if name in varied:
+            contacts = [replace(each, **{field: varied[name]}) for each in contacts]
+    factor = varied.get("clearance_factor", 1.0)
+    found["bearings"] = [replace(each, clearance=factor * each.clearance) for each in contacts]
+    factor = varied.get("unbalance_factor", 1.0)
+    found["unbalance"] = [replace(each, moment=factor * each.moment) for each in found["unbalance"]]
+    return {**found, "phase": varied["phase"]}
+
+
+def follow_drop(job: Drop, _stop: Stop) -> Outcome:
+    """Follow one drop."""
+    count = len(job.case["bearings"])
+    try:
+        run = drop(**_arguments(job))
+    except InputError as error:  # what was drawn cannot be dropped, as it touches at once
+        return Outcome({}, count, str(error))
+    except EXPECTED as error:
+        return Outcome({}, count, reason_of(error))
+    touches = run["event_time"].values
+    figures: dict[str, Any] = {name: run[name].values for name in FIGURES}
+    figures |= {"horizon": float(run["horizon"]), "standstill_time": float(run["standstill_time"]),
+                "first_touch_time": float(touches[0]) if touches.size else math.nan}  # fmt: skip
+    return Outcome(figures, count)
+
+
+def _lost(job: Drop, reason: str) -> Outcome:
+    return Outcome({}, len(job.case["bearings"]), reason)
+
+
+def _point(contacts: int) -> np.dtype[np.void]:
+    """Return the columns of a drop."""
+    return np.dtype([
+        *((name, kind, (contacts,)) for name, kind in FIGURES.items()),
+        *((name, np.float64) for name in OF_DROP),
+        ("status", np.int8),
+    ])  # fmt: skip
+
+
+def _rows(outcome: Outcome) -> Rows:
+    """Return what a drop delivers as a row."""
+    row = np.zeros(1, _point(outcome.count))
+    for name in (*FIGURES, *OF_DROP):
+        blank = math.nan if row[name].dtype.kind == "f" else 0
+        row[name] = outcome.figures.get(name, blank)
+    row["status"] = STATUS["failed" if outcome.message else "done"]
+    return Rows(row, [outcome.message])
+
+
+def _digest(case: Mapping[str, Any]) -> str:
+    """Return a digest of all that the drops have in common."""
+    digest = hashlib.sha256()
+
+    def add(value: Any) -> None:
+        if isinstance(value, RotorSystem):
+            for name in ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate",
+                         "static_force"):  # fmt: skip
+                add(getattr(value, name))
+            for node in value.nodes:
+                add(node)
+                add(value.rows(node))
+        elif isinstance(value, np.ndarray):
+            digest.update(np.ascontiguousarray(value, float).tobytes())
+        elif isinstance(value, Contact | Support | Unbalance):
+            digest.update(repr(asdict(value)).encode())
+        elif isinstance(value, list | tuple):
+            shared = [getattr(each, "stator", None) for each in value]
+            add(repr([shared.index(each) for each in shared]))  # which contacts share a stator
+            for each in value:
+                add(each)
+        else:
+            digest.update(repr(value).encode())
+
+    for name, value in case.items():
+        digest.update(name.encode())
+        add(value)
+    return digest.hexdigest()
+
+
+def _dataset(
+    system: RotorSystem, example: xr.Dataset, varied: Mapping[str, Values],
+    columns: Mapping[str, npt.NDArray[Any]], told: Mapping[str, object], *, is_random: bool,
+) -> xr.Dataset:  # fmt: skip
+    """Return drops as a labelled dataset, with statistics if they are a random sample."""
+    both = ("drop", "contact")
+    variables: dict[str, Column] = {name: (both, columns[name]) for name in FIGURES}
+    variables |= {name: ("drop", columns[name]) for name in (*OF_DROP, "status", "message")}
+    variables |= {f"drop_{name}": ("drop", values) for name, values in varied.items()}
+    variables |= {name: ("contact", example[name].values) for name in ("contact_node", "clearance")}
+    coordinates: dict[str, Column] = {"drop": ("drop", np.arange(len(columns["status"])))}
+    if is_random:
+        done = columns["status"] == STATUS["done"]
+        kept = {name: columns[name][done] for name in (*FIGURES, "horizon")}
+        facts = {
+            "backward_whirl": kept["whirl_sense"] == WHIRL_DIRECTION["backward"],
+            "rest": ~np.isnan(kept["rest_time"]),
+            "decided": kept["largest_force_time"] <= kept["horizon"][:, np.newaxis],
+        }
+        numbers = {name: kept[name].astype(float) for name in FIGURES if name != "whirl_sense"}
+        statistics, quantiles = statistics_of(numbers, facts)
+        variables |= statistics
+        coordinates["quantile"] = ("quantile", quantiles)
+    title = "Rotor system: many drops on touchdown bearings"
+    dataset = labelled_dataset(title, variables, coordinates, provenance(told),
+                               kind="drop_ensemble")  # fmt: skip
+    return with_system_units(dataset, system)

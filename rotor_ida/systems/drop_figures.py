@@ -1,0 +1,145 @@
+"""What is delivered of a drop: forces, impulses, whirl, races and rest in each bearing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.arrays import Column, Values
+from rotor_ida.schema import EVENT_KIND, OF_BEARING, OF_FRICTION_EVENT_KIND
+
+# Part of the clearance beyond which a rotor goes round a bearing, and turns in one sense without a
+# return below it that make a whirl.
+AROUND, FEWEST_TURNS = 0.5, 3.0
+# Part of the speed at the drop below which the rotor counts as standing.
+STANDING = 0.01
+# Part of the end of a run for which a contact must last to be at rest in its bearing.
+LASTING = 0.1
+# What is delivered of each bearing, with the kind of number.
+NUMBERS = {
+    **{name: np.float64 for name in OF_BEARING if name != "excursion"},
+    "contact_count": np.int64, "whirl_sense": np.int8,
+}  # fmt: skip
+
+
+def figures_of_drop(run: xr.Dataset, clearances: Mapping[str, float]) -> dict[str, Column]:
+    """Return what is delivered of a drop, as variables of its dataset.
+
+    Parameters
+    ----------
+    run : Dataset
+        The run of a rotor system.
+    clearances : mapping
+        Other close clearances by node, where no contact is.
+    """
+    count = run.sizes["contact"]
+    of_contacts = [_of_contact(run, number) for number in range(count)]
+    columns: dict[str, Column] = {
+        name: ("contact", np.array([each[name] for each in of_contacts], kind))
+        for name, kind in NUMBERS.items()
+    }
+    radii = np.hypot(run["x"].values, run["y"].values).max(axis=0)
+    columns["largest_radius"] = ("node", radii)
+    if clearances:
+        names = run["node"].values.tolist()
+        gaps = np.array([clearances.get(name, math.nan) for name in names])
+        columns["node_clearance"] = ("node", gaps)
+        columns["node_excursion"] = ("node", radii / gaps)
+    columns["standstill_time"] = ((), _standstill(run))
+    return columns
+
+
+def _of_contact(run: xr.Dataset, number: int) -> dict[str, float]:
+    """Return the figures of one contact."""
+    own = run.isel(episode=run["episode_contact"].values == number)
+    mine = run["event_contact"].values == number
+    kinds, times = run["event_kind"].values[mine], run["event_time"].values[mine]
+    forces = np.append(own["peak_force"].values, run["normal_force"].values[:, number])
+    at = np.append(own["peak_time"].values, run["t"].values)
+    place = int(np.nanargmax(forces))
+    complete = own["impulse"].values[~np.isnan(own["exit_time"].values)]
+    rolls = times[kinds == OF_FRICTION_EVENT_KIND["roll"]]
+    race, race_time = _race(run, number)
+    turns, rate = _whirl(run, number)
+    sense = 0 if abs(turns) < FEWEST_TURNS else 1 if turns > 0.0 else -1
+    return {
+        "contact_count": int((kinds == EVENT_KIND["entry"]).sum()),
+        "largest_force": float(forces[place]),
+        "largest_force_time": float(at[place]) if forces[place] > 0.0 else math.nan,
+        "largest_impulse": float(complete.max(initial=0.0)),
+        "total_impulse": float(own["impulse"].values.sum()),
+        "total_heat": float(own["heat"].values.sum()),
+        "total_contact_loss": float(np.nansum(own["energy_lost"].values)),
+        "first_roll_time": float(rolls[0]) if rolls.size else math.nan,
+        "largest_race_speed": race,
+        "race_speed_time": race_time,
+        "whirl_turns": turns,
+        "whirl_speed": rate if sense else math.nan,
+        "whirl_sense": sense,
+        "rest_time": _rest(run, kinds, times),
+    }
+
+
+def _race(run: xr.Dataset, number: int) -> tuple[float, float]:
+    """Return the largest speed of the race of a contact at events and the end, and its time."""
+    with_race = np.flatnonzero(~np.isnan(run["race_radius"].values))
+    if number not in with_race:
+        return math.nan, math.nan
+    last = run["final_state"].values[run.sizes["component"] - with_race.size :]
+    speeds = np.append(
+        run["event_race_speed"].values[:, number], last[with_race.tolist().index(number)]
+    )
+    times = np.append(run["event_time"].values, run["t"].values[-1])
+    place = int(np.abs(speeds).argmax())
+    began = float(run["race_speed"][number])
+    return float(speeds[place]), math.nan if speeds[place] == began else float(times[place])
+
+
+def _whirl(run: xr.Dataset, number: int) -> tuple[float, float]:
+    """Return the turns of the longest whirl around a bearing, signed, and its mean speed.
+
+    A whirl goes on while the rotor stays beyond half of the clearance.
+    """
+    x, y = run["contact_x"].values[:, number], run["contact_y"].values[:, number]
+    times, far = run["t"].values, np.hypot(x, y) > AROUND * float(run["clearance"][number])
+    steps = np.angle(np.exp(1j * np.diff(np.arctan2(y, x))))
+    going = far[1:] & far[:-1]
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], going, [False]]).astype(np.int8)))
+    total = np.concatenate([[0.0], np.cumsum(np.where(going, steps, 0.0))])
+    best, rate = 0.0, math.nan
+    for begin, end in edges.reshape(-1, 2):
+        first, last = _farthest_apart(total[begin : end + 1])
+        turned = float(total[begin + last] - total[begin + first])
+        if abs(turned) > abs(best):
+            best, rate = turned, turned / float(times[begin + last] - times[begin + first])
+    return best / math.tau, rate
+
+
+def _farthest_apart(angles: Values) -> tuple[int, int]:
+    """Return the places, in order, between which an angle changes most."""
+    low, high = int(angles.argmin()), int(angles.argmax())
+    return min(low, high), max(low, high)
+
+
+def _rest(run: xr.Dataset, kinds: Values, times: Values) -> float:
+    """Return the time of the last entry, if the contact lasts from it to the end; else NaN."""
+    edges = np.abs(kinds) == EVENT_KIND["entry"]
+    if not edges.any() or kinds[edges][-1] != EVENT_KIND["entry"]:
+        return math.nan
+    end = float(run["t"].values[-1])
+    last = float(times[edges][-1])
+    return last if end - last >= LASTING * end else math.nan
+
+
+def _standstill(run: xr.Dataset) -> float:
+    """Return when the speed stays below a part of that at the drop; NaN if it never does."""
+    if "speed" not in run:
+        return math.nan
+    speeds, times = np.abs(run["speed"].values), run["t"].values
+    fast = np.flatnonzero(speeds > STANDING * speeds[0])
+    if not fast.size or fast[-1] + 1 >= speeds.size:
+        return math.nan
+    return float(times[fast[-1] + 1])

@@ -1,0 +1,104 @@
+"""Many drops: the same with every executor and after a break, and honest about their sample."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import Contact, InputError, RotorSystem, Support, Unbalance, drop, drop_ensemble
+from rotor_ida.steady.drop_statistics import of_known, wilson
+
+DISC = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
+GIVEN = {
+    "bearings": [Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0, friction=0.1,
+                         radius=0.03)],
+    "supports": [Support(node="disc", stiffness=2e6, damping=2e3)],
+    "unbalance": [Unbalance(node="disc", moment=8e-5)], "speed": 500.0, "duration": 0.05,
+    "inertia": 0.08,
+}  # fmt: skip
+
+
+def test_a_grid_holds_the_drops_themselves():
+    many = drop_ensemble(DISC, **GIVEN, phase=[0.0, 2.0], friction=[0.05, 0.3], workers=1)
+    assert many.sizes["drop"] == 4
+    assert many.drop_phase.values.tolist() == [0.0, 0.0, 2.0, 2.0]
+    bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0, friction=0.3,
+                      radius=0.03)  # fmt: skip
+    one = drop(DISC, **GIVEN | {"bearings": [bearing]}, phase=2.0)
+    for name in ("largest_force", "total_heat", "excursion"):
+        assert many[name][3].values.tolist() == one[name].values.tolist()
+    assert many.horizon[3] == one.horizon
+    assert "largest_force_mean" not in many
+
+
+def test_drops_are_the_same_with_every_executor_and_after_a_break(tmp_path):
+    varied = {"drops": 5, "seed": 3, "friction": (0.05, 0.2), "clearance_factor": (0.9, 1.1)}
+    alone = drop_ensemble(DISC, **GIVEN, **varied, executor="serial")
+    threads = drop_ensemble(DISC, **GIVEN, **varied, executor="threads", workers=2)
+    assert threads.drop_attrs().equals(alone.drop_attrs())
+
+    def interrupt(done, _total):
+        if done >= 2:
+            raise KeyboardInterrupt
+
+    study = tmp_path / "study"
+    with pytest.raises(KeyboardInterrupt):
+        drop_ensemble(DISC, **GIVEN, **varied, executor="serial", study=study, progress=interrupt)
+    left = []
+    resumed = drop_ensemble(DISC, **GIVEN, **varied, executor="serial", study=study,
+                            progress=lambda done, _: left.append(done))  # fmt: skip
+    assert left[0] >= 2
+    assert resumed.drop_attrs().equals(alone.drop_attrs())
+    with pytest.raises(InputError):
+        drop_ensemble(DISC, **GIVEN | {"duration": 0.06}, **varied, study=study)
+
+
+def test_statistics_are_of_the_drops():
+    many = drop_ensemble(DISC, **GIVEN, drops=9, workers=1)
+    forces = many.largest_force.values[:, 0]
+    np.testing.assert_allclose(many.largest_force_mean[0], forces.mean())
+    np.testing.assert_allclose(many.largest_force_mean_error[0], forces.std(ddof=1) / 3.0)
+    np.testing.assert_allclose(many.largest_force_quantile.sel(quantile=0.5)[0], np.median(forces))
+    rests = float((~np.isnan(many.rest_time)).mean())
+    np.testing.assert_allclose(many.rest_fraction[0], rests)
+    decided = (many.largest_force_time <= many.horizon).mean()
+    np.testing.assert_allclose(many.decided_fraction[0], decided)
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say():
+    """2,000 samples of 30 from a skew distribution: 95 per cent, less for the mean."""
+    draw = np.random.default_rng(5)
+    levels = np.array([0.5, 0.75])
+    held = np.zeros(3)
+    for _ in range(2000):
+        values = draw.exponential(size=30)
+        mean, error, _, low, high = of_known(values, levels)
+        truth = -np.log1p(-levels)
+        held += [abs(mean - 1.0) <= 1.96 * error, *((low <= truth) & (truth <= high))]
+    shares = held / 2000
+    assert 0.90 < shares[0] < 0.96
+    assert (shares[1:] >= 0.945).all()
+    counts = draw.binomial(30, 0.1, size=2000)
+    _, low, high = wilson(counts, 30)
+    assert 0.93 < np.mean((low <= 0.1) & (high >= 0.1)) < 0.99
+
+
+def test_a_failed_drop_has_its_reason(monkeypatch):
+    many = drop_ensemble(
+        DISC, **GIVEN, phase=[0.0], contact_damping=[1.0], unbalance_factor=[1.0, 900.0], workers=1
+    )
+    assert many.status.values.tolist() == [0, 1]
+    assert "clear of the levitated rotor" in str(many.message[1].values)
+    assert np.isnan(many.largest_force[1, 0])
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"drops": 1}, "drops must be"),
+        ({"drops": 3, "friction": [0.1, 0.2, 0.3]}, "friction must be a range of two numbers"),
+        ({"friction": [-0.1]}, "friction must be zero or positive"),
+        ({"phase": np.zeros(400), "friction": np.full(400, 0.1)}, "drops must be at most 100000"),
+    ],
+)
+def test_what_cannot_be_varied_is_refused_in_one_line(change, words):
+    with pytest.raises(InputError, match=words):
+        drop_ensemble(DISC, **GIVEN, **change)

@@ -1,0 +1,229 @@
+"""Drops of rigid rotors against closed forms, and what the core does in long symmetric ones."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import rotor_ida
+from rotor_ida import Contact, InputError, Race, RotorSystem, Stator, Support, Unbalance, drop
+from rotor_ida.core import systems as core_systems
+
+GRAVITY = 9.80665
+MASS, TILT, POLAR = 20.0, 0.6, 0.08
+LEFT, RIGHT, DISC = -0.25, 0.3, 0.05
+SUPPORTS = [Support(node=node, stiffness=2e6, damping=2e3) for node in "ab"]
+
+
+def rigid(left=LEFT, right=RIGHT, disc=DISC, polar=POLAR):
+    """Return a rigid rotor: q = (x, y, tilts), the displacement of a node at z is x + z tilt."""
+    gyroscopic = np.zeros((4, 4))
+    gyroscopic[2, 3], gyroscopic[3, 2] = polar, -polar
+    places = {"a": left, "b": right, "disc": disc}
+    nodes = {name: np.array([[1.0, 0.0, z, 0.0], [0.0, 1.0, 0.0, z]]) for name, z in places.items()}
+    return RotorSystem(mass=np.diag([MASS, MASS, TILT, TILT]), stiffness=np.zeros((4, 4)),
+                       gyroscopic=gyroscopic, nodes=nodes)  # fmt: skip
+
+
+def bearing(node, *, friction=0.0, damping=1.0, stator=None, race=None, radius=0.03):
+    return Contact(node=node, clearance=2e-4, stiffness=2e9, damping=damping, friction=friction,
+                   radius=radius, stator=stator, race=race)  # fmt: skip
+
+
+def soft(node, friction=0.1):
+    race = Race(radius=0.03, inertia=2e-4, drag=1e-4)
+    stator = Stator(mass=1.5, stiffness=3e7, damping=3e3, race=race)
+    return bearing(node, friction=friction, stator=stator)
+
+
+def test_a_balanced_rotor_falls_freely_on_both_bearings():
+    run = drop(rigid(), bearings=[bearing("a"), bearing("b")], speed=1500.0, duration=0.007,
+               supports=SUPPORTS)  # fmt: skip
+    first = run.isel(event=slice(2))
+    np.testing.assert_allclose(first.event_time, math.sqrt(2.0 * 2e-4 / GRAVITY), rtol=1e-10)
+    assert sorted(first.event_contact.values) == [0, 1]
+    speeds = first.event_state.values[:, 4:8]
+    np.testing.assert_allclose(speeds[:, 1], -math.sqrt(2.0 * 2e-4 * GRAVITY), rtol=1e-10)
+    np.testing.assert_allclose(run.support_load.sum("support"), [0.0, MASS * GRAVITY], atol=1e-9)
+    at_a = MASS * GRAVITY * RIGHT / (RIGHT - LEFT)
+    np.testing.assert_allclose(run.support_load[0, 1], at_a, rtol=1e-12)
+
+
+@pytest.mark.parametrize("phase", [0.3, 2.5, 5.0])
+def test_an_unbalanced_rotor_first_touches_where_the_free_motion_says(phase):
+    """Without gyroscopic moments translation and tilt are forced free bodies."""
+    moment, speed = 4e-4, 300.0
+    run = drop(rigid(polar=0.0), bearings=[bearing("a"), bearing("b")], speed=speed, phase=phase,
+               unbalance=[Unbalance(node="disc", moment=moment)], supports=SUPPORTS,
+               duration=0.009)  # fmt: skip
+    places, inertia = np.array([LEFT, RIGHT]), np.diag([MASS, TILT])
+    shape = np.array([[1.0, LEFT], [1.0, RIGHT]])
+    held = (2e6 + 2e3j * speed) * shape.T @ shape
+    force = moment * speed**2 * np.array([1.0, DISC]) * np.exp(1j * phase)
+    whirl = np.linalg.solve(held - speed**2 * inertia, force)
+    free = -force / np.diag(inertia) / speed**2  # of a free body
+
+    def displacement(time, z):
+        body = free * np.exp(1j * speed * time)
+        body = body + (whirl - free) * (1.0 + 1j * speed * time)
+        return body[0] + z * body[1] - 0.5j * GRAVITY * time**2
+
+    times = [brentq(lambda t, z=z: abs(displacement(t, z)) - 2e-4, 1e-3, 8e-3, xtol=1e-15)
+             for z in places]  # fmt: skip
+    np.testing.assert_allclose(run.event_time[0], min(times), rtol=1e-10)
+    assert run.event_contact[0] == np.argmin(times)
+
+
+@pytest.mark.parametrize("node", ["a", "b"])
+def test_the_restitution_at_each_bearing_does_not_depend_on_the_mass_behind_it(node):
+    """With N = k d^n (1 + lambda d'), v - ln(1 + lambda v)/lambda is the same at entry and exit."""
+    damping, entry = 5.0, 0.06
+    start = ([0.0] * 4, [0.0, -entry, 0.0, 0.0])
+    run = drop(rigid(), bearings=[bearing(node, damping=damping)], speed=0.0, gravity=(0.0, 0.0),
+               start=start, duration=0.02)  # fmt: skip
+    z = {"a": LEFT, "b": RIGHT}[node]
+    velocities = run.event_state.values[:, 4:8] @ np.array([0.0, -1.0, 0.0, -z])
+    np.testing.assert_allclose(velocities[0], entry, rtol=1e-10)
+
+    def kept(speed):
+        return damping * speed - math.log1p(damping * speed)
+
+    leaving = brentq(lambda v: kept(v) - kept(entry), -0.99 * entry, -1e-3, xtol=1e-15)
+    np.testing.assert_allclose(velocities[1], leaving, rtol=1e-9)
+
+
+def test_a_race_spins_up_and_the_rotor_slows_down_under_constant_sliding():
+    """A disc that slides at the bottom of its bearing: N = m g/sqrt(1 + mu^2)."""
+    friction, radius, inertia, race = 0.2, 0.03, 0.02, Race(radius=0.025, inertia=1e-3)
+    system = RotorSystem(mass=MASS * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
+    touch = bearing("disc", friction=friction, race=race)
+    normal = MASS * GRAVITY / math.hypot(1.0, friction)
+    away = -1j * MASS * GRAVITY / (normal * (1.0 + 1j * friction))
+    place = away * (2e-4 + (normal / 2e9) ** (2.0 / 3.0))
+    run = drop(system, bearings=[touch], speed=1500.0, inertia=inertia, duration=0.5,
+               start=([place.real, place.imag], [0.0, 0.0]))  # fmt: skip
+    torque = friction * normal
+    expected = race.radius * torque * 0.5 / race.inertia
+    np.testing.assert_allclose(run.largest_race_speed, expected, rtol=1e-9)
+    np.testing.assert_allclose(run.race_speed_time, 0.5)
+    np.testing.assert_allclose(run.speed[-1], 1500.0 - radius * torque * 0.5 / inertia, rtol=1e-9)
+    slid = (radius * (1500.0 + float(run.speed[-1])) - race.radius * expected) / 2.0 * 0.5
+    np.testing.assert_allclose(run.total_heat, torque * slid, rtol=1e-9)
+    assert run.rest_time.isnull().all()  # it never entered: the run began in contact
+    assert np.isnan(run.standstill_time)
+
+
+def test_dry_whip_has_the_frequency_of_the_rotor_with_its_contact_closed():
+    """Two discs in steady rolling: the contact is a spring (N + i T)/A, the eigenvalue i omega."""
+    chain, masses, damping = np.array([[8e6, -4e6], [-4e6, 6e6]]), np.diag([12.0, 8.0]), 2e-5
+    system = RotorSystem(
+        mass=np.kron(masses, np.eye(2)), stiffness=np.kron(chain, np.eye(2)),
+        damping=damping * np.kron(chain, np.eye(2)), nodes={"disc": (0, 1), "seal": (2, 3)},
+    )  # fmt: skip
+    speed, radius = 16.0, 0.012
+    touch = Contact(node="seal", clearance=2e-4, stiffness=5e7, exponent=1.0, friction=0.5,
+                    radius=radius)  # fmt: skip
+    start = ([1e-4, 0.0, 2.4e-4, 0.0], [0.0, -0.09, 0.0, -radius * speed])
+    late = drop(system, bearings=[touch], speed=speed, start=start, gravity=(0.0, 0.0),
+                duration=5.0, samples=np.linspace(4.9, 5.0, 1001))  # fmt: skip
+    assert (late["mode"] == 2).all()
+    assert late.whirl_sense[0] == -1
+    amplitude = np.hypot(late.contact_x, late.contact_y).mean().item()
+    whirl = late.whirl_speed[0].item()
+    np.testing.assert_allclose(whirl, -radius * speed / amplitude, rtol=1e-6)
+    force = complex(late.normal_force.mean(), late.tangential_force.mean()) / amplitude
+    closed = chain + np.diag([0.0, force])
+    inverse = np.linalg.inv(masses)
+    matrix = np.block([[np.zeros((2, 2)), np.eye(2)],
+                       [-inverse @ closed, -damping * inverse @ chain]])  # fmt: skip
+    eigenvalues = np.linalg.eigvals(matrix)
+    nearest = eigenvalues[np.abs(eigenvalues - 1j * whirl).argmin()]
+    np.testing.assert_allclose(nearest, 1j * whirl, rtol=1e-5)  # the transient
+
+
+def test_a_support_that_stays_holds_its_end():
+    given = {"bearings": [bearing("a"), bearing("b")], "speed": 1500.0, "duration": 0.3}
+    run = drop(rigid(), **given, supports=SUPPORTS, failing=["a"])
+    assert run.contact_count[0] > 0
+    assert run.contact_count[1] == 0
+    assert run.support_fails.values.tolist() == [1, 0]
+    held = drop(rigid(), **given | {"duration": 0.01}, supports=SUPPORTS, failing=["a"], samples=11)
+    other = drop(rigid(LEFT, RIGHT), **given | {"duration": 0.01}, supports=SUPPORTS, samples=11)
+    assert abs(float(held.y.sel(node="b")[-1])) < 0.2 * abs(float(other.y.sel(node="b")[-1]))
+
+
+def test_a_balanced_flexible_rotor_hangs_between_its_supports():
+    """It sags between nodes that are held at the centre; at rest nothing moves before the drop."""
+    chain = np.array([[2e6, -2e6, 0.0], [-2e6, 4e6, -2e6], [0.0, -2e6, 2e6]])
+    nodes = {"a": (0, 3), "disc": (1, 4), "b": (2, 5)}
+    system = RotorSystem(mass=np.kron(np.eye(2), np.diag([2.0, 10.0, 2.0])),
+                         stiffness=np.kron(np.eye(2), chain), nodes=nodes)  # fmt: skip
+    run = drop(system, bearings=[bearing("a"), bearing("b")], speed=100.0, duration=1e-3,
+               supports=SUPPORTS, clearances={"disc": 3e-4})  # fmt: skip
+    first = run.isel(t=0)
+    np.testing.assert_allclose(first.y, [0.0, -10.0 * GRAVITY / 4e6, 0.0], atol=1e-18)
+    np.testing.assert_allclose(run.support_load[:, 1], 7.0 * GRAVITY)
+    radius = float(run.largest_radius.sel(node="disc"))
+    np.testing.assert_allclose(run.node_excursion.sel(node="disc"), radius / 3e-4)
+
+
+def test_a_run_does_not_depend_on_when_its_tables_grow(monkeypatch):
+    """A contact that had just ended entered again where the table of events was full."""
+    given = {"bearings": [bearing("a"), bearing("b")], "speed": 1500.0, "duration": 0.2,
+             "unbalance": [Unbalance(node="disc", moment=8e-5)], "inertia": POLAR,
+             "samples": 11}  # fmt: skip
+    runs = []
+    for room in (256, 1, 7):
+        monkeypatch.setattr(core_systems, "FIRST_ROOM", room)
+        runs.append(drop(rigid(), **given, supports=SUPPORTS))
+    assert runs[0].sizes["event"] > 24
+    for other in runs[1:]:
+        assert other.drop_attrs().equals(runs[0].drop_attrs())
+
+
+def test_a_symmetric_rotor_touches_leaves_and_slips_at_both_ends_at_once_and_comes_to_rest():
+    run = drop(rigid(-0.3, 0.3, 0.0), bearings=[soft("a"), soft("b")], speed=1500.0, duration=3.0,
+               unbalance=[Unbalance(node="disc", moment=8e-5)], inertia=POLAR, drag=1e-2,
+               supports=[], start=([0.0] * 4, [0.0] * 4), samples=2001)  # fmt: skip
+    assert (run.contact_count > 10).all()
+    assert (np.abs(run.event_kind) == 2).any()
+
+
+def test_a_drop_ends_at_a_standstill():
+    hard = [bearing(node, friction=0.15, damping=10.0) for node in "ab"]
+    run = drop(rigid(), bearings=hard, speed=20.0, duration=6.0, inertia=POLAR, drag=0.05,
+               supports=SUPPORTS, samples=2001)  # fmt: skip
+    assert run.rest_time.notnull().all()
+    assert 0.0 < float(run.standstill_time) < 6.0
+    assert float(run.horizon) == 6.0
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"bearings": []}, "bearings must be at least one Contact"),
+        ({"supports": SUPPORTS[:1] * 2}, "supports must be at different nodes, got 'a' twice"),
+        ({"failing": ["disc"]}, "failing must be nodes of supports, 'a' or 'b', got 'disc'"),
+        ({"drag": 0.1}, "inertia must be given with drag"),
+        ({"clearances": {"disc": -1.0}}, "clearance at 'disc' must be positive"),
+        ({"clearances": {"end": 1.0}}, "end"),
+        ({"unbalance": [Unbalance(node="disc", moment=1.0)]}, "clear of the levitated rotor"),
+        ({"supports": [Support(node="disc", stiffness=1e6)]}, "got too few"),
+    ],
+)
+def test_what_cannot_be_dropped_is_refused_in_one_line(change, words):
+    given = {"bearings": [bearing("a")], "speed": 100.0, "duration": 0.01, "supports": SUPPORTS}
+    with pytest.raises(InputError, match=words) as caught:
+        drop(rigid(), **given | change)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_drop_is_verified_and_loaded_as_it_was(tmp_path):
+    run = drop(rigid(), bearings=[soft("a"), soft("b")], speed=1500.0, duration=0.05,
+               supports=SUPPORTS, inertia=POLAR)  # fmt: skip
+    rotor_ida.save(run, tmp_path / "drop.nc")
+    loaded = rotor_ida.load(tmp_path / "drop.nc")
+    assert loaded.equals(run)
+    assert loaded.attrs["result_kind"] == "drop"
+    assert rotor_ida.signals_of(loaded, node="disc").sizes["t"] == run.sizes["t"]
