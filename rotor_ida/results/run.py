@@ -27,8 +27,8 @@ from rotor_ida.schema import (
 # A run that begins or ends in a contact does not have all of these.
 PARTLY_KNOWN = ("entry_time", "exit_time", "peak_time", "peak_force")
 
-# Its kind of result.
-SYSTEM_RUN = "system_run"
+# Kinds of result that hold one.
+SYSTEM_RUN, DROP = "system_run", "drop"
 # The variables of a run of a rotor system: along which dimensions, and kinds of their numbers.
 _TEXT, _WHOLE, _REAL = "UO", "iu", "iuf"
 OF_SYSTEM: dict[str, tuple[tuple[str, ...], str]] = {
@@ -62,9 +62,9 @@ def samples_in(
 
 
 def is_of_system(dataset: xr.Dataset) -> bool:
-    """Return whether a dataset is a run of a rotor system."""
+    """Return whether a dataset is a run of a rotor system, such as a drop."""
     kind = dataset.attrs.get(RESULT_KIND, SYSTEM_RUN)
-    return bool(kind == SYSTEM_RUN) and "contact_node" in dataset.variables
+    return kind in {SYSTEM_RUN, DROP} and "contact_node" in dataset.variables
 
 
 def nodes_in(run: xr.Dataset) -> list[str]:
