@@ -21,7 +21,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
-from rotor_ida.checks import check_axis, check_count, check_instance, check_progress, shown
+from rotor_ida.checks import check_axis, check_count, check_progress, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support, Unbalance
@@ -31,6 +31,7 @@ from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled_dataset
 from rotor_ida.steady.drop_statistics import statistics_of
 from rotor_ida.steady.grid import EXPECTED, Places, Rows, Task, form_of, reason_of, run_study
+from rotor_ida.systems.assembly import check_parts
 from rotor_ida.systems.dataset import with_system_units
 from rotor_ida.systems.drop import drop
 from rotor_ida.systems.drop_figures import NUMBERS
@@ -145,7 +146,7 @@ def drop_ensemble(
     >>> many.backward_whirl_fraction.values, many.backward_whirl_fraction_high.values.round(3)
     (array([0.]), array([0.324]))
     """
-    check_instance("system", system, RotorSystem)
+    check_parts(system, bearings, unbalance)
     check_progress(progress)
     given = {
         "phase": phase, "friction": friction, "contact_damping": contact_damping,

@@ -149,8 +149,8 @@ def drop(
     how: dict[str, Any] = {"duration": duration, "samples": samples, "rtol": rtol, "method": method,
                            "progress": progress, "speed": omega}  # fmt: skip
     if inertia is None:
-        if check_nonnegative("drag", drag) > 0.0:
-            raise InputError(f"inertia must be given with drag, got drag {drag!r} alone")
+        if (resistance := check_nonnegative("drag", drag)) > 0.0:
+            raise InputError(f"inertia must be given with drag, got drag {resistance!r} alone")
         run = simulate_system(**case.around, **how)
     else:
         torque = (0.0, check_nonnegative("drag", drag))
