@@ -62,7 +62,7 @@ def drop_figure(run: xr.Dataset) -> Figure:
     >>> bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0)
     >>> run = drop(system, bearings=[bearing], speed=500.0, duration=0.1)
     >>> [ax.get_ylabel() for ax in drop_figure(run).axes]
-    ['radius over clearance', 'normal force $N$ [kN]']
+    ['radius over clearance', 'normal force $N$ [N]']
     """
     run = in_suitable_units(check_system_run(run))
     has_speeds = "speed" in run.variables or "event_race_speed" in run.variables

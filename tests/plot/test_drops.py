@@ -20,7 +20,7 @@ def test_a_figure_of_a_drop_has_radius_force_and_speeds():
     radius, force, speeds = drop_figure(run).axes
     drawn = max(float(np.max(line.get_ydata())) for line in radius.lines if line.get_lw() < 1.0)
     np.testing.assert_allclose(drawn, run.excursion[0], rtol=1e-3)
-    np.testing.assert_allclose(force.lines[0].get_ydata().max(), run.largest_force[0] / 1e3)
+    np.testing.assert_allclose(force.lines[0].get_ydata().max(), run.largest_force[0])
     rotor, race = speeds.lines[:2]
     np.testing.assert_allclose(rotor.get_ydata(), run.speed)
     assert race.get_ydata().max() <= run.largest_race_speed[0] * (1.0 + 1e-12)
