@@ -17,7 +17,7 @@ from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support, Unbalance
 from rotor_ida.parallel import Progress
-from rotor_ida.schema import RESULT_KIND, labelled
+from rotor_ida.schema import labelled
 from rotor_ida.systems.assembly import assemble, check_parts
 from rotor_ida.systems.dataset import with_system_units
 from rotor_ida.systems.drop_figures import figures_of_drop
@@ -240,5 +240,5 @@ def _dataset(
     variables = {name: labelled(name, *column) for name, column in columns.items()}
     dataset = with_system_units(run.assign(variables), system)
     dataset["total_impulse"].attrs["long_name"] = "impulse of all contacts"
-    dataset.attrs |= {**told, "title": TITLE, RESULT_KIND: "drop"}
+    dataset.attrs |= {**told, "title": TITLE, "result_kind": "drop"}
     return dataset
