@@ -83,6 +83,21 @@ def over_speed(function: str) -> xr.Dataset:
     return getattr(rotor_ida, function)(system, contacts=contacts, unbalance=unbalance, **given)
 
 
+def given_for_drops() -> dict[str, object]:
+    """Return the arguments of a drop with friction, a race and a support that stays."""
+    system = rotor_ida.RotorSystem(
+        mass=np.eye(4), stiffness=0.1 * np.eye(4), nodes={"disc": (0, 1), "end": (2, 3)}
+    )
+    touch = rotor_ida.Contact(
+        node="disc", clearance=0.5, stiffness=4.0, damping=0.2, friction=0.1, radius=1.0,
+        race=rotor_ida.Race(radius=1.0, inertia=2.0),
+    )  # fmt: skip
+    supports = [rotor_ida.Support(node=node, stiffness=2.0) for node in ("disc", "end")]
+    unbalance = [rotor_ida.Unbalance(node="disc", moment=0.01)]
+    return {"system": system, "bearings": [touch], "supports": supports, "failing": ["disc"],
+            "unbalance": unbalance, "speed": 3.0, "duration": 5.0, "inertia": 5.0}  # fmt: skip
+
+
 def a_cycle() -> xr.Dataset:
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
     return rotor_ida.limit_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
@@ -115,6 +130,17 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "special_speeds": lambda: over_speed("special_speeds"),
     "campbell": lambda: over_speed("campbell"),
     "clearance_report": lambda: over_speed("clearance_report"),
+    "drop": lambda: rotor_ida.drop(
+        **given_for_drops(),
+        samples=41,
+        clearances={"end": 2.0},  # type: ignore[arg-type]
+    ),
+    "drop_ensemble": lambda: rotor_ida.drop_ensemble(
+        **given_for_drops(),
+        drops=3,
+        friction=(0.1, 0.2),
+        workers=1,  # type: ignore[arg-type]
+    ),
     "runs_by_name": lambda: xr.concat([a_run(), a_run()], xr.Variable("machine", ["a", "b"])),
     "run_in_si_units": lambda: rotor_ida.dimensional(a_run(), MACHINE),
     "sweep": a_sweep,

@@ -22,6 +22,7 @@ from rotor_ida import (
     Rotor,
     RotorError,
     RotorSystem,
+    Support,
     Unbalance,
     closed_forms,
 )
@@ -310,6 +311,20 @@ GIVEN |= {
         "system": DAMPED, "speed": (0.8, 1.2), "probes": ["disc"], "points": 8,
         "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)],
         "unbalance": [Unbalance(node="disc", moment=1.0)], "vibration_limit": 1.0,
+    },
+    "Support": lambda _: {"node": "disc", "stiffness": 2.0},
+    "ball_bearing_stiffness": lambda _: {
+        "ball_diameter": 0.01, "pitch_diameter": 0.05, "balls": 9,
+    },
+    "drop": lambda _: {
+        "system": SYSTEM, "speed": 1.2, "duration": 2.0, "gravity": (0.0, -1.0),
+        "bearings": [Contact(node="disc", clearance=0.5, stiffness=4.0)],
+        "supports": [Support(node="disc", stiffness=2.0)],
+    },
+    "drop_ensemble": lambda folder: {
+        "system": SYSTEM, "speed": 1.2, "duration": 1.0, "gravity": (0.0, -1.0), "drops": 2,
+        "bearings": [Contact(node="disc", clearance=0.5, stiffness=4.0)], "workers": 1,
+        "supports": [Support(node="disc", stiffness=2.0)], "study": folder / "drops",
     },
     "run_up_system": lambda _: {"system": SYSTEM, "speed": 1.2, "to": 1.4, "rate": 0.1},
     "load_system": lambda folder: {"path": system_in(folder)},

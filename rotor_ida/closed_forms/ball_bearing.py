@@ -7,12 +7,13 @@ import math
 from scipy.optimize import brentq
 from scipy.special import beta, ellipe, ellipkm1
 
-from rotor_ida.checks import check_between, check_count, check_nonnegative, check_positive
+from rotor_ida.checks import check_between, check_count, check_nonnegative
 from rotor_ida.errors import InputError
 
 # The ellipse of contact is at most this many times as long as wide.
 LONGEST_ELLIPSE = 1e3
 MOST_BALLS = 1000
+MODULI, DIAMETERS = (1e3, 1e15), (1e-6, 1e3)  # Pa, m
 
 
 def ball_bearing_stiffness(
@@ -76,12 +77,12 @@ def ball_bearing_stiffness(
     >>> f"{ball_bearing_stiffness(ball_diameter=12.7e-3, pitch_diameter=65e-3, balls=9):.3g}"
     '2.26e+10'
     """
-    ball = check_positive("ball_diameter", ball_diameter)
-    pitch = check_positive("pitch_diameter", pitch_diameter)
+    ball = check_between("ball_diameter", ball_diameter, *DIAMETERS)
+    pitch = check_between("pitch_diameter", pitch_diameter, *DIAMETERS)
     angle = check_nonnegative("contact_angle", contact_angle)
     if not angle < math.pi / 2.0:
         raise InputError(f"contact_angle must be below pi/2, got {angle!r}")
-    modulus = check_positive("youngs_modulus", youngs_modulus)
+    modulus = check_between("youngs_modulus", youngs_modulus, *MODULI)
     poisson = check_between("poisson_ratio", poisson_ratio, 0.0, 0.5)
     count = check_count("balls", balls, maximum=MOST_BALLS)
     over_pitch = ball * math.cos(angle) / pitch

@@ -62,7 +62,7 @@ def drop_figure(run: xr.Dataset) -> Figure:
     >>> bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0)
     >>> run = drop(system, bearings=[bearing], speed=500.0, duration=0.1)
     >>> [ax.get_ylabel() for ax in drop_figure(run).axes]
-    ['radius over clearance', 'normal force $N$ [kN]']
+    ['radius over clearance', 'normal force $N$ [N]']
     """
     run = in_suitable_units(check_system_run(run))
     has_speeds = "speed" in run.variables or "event_race_speed" in run.variables
@@ -187,7 +187,7 @@ def _draw_distribution(ax: Axes, drops: xr.Dataset, name: str, number: int) -> N
 
 
 def save_orbit_film(
-    run: xr.Dataset, path: str | os.PathLike[str], *, frames: int = 200, rate: int = 20
+    run: xr.Dataset, path: str | os.PathLike[str], *, frames: int = 100, rate: int = 20
 ) -> Path:
     """Write a film of the orbits in all bearings, as GIF, or as MP4 where ffmpeg is installed.
 
@@ -220,12 +220,8 @@ def save_orbit_film(
     )
 
     run = in_suitable_units(check_system_run(run))
-    target, count = Path(path), check_count("frames", frames, minimum=2, maximum=MOST_FRAMES)
+    target, count = check_film(path), check_count("frames", frames, minimum=2, maximum=MOST_FRAMES)
     speed = check_count("rate", rate, minimum=1, maximum=100)
-    if target.suffix not in ENDINGS:
-        raise InputError(f"path must end in .gif or .mp4, got {shown(str(path))}")
-    if target.suffix == ".mp4" and not FFMpegWriter.isAvailable():
-        raise InputError("path must end in .gif, as ffmpeg is not installed for .mp4")
     contacts = run.sizes["contact"]
     if not contacts:
         raise InputError("run must have contacts, got none")
@@ -240,19 +236,34 @@ def save_orbit_film(
         figure.draw_without_rendering()
         figure.set_layout_engine("none")  # laid out once, not for every frame
 
+        places_x, places_y = run["contact_x"].values, run["contact_y"].values
+        times = run["t"].values
+
         def draw(place: int) -> None:
             first = max(0, place - TRAIL)
             for number, (trail, dot) in enumerate(lines):
-                x, y = (run[f"contact_{axis}"].values[:, number] for axis in "xy")
+                x, y = places_x[:, number], places_y[:, number]
                 trail.set_data(x[first : place + 1], y[first : place + 1])
                 dot.set_data(x[place : place + 1], y[place : place + 1])
-            title.set_text(f"t = {float(run['t'][place]):.4f} {unit}")
+            title.set_text(f"t = {times[place]:.4f} {unit}")
 
         film = FuncAnimation(figure, draw, frames=places.tolist())
         writer: AbstractMovieWriter = (
             PillowWriter(fps=speed) if target.suffix == ".gif" else FFMpegWriter(fps=speed)
         )
-        film.save(target, writer=writer, dpi=90)
+        film.save(target, writer=writer, dpi=80)
+    return target
+
+
+def check_film(path: str | os.PathLike[str]) -> Path:
+    """Return the path of a film that can be written here."""
+    from matplotlib.animation import FFMpegWriter  # noqa: PLC0415 - takes a moment
+
+    target = Path(path)
+    if target.suffix not in ENDINGS:
+        raise InputError(f"film must end in .gif or .mp4, got {shown(str(path))}")
+    if target.suffix == ".mp4" and not FFMpegWriter.isAvailable():
+        raise InputError("film must end in .gif, as ffmpeg is not installed for .mp4")
     return target
 
 

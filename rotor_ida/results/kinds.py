@@ -92,6 +92,7 @@ KINDS = {
             variables=("whirl_turns", "decided_fraction"), dims=("drop", "contact"),
             shown="rotor_ida.cli.describe_systems:show_drops",
             drawn="rotor_ida.plot:drops_figure",
+            study="drop_ensemble", resumed=f"{_RESUMED}:resume_drops",
         ),
         Kind(
             name="system_run", meaning="run of a rotor system", variables=("x", "event_contact"),

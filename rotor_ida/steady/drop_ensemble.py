@@ -9,10 +9,9 @@ reached each figure before their horizon.
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -21,7 +20,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
-from rotor_ida.checks import check_axis, check_count, check_instance, check_progress, shown
+from rotor_ida.checks import check_axis, check_count, check_progress, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support, Unbalance
@@ -29,8 +28,10 @@ from rotor_ida.parallel import Progress, choose
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled_dataset
+from rotor_ida.steady.drop_design import plain_case
 from rotor_ida.steady.drop_statistics import statistics_of
 from rotor_ida.steady.grid import EXPECTED, Places, Rows, Task, form_of, reason_of, run_study
+from rotor_ida.systems.assembly import check_parts
 from rotor_ida.systems.drop import drop
 from rotor_ida.systems.drop_figures import NUMBERS
 from rotor_ida.systems.units import with_system_units
@@ -145,7 +146,7 @@ def drop_ensemble(
     >>> many.backward_whirl_fraction.values, many.backward_whirl_fraction_high.values.round(3)
     (array([0.]), array([0.324]))
     """
-    check_instance("system", system, RotorSystem)
+    check_parts(system, bearings, unbalance)
     check_progress(progress)
     given = {
         "phase": phase, "friction": friction, "contact_damping": contact_damping,
@@ -162,9 +163,10 @@ def drop_ensemble(
     example = drop(**_arguments(plan.job(0)), samples=2, progress=None)
     chosen = choose(executor, workers, compiled=True)
     point = _point(example.sizes["contact"])
-    design = {"kind": "drop_ensemble", "case": _digest(case), "drops": drops, "seed": seed,
-              "varied": {name: each.tolist() for name, each in varied.items()},
-              **computing()}  # fmt: skip
+    ways = {name: check_axis(name, each).tolist() for name, each in given.items()
+            if each is not None}  # fmt: skip
+    design = {"kind": "drop_ensemble", "case": plain_case(case), "varied": ways,
+              "drops": drops, "seed": seed, **computing()}  # fmt: skip
     task = Task(follow_drop, _lost, _rows, form_of("drop", "drops", point), point)
     columns = run_study(plan, task, design, study=study, workers=chosen, progress=progress)
     told = {"duration": example.attrs["duration"], "rtol": example.attrs["rtol"]}
@@ -314,36 +316,6 @@ def _rows(outcome: Outcome) -> Rows:
         row[name] = outcome.figures.get(name, blank)
     row["status"] = STATUS["failed" if outcome.message else "done"]
     return Rows(row, [outcome.message])
-
-
-def _digest(case: Mapping[str, Any]) -> str:
-    """Return a digest of all that the drops have in common."""
-    digest = hashlib.sha256()
-
-    def add(value: Any) -> None:
-        if isinstance(value, RotorSystem):
-            for name in ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate",
-                         "static_force"):  # fmt: skip
-                add(getattr(value, name))
-            for node in value.nodes:
-                add(node)
-                add(value.rows(node))
-        elif isinstance(value, np.ndarray):
-            digest.update(np.ascontiguousarray(value, float).tobytes())
-        elif isinstance(value, Contact | Support | Unbalance):
-            digest.update(repr(asdict(value)).encode())
-        elif isinstance(value, list | tuple):
-            shared = [getattr(each, "stator", None) for each in value]
-            add(repr([shared.index(each) for each in shared]))  # which contacts share a stator
-            for each in value:
-                add(each)
-        else:
-            digest.update(repr(value).encode())
-
-    for name, value in case.items():
-        digest.update(name.encode())
-        add(value)
-    return digest.hexdigest()
 
 
 def _dataset(

@@ -17,7 +17,7 @@ from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support, Unbalance
 from rotor_ida.parallel import Progress
-from rotor_ida.schema import RESULT_KIND, labelled
+from rotor_ida.schema import labelled
 from rotor_ida.systems.assembly import assemble, check_parts
 from rotor_ida.systems.drop_figures import figures_of_drop
 from rotor_ida.systems.levitation import Levitated, check_supports, levitated, with_supports
@@ -149,8 +149,8 @@ def drop(
     how: dict[str, Any] = {"duration": duration, "samples": samples, "rtol": rtol, "method": method,
                            "progress": progress, "speed": omega}  # fmt: skip
     if inertia is None:
-        if check_nonnegative("drag", drag) > 0.0:
-            raise InputError(f"inertia must be given with drag, got drag {drag!r} alone")
+        if (resistance := check_nonnegative("drag", drag)) > 0.0:
+            raise InputError(f"inertia must be given with drag, got drag {resistance!r} alone")
         run = simulate_system(**case.around, **how)
     else:
         torque = (0.0, check_nonnegative("drag", drag))
@@ -240,5 +240,5 @@ def _dataset(
     variables = {name: labelled(name, *column) for name, column in columns.items()}
     dataset = with_system_units(run.assign(variables), system)
     dataset["total_impulse"].attrs["long_name"] = "impulse of all contacts"
-    dataset.attrs |= {**told, "title": TITLE, RESULT_KIND: "drop"}
+    dataset.attrs |= {**told, "title": TITLE, "result_kind": "drop"}
     return dataset

@@ -22,6 +22,8 @@ from rotor_ida.parallel import Progress
 from rotor_ida.results.kinds import STUDIES, loaded
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies import design_of, program_of
+from rotor_ida.steady.drop_design import case_from
+from rotor_ida.steady.drop_ensemble import drop_ensemble
 from rotor_ida.steady.run_ups import run_ups
 from rotor_ida.steady.sweep import sweep
 from rotor_ida.steady.system_sweep import sweep_system
@@ -47,7 +49,7 @@ def resume(
     ----------
     folder : path-like
         The folder that was given as `study` to `sweep`, `run_ups`, `basin`, `basin_fractions`,
-        `continue_attractors` or `continue_cycle`.
+        `continue_attractors`, `continue_cycle` or `drop_ensemble`.
     workers, executor, progress
         As for the function that began it; they do not affect the result. A branch is followed
         point by point, without workers.
@@ -107,6 +109,12 @@ def resume_run_ups(design: Design, jobs: Jobs) -> Resumed:
     """Return the function that resumes many run-ups."""
     given = _given(design, "to", "rate", "phase", *SOLVER) | _axes(design)
     return partial(run_ups, **given, starts=_starts(design), **jobs)
+
+
+def resume_drops(design: Design, jobs: Jobs) -> Resumed:
+    """Return the function that resumes many drops of a rotor system."""
+    given = case_from(design["case"]) | design["varied"]
+    return partial(drop_ensemble, **given, **_given(design, "drops", "seed"), **jobs)
 
 
 def resume_basin(design: Design, jobs: Jobs) -> Resumed:

@@ -42,6 +42,8 @@ def test_the_example_runs_as_the_page_shows(tmp_path, monkeypatch, capfd):
         ("stators.", (*system_file.OF_STATOR, "weight", "race")),
         ("stators.race.", tuple(system_file.OF_RACE)),
         ("unbalance.", ("node", *system_file.OF_UNBALANCE)),
+        ("supports.", ("node", *system_file.OF_SUPPORT)),
+        ("drop.", (*system_file.OF_DROP, "failing", "clearances", "vary")),
         ("run_up.", (*system_file.OF_RUN_UP, "speeds", "torque")),
     ],
 )

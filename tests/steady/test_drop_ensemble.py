@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from rotor_ida import Contact, InputError, RotorSystem, Support, Unbalance, drop, drop_ensemble
+from rotor_ida import (
+    Contact,
+    InputError,
+    RotorSystem,
+    Support,
+    Unbalance,
+    drop,
+    drop_ensemble,
+    resume,
+)
 from rotor_ida.steady.drop_statistics import of_known, wilson
 
 DISC = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
@@ -47,7 +56,8 @@ def test_drops_are_the_same_with_every_executor_and_after_a_break(tmp_path):
                             progress=lambda done, _: left.append(done))  # fmt: skip
     assert left[0] >= 2
     assert resumed.drop_attrs().equals(alone.drop_attrs())
-    with pytest.raises(InputError):
+    assert resume(study).equals(alone)
+    with pytest.raises(InputError, match="was begun with"):
         drop_ensemble(DISC, **GIVEN | {"duration": 0.06}, **varied, study=study)
 
 

@@ -41,6 +41,7 @@ def drop(
     """
     from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
     from rotor_ida.cli.drop_report import report_files, write_report  # noqa: PLC0415
+    from rotor_ida.plot.drops import check_film  # noqa: PLC0415
     from rotor_ida.results.files import check_target  # noqa: PLC0415
 
     case = rotor_ida.load_system(system)
@@ -57,6 +58,8 @@ def drop(
     many = "drops" in vary
     if study is not None and not many:
         raise InputError("study must be left out without drops")
+    if film is not None:
+        check_film(film)
     files = report_files(out, many=many)
     _make(out)
     for path in files:

@@ -1,0 +1,95 @@
+"""What many drops have in common, as a design that a study keeps in JSON, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parts import Contact, Race, Stator, Support, Unbalance
+
+ARRAYS = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate", "translations",
+          "static_force")  # fmt: skip
+
+
+def plain_case(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of `drop` as plain lists, numbers and text.
+
+    Examples
+    --------
+    >>> system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)})
+    >>> shared = Stator(mass=1.0, stiffness=2.0)
+    >>> bearing = Contact(node="disc", clearance=0.5, stiffness=4.0, stator=shared)
+    >>> given = {"system": system, "bearings": [bearing], "supports": [], "unbalance": [],
+    ...          "speed": 2.0, "gravity": (0.0, -1.0), "failing": None}
+    >>> again = case_from(plain_case(given))
+    >>> again["bearings"][0].stator.stiffness, again["speed"]
+    ((2.0, 2.0), 2.0)
+    >>> plain_case(again) == plain_case(given)
+    True
+    """
+    bearings: Sequence[Contact] = case["bearings"]
+    stators = list({id(each.stator): each.stator for each in bearings
+                    if isinstance(each.stator, Stator)}.values())  # fmt: skip
+    rows = [
+        asdict(replace(each, stator=None))
+        | {"stator": stators.index(each.stator) if isinstance(each.stator, Stator) else each.stator}
+        for each in bearings
+    ]
+    found = {name: _plain(value) for name, value in case.items() if name != "system"}
+    return found | {
+        "system": _plain_system(case["system"]),
+        "stators": [asdict(each) for each in stators], "bearings": rows,
+        "supports": [asdict(each) for each in case["supports"]],
+        "unbalance": [asdict(each) for each in case["unbalance"]],
+    }  # fmt: skip
+
+
+def case_from(plain: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of `drop` from the plain ones."""
+    found = {name: value for name, value in plain.items() if name != "stators"}
+    stators = [Stator(**{**each, "race": _race(each["race"])}) for each in plain["stators"]]
+    bearings = []
+    for each in plain["bearings"]:
+        stator = stators[each["stator"]] if isinstance(each["stator"], int) else each["stator"]
+        bearings.append(Contact(**{**each, "race": _race(each["race"]), "stator": stator}))
+    given = dict(plain["system"])
+    nodes = {
+        name: (int(place[0]), int(place[1])) if np.ndim(place) == 1 else np.array(place)
+        for name, place in given.pop("nodes").items()
+    }
+    arrays: dict[str, Any] = {
+        name: np.array(given[name]) for name in ARRAYS if given[name] is not None
+    }
+    rest = {name: each for name, each in given.items() if name not in ARRAYS}
+    return found | {
+        "system": RotorSystem(**arrays, nodes=nodes, **rest), "bearings": bearings,
+        "supports": [Support(**each) for each in plain["supports"]],
+        "unbalance": [Unbalance(**each) for each in plain["unbalance"]],
+    }  # fmt: skip
+
+
+def _plain_system(system: RotorSystem) -> dict[str, Any]:
+    """Return a system as lists."""
+    found = {name: _plain(getattr(system, name)) for name in ARRAYS}
+    return found | {
+        "nodes": {name: _plain(place) for name, place in system.nodes.items()},
+        "positions": None if system.positions is None else dict(system.positions),
+        "units": system.units,
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Return an array or sequence of numbers as a list, and a number as it is."""
+    if value is None or isinstance(value, str):
+        return value
+    if isinstance(value, list | tuple) and all(isinstance(each, str) for each in value):
+        return list(value)
+    return np.asarray(value).tolist()
+
+
+def _race(given: Mapping[str, Any] | None) -> Race | None:
+    return None if given is None else Race(**given)

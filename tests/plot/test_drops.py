@@ -1,0 +1,42 @@
+"""Figures and films of drops show what is in the dataset."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from rotor_ida import Contact, InputError, Race, RotorSystem, drop, drop_ensemble
+from rotor_ida.plot import drop_figure, drops_figure, save_orbit_film
+
+DISC = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
+GIVEN = {
+    "bearings": [Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0, friction=0.1,
+                         radius=0.03, race=Race(radius=0.03, inertia=2e-4))],
+    "speed": 500.0, "duration": 0.05, "inertia": 0.08,
+}  # fmt: skip
+
+
+def test_a_figure_of_a_drop_has_radius_force_and_speeds():
+    run = drop(DISC, **GIVEN)
+    radius, force, speeds = drop_figure(run).axes
+    drawn = max(float(np.max(line.get_ydata())) for line in radius.lines if line.get_lw() < 1.0)
+    np.testing.assert_allclose(drawn, run.excursion[0], rtol=1e-3)
+    np.testing.assert_allclose(force.lines[0].get_ydata().max(), run.largest_force[0])
+    rotor, race = speeds.lines[:2]
+    np.testing.assert_allclose(rotor.get_ydata(), run.speed)
+    assert race.get_ydata().max() <= run.largest_race_speed[0] * (1.0 + 1e-12)
+
+
+def test_distributions_rise_to_1():
+    many = drop_ensemble(DISC, **GIVEN, drops=5, workers=1)
+    for ax in drops_figure(many).axes:
+        assert ax.lines[0].get_ydata()[-1] == 1.0
+    with pytest.raises(InputError, match="it lacks largest_force"):
+        drops_figure(many.drop_vars("largest_force"))
+
+
+def test_a_film_has_its_frames(tmp_path):
+    path = save_orbit_film(drop(DISC, **GIVEN), tmp_path / "drop.gif", frames=4)
+    with Image.open(path) as film:
+        assert film.n_frames == 4
+    with pytest.raises(InputError, match="film must end in"):
+        save_orbit_film(drop(DISC, **GIVEN), tmp_path / "drop.png")
