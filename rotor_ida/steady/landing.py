@@ -168,7 +168,7 @@ def land(flow: SystemFlow, state: Values, candidate: Candidate) -> Landing | Non
     cycle, period, derivative = found
     multipliers, shapes = np.linalg.eig(derivative)
     run = flow.run(cycle, np.linspace(0.0, period, SAMPLES_A_REVOLUTION + 1))
-    in_flight = not (run.forces[:, :, 3].any() or run.event_times.size)
+    in_flight = _is_in_flight(run)
     trivial = np.zeros(multipliers.size, bool)
     if candidate.is_free:
         trivial[np.argmin(np.abs(multipliers - 1.0))] = True
@@ -191,6 +191,11 @@ def land(flow: SystemFlow, state: Values, candidate: Candidate) -> Landing | Non
         and _comes_nearer(flow, cycle, off, landing, shapes[:, ~trivial])
     )
     return landing if leads_there else None
+
+
+def _is_in_flight(run: SystemResult) -> bool:
+    """Return whether no contact touches in a run."""
+    return not (run.forces[:, :, 3].any() or run.event_times.size)
 
 
 def _newton(
@@ -285,9 +290,11 @@ def _keeps_contacts(
 ) -> bool:
     """Return whether no contact can open or close that does not on the cycle.
 
-    The transient of each multiplier is largest at once; between whole periods it may be twice that.
+    The transient of each multiplier is largest at once. Without contact this holds at all times;
+    with contacts it may be twice that between whole periods, and only a part of the gap is allowed.
     """
     assembly, found = flow.problem.assembly, flow.problem.found
+    in_flight = _is_in_flight(run)
     parts = shapes * np.linalg.lstsq(shapes, off.astype(complex))[0]
     moved = parts[: assembly.size] * flow.scales[: assembly.size, np.newaxis]
     for number, contact in enumerate(assembly.contacts):
@@ -296,7 +303,7 @@ def _keeps_contacts(
             continue
         places = run.samples[:, 0] @ rows.T - contact.centre
         gap = float(np.abs(np.hypot(*places.T) - contact.clearance).min())
-        reach = 2.0 * float(np.hypot(*np.abs(rows @ moved)).sum())
-        if not reach <= WITHIN * gap:
+        reach = float(np.hypot(*np.abs(rows @ moved)).sum())
+        if not reach <= (gap if in_flight else 0.5 * WITHIN * gap):
             return False
     return True
