@@ -5,7 +5,7 @@ linear in its distance from it, so that Newton's method on the state after a per
 at once. It is taken for the one that the motion leads to only if the motion shows that it is:
 
 1. its multipliers lie within the unit circle;
-2. a period later the motion is where they say, to a part of what it has approached;
+2. some periods later the motion has come nearer, about as much as they say;
 3. no contact can open or close on the way that does not on the cycle.
 
 Where any of these fails the motion is followed further. The cycle is then simulated as any other
@@ -14,7 +14,8 @@ motion is, and decided on.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,8 +23,9 @@ from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.core.systems import SystemResult
 from rotor_ida.steady.system_flow import SystemFlow
 
-# The largest step of Newton's method, in parts of the size of the motion, and its most steps.
-LONGEST_STEP, MOST_STEPS = 0.5, 8
+# The largest step of Newton's method, in parts of the size of the motion, its most steps, and what
+# a step leaves at most of how far a state misses itself.
+LONGEST_STEP, MOST_STEPS, CONTRACTS = 0.5, 8, 0.5
 # A cycle is found where a state misses itself by this part of its size,
 FOUND = 1e-11
 # or by no less than this, where rounding lets it come no nearer.
@@ -32,8 +34,10 @@ NEARLY = 1e-9
 FORETOLD = 1e-4
 # Multipliers that are 1 but for the errors of differences.
 NEUTRAL = 1e-5
-# What the motion may be off its linear course, in parts of what it approaches in a period.
-OFF_COURSE = 0.25
+# The motion is followed until its distance should have fallen to this part, over so many periods at
+# most, and must have fallen by this part of what it should have. Then it may be early or late along
+# its orbit, which is corrected so many times.
+FALLEN, MOST_PERIODS, SLOWER, CORRECTIONS = 0.8, 500, 0.5, 2
 # The part of the gap between a contact and its stator that the bound of the transient may fill.
 WITHIN = 0.5
 # A motion that is nearer to its cycle than this part of its size need not show its course.
@@ -62,10 +66,13 @@ class Candidate:
         The period.
     is_free : bool
         Whether the period is unknown: that of an orbit on turning axes.
+    is_likely : bool
+        Whether the motion has nearly repeated itself after it.
     """
 
     period: float
     is_free: bool
+    is_likely: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,9 +131,13 @@ def candidates(
         found = _returns(flow, times, states, away)
         may_whirl = may_stand and float(away[-1 - each :].max()) <= NEAR * size
         first = [whole] if in_flight or may_whirl else []
-    for limit in (NEARER, NEAR):
-        first += [each for missed, each in found if missed <= limit * spread and each not in first]
-    return first[:MOST_TRIED]
+    likely = [replace(each, is_likely=True) for missed, each in found if missed <= NEARER * spread]
+    possible = [
+        each for missed, each in found
+        if NEARER * spread < missed <= NEAR * spread
+        and each.period <= (MOST_POSSIBLE + 0.5) * revolution
+    ]  # fmt: skip
+    return [*first, *likely, *possible][:MOST_TRIED]
 
 
 def _returns(
@@ -157,7 +168,7 @@ def land(flow: SystemFlow, state: Values, candidate: Candidate) -> Landing | Non
     cycle, period, derivative = found
     multipliers, shapes = np.linalg.eig(derivative)
     run = flow.run(cycle, np.linspace(0.0, period, SAMPLES_A_REVOLUTION + 1))
-    in_flight = not (run.forces[:, :, 3].any() or run.event_times.size)
+    in_flight = _is_in_flight(run)
     trivial = np.zeros(multipliers.size, bool)
     if candidate.is_free:
         trivial[np.argmin(np.abs(multipliers - 1.0))] = True
@@ -173,12 +184,18 @@ def land(flow: SystemFlow, state: Values, candidate: Candidate) -> Landing | Non
         parts = np.linalg.lstsq(shapes, off.astype(complex))[0]
         kept = (shapes[:, trivial] @ parts[trivial]).real
         cycle, off = cycle + kept, off - kept
-    if np.abs(off).max() > THERE * np.abs(cycle).max() and not (
-        _keeps_course(flow, cycle, off, period, derivative, abs(slowest), candidate.is_free)
-        and _keeps_contacts(flow, run, off, shapes)
-    ):
-        return None
-    return Landing(cycle, period, candidate.is_free, slowest)
+    landing = Landing(cycle, period, candidate.is_free, slowest)
+    is_there = np.abs(off).max() <= THERE * np.abs(cycle).max()
+    leads_there = is_there or (
+        _keeps_contacts(flow, run, off, shapes)
+        and _comes_nearer(flow, cycle, off, landing, shapes[:, ~trivial])
+    )
+    return landing if leads_there else None
+
+
+def _is_in_flight(run: SystemResult) -> bool:
+    """Return whether no contact touches in a run."""
+    return not (run.forces[:, :, 3].any() or run.event_times.size)
 
 
 def _newton(
@@ -188,11 +205,13 @@ def _newton(
     cycle, period, size = state, candidate.period, float(np.abs(state).max())
     derivative: Values | None = None
     rate, last, step = np.zeros_like(state), np.inf, np.inf
-    for _ in range(MOST_STEPS):
+    for number in range(MOST_STEPS):
         image = flow.after(cycle, period)
         missed = float(np.abs(image - cycle).max())
         if derivative is not None and (missed <= FOUND * size or last <= NEARLY * size <= missed):
             break
+        if number > 1 and missed > CONTRACTS * last:
+            return None
         # after a step that the derivative has foretold it has hardly changed
         if derivative is None or missed > FORETOLD * step:
             derivative = flow.monodromy(cycle, image, period)
@@ -240,17 +259,30 @@ def _step(derivative: Values, missed: Values, rate: Values, is_free: bool) -> tu
     return solved[:size], float(solved[size]) if is_free else 0.0
 
 
-def _keeps_course(
-    flow: SystemFlow, cycle: Values, off: Values, period: float, derivative: Values,
-    slowest: float, is_free: bool,
-) -> bool:  # fmt: skip
-    """Return whether a period later the motion is where the multipliers say."""
-    beside = flow.after(cycle + off, period) - cycle - derivative @ off
-    if is_free:  # along the orbit it may be early or late
+def _comes_nearer(
+    flow: SystemFlow, cycle: Values, off: Values, found: Landing, shapes: ComplexValues
+) -> bool:
+    """Return whether the motion approaches its cycle about as fast as the multipliers say.
+
+    Distances are measured by the parts of each multiplier, `shapes` being their directions: without
+    that along the orbit, where the motion may be early or late.
+    """
+    slowest = abs(found.slowest)
+    count = math.ceil(math.log(FALLEN) / math.log(max(slowest, FALLEN)))
+    if count > MOST_PERIODS:
+        return False
+    late = count * found.period
+    later = flow.after(cycle + off, late) - cycle
+    if found.is_free:  # back to where the orbit is nearest
         rate = flow.rate(cycle)
-        beside = beside - rate * float(rate @ beside / (rate @ rate))
-    allowed = OFF_COURSE * (1.0 - slowest) * float(np.abs(off).max())
-    return bool(np.abs(beside).max() <= allowed)
+        for _ in range(CORRECTIONS):
+            late -= float(rate @ later / (rate @ rate))
+            later = flow.after(cycle + off, late) - cycle
+    before, after = (
+        float(np.linalg.norm(np.linalg.lstsq(shapes, each.astype(complex))[0]))
+        for each in (off, later)
+    )
+    return after <= before * (1.0 - SLOWER * (1.0 - slowest**count))
 
 
 def _keeps_contacts(
@@ -258,9 +290,11 @@ def _keeps_contacts(
 ) -> bool:
     """Return whether no contact can open or close that does not on the cycle.
 
-    The transient of each multiplier is largest at once; between whole periods it may be twice that.
+    The transient of each multiplier is largest at once. Without contact this holds at all times;
+    with contacts it may be twice that between whole periods, and only a part of the gap is allowed.
     """
     assembly, found = flow.problem.assembly, flow.problem.found
+    in_flight = _is_in_flight(run)
     parts = shapes * np.linalg.lstsq(shapes, off.astype(complex))[0]
     moved = parts[: assembly.size] * flow.scales[: assembly.size, np.newaxis]
     for number, contact in enumerate(assembly.contacts):
@@ -269,7 +303,7 @@ def _keeps_contacts(
             continue
         places = run.samples[:, 0] @ rows.T - contact.centre
         gap = float(np.abs(np.hypot(*places.T) - contact.clearance).min())
-        reach = 2.0 * float(np.hypot(*np.abs(rows @ moved)).sum())
-        if not reach <= WITHIN * gap:
+        reach = float(np.hypot(*np.abs(rows @ moved)).sum())
+        if not reach <= (gap if in_flight else 0.5 * WITHIN * gap):
             return False
     return True

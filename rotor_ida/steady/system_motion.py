@@ -27,17 +27,20 @@ from rotor_ida.steady.system_flow import SystemFlow
 # The first wait, in decay times of the slowest free motion, and in revolutions at most.
 DECAY_TIMES, LONGEST_FIRST_WAIT = 24.0, 200.0
 # No new window begins after so many of these times, at least and at most so many revolutions.
-LONGEST_DECAY_TIMES, LONGEST, LONGEST_OF_ALL = 60.0, 1500.0, 20_000.0
+LONGEST_DECAY_TIMES, LONGEST, LONGEST_OF_ALL = 60.0, 1500.0, 4000.0
 # A landing is tried after this many revolutions, and whenever this part has been added.
 FIRST_TRY, MORE = 6.0, 0.5
+# An attempt takes about so many runs over the period for each component of the state. All attempts
+# may take so many of one revolution, and so many times as long as the motion has been followed.
+COST, FREE_TRIES, LIKELY, POSSIBLE = 2.0, 12.0, 6.0, 1.5
 # Of a wait, this many revolutions are looked back at, so many samples each.
 LOOKED_BACK, SAMPLES_OF_WAIT = 2 * MOST_REVOLUTIONS, 32
 WINDOW_REVOLUTIONS = 4
 STEADY_TOLERANCES = 10.0
-# Exponents are computed only for a motion that has not settled after so many revolutions and decay
-# times; they are means over at least so many revolutions, and this multiple of the earlier time.
-LATE, PATIENCE = 450.0, 20.0
-EXPONENT_REVOLUTIONS, EXPONENT_TIMES = 2000.0, 2.0
+# Exponents are computed only for a motion that has not settled after so many revolutions, and so
+# many decay times or many more revolutions; they are means over so many revolutions,
+LATE, PATIENCE, VERY_LATE = 450.0, 20.0, 1500.0
+EXPONENT_REVOLUTIONS = 2000
 # or over so many times as many where neither chaos nor a torus is clear.
 LONGER = 4
 
@@ -112,6 +115,7 @@ class _SystemMotion:
     state: Values
     decay: float
     time: float = 0.0
+    tried: float = 0.0  # revolutions that attempts to land have taken
     landing: Landing | None = None  # where the last wait has led to
     cycle: Landing | None = None  # on which the last window has shown the motion to be
     # the last window
@@ -210,15 +214,14 @@ class _SystemMotion:
 
     def may_be_chaotic(self) -> bool:
         revolutions = self.time / self.flow.revolution
-        return revolutions >= LATE and self.decay * self.time >= PATIENCE
+        patient = self.decay * self.time >= PATIENCE or revolutions >= VERY_LATE
+        return revolutions >= LATE and patient
 
     def exponents(self) -> Exponents:
-        revolutions = self.time / self.flow.revolution
-        count = math.ceil(max(EXPONENT_REVOLUTIONS, EXPONENT_TIMES * revolutions))
-        found = self.flow.exponents(self.state, count)
+        found = self.flow.exponents(self.state, EXPONENT_REVOLUTIONS)
         stretch = abs(float(found.values[0])) * found.duration
         if found.no_stretch < stretch < 1.0:  # on a torus a mean over longer is far better
-            return self.flow.exponents(self.state, LONGER * count)
+            return self.flow.exponents(self.state, LONGER * EXPONENT_REVOLUTIONS)
         return found
 
     def followed(self) -> str:
@@ -264,7 +267,13 @@ class _SystemMotion:
         found = candidates(
             self.flow, times, states, may_stand=may_stand, in_flight=may_stand and in_flight
         )
+        revolution, each = self.flow.revolution, COST * self.state.size
         for candidate in found:
+            cost = each * candidate.period / revolution
+            worth = LIKELY if candidate.is_likely else POSSIBLE
+            if self.tried + cost > FREE_TRIES * each + worth * self.time / revolution:
+                continue
+            self.tried += cost
             self.landing = land(self.flow, self.state, candidate)
             if self.landing is not None:
                 self.state = self.landing.state
