@@ -145,7 +145,7 @@ def sent_until_refused(connection: socket.socket, piece: bytes, total: int) -> i
 def flooded(served: Program) -> None:
     """Have the server take from the system, once, the buffers that every later flood uses again."""
     with contextlib.ExitStack() as open_ones:
-        for _ in range(1000):
+        for _ in range(4 * server.MOST_VISITS):
             open_ones.enter_context(unread(served, 40 * large_file(served)))
         wait_until(lambda: is_answered(served), "a good client that is answered")
 
