@@ -600,7 +600,7 @@ def test_a_passage_ends_where_the_picture_ends(page, address):
     page.until("rotorIda.passage.begun")
     at_rest(page)
     assert page.state()["omega"] == 4.0
-    assert page.find("#passed").text.startswith("From 3.9 to 4: ")
+    assert page.find("#passed").text.startswith("From 3.9 to 4. ")
 
 
 def test_the_rate_of_a_machine_is_in_turns_a_minute_and_second(page):
