@@ -12,9 +12,8 @@ import xarray as xr
 from xarray.indexes import Index, PandasIndex
 
 from rotor_ida.arrays import Column as Column  # noqa: PLC0414 - a part of the schema
-from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import FRICTIONLESS, OF_ROTOR
+from rotor_ida.model.parameters import OF_ROTOR
 
 CONVENTIONS = "CF-1.11"
 # Attribute with the kind of result of a dataset, a row of `rotor_ida.results.kinds`.
@@ -777,26 +776,6 @@ def check_dimensionless(name: str, dataset: xr.Dataset) -> None:
         raise InputError(
             f"{name} must be dimensionless, got one in SI units: convert the result instead"
         )
-
-
-def check_papers_result(
-    name: str, dataset: xr.Dataset, unknown: Sequence[str] = tuple(FRICTIONLESS)
-) -> None:
-    """Raise `InputError` for a result of a rotor with unsupported parameters.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument, for the message.
-    dataset : Dataset
-        The result.
-    unknown : sequence of str
-        The unsupported parameters: by default all that the paper's rotor does not have.
-    """
-    found = {each: dataset[each].values.tolist() for each in unknown if each in dataset.variables}
-    if found:
-        given = ", ".join(f"{each} {shown(value)}" for each, value in found.items())
-        raise InputError(f"{name} must be of the paper's rotor, without {given}")
 
 
 def by_number(flags: Mapping[str, int]) -> dict[int, str]:

@@ -1,5 +1,6 @@
 """The whole test command: style, types, layout, doctests and tests, with the time left."""
 
+import os
 import re
 import subprocess
 import sys
@@ -24,7 +25,9 @@ FIRST = {
 }
 # These run beside the tests, and their output follows that of the tests.
 BESIDE = {"types": ["-m", "mypy"], "layout": ["-c", LINT_IMPORTS]}
-TESTS = ["-m", "pytest", "-n", "auto", "--dist", "worksteal"]
+# One more process than processors, as many tests wait for what they have started.
+WORKERS = str((os.cpu_count() or 1) + 1)
+TESTS = ["-m", "pytest", "-n", WORKERS, "--dist", "worksteal"]
 # pytest ends each line of dots with the part of the tests that is done.
 PART_DONE = re.compile(r"\[ *(\d+)%\]$")
 

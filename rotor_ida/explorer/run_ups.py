@@ -98,7 +98,7 @@ def show_run_up(question: Question) -> Iterator[Answer]:
         **facts_of(question),
         "end": end.tolist(),
         "speed": float(run["speed"][-1]),
-        "largest_force": record.passed.force,
+        "largest_force": record.passed.largest_force,
         "now": record.passed.now,
         "words": words_of_run_up(question.machine, asdict(record.passed)),
         "folds": list(_folds_of(at_rest(rotor))),
@@ -119,21 +119,23 @@ class Passed:
     ----------
     begin, end : float
         Speeds at its beginning and end [1].
-    touch : float
+    first_touch_speed : float
         Speed of the first contact [1]; NaN without one.
-    radius, radius_speed, force, force_speed : float
-        Largest radius and contact force, and the speeds at which they occurred [1].
+    smallest_gap, largest_radius_speed : float
+        Clearance less the largest radius, and the speed at which that occurred [1].
+    largest_force, largest_force_speed : float
+        Largest contact force, and the speed at which it occurred [1].
     now : {"clear", "rub", "whip"}
         State at the end.
     """
 
     begin: float
     end: float
-    touch: float = math.nan
-    radius: float = 0.0
-    radius_speed: float = math.nan
-    force: float = 0.0
-    force_speed: float = math.nan
+    first_touch_speed: float = math.nan
+    smallest_gap: float = math.inf
+    largest_radius_speed: float = math.nan
+    largest_force: float = 0.0
+    largest_force_speed: float = math.nan
     now: str = "clear"
 
 
@@ -143,19 +145,20 @@ def followed(passed: Passed, run: dict[str, npt.NDArray[Any]], rotor: Rotor) -> 
     normal = power_in_contact(run, rotor).normal_force
     found: dict[str, Any] = {"end": float(speed[-1]), "now": _now(run, radius, rotor)}
     widest = int(radius.argmax())
-    if radius[widest] > passed.radius:
-        found |= {"radius": float(radius[widest]), "radius_speed": float(speed[widest])}
+    gap = rotor.delta0 - float(radius[widest])
+    if gap < passed.smallest_gap:
+        found |= {"smallest_gap": gap, "largest_radius_speed": float(speed[widest])}
     # a short contact between two samples has its largest force at its peak
     times = np.concatenate([run["t"], run["peak_time"]])
     forces = np.concatenate([normal, run["peak_force"]])
     hardest = int(forces.argmax())
-    if forces[hardest] > passed.force:
+    if forces[hardest] > passed.largest_force:
         at = float(np.interp(times[hardest], run["t"], speed))
-        found |= {"force": float(forces[hardest]), "force_speed": at}
-    if math.isnan(passed.touch) and forces[hardest] > 0.0:
+        found |= {"largest_force": float(forces[hardest]), "largest_force_speed": at}
+    if math.isnan(passed.first_touch_speed) and forces[hardest] > 0.0:
         entries = run["entry_time"][np.isfinite(run["entry_time"])]
         first = float(entries[0]) if entries.size else float(run["t"][0])
-        found["touch"] = float(np.interp(first, run["t"], speed))
+        found["first_touch_speed"] = float(np.interp(first, run["t"], speed))
     return replace(passed, **found)
 
 

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.steady.run_up_summary import beyond_model
+from rotor_ida.steady.response import CONTACT_FREE
+from rotor_ida.steady.run_up_summary import beyond_model, contact_in_words
 from rotor_ida.units import SPEED_UNITS
 
 # Words for each kind of response, with its meaning on a machine.
@@ -77,35 +78,32 @@ def verdict_of(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> s
 
 
 def words_of_run_up(machine: Rotor | DimensionalRotor, passed: Mapping[str, Any]) -> str:
-    """Describe a run-up so far in one sentence.
+    """Describe a run-up so far, in the words of its summary.
 
     Parameters
     ----------
     machine : Rotor or DimensionalRotor
         The rotor.
     passed : mapping
-        Speeds ``begin`` and ``end``; the speed of the first contact, ``touch``, NaN without one;
-        largest ``radius`` and ``force``, each with its speed, ``radius_speed`` and ``force_speed``;
-        all dimensionless. ``now`` is "clear", "rub" or "whip".
+        Speeds ``begin`` and ``end``; of `rotor_ida.summary` the speed of the first
+        contact, the smallest gap and the largest force, each with its speed; all dimensionless.
+        ``now`` is "clear", "rub" or "whip".
 
     Examples
     --------
     >>> words_of_run_up(Rotor(omega=1.2, zeta=0.07, delta0=3.0), {
-    ...     "begin": 0.5, "end": 1.2, "touch": math.nan, "radius": 2.5, "radius_speed": 1.1,
-    ...     "force": 0.0, "force_speed": math.nan, "now": "clear"})
-    'From 0.5 to 1.2: no contact; at 1.1 radius 2.5, gap 0.5 left of the clearance 3.'
+    ...     "begin": 0.5, "end": 1.2, "first_touch_speed": math.nan, "smallest_gap": 0.5,
+    ...     "largest_radius_speed": 1.1, "now": "clear"})
+    'From 0.5 to 1.2. No rub: closest to the stator at a speed of 1.1, where 0.5 of the clearance
+    of 3 are left.'
     """
     begin, end = (_rate(machine, passed[name]) for name in ("begin", "end"))
-    if math.isnan(passed["touch"]):
-        at = _rate(machine, passed["radius_speed"])
-        what = f"no contact; at {at} {_gap(machine, passed['radius'])}"
-        return f"From {begin} to {end}: {what}."
-    now = {"clear": "clear of the stator again", "rub": "rubbing", "whip": "in dry whip"}
-    return (
-        f"From {begin} to {end}: first contact at {_rate(machine, passed['touch'])}, largest force "
-        f"{_force(machine, passed['force'])} at {_rate(machine, passed['force_speed'])}, now "
-        f"{now[passed['now']]}.{_too_deep(machine, passed['radius'])}"
-    )
+    known = machine if isinstance(machine, DimensionalRotor) else None
+    rotor = machine if isinstance(machine, Rotor) else machine.rotor()
+    ending = CONTACT_FREE if passed["now"] == "clear" else passed["now"]
+    told = contact_in_words(passed, ending, rotor, known)
+    too_deep = _too_deep(machine, rotor.delta0 - passed["smallest_gap"])
+    return f"From {begin} to {end}. {told}{too_deep}"
 
 
 def _gap(machine: Rotor | DimensionalRotor, radius: float) -> str:

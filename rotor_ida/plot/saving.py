@@ -126,11 +126,14 @@ def _round_positions(figure: Figure) -> None:
 
 
 def _draw(figure: Figure, path: Path) -> None:
+    """Write a figure whose layout is settled, so without the draw by which others solve it."""
     ending = path.suffix[1:]
-    before = figure.canvas
+    canvas, dots = figure.canvas, figure.dpi
     try:
-        _CANVASES[ending](figure).print_figure(
-            path, format=ending, dpi=_DOTS_PER_INCH, metadata=_METADATA[ending]
-        )
+        # by the method of the format itself, as `print_figure` draws every figure twice
+        write = getattr(_CANVASES[ending](figure), f"print_{ending}")
+        figure.dpi = _DOTS_PER_INCH
+        write(path, metadata=_METADATA[ending])
     finally:
-        figure.set_canvas(before)
+        figure.dpi = dots
+        figure.set_canvas(canvas)

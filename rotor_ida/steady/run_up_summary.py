@@ -8,6 +8,7 @@ put both into words, with a warning outside the validity of the model.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -190,7 +191,7 @@ def _in_words(
 ) -> str:
     """Return a summary in sentences, the verdict first."""
     held = f"Held at {_speed(last, machine)} it"
-    sentences = [_contact_in_words(facts, ended, rotor, machine)]
+    sentences = [contact_in_words(facts, ended.ending, rotor, machine)]
     if facts["contact_count"] and "first_roll_speed" in facts:
         rolls = facts["first_roll_speed"]
         sentences.append(
@@ -216,11 +217,18 @@ def _in_words(
     return " ".join([*sentences, beyond]).rstrip()
 
 
-def _contact_in_words(
-    facts: dict[str, float], ended: Outcome, rotor: Rotor, machine: DimensionalRotor | None
+def contact_in_words(
+    facts: Mapping[str, float], ending: str, rotor: Rotor, machine: DimensionalRotor | None
 ) -> str:
-    """Return the verdict, with the closest approach to the stator or the largest force on it."""
-    if not facts["contact_count"]:
+    """Return the verdict, with the closest approach to the stator or the largest force on it.
+
+    Examples
+    --------
+    >>> facts = {"first_touch_speed": math.nan, "smallest_gap": 0.5, "largest_radius_speed": 1.1}
+    >>> contact_in_words(facts, CONTACT_FREE, Rotor(omega=0.5, zeta=0.07, delta0=3.0), None)
+    'No rub: closest to the stator at a speed of 1.1, where 0.5 of the clearance of 3 are left.'
+    """
+    if math.isnan(facts["first_touch_speed"]):
         gap, clearance = _length(facts["smallest_gap"], machine), _length(rotor.delta0, machine)
         return (
             f"No rub: closest to the stator at {_speed(facts['largest_radius_speed'], machine)}, "
@@ -228,7 +236,7 @@ def _contact_in_words(
         )
     verdicts = {CONTACT_FREE: "Rub on the way, none at the end", WHIP: "Dry whip"}
     return (
-        f"{verdicts.get(ended.ending, 'Rub')}: it first touches the stator at "
+        f"{verdicts.get(ending, 'Rub')}: it first touches the stator at "
         f"{_speed(facts['first_touch_speed'], machine)}, and presses up to "
         f"{_length(-facts['smallest_gap'], machine)} into it, with up to "
         f"{_force(facts['largest_force'], machine)} at "

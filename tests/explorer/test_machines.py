@@ -110,16 +110,17 @@ def run_up_of(
 def test_a_run_up_below_the_critical_speed_is_summed_up_without_contact():
     facts = run_up_of(PUMP, 0.5 * UP_TO, 8, 2.0)
     assert facts["now"] == "clear"
-    assert facts["words"].startswith("From 0 rpm to 3,000 rpm: no contact; at 3,000 rpm radius ")
-    assert facts["words"].endswith("left of the clearance 150 µm.")
+    assert facts["words"].startswith("From 0 rpm to 3,000 rpm. No rub: closest to the stator at 3,")
+    assert facts["words"].endswith("of the clearance of 150 um are left.")
 
 
 def test_a_run_up_through_the_critical_speed_tells_where_it_touches_and_how_hard():
     facts = run_up_of(PUMP, UP_TO, 16, 2.0)
     assert facts["now"] == "rub"
-    assert facts["words"].startswith("From 0 rpm to 6,000 rpm: first contact at 5,")
+    assert facts["words"].startswith(
+        "From 0 rpm to 6,000 rpm. Rub: it first touches the stator at 5,"
+    )
     assert facts["largest_force"] > 0.0
-    assert facts["words"].endswith("now rubbing.")
 
 
 def test_a_rotor_in_dry_whip_is_drawn_with_a_curve_of_samples_a_whirl():
@@ -175,8 +176,7 @@ def test_an_indentation_beyond_the_model_is_said_to_be():
 
 def test_a_run_up_into_whip_is_summed_up_as_such():
     told = words_of_run_up(PUMP, {
-        "begin": 0.0, "end": 0.2, "touch": 0.18, "radius": 20.0, "radius_speed": 0.2,
-        "force": 3.0, "force_speed": 0.2, "now": "whip",
+        "begin": 0.0, "end": 0.2, "first_touch_speed": 0.18, "smallest_gap": -1.0,
+        "largest_force": 3.0, "largest_force_speed": 0.2, "now": "whip",
     })  # fmt: skip
-    assert "first contact at 4,962 rpm" in told
-    assert "now in dry whip." in told
+    assert "Dry whip: it first touches the stator at 4,962 rpm, and presses up to " in told

@@ -1,5 +1,8 @@
 """Events of rotor systems, against witnesses that share nothing with the core's series."""
 
+from pathlib import Path
+from runpy import run_path
+
 import numpy as np
 import pytest
 
@@ -16,43 +19,14 @@ from rotor_ida import (
 )
 from tests.systems.random_systems import followed, random_system
 
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 ENTRY, EXIT, ROLL, SLIP, REVERSE, PRESS, RELEASE = 1, -1, 2, -2, 3, 4, -4
 
 
-def random_rotor(rng):
-    rubs = rng.random() < 0.6
-    return Rotor(
-        omega=rng.uniform(0.2, 3),
-        zeta=rng.uniform(0.01, 0.3),
-        delta0=rng.uniform(0.3, 2),
-        shaft_stiffness=float(rng.choice([0.0, rng.uniform(0.01, 1)])),
-        contact_damping=float(rng.choice([0.0, rng.uniform(0.01, 2)])),
-        load=float(rng.choice([0.0, rng.uniform(0, 0.5)])),
-        friction=rng.uniform(0.02, 0.5) if rubs else 0.0,
-        disc_radius=rng.uniform(1, 20) if rubs else None,
-        contact_exponent=float(rng.choice([1.0, 1.5])),
-    )
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_one_disc_as_a_system_has_the_same_events(seed):
-    """Sixteen random machines a seed, against the core of one disc."""
-    rng = np.random.default_rng(seed)
-    for _ in range(16):
-        rotor, start = random_rotor(rng), rng.normal(size=4)
-        how = {"duration": 40.0, "samples": 11}
-        one = simulate(rotor, start=start, method="taylor", rtol=1e-13, **how)
-        system, contacts, unbalance = rotor.system()
-        many = simulate(
-            system, contacts=contacts, unbalance=unbalance, speed=rotor.omega,
-            start=(start[:2], start[2:]), rtol=1e-13, **how,
-        )  # fmt: skip
-        sure = one.event_time_error.values < 1e-9
-        count = int(np.argmin(sure)) if not sure.all() else sure.size
-        np.testing.assert_array_equal(one.event_kind[:count], many.event_kind[:count])
-        apart = np.abs(one.event_time.values - many.event_time.values[: sure.size])[:count]
-        allowed = one.event_time_error.values + many.event_time_error.values[: sure.size]
-        assert (apart <= 20.0 * allowed[:count] + 1e-12).all()
+def test_one_disc_as_a_system_has_the_same_events(monkeypatch):
+    """Random rotors, against the core of one disc; 2,000 with `benchmarks/systems.py`."""
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    assert run_path(str(BENCHMARKS / "systems.py"))["compare"](50) == 0
 
 
 @pytest.mark.parametrize("seed", [2, 5, 19, 34])

@@ -204,7 +204,7 @@ def sweep(
 
     Quasi-static sweep up and down in speed, with a shaft and under two loads:
 
-        rotor-ida sweep --omega 0.5:3:11 --zeta 0.1 --delta0 1 --direction both \
+        rotor-ida sweep --omega 0.5:3:6 --zeta 0.1 --delta0 1 --direction both \
             --shaft-stiffness 0.25 --load 0 0.3 --figure machine
 
     A rotor of any size with several contacts, from a system file:
@@ -376,7 +376,7 @@ def continue_attractors(
 
     Over 15 speeds, drawn as basin fractions:
 
-        rotor-ida continue-attractors --omega 0.2:3:15 --zeta 0.07 --delta0 2 \
+        rotor-ida continue-attractors --omega 0.2:3:8 --zeta 0.07 --delta0 2 \
             --x=-15:15 --y=-15:15 --starts 200 --out atlas.nc --figure atlas
     """
     output.check()
