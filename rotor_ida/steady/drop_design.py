@@ -13,6 +13,11 @@ from rotor_ida.model.system_parts import Contact, Race, Stator, Support, Unbalan
 
 ARRAYS = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate", "translations",
           "static_force")  # fmt: skip
+# What a design holds of a drop.
+OF_CASE = (
+    "system", "stators", "bearings", "supports", "unbalance", "speed", "duration", "failing",
+    "gravity", "static_force", "inertia", "drag", "modes", "rtol",
+)  # fmt: skip
 
 
 def plain_case(case: Mapping[str, Any]) -> dict[str, Any]:
@@ -49,8 +54,8 @@ def plain_case(case: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def case_from(plain: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of `drop` from the plain ones."""
-    found = {name: value for name, value in plain.items() if name != "stators"}
+    """Return the arguments of `drop` from the plain ones, among others in a design."""
+    found = {name: plain[name] for name in OF_CASE if name in plain and name != "stators"}
     stators = [Stator(**{**each, "race": _race(each["race"])}) for each in plain["stators"]]
     bearings = []
     for each in plain["bearings"]:

@@ -165,7 +165,7 @@ def drop_ensemble(
     point = _point(example.sizes["contact"])
     ways = {name: check_axis(name, each).tolist() for name, each in given.items()
             if each is not None}  # fmt: skip
-    design = {"kind": "drop_ensemble", "case": plain_case(case), "varied": ways,
+    design = {"kind": "drop_ensemble", **plain_case(case), "varied": ways,
               "drops": drops, "seed": seed, **computing()}  # fmt: skip
     task = Task(follow_drop, _lost, _rows, form_of("drop", "drops", point), point)
     columns = run_study(plan, task, design, study=study, workers=chosen, progress=progress)

@@ -113,7 +113,7 @@ def resume_run_ups(design: Design, jobs: Jobs) -> Resumed:
 
 def resume_drops(design: Design, jobs: Jobs) -> Resumed:
     """Return the function that resumes many drops of a rotor system."""
-    given = case_from(design["case"]) | design["varied"]
+    given = case_from(design) | design["varied"]
     return partial(drop_ensemble, **given, **_given(design, "drops", "seed"), **jobs)
 
 
