@@ -20,7 +20,15 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
-from rotor_ida.checks import check_axis, check_count, check_progress, shown
+from rotor_ida.checks import (
+    check_axis,
+    check_count,
+    check_nonnegative,
+    check_positive,
+    check_progress,
+    check_real,
+    shown,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support, Unbalance
@@ -154,9 +162,10 @@ def drop_ensemble(
     }  # fmt: skip
     varied = _varied(given, drops, seed)
     case: dict[str, Any] = {
-        "system": system, "bearings": bearings, "speed": speed, "duration": duration,
-        "supports": supports, "failing": failing, "unbalance": unbalance, "gravity": gravity,
-        "static_force": static_force, "inertia": inertia, "drag": drag, "modes": modes,
+        "system": system, "bearings": bearings, "speed": check_real("speed", speed),
+        "duration": check_positive("duration", duration), "supports": supports, "failing": failing, "unbalance": unbalance, "gravity": gravity,
+        "static_force": static_force, "drag": check_nonnegative("drag", drag),
+        "inertia": None if inertia is None else check_positive("inertia", inertia), "modes": modes,
         "rtol": rtol,
     }  # fmt: skip
     plan = Drops(case, varied)

@@ -122,9 +122,10 @@ def sweep_system(
     that cycle, from where the simulation goes on (`rotor_ida.steady.landing`). Only a motion that
     misses itself by less than 1e-9 of its size over a window is periodic. So slight damping costs
     no thousands of revolutions. A motion that shows no cycle is followed for 60 times the
-    slowest decay time of a free motion, at least 1,500 and at most 20,000 revolutions. After 450
-    revolutions and 20 decay times its largest Lyapunov exponents decide whether it is ``chaotic``
-    or ``quasi_periodic``, by neighbours over at least 2,000 revolutions.
+    slowest decay time of a free motion, at least 1,500 and at most 4,000 revolutions. After 450
+    revolutions and 20 decay times, or 1,500 revolutions, its largest Lyapunov exponents decide
+    whether it is ``chaotic`` or ``quasi_periodic``: by neighbours over 2,000 revolutions, or 8,000
+    in doubt. Chaos that lasts longer may still be a transient.
 
     It is ``rolling`` (dry whip) if a contact stays closed, whirls backwards, and rolls in every
     period or revolution. The kind ``touching`` of one disc is not told from ``unresolved`` ones.

@@ -22,7 +22,12 @@ from rotor_ida.systems.assembly import assemble, check_parts
 from rotor_ida.systems.drop_figures import figures_of_drop
 from rotor_ida.systems.levitation import Levitated, check_supports, levitated, with_supports
 from rotor_ida.systems.modes import check_modes, in_modes
-from rotor_ida.systems.simulate import SystemMethod, run_up_system, simulate_system
+from rotor_ida.systems.simulate import (
+    MOST_RADIANS,
+    SystemMethod,
+    run_up_system,
+    simulate_system,
+)
 from rotor_ida.systems.units import with_system_units
 
 TITLE = "Rotor system: drop on its touchdown bearings"
@@ -136,6 +141,11 @@ def drop(
     if not bearings:
         raise InputError("bearings must be at least one Contact, got none")
     omega, turned = check_real("speed", speed), check_real("phase", phase)
+    if not abs(omega) * check_positive("duration", duration) <= MOST_RADIANS:
+        raise InputError(
+            f"speed must be at most {MOST_RADIANS / duration:.4g} in a duration of {duration!r}, "
+            f"got {omega!r}"
+        )
     checked = _clearances(system, clearances)
     check_modes(modes, None)
     found, fails = check_supports(system, supports, failing)
