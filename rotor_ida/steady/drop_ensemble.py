@@ -130,9 +130,10 @@ def drop_ensemble(
     -----
     Intervals of fractions are Wilson's; those of quantiles are the order statistics between which
     the quantile lies with 95 % by the binomial distribution, whatever the distribution of the
-    figure, and infinite where the sample is too small. ``backward_whirl_fraction`` counts drops
-    with a backward whirl of three turns or more, ``rest_fraction`` those that stay in contact at
-    the end.
+    figure, and infinite where the sample is too small. The standard error of a mean is too small
+    where few drops dominate it, as with impulses of long contacts. ``backward_whirl_fraction``
+    counts drops with a backward whirl of three turns or more, ``rest_fraction`` those that stay in
+    contact at the end.
 
     Up to its horizon a drop is determined by its parameters. ``decided_fraction`` is the fraction
     of the drops whose largest force comes before: where it is 1, the largest forces do not depend

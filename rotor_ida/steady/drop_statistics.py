@@ -83,4 +83,5 @@ def wilson(counts: npt.NDArray[np.integer], total: int) -> tuple[Values, Values,
     middle = (fraction + z**2 / (2 * total)) / (1.0 + z**2 / total)
     half = z * np.sqrt(fraction * (1.0 - fraction) / total + (z / (2 * total)) ** 2)
     half /= 1.0 + z**2 / total
-    return fraction, np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
+    low = np.where(fraction == 0.0, 0.0, middle - half)  # exactly: rounding may leave it above
+    return fraction, low, np.where(fraction == 1.0, 1.0, middle + half)

@@ -86,6 +86,10 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     shares = held / 2000
     assert 0.90 < shares[0] < 0.96
     assert (shares[1:] >= 0.945).all()
+    for total in range(1, 60):
+        _, low, high = wilson(np.array([0, total]), total)
+        assert low[0] == 0.0
+        assert high[1] == 1.0
     counts = draw.binomial(30, 0.1, size=2000)
     _, low, high = wilson(counts, 30)
     assert 0.93 < np.mean((low <= 0.1) & (high >= 0.1)) < 0.99
