@@ -164,7 +164,8 @@ def drop_ensemble(
     varied = _varied(given, drops, seed)
     case: dict[str, Any] = {
         "system": system, "bearings": bearings, "speed": check_real("speed", speed),
-        "duration": check_positive("duration", duration), "supports": supports, "failing": failing, "unbalance": unbalance, "gravity": gravity,
+        "duration": check_positive("duration", duration), "supports": supports,
+        "failing": failing, "unbalance": unbalance, "gravity": gravity,
         "static_force": static_force, "drag": check_nonnegative("drag", drag),
         "inertia": None if inertia is None else check_positive("inertia", inertia), "modes": modes,
         "rtol": rtol,

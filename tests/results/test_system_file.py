@@ -143,7 +143,10 @@ MISTAKES = [
     ("system = 3", "system must be a table, got 3"),
     ("system = { mass = [1, 1] }", "system.stiffness and system.nodes must be given"),
     ("system = { file = 'gone.npz' }", "system.file: cannot read the system .*gone.npz.*No such"),
-    ("system = { file = 'gone.npz', mass = [1] }", "system must have entries named file, nodes or positions"),
+    (
+        "system = { file = 'gone.npz', mass = [1] }",
+        "system must have entries named file, nodes or positions",
+    ),
     ("system = { file = 3 }", "system.file must be the path of a file, got 3"),
     (SMALL.replace("[4, 4, 4, 4]", "[4, 4, 4, -4]"), "system: mass must be positive definite"),
     (SMALL.replace("[4, 4, 4, 4]", "[[4, 4], [4]]"), "system.mass must"),
