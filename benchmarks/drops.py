@@ -36,6 +36,7 @@ def rotor():
 
 
 def main():
+    """Repeat ensembles, and print how often their errors hold."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repetitions", type=int, default=50)
     parser.add_argument("--drops", type=int, default=40)
