@@ -32,8 +32,9 @@ APART = 30.0
 WIDENING, MEMORY, SAME_EVENT = 10.0, 4, 0.25
 # Relative size below which an eigenvalue is that of a free motion.
 FREE = 1e-9
-# Growth rates below this part of the largest eigenvalue are rounding.
-GROWING = 1e-9
+# Growth rates below this part of the largest eigenvalue are rounding; so are those of eigenvalues
+# that are themselves below this part of it, as of a rotor that nothing holds: a double 0.
+GROWING, HELD = 1e-9, 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,8 +129,9 @@ def rates_of(found: Canonical, speed: float) -> ComplexValues:
 def growth_of(found: Canonical, speed: float) -> float:
     """Return the rate at which the motion without contact grows at a speed; 0 if it does not."""
     rates = rates_of(found, speed)
-    growth = float(rates.real.max())
-    return growth if growth > GROWING * float(np.abs(rates).max()) else 0.0
+    sizes = np.abs(rates)
+    growth = float(rates.real[sizes > HELD * sizes.max()].max(initial=0.0))
+    return growth if growth > GROWING * float(sizes.max()) else 0.0
 
 
 def follow_twice(
