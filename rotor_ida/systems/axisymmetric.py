@@ -118,7 +118,6 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
     >>> forward_motions(assemble(system, [], [], None, None)).stiffness.real
     array([[4.]])
     """
-    check_masses(assembly)
     found = canonical(assembly)
     matrices = _matrices(found)
     basis = _basis(matrices, _seeds(assembly, found))

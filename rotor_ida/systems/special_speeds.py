@@ -30,6 +30,7 @@ from rotor_ida.systems.assembly import Assembly, assemble
 from rotor_ida.systems.axisymmetric import (
     ForwardMotions,
     check_axisymmetric_parts,
+    check_masses,
     check_no_races,
     forward_motions,
 )
@@ -197,6 +198,7 @@ def special_speeds(
     assembly = assemble(system, contacts, unbalance, None, None)
     check_axisymmetric_parts(assembly)
     check_no_races(assembly)
+    check_masses(assembly)
     problem = _Problem(assembly, forward_motions(assembly))
     found = list(_folds(problem, speeds))
     beside = [each.speed + side * _BESIDE * (high - low) for each in found for side in (-1.0, 1.0)]

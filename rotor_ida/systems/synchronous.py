@@ -17,6 +17,7 @@ from rotor_ida.systems.assembly import Assembly, assemble
 from rotor_ida.systems.axisymmetric import (
     ForwardMotions,
     check_axisymmetric_parts,
+    check_masses,
     check_no_races,
     forward_motions,
 )
@@ -103,6 +104,7 @@ def synchronous_response_system(
     assembly = assemble(system, contacts, unbalance, None, None)
     check_axisymmetric_parts(assembly)
     check_no_races(assembly)
+    check_masses(assembly)
     motions = forward_motions(assembly)
     response = receptances(assembly, speeds)
     whirls = whirls_of(assembly, response, speeds)

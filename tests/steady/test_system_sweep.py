@@ -58,6 +58,27 @@ def test_synchronous_responses_are_stable_exact_whirls(seed, speeds):
         for name in ("radius_min", "radius_max"):
             np.testing.assert_allclose(point[name], point.amplitude, rtol=1e-9)
         assert float(point.cycle_distance) < 1e-9
+
+
+def test_a_rub_on_a_stator_without_mass_is_that_on_a_light_one():
+    chain = np.kron([[2.0, -1.0], [-1.0, 2.0]], np.eye(2))
+    system = RotorSystem(
+        mass=np.eye(4), stiffness=chain, damping=0.15 * np.eye(4),
+        nodes={"a": (0, 1), "b": (2, 3)}, units="1",
+    )  # fmt: skip
+
+    def given(mass):
+        stator = Stator(mass=mass, stiffness=3.0, damping=0.5)
+        rub = Contact(
+            node="b", clearance=0.4, stiffness=10.0, friction=0.1, radius=3.0, stator=stator
+        )
+        unbalance = [Unbalance(node="a", moment=0.5)]
+        return {"contacts": [rub], "unbalance": unbalance, "speed": [0.9]}
+
+    found = sweep(system, **given(0.0))
+    assert decode_flags(found.response).item() == "synchronous"
+    (exact,) = synchronous_response(system, **given(1e-9)).amplitude.values.ravel()
+    assert found.amplitude.item() == pytest.approx(exact, rel=1e-8)
         assert math.isnan(point.period)
 
 
