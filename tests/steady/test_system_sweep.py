@@ -58,6 +58,7 @@ def test_synchronous_responses_are_stable_exact_whirls(seed, speeds):
         for name in ("radius_min", "radius_max"):
             np.testing.assert_allclose(point[name], point.amplitude, rtol=1e-9)
         assert float(point.cycle_distance) < 1e-9
+        assert math.isnan(point.period)
 
 
 def test_a_rub_on_a_stator_without_mass_is_that_on_a_light_one():
@@ -76,10 +77,9 @@ def test_a_rub_on_a_stator_without_mass_is_that_on_a_light_one():
         return {"contacts": [rub], "unbalance": unbalance, "speed": [0.9]}
 
     found = sweep(system, **given(0.0))
-    assert decode_flags(found.response).item() == "synchronous"
+    assert decode_flags(found.response).values.ravel().tolist() == ["synchronous"]
     (exact,) = synchronous_response(system, **given(1e-9)).amplitude.values.ravel()
     assert found.amplitude.item() == pytest.approx(exact, rel=1e-8)
-        assert math.isnan(point.period)
 
 
 ONE_DISC = {
