@@ -263,11 +263,13 @@ def count_of_kinds(dataset: xr.Dataset, ranges: Sequence[str] = RANGES) -> Rende
     words = by_number(flags_of(response))
     found, first = np.unique(numbers, return_index=True)
     names = [name for name in ranges if name in dataset]  # a diagram has no amplitudes
+    units = {name: with_unit(dataset, name) for name in names}
     rows: list[Record] = []
     for kind in found[np.argsort(first)].tolist():
         here = response == kind
         row: Record = {"response": words[kind], "points": int(here.sum())}
-        rows.append(row | _ranges(dataset, names, here))
+        rows.append(row | {units.get(name, name): each
+                           for name, each in _ranges(dataset, names, here).items()})  # fmt: skip
     return table("Responses by kind", rows, list(rows[0]))
 
 
@@ -275,7 +277,7 @@ def _ranges(dataset: xr.Dataset, names: Sequence[str], here: xr.DataArray) -> Re
     """Return the range of each variable over the points of a mask."""
     found: Record = {}
     for name in names:
-        label, factor = si_of(dataset, name) or (with_unit(dataset, name), 1.0)
+        label, factor = si_of(dataset, name) or (name, 1.0)
         found[label] = span(factor * spread_on(dataset, name, here).values[here.values], 6)
     return found
 
