@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -237,7 +238,7 @@ class Support:
 
 
 def check_contacts(contacts: Sequence[Contact]) -> None:
-    """Refuse too many contacts, or two between the same bodies with the same centre."""
+    """Refuse too many contacts, or two between the same bodies that are one or leave no room."""
     if len(contacts) > MOST_CONTACTS:
         raise InputError(f"contacts must be at most {MOST_CONTACTS}, got {len(contacts)}")
     seen: dict[tuple[object, ...], int] = {}
@@ -250,6 +251,17 @@ def check_contacts(contacts: Sequence[Contact]) -> None:
                 f"{each.node!r} with the same stator, centre and clearance {each.clearance!r}"
             )
         seen[place] = number
+    for (first, one), (second, other) in combinations(enumerate(contacts), 2):
+        stators = {each.stator if isinstance(each.stator, str) else id(each.stator)
+                   for each in (one, other)}  # fmt: skip
+        apart = math.dist(one.centre, other.centre)
+        has_room = apart < one.clearance + other.clearance
+        if one.node == other.node and len(stators) == 1 and not has_room:
+            raise InputError(
+                f"contacts {first} and {second} at node {one.node!r} must leave it room, got "
+                f"centres {apart:.6g} apart with clearances {one.clearance!r} and "
+                f"{other.clearance!r}"
+            )
 
 
 def _along_both(name: str, value: float | Sequence[float]) -> tuple[float, float]:

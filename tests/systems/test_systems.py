@@ -114,6 +114,10 @@ def test_a_stator_without_mass_and_damping_is_refused():
     [
         ({"contacts": [Contact(**TOUCH | {"node": "dics"})]}, "node must be one of .*did you mean"),
         ({"contacts": [Contact(**TOUCH)] * 2}, "contacts must not overlap"),
+        (
+            {"contacts": [Contact(**TOUCH), Contact(**TOUCH | {"centre": (0.0, 0.3)})]},
+            "contacts 0 and 1 at node 'disc' must leave it room, got centres 0.3 apart",
+        ),
         ({"contacts": Contact(**TOUCH)}, "contacts must be a list"),
         ({"unbalance": [3]}, "unbalance must be"),
         ({"start": "resting"}, "start must be"),
