@@ -121,7 +121,7 @@ def system_sweep_figure(sweep: xr.Dataset) -> Figure:
     ----------
     sweep : Dataset
         Result of `rotor_ida.sweep` for a rotor system with contacts. Where it is axisymmetric, the
-        exact whirls are computed from what it holds of the system.
+        exact whirls are computed from the matrices in it.
 
     Raises
     ------

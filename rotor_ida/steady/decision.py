@@ -1,7 +1,7 @@
 """Decide on which response a motion settles: observe it window after window, and name its kind.
 
-What is asked of a window is the same for one disc and for a rotor system; how it is answered is
-told by each, as a `Motion`.
+The decision is the same for one disc and for a rotor system. Each implements `Motion`, which
+measures one window.
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ class Motion(Protocol):
         """Follow the motion without a window."""
 
     def observe(self, times: int) -> None:
-        """Follow the motion over a window, so many times as long as the first."""
+        """Follow the motion over a window whose length is a multiple of that of the first."""
 
     def kind_of_state(self) -> str | None:
         """Return the kind where one state decides it, or at rest; None elsewhere."""

@@ -34,9 +34,9 @@ NEARLY = 1e-9
 FORETOLD = 1e-4
 # Multipliers that are 1 but for the errors of differences.
 NEUTRAL = 1e-5
-# The motion is followed until its distance should have fallen to this part, over so many periods at
-# most, and must have fallen by this part of what it should have. Then it may be early or late along
-# its orbit, which is corrected so many times.
+# The motion is followed until its distance should have fallen to this part; the largest number of
+# periods for that; and the part of the expected decay that must be seen. The motion may then be
+# early or late along its orbit; the number of corrections of that.
 FALLEN, MOST_PERIODS, SLOWER, CORRECTIONS = 0.8, 500, 0.5, 2
 # The part of the gap between a contact and its stator that the bound of the transient may fill.
 WITHIN = 0.5
@@ -47,7 +47,7 @@ THERE = 1e-7
 NEARER, NEAR = 1e-3, 0.3
 # What moves by less than this part of its size in a period stands still on turning axes.
 MOVES = 1e-5
-# A candidate may be up to so many periods.
+# Largest number of periods in a candidate.
 MOST_PARTS = 8
 # Candidates for the period that are tried.
 MOST_TRIED = 3

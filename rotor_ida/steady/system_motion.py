@@ -26,22 +26,23 @@ from rotor_ida.steady.system_flow import SystemFlow
 
 # The first wait, in decay times of the slowest free motion, and in revolutions at most.
 DECAY_TIMES, LONGEST_FIRST_WAIT = 24.0, 200.0
-# No new window begins after so many of these times, at least and at most so many revolutions.
+# No new window begins later than this number of decay times; limits of that in revolutions.
 LONGEST_DECAY_TIMES, LONGEST, LONGEST_OF_ALL = 60.0, 1500.0, 4000.0
 # A landing is tried after this many revolutions, and whenever this part has been added.
 FIRST_TRY, MORE = 6.0, 0.5
-# An attempt takes about so many runs over the period for each component of the state. All attempts
-# may take so many of one revolution, and so many times as long as the motion has been followed.
+# Cost of an attempt: runs over the period for each component of the state. Limits of all attempts:
+# attempts over one revolution, and multiples of the time for which the motion has been followed,
+# where a cycle is likely and where it is possible.
 COST, FREE_TRIES, LIKELY, POSSIBLE = 2.0, 12.0, 6.0, 1.5
-# Of a wait, this many revolutions are looked back at, so many samples each.
+# Revolutions at the end of a wait that are examined, and samples of each.
 LOOKED_BACK, SAMPLES_OF_WAIT = 2 * MOST_REVOLUTIONS, 32
 WINDOW_REVOLUTIONS = 4
 STEADY_TOLERANCES = 10.0
-# Exponents are computed only for a motion that has not settled after so many revolutions, and so
-# many decay times or many more revolutions; they are means over so many revolutions,
+# Exponents are computed only for a motion that has not settled after a number of revolutions, and
+# of decay times or of many more revolutions. They are means over this number of revolutions,
 LATE, PATIENCE, VERY_LATE = 450.0, 20.0, 1500.0
 EXPONENT_REVOLUTIONS = 2000
-# or over so many times as many where neither chaos nor a torus is clear.
+# or over a multiple of it where neither chaos nor a torus is clear.
 LONGER = 4
 
 

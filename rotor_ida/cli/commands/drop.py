@@ -34,8 +34,8 @@ def drop(
 
         rotor-ida drop rotor.toml --out report
 
-    The report is a page of HTML and a PDF, with archives beside them. Many drops take a --study, so
-    that they go on after a break:
+    The folder gets the report as HTML and PDF, and the archives of the drops. With --study, many
+    drops continue after an interruption:
 
         rotor-ida drop rotor.toml --out report --drops 1000 --study many_drops
     """
