@@ -460,12 +460,8 @@ static void add_implicit(struct work *work, int n)
     if (work->has_torque) {
         const struct piece *piece = &run->pieces[run->piece];
         double torque = (n == 0 ? piece->torque : 0.0) - piece->slope * work->spin[n];
-        torque -= torque_by(work, to);
-        for (int k = 1; k <= n; k++) {
-            const double *row = row_of(work, work->acceleration, n - k);
-            torque -= work->cosine[k] * sum_of_products(run->unbalance + stride, row, stride)
-                      - work->sine[k] * sum_of_products(run->unbalance, row, stride);
-        }
+        torque -= torque_by(work, to) + convolved_later(work->cosine, 1, &work->swung[0][1], 2, n)
+                  - convolved_later(work->sine, 1, &work->swung[0][0], 2, n);
         for (int64_t i = 0; i < run->contact_count; i++) {
             const struct touching *each = &work->touching[i];
             if (is_pressed(each) && (each->touch->way != ROLLS || each->stator_mobility > 0.0))
@@ -497,6 +493,8 @@ static void add_implicit(struct work *work, int n)
         add_scaled(-work->cosine[0] * rate, run->unbalance + stride, to, stride);
         if (run->stiffness_rate != NULL)
             add_scaled(-rate, work->stiffened, to, stride);
+        for (int j = 0; j < 2; j++)
+            work->swung[n][j] = sum_of_products(run->unbalance + j * stride, to, stride);
     }
 }
 

@@ -40,7 +40,8 @@ struct work {
     double time[ORDERS], pace[ORDERS], cosine[ORDERS], sine[ORDERS];
     double spin[ORDERS], spin_rate[ORDERS], spin_square[ORDERS], turning[ORDERS];
     double by_cosine[ORDERS], by_sine[ORDERS]; /* what multiplies the unbalance's two rows */
-    double weights[ORDERS]; /* integrals by the time, up to where a step ends, of powers of u */
+    double swung[ORDERS][2]; /* the unbalance's two rows times the acceleration; under a torque */
+    double weights[ORDERS];  /* integrals by the time, up to where a step ends, of powers of u */
     /* what is solved for at each order: the tangential forces that roll, and the rate of the spin
      */
     int rolling[MOST_CONTACTS], rolls;
