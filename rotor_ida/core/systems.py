@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from ctypes import Structure, byref, c_double, c_int, c_int32, c_int64, c_void_p
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -205,6 +206,15 @@ class SystemResult:
     turn: tuple[float, float]
 
 
+class SystemEvents(NamedTuple):
+    """The events of a run up to a time; the fields of `SystemResult`."""
+
+    time: float
+    event_times: Values
+    event_kinds: npt.NDArray[np.int32]
+    event_contacts: npt.NDArray[np.int32]
+
+
 @cache
 def _library() -> ctypes.CDLL:
     core = found.library("whole")
@@ -220,10 +230,12 @@ class _Tables:
     """The tables of events and episodes, which grow."""
 
     width: int
-    room: int = FIRST_ROOM
+    first: int
+    room: int = 0
     arrays: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        self.room = self.first
         self.arrays = {
             "event_times": np.empty(self.room),
             "event_states": np.empty((self.room, self.width)),
@@ -233,13 +245,20 @@ class _Tables:
             "episodes": np.empty(self.room, EPISODE),
         }
 
-    def grow(self) -> None:
-        """Double the room."""
-        self.room *= 2
+    def grow(self, run: SystemRunStruct) -> None:
+        """Give a run room for as many events again as it began with; double the tables for it."""
+        self.room += self.first
         for name, array in self.arrays.items():
-            larger = np.empty((self.room, *array.shape[1:]), array.dtype)
-            larger[: len(array)] = array
-            self.arrays[name] = larger
+            if self.room > len(array):
+                larger = np.empty((2 * len(array), *array.shape[1:]), array.dtype)
+                larger[: len(array)] = array
+                self.arrays[name] = larger
+        self.put(run)
+
+    def events(self, run: SystemRunStruct) -> SystemEvents:
+        """Return the events of a run so far."""
+        columns = [self.arrays[name][: run.events] for name in SystemEvents._fields[1:]]
+        return SystemEvents(run.time, *columns)
 
     def put(self, run: SystemRunStruct) -> None:
         """Give the tables to a run."""
@@ -256,9 +275,15 @@ def _skew_part(stiffness: Values) -> Values | None:
 
 
 def follow_system(
-    request: SystemRequest, stop: Stop = NO_STOP, watch: Watch | None = None
+    request: SystemRequest,
+    stop: Stop = NO_STOP,
+    watch: Watch | None = None,
+    is_enough: Callable[[SystemEvents], bool] | None = None,
 ) -> SystemResult:
-    """Return the run of a rotor system; `watch` gets a function that returns how far it is."""
+    """Return the run of a rotor system; `watch` gets a function that returns how far it is.
+
+    A run ends early where `is_enough` says so, which is asked after each few hundred events.
+    """
     core, size = _library(), len(request.force)
     stride, count = -(-size // 4) * 4, len(request.laws)
     keep: list[npt.NDArray[Any]] = []
@@ -311,8 +336,10 @@ def follow_system(
     if watch is not None:
         watch.append(lambda: run.time)  # which the core updates
     while (status := core.core_system_run(byref(run))) == FULL:
-        tables.grow()
-        tables.put(run)
+        if is_enough is not None and is_enough(tables.events(run)):
+            status = DONE
+            break
+        tables.grow(run)
     events, held = run.events, tables.arrays
     lasting = opened[touches["way"] != 0] if status == DONE else opened[:0]
     states = held["event_states"][:events]

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import ComplexValues, Stop, Values, Watch
 from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import NO_STOP
-from rotor_ida.core.systems import LAW, SystemRequest, SystemResult, follow_system
+from rotor_ida.core.systems import LAW, SystemEvents, SystemRequest, SystemResult, follow_system
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.simulation.spin import SpeedProfile
@@ -30,6 +30,8 @@ APART = 30.0
 # As in `rotor_ida.simulation.event_errors`: a safety factor, how many events before count, and how
 # near two events must be, in parts of the time to the next, to be the same.
 WIDENING, MEMORY, SAME_EVENT = 10.0, 4, 0.25
+# The second run goes on for this many times the horizon, so that each event before it is in it.
+ENOUGH = 2.0
 # Relative size below which an eigenvalue is that of a free motion.
 FREE = 1e-9
 # Growth rates below this part of the largest eigenvalue are rounding; so are those of eigenvalues
@@ -143,7 +145,13 @@ def follow_twice(
         request, rtol=max(request.rtol / APART, TIGHTEST / APART), order=ORDERS[1],
         times=request.times[[-1]], only_events=True,
     )  # fmt: skip
-    other = follow_system_again(tighter, stop, watch)
+
+    def has_parted(events: SystemEvents) -> bool:
+        horizon = errors_of(result, events, len(request.laws), request.duration)[1]
+        return events.time >= ENOUGH * horizon
+
+    other = follow_system(tighter, stop, watch, has_parted)
+    check_status(other)
     return Followed(result, *errors_of(result, other, len(request.laws), request.duration))
 
 
@@ -175,7 +183,7 @@ def shifts_of(result: SystemResult, request: SystemRequest, stop: Stop, watch: W
 
 
 def _matched(
-    result: SystemResult, other: SystemResult, contact: int
+    result: SystemResult, other: SystemResult | SystemEvents, contact: int
 ) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp], Values]:
     """Return the events of a contact in two runs, and the differences of those that are the same.
 
@@ -194,7 +202,7 @@ def _matched(
 
 
 def errors_of(
-    result: SystemResult, other: SystemResult, contacts: int, duration: float
+    result: SystemResult, other: SystemResult | SystemEvents, contacts: int, duration: float
 ) -> tuple[Values, float]:
     """Return the errors of the events of a run by another one, and the horizon."""
     errors = np.full(result.event_times.size, np.inf)
