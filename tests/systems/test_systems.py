@@ -7,6 +7,7 @@ import pytest
 import scipy.io
 import scipy.linalg
 import scipy.sparse
+import xarray as xr
 
 from rotor_ida import (
     Contact,
@@ -22,6 +23,8 @@ from rotor_ida import (
     simulate,
 )
 from rotor_ida.cli.describe import describe
+from rotor_ida.core import systems as core_systems
+from rotor_ida.systems import following
 from rotor_ida.systems.archived import problem_of
 from tests.systems.random_systems import random_system
 
@@ -419,3 +422,27 @@ def test_a_linear_system_that_grows_is_told():
     )  # fmt: skip
     for system in (still, free):
         assert "growth_rate_without_contact" not in simulate(system, **around).attrs
+
+
+def test_the_second_run_of_chaos_ends_early_and_says_the_same(monkeypatch):
+    """Behind twice the horizon it says nothing of the first run."""
+    system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)})
+    ends = []
+
+    def follow(*given):
+        result = core_systems.follow_system(*given)
+        ends.append(result.time)
+        return result
+
+    monkeypatch.setattr(following, "follow_system", follow)
+    runs = []
+    for enough in (following.ENOUGH, np.inf):
+        monkeypatch.setattr(following, "ENOUGH", enough)
+        runs.append(simulate(
+            system, contacts=[Contact(node="disc", clearance=0.3, stiffness=1000.0)],
+            unbalance=[Unbalance(node="disc", moment=2.0)], speed=1.5, duration=600.0, samples=11,
+        ))  # fmt: skip
+    assert ends[0] == ends[2] == ends[3] == 600.0
+    horizon = float(runs[0].horizon)
+    assert 2.0 * horizon <= ends[1] < 400.0
+    xr.testing.assert_identical(runs[0].drop_attrs(), runs[1].drop_attrs())
