@@ -383,7 +383,7 @@ static int factorise(struct work *work, int size)
     return regular;
 }
 
-static void solve_factorised(const struct work *work, int size, double *right)
+void solve_implicit(const struct work *work, int size, double *right)
 {
     for (int k = 0; k < size; k++) {
         const double kept = right[work->pivot[k]];
@@ -475,7 +475,7 @@ static void add_implicit(struct work *work, int n)
             return;
         work->is_singular = !factorise(work, size);
     }
-    solve_factorised(work, size, right);
+    solve_implicit(work, size, right);
     for (int j = 0; j < work->rolls; j++) {
         struct touching *each = &work->touching[work->rolling[j]];
         double tangent[2];

@@ -5,7 +5,8 @@
  *     y'' + (C + Omega G) y' + (K + Omega' K_dot) y = unbalance + static force + contacts
  *
  * Rows and columns are padded with zeros to `stride`, a multiple of four; matrices are stored by
- * columns. What is linear stands in system.c, what a contact does in system_contact.c. */
+ * columns. What is linear stands in system.c, what a contact does in system_contact.c,
+ * and what becomes of small changes in system_tangent.c. */
 #ifndef ROTOR_IDA_SYSTEM_H
 #define ROTOR_IDA_SYSTEM_H
 
@@ -83,10 +84,16 @@ struct system_run {
     int64_t episode_room, episode_count;
     int64_t steps;
     double *room; /* to work in */
+    /* small changes of the start, side by side, and room for them: y, y' and races, a row each */
+    int64_t
+        column_count; /* a multiple of four; at a constant speed, without stators without mass */
+    double *columns, *column_room;
 };
 
 /* How many doubles a run needs to work in. */
 CORE_API int64_t core_system_room(int64_t size, int64_t contacts);
+
+CORE_API int64_t core_system_column_room(int64_t size, int64_t contacts, int64_t columns);
 
 /* Follow a run to its end, as `core_run` does. FULL: with more room it goes on from where it is. */
 CORE_API int core_system_run(struct system_run *run);

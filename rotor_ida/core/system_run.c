@@ -149,13 +149,14 @@ static int take_step(struct work *work, int *is_idle)
         until = limit;
     observe(work, end, until);
     const double before = run->time;
+    move_columns(work, end);
     move_system(work, end);
     run->time = until;
     if (!work->has_torque)
         turn_as_prescribed(run);
     *is_idle = run->time <= before;
     if (happens)
-        return change_contact(work, what);
+        return change_with_columns(work, what);
     if (work->moves) {
         const int status = leave_together(work);
         if (status != DONE)
@@ -167,6 +168,7 @@ static int take_step(struct work *work, int *is_idle)
 int core_system_run(struct system_run *run)
 {
     struct work *work = open_work(run);
+    open_columns(work);
     begin_system_piece(work);
     int status = DONE, idle = 0;
     if (!run->began) {

@@ -133,6 +133,8 @@ void expand_system(struct work *work, int order);
 void choose_step(struct work *work);
 /* Write the matrix and the right-hand side of what is implicit at the beginning of a step. */
 void ask_implicit(struct work *work);
+/* Solve for what is implicit, with the matrix of this step. */
+void solve_implicit(const struct work *work, int size, double *right);
 void turn_as_prescribed(struct system_run *run);
 /* Move the state of the run to a point of the step, and keep its ledger. */
 void read_rows(const struct work *work, const double *rows, double point, double *values);
@@ -159,6 +161,12 @@ int begin_contacts(struct work *work);
 int settle(struct work *work);
 /* Keep what is largest in a step up to a point. */
 void keep_peaks(struct work *work, double point);
+
+/* system_tangent.c: small changes of the motion */
+void open_columns(struct work *work);
+/* Move them to a point of the step, before the motion itself; and through an event, with it. */
+void move_columns(struct work *work, double point);
+int change_with_columns(struct work *work, struct happening what);
 
 /* system_run.c */
 void record_system_event(struct system_run *run, int kind, int contact);

@@ -82,6 +82,8 @@ class SystemRunStruct(Structure):
         *((name, c_void_p) for name in ("episodes", "open")),
         *((name, c_int64) for name in ("episode_room", "episode_count", "steps")),
         ("room", c_void_p),
+        ("column_count", c_int64),
+        *((name, c_void_p) for name in ("columns", "column_room")),
     ]  # fmt: skip
 
 
@@ -125,6 +127,9 @@ class SystemRequest:
         The end.
     massless : int
         How many of the coordinates, the last, are of stators without mass.
+    columns : ndarray, shape (column, 2 n + contact), optional
+        Small changes of the start, whose course is wanted: of displacements, velocities and speeds
+        of races. At a constant speed, and without stators without mass.
     """
 
     stiffness: Values
@@ -149,6 +154,7 @@ class SystemRequest:
     times: Values
     duration: float
     massless: int = 0
+    columns: Values | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -185,6 +191,8 @@ class SystemResult:
         Steps taken.
     turn : tuple of float
         Angle and speed at the end.
+    columns : ndarray, shape (column, 2 n + contact)
+        What the changes of the start have become.
     """
 
     status: int
@@ -204,6 +212,7 @@ class SystemResult:
     ledger: dict[str, float]
     steps: int
     turn: tuple[float, float]
+    columns: Values = field(default_factory=lambda: np.empty((0, 0)))
 
 
 class SystemEvents(NamedTuple):
@@ -220,6 +229,8 @@ def _library() -> ctypes.CDLL:
     core = found.library("whole")
     core.core_system_room.restype = c_int64
     core.core_system_room.argtypes = [c_int64, c_int64]
+    core.core_system_column_room.restype = c_int64
+    core.core_system_column_room.argtypes = [c_int64, c_int64, c_int64]
     core.core_system_run.restype = c_int
     core.core_system_run.argtypes = [ctypes.POINTER(SystemRunStruct)]
     return core
@@ -332,6 +343,13 @@ def follow_system(
         open=given(opened, writeable=True),
         room=given(np.zeros(core.core_system_room(size, count)), writeable=True),
     )  # fmt: skip
+    changes = np.empty((0, 2 * size + count)) if request.columns is None else request.columns
+    beside = np.zeros((2 * size + count, -(-len(changes) // 4) * 4))
+    beside[:, : len(changes)] = changes.T
+    if len(changes):
+        run.column_count, run.columns = beside.shape[1], given(beside, writeable=True)
+        wanted = core.core_system_column_room(size, count, beside.shape[1])
+        run.column_room = given(np.zeros(wanted), writeable=True)
     tables.put(run)
     if watch is not None:
         watch.append(lambda: run.time)  # which the core updates
@@ -352,5 +370,5 @@ def follow_system(
         event_races=states[:, 2 * stride :],
         episodes=np.concatenate([held["episodes"][: run.episode_count], lasting]),
         ledger=dict(zip(LEDGER, run.ledger, strict=True)), steps=run.steps,
-        turn=(run.angle, run.speed),
+        turn=(run.angle, run.speed), columns=beside[:, : len(changes)].T,
     )  # fmt: skip

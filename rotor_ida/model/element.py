@@ -18,13 +18,21 @@ and while the surfaces roll, ``v_s = 0`` gives T.
 The root ``s = sqrt(d)`` is a component of the state: in a fictitious time that runs by it the
 motion is analytic through entry and exit. While the surfaces roll on a stator with mass, T is not
 known from the law; the core finds it from ``v_s' = 0`` for all contacts together.
+
+A small change of the motion, e.c and t.c along e and t of the displacement, e.w and t.w of the
+velocity, changes the force by
+
+``-(dN - (T/r) t.c) e - ((N/r) t.c + dT) t``, ``dN = N_d e.c + N_t t.c + N_v e.w``, ``r = |u|``,
+
+with ``dT = mu sigma dN`` while the surfaces slide; while they roll it follows from the change of
+``v_s' = t.u'' - d' u'.t/r + ...``.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from rotor_ida.model.modes import Number, Numbers, damped, spring_of_root
+from rotor_ida.model.modes import Number, Numbers, damped, slope_of_root, spring_of_root
 
 # What an element is given: the root of its indentation, displacement and velocity, and the speeds
 # of rotor and race.
@@ -37,6 +45,12 @@ PARAMETERS = (
 ANSWERS = ("normal_x", "normal_y", "approach", "slip", "push", "force_x", "force_y", "power")
 ROLLING_ANSWERS = (*ANSWERS, "turning")
 MASSLESS_ANSWERS = (*ANSWERS, "drag")
+# What its slopes follow from: the speed across is u'.t, and `pull` the acceleration along e.
+SLOPE_GIVEN = ("root", "approach", "across", "push", "drag", "pull")
+SLOPES = (
+    "along", "aside", "rate", "push_share", "drag_share",
+    "approach_share", "across_share", "difference", "product", "pull_share",
+)  # fmt: skip
 
 
 def answers_of(given: Numbers, contact: Any) -> list[Number]:
@@ -85,6 +99,25 @@ def massless_answers_of(given: Numbers, contact: Any) -> list[Number]:
     force_y = -(drag * normal_x) - push * normal_y
     power = push * approach
     return [normal_x, normal_y, approach, slip, push, force_x, force_y, power, drag]
+
+
+def slopes_of(given: Numbers, contact: Any) -> list[Number]:
+    """Return what a small change of the motion is multiplied by: see `SLOPES`.
+
+    They are N_d, N_t, N_v, and N, T, d', u'.t and e.u'' over r; with the last, of the squares of
+    ``u'.t/r`` and ``d'/r`` the difference, and of them the product.
+    """
+    root, approach, across, push, drag, pull = given
+    radius = contact.clearance + root * root
+    resisted = contact.contact_damping * spring_of_root(root, contact)
+    along = slope_of_root(root, contact) * (1.0 + contact.contact_damping * approach)
+    approach_share, across_share = approach / radius, across / radius
+    return [
+        along, resisted * across_share, resisted, push / radius, drag / radius,
+        approach_share, across_share,
+        across_share * across_share - approach_share * approach_share,
+        approach_share * across_share, pull / radius,
+    ]  # fmt: skip
 
 
 def _motion_of(given: Numbers, contact: Any) -> tuple[Number, Number, Number, Number]:

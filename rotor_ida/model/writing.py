@@ -578,8 +578,14 @@ def _rotor() -> str:
 
 def _element() -> str:
     """Return the laws of a contact of a rotor system: series, order by order, and values."""
-    given = Mode("element", element.GIVEN, *(None,) * 3, (), None)  # type: ignore[arg-type]
-    names = [*(_place(given, name) for name in (*element.GIVEN, "given"))]
+    given, changed = (
+        Mode(stem, names, *(None,) * 3, (), None)  # type: ignore[arg-type]
+        for stem, names in (("element", element.GIVEN), ("slope", element.SLOPE_GIVEN))
+    )
+    names, slopes = (
+        [_place(each, name) for name in (*each.state, "given")] for each in (given, changed)
+    )
+    of_slopes = [f"SLOPE_BY_{name.upper()}" for name in element.SLOPES]
     laws = {
         "element": (element.answers_of, element.ANSWERS),
         "rolling": (element.rolling_answers_of, element.ROLLING_ANSWERS),
@@ -600,12 +606,15 @@ def _element() -> str:
             "",
             f"enum {{ {', '.join(names)} }};",
             f"enum {{ {', '.join(map(_answer, [*answers, 'answers']))} }};",
+            f"enum {{ {', '.join(slopes)} }};",
+            f"enum {{ {', '.join([*of_slopes, 'SLOPES'])} }};",
             "",
             *(
                 line
                 for stem, (law, asked) in laws.items()
                 for line in _answering(stem, given, law, list(map(_answer, asked)))
             ),
+            *_answering("slope", changed, element.slopes_of, of_slopes),
             "#endif",
             "",
         ]
@@ -623,7 +632,7 @@ def _answering(
     graph = Graph()
     contact = SimpleNamespace(**{name: graph.parameter(name) for name in element.PARAMETERS})
     with named_as_in("element.py"):
-        answers = law([graph.state(name) for name in element.GIVEN], contact)
+        answers = law([graph.state(name) for name in given.state], contact)
     nodes = [node for node in needed(answers) if node.changes]
     names = _names_of(nodes, answers)
     lanes = sum(lanes_of(node) for node in nodes if needs_convolution(node))
@@ -631,7 +640,7 @@ def _answering(
     writer = Writer(lambda name: name, names, one="one")
     pairs = list(zip(places, answers, strict=True))
     series = [
-        f'_Static_assert({len(element.GIVEN)} <= WIDTH && {lanes} <= LANES, "no room");',
+        f'_Static_assert({len(given.state)} <= WIDTH && {lanes} <= LANES, "no room");',
         "const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;",
         *[line for line in before if not _is_idle(line, [*before, *lines])],
         f"sum_known(series, n, {-(-lanes // LANES_A_VECTOR)});",
@@ -650,6 +659,7 @@ def _answering(
         "element": "a contact",
         "rolling": "one that rolls",
         "massless": "one with a stator without mass",
+        "slope": "a contact that is moved a little",
     }[stem]
     return [
         f"/* Coefficient n of what {whose} answers, from those up to n of what it is given:",
@@ -657,7 +667,7 @@ def _answering(
         head.format(f"{stem}_order", "struct series *series, int n"),
         "{", *(f"    {line}" for line in series), "}",
         "",
-        *(as_values if stem != "rolling" else []),
+        *(as_values if stem in {"element", "massless"} else []),
     ]  # fmt: skip
 
 

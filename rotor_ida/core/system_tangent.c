@@ -1,0 +1,440 @@
+/* Small changes of a motion of a rotor system: columns, as the start would change.
+ *
+ * Between events they solve the linearised equations, by series in the same variable as the motion
+ * itself. Columns stand side by side, so that one sum serves four. Displacement, velocity and the
+ * speeds of races are continuous at events; where their rates jump, as slip ends or turns, the
+ * columns jump with the instant of the event (saltation: Leine and Nijmeijer, "Dynamics and
+ * Bifurcations of Non-Smooth Mechanical Systems", 2004, section 7.2). */
+#include "system_work.h"
+
+/* Series of what a contact does with the columns; two rows where there are two components. */
+struct column_touch {
+    double *moved, *rates, *pull;       /* of its displacement: that, velocity, acceleration */
+    double *along, *aside;              /* the displacement, along e and t */
+    double *rate_along, *rate_aside;    /* the velocity */
+    double *push, *radial, *tangential; /* of N; and of the force, along -e and -t */
+    double *drag, *race;                /* of T, but for the turn of t; the speed of the race */
+    double slopes[ORDERS][SLOPES];
+    struct series series;
+};
+
+struct columns {
+    int64_t count;
+    double *y, *v, *acceleration;
+    double *right;  /* MOST_CONTACTS rows */
+    double *before; /* accelerations of the motion before they jump */
+    struct column_touch touching[MOST_CONTACTS];
+};
+
+enum { SERIES_OF_TOUCH = 15, ALIGNMENT = 64 };
+
+int64_t core_system_column_room(int64_t size, int64_t contacts, int64_t columns)
+{
+    const int64_t rows = 3 * ORDERS * size + contacts * SERIES_OF_TOUCH * ORDERS + MOST_CONTACTS;
+    return (int64_t)((sizeof(struct columns) + ALIGNMENT) / sizeof(double)) + rows * columns + size
+           + 4;
+}
+
+static double *taken(double **room, int64_t count)
+{
+    double *here = *room;
+    *room += count;
+    return here;
+}
+
+static struct columns *columns_of(const struct work *work)
+{
+    char *room = (char *)work->run->column_room;
+    return (struct columns *)(void *)(room + (ALIGNMENT - (uintptr_t)room % ALIGNMENT));
+}
+
+void open_columns(struct work *work)
+{
+    const struct system_run *run = work->run;
+    if (run->column_count == 0)
+        return;
+    struct columns *columns = columns_of(work);
+    const int64_t series = ORDERS * run->column_count;
+    double *room = (double *)(void *)(columns + 1);
+    columns->count = run->column_count;
+    columns->y = taken(&room, series * run->size);
+    columns->v = taken(&room, series * run->size);
+    columns->acceleration = taken(&room, series * run->size);
+    columns->right = taken(&room, MOST_CONTACTS * run->column_count);
+    columns->before = taken(&room, run->stride);
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        struct column_touch *each = &columns->touching[i];
+        each->moved = taken(&room, 2 * series);
+        each->rates = taken(&room, 2 * series);
+        each->pull = taken(&room, 2 * series);
+        double **singles[] = {&each->along,      &each->aside, &each->rate_along,
+                              &each->rate_aside, &each->push,  &each->radial,
+                              &each->tangential, &each->drag,  &each->race};
+        for (size_t k = 0; k < sizeof singles / sizeof singles[0]; k++)
+            *singles[k] = taken(&room, series);
+    }
+}
+
+/* ---- Sums of rows of columns ---- */
+
+/* Add coefficient n of a series times one of columns, of which a row stands every `apart`. */
+static void add_product(double factor, const double *series, int series_apart, const double *rows,
+                        int64_t apart, int n, int from, double *to, int64_t count)
+{
+    for (int64_t c = 0; c < count; c += 4) {
+        vec4 sum = load(&to[c]);
+        for (int k = from; k <= n; k++)
+            sum = fma4(spread(factor * series[k * series_apart]), load(&rows[(n - k) * apart + c]),
+                       sum);
+        store(&to[c], sum);
+    }
+}
+
+/* Add a matrix, stored by columns, times coefficients of all coordinates. */
+static void add_matrix(const struct system_run *run, const double *matrix, double factor,
+                       const double *rows, double *to)
+{
+    const int64_t count = run->column_count;
+    enum { BLOCK = 4 };
+    for (int64_t c = 0; c < count; c += 4 * BLOCK) {
+        const int here = (int)(count - c < 4 * BLOCK ? (count - c) / 4 : BLOCK);
+        for (int64_t i = 0; i < run->size; i++) {
+            vec4 sums[BLOCK];
+            for (int v = 0; v < here; v++)
+                sums[v] = load(&to[i * count + c + 4 * v]);
+            for (int64_t k = 0; k < run->size; k++) {
+                const vec4 by = spread(factor * matrix[k * run->stride + i]);
+                for (int v = 0; v < here; v++)
+                    sums[v] = fma4(by, load(&rows[k * count + c + 4 * v]), sums[v]);
+            }
+            for (int v = 0; v < here; v++)
+                store(&to[i * count + c + 4 * v], sums[v]);
+        }
+    }
+}
+
+/* Write the displacement of a contact by coordinates. */
+static void project(const struct system_run *run, const double *row, const double *rows, double *to)
+{
+    memset(to, 0, sizeof(double) * (size_t)run->column_count);
+    for (int64_t i = 0; i < run->size; i++) {
+        if (row[i] != 0.0)
+            add_scaled(row[i], &rows[i * run->column_count], to, run->column_count);
+    }
+}
+
+/* Let a force on a contact accelerate the coordinates. */
+static void push_by(const struct system_run *run, const double *row, const double *force,
+                    double *to)
+{
+    for (int64_t i = 0; i < run->size; i++) {
+        if (row[i] != 0.0)
+            add_scaled(row[i], force, &to[i * run->column_count], run->column_count);
+    }
+}
+
+/* ---- One contact ---- */
+
+/* Write coefficient n of the slopes of a contact. */
+static void set_slopes(const struct touching *each, struct column_touch *touch, int n)
+{
+    const struct system_law *law = each->law;
+    const double *answers = each->answers[n], *given = each->series.terms[n];
+    double *here = touch->series.terms[n];
+    here[SLOPE_ROOT] = given[ELEMENT_ROOT];
+    here[SLOPE_APPROACH] = answers[ELEMENT_APPROACH];
+    here[SLOPE_ACROSS] = answers[ELEMENT_SLIP] - law->radius * given[ELEMENT_SPIN]
+                         + law->race_radius * given[ELEMENT_RACE];
+    here[SLOPE_PUSH] = answers[ELEMENT_PUSH];
+    here[SLOPE_DRAG] = each->drag[n];
+    here[SLOPE_PULL] = 0.0;
+    if (each->touch->way == ROLLS)
+        here[SLOPE_PULL] = convolved(&each->answers[0][ELEMENT_NORMAL_X], ELEMENT_ANSWERS,
+                                     &each->pull[0][0], 2, n)
+                           + convolved(&each->answers[0][ELEMENT_NORMAL_Y], ELEMENT_ANSWERS,
+                                       &each->pull[0][1], 2, n);
+    slope_order(&each->element, &touch->series, n, touch->slopes[n]);
+}
+
+/* Write coefficients n of two components along e and t. */
+static void turn_along(const struct touching *each, const double *pair, int64_t count, int n,
+                       double *along, double *aside)
+{
+    const double *x = &each->answers[0][ELEMENT_NORMAL_X], *y = &each->answers[0][ELEMENT_NORMAL_Y];
+    memset(along, 0, sizeof(double) * (size_t)count);
+    memset(aside, 0, sizeof(double) * (size_t)count);
+    add_product(1.0, x, ELEMENT_ANSWERS, pair, 2 * count, n, 0, along, count);
+    add_product(1.0, y, ELEMENT_ANSWERS, pair + count, 2 * count, n, 0, along, count);
+    add_product(1.0, x, ELEMENT_ANSWERS, pair + count, 2 * count, n, 0, aside, count);
+    add_product(-1.0, y, ELEMENT_ANSWERS, pair, 2 * count, n, 0, aside, count);
+}
+
+/* Let the force of a contact, whose coefficients up to n are known, act. */
+static void answer_columns(const struct work *work, const struct touching *each,
+                           struct column_touch *touch, int n)
+{
+    const struct system_run *run = work->run;
+    struct columns *columns = columns_of(work);
+    const int64_t count = columns->count, here = n * count;
+    const double *slopes = touch->slopes[0];
+    project(run, each->rows, &columns->y[here * run->size], &touch->moved[2 * here]);
+    project(run, each->rows + work->stride, &columns->y[here * run->size],
+            &touch->moved[2 * here + count]);
+    project(run, each->rows, &columns->v[here * run->size], &touch->rates[2 * here]);
+    project(run, each->rows + work->stride, &columns->v[here * run->size],
+            &touch->rates[2 * here + count]);
+    turn_along(each, touch->moved, count, n, &touch->along[here], &touch->aside[here]);
+    turn_along(each, touch->rates, count, n, &touch->rate_along[here], &touch->rate_aside[here]);
+
+    double *push = &touch->push[here], *radial = &touch->radial[here];
+    double *tangential = &touch->tangential[here], *drag = &touch->drag[here];
+    memset(push, 0, sizeof(double) * (size_t)count);
+    add_product(1.0, &slopes[SLOPE_BY_ALONG], SLOPES, touch->along, count, n, 0, push, count);
+    if (each->law->contact_damping > 0.0) {
+        add_product(1.0, &slopes[SLOPE_BY_ASIDE], SLOPES, touch->aside, count, n, 0, push, count);
+        add_product(1.0, &slopes[SLOPE_BY_RATE], SLOPES, touch->rate_along, count, n, 0, push,
+                    count);
+    }
+    memcpy(radial, push, sizeof(double) * (size_t)count);
+    add_product(-1.0, &slopes[SLOPE_BY_DRAG_SHARE], SLOPES, touch->aside, count, n, 0, radial,
+                count);
+    memset(drag, 0, sizeof(double) * (size_t)count); /* of one that rolls not known yet */
+    add_scaled(each->law->friction * each->element.sigma, push, drag, count);
+    memcpy(tangential, drag, sizeof(double) * (size_t)count);
+    add_product(1.0, &slopes[SLOPE_BY_PUSH_SHARE], SLOPES, touch->aside, count, n, 0, tangential,
+                count);
+
+    double *to = &columns->acceleration[here * run->size];
+    double *force = columns->right; /* which is written later */
+    const double *x = &each->answers[0][ELEMENT_NORMAL_X], *y = &each->answers[0][ELEMENT_NORMAL_Y];
+    for (int j = 0; j < 2; j++) {
+        memset(force, 0, sizeof(double) * (size_t)count);
+        add_product(-1.0, j ? y : x, ELEMENT_ANSWERS, touch->radial, count, n, 0, force, count);
+        add_product(j ? -1.0 : 1.0, j ? x : y, ELEMENT_ANSWERS, touch->tangential, count, n, 0,
+                    force, count);
+        push_by(run, each->rows + j * work->stride, force, to);
+    }
+}
+
+/* The right-hand side of what holds a contact that rolls, at order n. */
+static void ask_hold(const struct work *work, const struct touching *each,
+                     struct column_touch *touch, int n, double *right)
+{
+    const struct system_run *run = work->run;
+    const struct columns *columns = columns_of(work);
+    const struct system_law *law = each->law;
+    const int64_t count = columns->count;
+    const double *slopes = touch->slopes[0];
+    const double *x = &each->answers[0][ELEMENT_NORMAL_X], *y = &each->answers[0][ELEMENT_NORMAL_Y];
+    double *pull = &touch->pull[2 * n * count];
+    for (int j = 0; j < 2; j++)
+        project(run, each->rows + j * work->stride, &columns->acceleration[n * count * run->size],
+                pull + j * count);
+    memset(right, 0, sizeof(double) * (size_t)count);
+    add_product(1.0, x, ELEMENT_ANSWERS, touch->pull + count, 2 * count, n, 0, right, count);
+    add_product(-1.0, y, ELEMENT_ANSWERS, touch->pull, 2 * count, n, 0, right, count);
+    const struct {
+        int slope;
+        double sign;
+        const double *rows;
+    } parts[] = {
+        {SLOPE_BY_PULL_SHARE, -1.0, touch->aside},
+        {SLOPE_BY_ACROSS_SHARE, -1.0, touch->rate_along},
+        {SLOPE_BY_APPROACH_SHARE, -1.0, touch->rate_aside},
+        {SLOPE_BY_DIFFERENCE, -1.0, touch->aside},
+        {SLOPE_BY_PRODUCT, 1.0, touch->along},
+    };
+    for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++)
+        add_product(parts[k].sign, &slopes[parts[k].slope], SLOPES, parts[k].rows, count, n, 0,
+                    right, count);
+    add_scaled(law->race_radius * law->inverse_race_inertia * law->race_drag,
+               &touch->race[n * count], right, count);
+}
+
+/* Find the tangential forces of the contacts that roll, and let them act. */
+static void hold_columns(struct work *work, int n)
+{
+    const struct system_run *run = work->run;
+    struct columns *columns = columns_of(work);
+    const int64_t count = columns->count, here = n * count;
+    for (int j = 0; j < work->rolls; j++)
+        ask_hold(work, &work->touching[work->rolling[j]], &columns->touching[work->rolling[j]], n,
+                 &columns->right[j * count]);
+    for (int64_t c = 0; c < count && work->rolls > 0; c++) {
+        double right[MOST_CONTACTS + 1];
+        for (int j = 0; j < work->rolls; j++)
+            right[j] = columns->right[j * count + c];
+        solve_implicit(work, work->rolls, right);
+        for (int j = 0; j < work->rolls; j++)
+            columns->right[j * count + c] = right[j];
+    }
+    double *to = &columns->acceleration[here * run->size];
+    for (int j = 0; j < work->rolls; j++) {
+        const struct touching *each = &work->touching[work->rolling[j]];
+        struct column_touch *touch = &columns->touching[work->rolling[j]];
+        const double *held = &columns->right[j * count];
+        add_scaled(1.0, held, &touch->drag[here], count);
+        add_scaled(1.0, held, &touch->tangential[here], count);
+        for (int64_t i = 0; i < run->size; i++) {
+            const double by = each->rows[i] * each->answers[0][ELEMENT_NORMAL_Y]
+                              - each->rows[work->stride + i] * each->answers[0][ELEMENT_NORMAL_X];
+            add_scaled(by, held, &to[i * count], count);
+        }
+    }
+    for (int j = 0; j < work->rolls; j++) {
+        const struct touching *each = &work->touching[work->rolling[j]];
+        struct column_touch *touch = &columns->touching[work->rolling[j]];
+        for (int axis = 0; axis < 2; axis++)
+            project(run, each->rows + axis * work->stride, to,
+                    &touch->pull[2 * here + axis * count]);
+    }
+}
+
+/* ---- A step ---- */
+
+/* Write coefficient n + 1: the pace times a rate, integrated. */
+static void integrate(const struct work *work, const double *rates, double *to, int64_t apart,
+                      int n)
+{
+    memset(to, 0, sizeof(double) * (size_t)apart);
+    if (work->moves)
+        add_product(1.0 / (n + 1), work->pace, 1, rates, apart, n, 0, to, apart);
+    else
+        add_scaled(1.0 / (n + 1), &rates[n * apart], to, apart);
+}
+
+static void expand_columns(struct work *work)
+{
+    const struct system_run *run = work->run;
+    struct columns *columns = columns_of(work);
+    const int64_t count = columns->count, apart = run->size * count;
+    const double *resistance = run->gyroscopic != NULL ? work->both : run->damping;
+    for (int n = 0; n < work->order; n++) {
+        double *to = &columns->acceleration[n * apart];
+        memset(to, 0, sizeof(double) * (size_t)apart);
+        add_matrix(run, run->stiffness, -1.0, &columns->y[n * apart], to);
+        if (resistance != NULL)
+            add_matrix(run, resistance, -1.0, &columns->v[n * apart], to);
+        for (int64_t i = 0; i < run->contact_count; i++) {
+            if (is_pressed(&work->touching[i])) {
+                set_slopes(&work->touching[i], &columns->touching[i], n);
+                answer_columns(work, &work->touching[i], &columns->touching[i], n);
+            }
+        }
+        hold_columns(work, n);
+        integrate(work, columns->v, &columns->y[(n + 1) * apart], apart, n);
+        integrate(work, columns->acceleration, &columns->v[(n + 1) * apart], apart, n);
+        for (int64_t i = 0; i < run->contact_count; i++) {
+            const struct system_law *law = work->touching[i].law;
+            struct column_touch *touch = &columns->touching[i];
+            double *race = &touch->race[(n + 1) * count];
+            memset(race, 0, sizeof(double) * (size_t)count);
+            if (law->inverse_race_inertia == 0.0)
+                continue;
+            const double share = law->inverse_race_inertia / (n + 1);
+            add_product(-law->race_drag * share, work->pace, 1, touch->race, count, n, 0, race,
+                        count);
+            if (is_pressed(&work->touching[i]))
+                add_product(law->race_radius * share, work->pace, 1, touch->drag, count, n, 0, race,
+                            count);
+        }
+    }
+}
+
+static void read_columns(const struct work *work, const double *series, int64_t apart, double point,
+                         double *to)
+{
+    for (int64_t c = 0; c < apart; c += 4) {
+        vec4 sum = load(&series[work->order * apart + c]);
+        for (int n = work->order - 1; n >= 0; n--)
+            sum = fma4(sum, spread(point), load(&series[n * apart + c]));
+        store(&to[c], sum);
+    }
+}
+
+void move_columns(struct work *work, double point)
+{
+    struct system_run *run = work->run;
+    if (run->column_count == 0)
+        return;
+    struct columns *columns = columns_of(work);
+    const int64_t count = columns->count, apart = run->size * count;
+    double *y = run->columns, *v = y + apart, *races = v + apart;
+    memcpy(columns->y, y, sizeof(double) * (size_t)apart);
+    memcpy(columns->v, v, sizeof(double) * (size_t)apart);
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        struct column_touch *touch = &columns->touching[i];
+        memcpy(touch->race, races + i * count, sizeof(double) * (size_t)count);
+        begin_lanes(&touch->series);
+    }
+    expand_columns(work);
+    read_columns(work, columns->y, apart, point, y);
+    read_columns(work, columns->v, apart, point, v);
+    for (int64_t i = 0; i < run->contact_count; i++)
+        read_columns(work, columns->touching[i].race, count, point, races + i * count);
+}
+
+/* ---- Where rates jump ---- */
+
+/* Find the accelerations at the state of a run, and write the rates of its races. */
+static void find_rates(struct work *work, double *races)
+{
+    begin_terms(work);
+    expand_system(work, 1);
+    for (int64_t i = 0; i < work->run->contact_count; i++) {
+        const struct touching *each = &work->touching[i];
+        const struct system_law *law = each->law;
+        const double drag = is_pressed(each) ? each->drag[0] : 0.0;
+        races[i] = law->inverse_race_inertia
+                   * (law->race_radius * drag - law->race_drag * each->touch->race);
+    }
+}
+
+/* The change of the slip of a contact with a change of the state, whose numbers are `apart`. */
+static double change_of_slip(const struct work *work, int contact, const double *y, const double *v,
+                             double race, int64_t apart)
+{
+    const struct touching *each = &work->touching[contact];
+    const double *answers = each->answers[0];
+    const double across[2] = {-answers[ELEMENT_NORMAL_Y], answers[ELEMENT_NORMAL_X]};
+    const double radius = each->law->clearance + each->touch->root * each->touch->root;
+    double moved = 0.0, faster = 0.0;
+    for (int j = 0; j < 2; j++) {
+        const double *row = each->rows + j * work->stride;
+        for (int64_t i = 0; i < work->run->size; i++) {
+            moved += across[j] * row[i] * y[i * apart];
+            faster += across[j] * row[i] * v[i * apart];
+        }
+    }
+    return faster - answers[ELEMENT_APPROACH] * moved / radius - each->law->race_radius * race;
+}
+
+int change_with_columns(struct work *work, struct happening what)
+{
+    struct system_run *run = work->run;
+    const int contact = what.contact;
+    if (run->column_count == 0 || what.guard != OF_SLIP || run->touches[contact].way == ROLLS)
+        return change_contact(work, what);
+    struct columns *columns = columns_of(work);
+    const int64_t count = columns->count, size = run->size;
+    double *y = run->columns, *v = y + size * count, *races = v + size * count;
+    double before[MOST_CONTACTS], after[MOST_CONTACTS], *later = columns->right;
+    find_rates(work, before);
+    memcpy(columns->before, work->acceleration, sizeof(double) * (size_t)work->stride);
+    const double rate = change_of_slip(work, contact, run->state + work->stride, columns->before,
+                                       before[contact], 1);
+    for (int64_t c = 0; c < count; c++) {
+        const double slip = change_of_slip(work, contact, y + c, v + c, races[contact * count + c],
+                                           count);
+        later[c] = -ratio(slip, rate);
+    }
+    const int status = change_contact(work, what);
+    if (status != DONE)
+        return status;
+    find_rates(work, after);
+    for (int64_t i = 0; i < size; i++)
+        add_scaled(columns->before[i] - work->acceleration[i], later, &v[i * count], count);
+    for (int64_t i = 0; i < run->contact_count; i++)
+        add_scaled(before[i] - after[i], later, &races[i * count], count);
+    return DONE;
+}
