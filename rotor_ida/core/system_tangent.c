@@ -26,7 +26,8 @@ struct columns {
     struct column_touch touching[MOST_CONTACTS];
 };
 
-enum { SERIES_OF_TOUCH = 15, ALIGNMENT = 64 };
+/* Columns are summed so many vectors at a time. */
+enum { BLOCK = 4, SERIES_OF_TOUCH = 15, ALIGNMENT = 64 };
 
 int64_t core_system_column_room(int64_t size, int64_t contacts, int64_t columns)
 {
@@ -77,17 +78,39 @@ void open_columns(struct work *work)
 
 /* ---- Sums of rows of columns ---- */
 
+/* Add rows of columns, scaled, some vectors of each: rows and factors stand so far apart. */
+static inline __attribute__((always_inline)) void add_rows(double sign, const double *factors,
+                                                           int64_t factor_apart, const double *rows,
+                                                           int64_t apart, int64_t many, double *to,
+                                                           const int vectors)
+{
+    vec4 sums[BLOCK];
+    for (int v = 0; v < vectors; v++)
+        sums[v] = load(&to[4 * v]);
+    for (int64_t k = 0; k < many; k++) {
+        const vec4 by = spread(sign * factors[k * factor_apart]);
+        for (int v = 0; v < vectors; v++)
+            sums[v] = fma4(by, load(&rows[k * apart + 4 * v]), sums[v]);
+    }
+    for (int v = 0; v < vectors; v++)
+        store(&to[4 * v], sums[v]);
+}
+
+static void add_all(double sign, const double *factors, int64_t factor_apart, const double *rows,
+                    int64_t apart, int64_t many, double *to, int64_t count)
+{
+    int64_t c = 0;
+    for (; c + 4 * BLOCK <= count; c += 4 * BLOCK)
+        add_rows(sign, factors, factor_apart, rows + c, apart, many, to + c, BLOCK);
+    for (; c < count; c += 4)
+        add_rows(sign, factors, factor_apart, rows + c, apart, many, to + c, 1);
+}
+
 /* Add coefficient n of a series times one of columns, of which a row stands every `apart`. */
 static void add_product(double factor, const double *series, int series_apart, const double *rows,
-                        int64_t apart, int n, int from, double *to, int64_t count)
+                        int64_t apart, int n, double *to, int64_t count)
 {
-    for (int64_t c = 0; c < count; c += 4) {
-        vec4 sum = load(&to[c]);
-        for (int k = from; k <= n; k++)
-            sum = fma4(spread(factor * series[k * series_apart]), load(&rows[(n - k) * apart + c]),
-                       sum);
-        store(&to[c], sum);
-    }
+    add_all(factor, series, series_apart, rows + n * apart, -apart, n + 1, to, count);
 }
 
 /* Add a matrix, stored by columns, times coefficients of all coordinates. */
@@ -95,32 +118,15 @@ static void add_matrix(const struct system_run *run, const double *matrix, doubl
                        const double *rows, double *to)
 {
     const int64_t count = run->column_count;
-    enum { BLOCK = 4 };
-    for (int64_t c = 0; c < count; c += 4 * BLOCK) {
-        const int here = (int)(count - c < 4 * BLOCK ? (count - c) / 4 : BLOCK);
-        for (int64_t i = 0; i < run->size; i++) {
-            vec4 sums[BLOCK];
-            for (int v = 0; v < here; v++)
-                sums[v] = load(&to[i * count + c + 4 * v]);
-            for (int64_t k = 0; k < run->size; k++) {
-                const vec4 by = spread(factor * matrix[k * run->stride + i]);
-                for (int v = 0; v < here; v++)
-                    sums[v] = fma4(by, load(&rows[k * count + c + 4 * v]), sums[v]);
-            }
-            for (int v = 0; v < here; v++)
-                store(&to[i * count + c + 4 * v], sums[v]);
-        }
-    }
+    for (int64_t i = 0; i < run->size; i++)
+        add_all(factor, matrix + i, run->stride, rows, count, run->size, &to[i * count], count);
 }
 
 /* Write the displacement of a contact by coordinates. */
 static void project(const struct system_run *run, const double *row, const double *rows, double *to)
 {
     memset(to, 0, sizeof(double) * (size_t)run->column_count);
-    for (int64_t i = 0; i < run->size; i++) {
-        if (row[i] != 0.0)
-            add_scaled(row[i], &rows[i * run->column_count], to, run->column_count);
-    }
+    add_all(1.0, row, 1, rows, run->column_count, run->size, to, run->column_count);
 }
 
 /* Let a force on a contact accelerate the coordinates. */
@@ -163,10 +169,10 @@ static void turn_along(const struct touching *each, const double *pair, int64_t 
     const double *x = &each->answers[0][ELEMENT_NORMAL_X], *y = &each->answers[0][ELEMENT_NORMAL_Y];
     memset(along, 0, sizeof(double) * (size_t)count);
     memset(aside, 0, sizeof(double) * (size_t)count);
-    add_product(1.0, x, ELEMENT_ANSWERS, pair, 2 * count, n, 0, along, count);
-    add_product(1.0, y, ELEMENT_ANSWERS, pair + count, 2 * count, n, 0, along, count);
-    add_product(1.0, x, ELEMENT_ANSWERS, pair + count, 2 * count, n, 0, aside, count);
-    add_product(-1.0, y, ELEMENT_ANSWERS, pair, 2 * count, n, 0, aside, count);
+    add_product(1.0, x, ELEMENT_ANSWERS, pair, 2 * count, n, along, count);
+    add_product(1.0, y, ELEMENT_ANSWERS, pair + count, 2 * count, n, along, count);
+    add_product(1.0, x, ELEMENT_ANSWERS, pair + count, 2 * count, n, aside, count);
+    add_product(-1.0, y, ELEMENT_ANSWERS, pair, 2 * count, n, aside, count);
 }
 
 /* Let the force of a contact, whose coefficients up to n are known, act. */
@@ -189,19 +195,17 @@ static void answer_columns(const struct work *work, const struct touching *each,
     double *push = &touch->push[here], *radial = &touch->radial[here];
     double *tangential = &touch->tangential[here], *drag = &touch->drag[here];
     memset(push, 0, sizeof(double) * (size_t)count);
-    add_product(1.0, &slopes[SLOPE_BY_ALONG], SLOPES, touch->along, count, n, 0, push, count);
+    add_product(1.0, &slopes[SLOPE_BY_ALONG], SLOPES, touch->along, count, n, push, count);
     if (each->law->contact_damping > 0.0) {
-        add_product(1.0, &slopes[SLOPE_BY_ASIDE], SLOPES, touch->aside, count, n, 0, push, count);
-        add_product(1.0, &slopes[SLOPE_BY_RATE], SLOPES, touch->rate_along, count, n, 0, push,
-                    count);
+        add_product(1.0, &slopes[SLOPE_BY_ASIDE], SLOPES, touch->aside, count, n, push, count);
+        add_product(1.0, &slopes[SLOPE_BY_RATE], SLOPES, touch->rate_along, count, n, push, count);
     }
     memcpy(radial, push, sizeof(double) * (size_t)count);
-    add_product(-1.0, &slopes[SLOPE_BY_DRAG_SHARE], SLOPES, touch->aside, count, n, 0, radial,
-                count);
+    add_product(-1.0, &slopes[SLOPE_BY_DRAG_SHARE], SLOPES, touch->aside, count, n, radial, count);
     memset(drag, 0, sizeof(double) * (size_t)count); /* of one that rolls not known yet */
     add_scaled(each->law->friction * each->element.sigma, push, drag, count);
     memcpy(tangential, drag, sizeof(double) * (size_t)count);
-    add_product(1.0, &slopes[SLOPE_BY_PUSH_SHARE], SLOPES, touch->aside, count, n, 0, tangential,
+    add_product(1.0, &slopes[SLOPE_BY_PUSH_SHARE], SLOPES, touch->aside, count, n, tangential,
                 count);
 
     double *to = &columns->acceleration[here * run->size];
@@ -209,9 +213,9 @@ static void answer_columns(const struct work *work, const struct touching *each,
     const double *x = &each->answers[0][ELEMENT_NORMAL_X], *y = &each->answers[0][ELEMENT_NORMAL_Y];
     for (int j = 0; j < 2; j++) {
         memset(force, 0, sizeof(double) * (size_t)count);
-        add_product(-1.0, j ? y : x, ELEMENT_ANSWERS, touch->radial, count, n, 0, force, count);
-        add_product(j ? -1.0 : 1.0, j ? x : y, ELEMENT_ANSWERS, touch->tangential, count, n, 0,
-                    force, count);
+        add_product(-1.0, j ? y : x, ELEMENT_ANSWERS, touch->radial, count, n, force, count);
+        add_product(j ? -1.0 : 1.0, j ? x : y, ELEMENT_ANSWERS, touch->tangential, count, n, force,
+                    count);
         push_by(run, each->rows + j * work->stride, force, to);
     }
 }
@@ -231,8 +235,8 @@ static void ask_hold(const struct work *work, const struct touching *each,
         project(run, each->rows + j * work->stride, &columns->acceleration[n * count * run->size],
                 pull + j * count);
     memset(right, 0, sizeof(double) * (size_t)count);
-    add_product(1.0, x, ELEMENT_ANSWERS, touch->pull + count, 2 * count, n, 0, right, count);
-    add_product(-1.0, y, ELEMENT_ANSWERS, touch->pull, 2 * count, n, 0, right, count);
+    add_product(1.0, x, ELEMENT_ANSWERS, touch->pull + count, 2 * count, n, right, count);
+    add_product(-1.0, y, ELEMENT_ANSWERS, touch->pull, 2 * count, n, right, count);
     const struct {
         int slope;
         double sign;
@@ -245,8 +249,8 @@ static void ask_hold(const struct work *work, const struct touching *each,
         {SLOPE_BY_PRODUCT, 1.0, touch->along},
     };
     for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++)
-        add_product(parts[k].sign, &slopes[parts[k].slope], SLOPES, parts[k].rows, count, n, 0,
-                    right, count);
+        add_product(parts[k].sign, &slopes[parts[k].slope], SLOPES, parts[k].rows, count, n, right,
+                    count);
     add_scaled(law->race_radius * law->inverse_race_inertia * law->race_drag,
                &touch->race[n * count], right, count);
 }
@@ -298,7 +302,7 @@ static void integrate(const struct work *work, const double *rates, double *to, 
 {
     memset(to, 0, sizeof(double) * (size_t)apart);
     if (work->moves)
-        add_product(1.0 / (n + 1), work->pace, 1, rates, apart, n, 0, to, apart);
+        add_product(1.0 / (n + 1), work->pace, 1, rates, apart, n, to, apart);
     else
         add_scaled(1.0 / (n + 1), &rates[n * apart], to, apart);
 }
@@ -332,10 +336,9 @@ static void expand_columns(struct work *work)
             if (law->inverse_race_inertia == 0.0)
                 continue;
             const double share = law->inverse_race_inertia / (n + 1);
-            add_product(-law->race_drag * share, work->pace, 1, touch->race, count, n, 0, race,
-                        count);
+            add_product(-law->race_drag * share, work->pace, 1, touch->race, count, n, race, count);
             if (is_pressed(&work->touching[i]))
-                add_product(law->race_radius * share, work->pace, 1, touch->drag, count, n, 0, race,
+                add_product(law->race_radius * share, work->pace, 1, touch->drag, count, n, race,
                             count);
         }
     }
