@@ -214,7 +214,7 @@ def _newton(
             return None
         # after a step that the derivative has foretold it has hardly changed
         if derivative is None or missed > FORETOLD * step:
-            derivative = flow.monodromy(cycle, image, period)
+            derivative = flow.monodromy(cycle, period)
             rate = flow.rate(cycle) if candidate.is_free else rate
         if missed <= FOUND * size:
             break
@@ -231,7 +231,7 @@ def _newton(
     for count in range(MOST_PARTS, 1, -1):
         part = period / count
         if _is_period(part, flow, candidate) and _closes(flow, cycle, part):
-            return cycle, part, flow.monodromy(cycle, flow.after(cycle, part), part)
+            return cycle, part, flow.monodromy(cycle, part)
     return cycle, period, derivative
 
 

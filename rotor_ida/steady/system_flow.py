@@ -24,15 +24,15 @@ from rotor_ida.systems.assembly import Assembly, Canonical, canonical
 from rotor_ida.systems.axisymmetric import check_axisymmetric_parts, forward_motions
 from rotor_ida.systems.following import follow_system_again, request_of
 
-# Neighbours are this far apart, in scaled coordinates: errors of the runs stay far below, and so
-# does the curvature.
+# Runs whose differences stand for derivatives are this far apart, in scaled coordinates: errors of
+# the runs stay far below, and so does the curvature.
 APART = 1e-6
 # A decay slower than this part of its eigenvalue is rounding.
 UNDAMPED = 1e-9
 # Where contacts are linear, what neighbours do jumps at grazes, and the means of their stretching
 # over a torus converge slowly.
 NO_STRETCH = 0.1
-# Revolutions in which neighbours align before their divergence is averaged; batches of the mean.
+# Revolutions in which small changes align before their growth is averaged; batches of the mean.
 ALIGNING, BATCHES = 100, 20
 
 
@@ -154,14 +154,21 @@ class SystemFlow:
         own = (states * self.scales)[..., : 2 * size]
         return np.asarray(own.reshape(*states.shape[:-1], 2, size))
 
-    def run(self, state: Values, times: Values, *, only_events: bool = False) -> SystemResult:
-        """Return a run from a state to the last of some times."""
+    def run(
+        self,
+        state: Values,
+        times: Values,
+        *,
+        only_events: bool = False,
+        columns: Values | None = None,
+    ) -> SystemResult:
+        """Return a run from a state to the last of some times, with small changes of its start."""
         races = np.zeros(len(self.request.laws))
         motion, end = self.motion_of(state), float(times[-1])
         races[self.problem.with_race] = (state * self.scales)[motion.size :]
         request = replace(
             self.request, start=motion, races=races, times=times, duration=end,
-            pieces=steady(self.speed, end).pieces(), only_events=only_events,
+            pieces=steady(self.speed, end).pieces(), only_events=only_events, columns=columns,
         )  # fmt: skip
         return follow_system_again(request, self.stop)
 
@@ -199,21 +206,34 @@ class SystemFlow:
         short = APART * self.revolution
         return (self.after(state, short) - state) / short
 
-    def monodromy(self, state: Values, image: Values, period: float) -> Values:
-        """Return the derivative of the state after a period by that before, by differences."""
-        columns = [
-            (self.after(state + APART * unit, period) - image) / APART
-            for unit in np.eye(state.size)
-        ]
-        return np.stack(columns, axis=1)
+    def changes(self, state: Values, changes: Values, duration: float) -> tuple[Values, Values]:
+        """Return the state after a time, and what small changes of it become, a row each.
+
+        The core follows the changes, by the linearised motion and its jumps at events; those of a
+        system that has stators without mass are differences of runs.
+        """
+        if self.request.massless:
+            image = self.after(state, duration)
+            ends = [self.after(state + APART * change, duration) for change in changes]
+            return image, (np.array(ends) - image) / APART
+        size, races = 2 * self.problem.assembly.size, self.problem.with_race
+        columns = np.zeros((len(changes), size + races.size))
+        columns[:, np.concatenate([np.ones(size, bool), races])] = changes * self.scales
+        run = self.run(state, np.array([duration]), only_events=True, columns=columns)
+        moved = run.columns[:, np.concatenate([np.ones(size, bool), races])] / self.scales
+        return self.end_of(run), self.turned_back(moved, run.time)
+
+    def monodromy(self, state: Values, period: float) -> Values:
+        """Return the derivative of the state after a period by that before."""
+        return self.changes(state, np.eye(state.size), period)[1].T
 
     def exponents(self, state: Values, revolutions: int) -> Exponents:
-        """Return the largest Lyapunov exponents by neighbours, and their errors.
+        """Return the largest Lyapunov exponents, and their errors.
 
         Notes
         -----
-        Neighbours are set back to a small distance, at right angles to each other, after each
-        revolution (Benettin et al. 1980). In an axisymmetric system one exponent is 0, that of a
+        Small changes of the motion are made orthonormal after each revolution (Benettin et al.
+        1980). In an axisymmetric system one exponent is 0, that of a
         shift in time, and on a torus one more.
         """
         count = 2 if self.problem.forward is not None else 1
@@ -221,12 +241,9 @@ class SystemFlow:
         bundle = np.linalg.qr(np.vander(np.linspace(-0.9, 1.0, state.size), count))[0]
         rates = np.empty((ALIGNING + revolutions, count))
         for row in rates:
-            image = self.after(state, self.revolution)
-            neighbours = [self.after(state + APART * each, self.revolution) for each in bundle.T]
-            apart = (np.stack(neighbours, axis=1) - image[:, np.newaxis]) / APART
-            bundle, grown = np.linalg.qr(apart)
+            state, apart = self.changes(state, bundle.T, self.revolution)
+            bundle, grown = np.linalg.qr(apart.T)
             row[:] = np.log(np.abs(grown.diagonal())) / self.revolution
-            state = image
         values, errors = means_of_rates(rates[ALIGNING:], BATCHES)
         return Exponents(
             values, errors, revolutions * self.revolution, count, has_tori=True,
