@@ -44,6 +44,7 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor, without
 from rotor_ida.schema import STABILITY, WITH_EXTENTS
+from rotor_ida.simulation.neighbours import Shot
 
 # Special points at which a branch may turn back at a corner.
 CORNERS = (SLIDING, DISCONTINUOUS)
