@@ -1,4 +1,4 @@
-"""Where a branch of cycles of one disc is born: the Hopf point of its synchronous whirl.
+"""Where a branch of cycles is born: the Hopf point of a synchronous whirl.
 
 The whirl that begins to oscillate there is known in closed form, and so is the point.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 from scipy.optimize import brentq
@@ -16,6 +17,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.stability import eigenvalues
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.cycles.continuation import Point, Problem
+from rotor_ida.cycles.special_points import O
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.neighbours import Shot
 
@@ -29,16 +31,26 @@ SWING = 3e-7
 FINEST = 1e-15
 
 
+class WhirlNear(Protocol):
+    """The whirl nearest to a cycle with a small oscillation, over a parameter."""
+
+    def growth(self, place: float) -> float:
+        """Return the growth rate of the whirl's oscillation at the frequency of the cycle."""
+
+    def at(self, place: float) -> tuple[Values, complex]:
+        """Return state and eigenvalue of the whirl for a value of the parameter."""
+
+
 def birth_between(
-    last: Point[Shot], point: Point[Shot], name: str, problem: Problem[Shot]
-) -> Point[Shot] | None:
+    last: Point[O], point: Point[O], whirl_near: Callable[[O], WhirlNear], problem: Problem[O]
+) -> Point[O] | None:
     """Return the cycle at which a branch is born between two of its points, if there is one.
 
-    The parameter `name` is that of the Hopf point, to rounding. The cycle oscillates too little
-    about the whirl to change period or parameter.
+    Its parameter is that of the Hopf point, to rounding. The cycle oscillates too little about the
+    whirl to change period or parameter.
     """
     nearer = min(last, point, key=_swing)
-    whirl = _WhirlNear(nearer.stretch, name)
+    whirl = whirl_near(nearer.stretch)
     place = _crossing(whirl.growth, last, point)
     if place is None:
         return None
@@ -46,21 +58,26 @@ def birth_between(
     period = 2.0 * math.pi / abs(rate.imag)
     if abs(period / nearer.stretch.duration - 1.0) > SAME_FREQUENCY:
         return None
-    quarter = problem.shoot(np.array([*state, 0.25 * period, place])).monodromy
-    multipliers, vectors = np.linalg.eig(quarter)
-    aside = np.real(vectors[:, np.argmin(np.abs(multipliers - 1j))])
-    start = state + SWING * np.linalg.norm(state) / np.linalg.norm(aside) * aside
+    start = state + SWING * np.linalg.norm(state) * oscillation(problem, state, period, place)
     unknowns = np.array([*start, period, place])
     return replace(nearer, unknowns=unknowns, stretch=problem.shoot(unknowns))
 
 
-def _swing(point: Point[Shot]) -> float:
-    return float(np.ptp(point.stretch.sizes))
+def oscillation(problem: Problem[O], whirl: Values, period: float, place: float) -> Values:
+    """Return the direction, of length 1, in which a whirl oscillates at its Hopf point."""
+    quarter = problem.shoot(np.array([*whirl, 0.25 * period, place])).monodromy
+    multipliers, vectors = np.linalg.eig(quarter)
+    aside = np.real(vectors[:, np.argmin(np.abs(multipliers - 1j))])
+    return np.asarray(aside / np.linalg.norm(aside))
 
 
-def _crossing(
-    growth: Callable[[float], float], last: Point[Shot], point: Point[Shot]
-) -> float | None:
+def _swing(point: Point[O]) -> float:
+    """Return the largest change of a radius along a cycle."""
+    low, high = point.stretch.sizes.reshape(2, -1)
+    return float((high - low).max())
+
+
+def _crossing(growth: Callable[[float], float], last: Point[O], point: Point[O]) -> float | None:
     """Return where a pair of eigenvalues crosses the imaginary axis near two points of a branch.
 
     The parameter changes with the square of the oscillation.
@@ -76,8 +93,8 @@ def _crossing(
         return None
 
 
-class _WhirlNear:
-    """The whirl nearest to a cycle with a small oscillation, over a parameter."""
+class DiscWhirl:
+    """The whirl of one disc nearest to a cycle: see `WhirlNear`."""
 
     def __init__(self, shot: Shot, name: str) -> None:
         self._rotor, self._name = shot.rotor, name

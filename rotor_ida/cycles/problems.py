@@ -24,7 +24,7 @@ import numpy as np
 
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.core.runs import COLUMNS
-from rotor_ida.cycles.birth import birth_between
+from rotor_ida.cycles.birth import DiscWhirl, birth_between
 from rotor_ida.cycles.continuation import Curve, Point, Problem, shooting_equations
 from rotor_ida.cycles.guess import DOUBLING, Guess
 from rotor_ida.cycles.multipliers import doubling_test, fold_test, on_unit_circle, torus_test
@@ -132,9 +132,10 @@ def branch_through(
     times = revolutions_of(rotor, scale[4])
     line = Curve(cycles_over(rotor, parameter, stop, times), scale)
     half = None if times % 2 else cycles_over(rotor, parameter, stop, times // 2)
-    birth = partial(birth_between, name=parameter, problem=line.problem)
+    near = partial(DiscWhirl, name=parameter)
+    birth = partial(birth_between, whirl_near=near, problem=line.problem)
     if doubles:
-        first = _doubled(line, guess, value)
+        first = doubled(line, np.append(guess.state, (period, value)))
     else:
         first = line.first(np.append(guess.state, (period, value)))
         first = first.reversed() if guess.slope < 0.0 else first
@@ -273,36 +274,35 @@ def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Sto
     return shot
 
 
-def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
+def doubled(line: Curve[O], once: Values) -> Point[O]:
     """Return a point of the doubled branch near a period doubling, directed away from it.
 
-    Its cycles branch off along the eigenvector of the multiplier -1.
+    Its cycles branch off along the eigenvector of the multiplier -1. `once` has state, period and
+    parameter of the doubling.
     """
-    period = guess.period or math.nan
-    once = line.problem.shoot(np.append(guess.state, (period, value)))
-    multipliers, vectors = np.linalg.eig(once.monodromy)
+    orbit, n = line.problem.shoot(once), once.size - 2
+    multipliers, vectors = np.linalg.eig(orbit.monodromy)
     aside = np.real(vectors[:, np.argmin(np.abs(multipliers + 1.0))])
     if line.problem.autonomous:
-        aside -= (aside @ once.start_rate) / (once.start_rate @ once.start_rate) * once.start_rate
-    away = np.zeros(6)
-    away[:4] = aside / np.linalg.norm(aside)
+        rate = orbit.start_rate
+        aside -= (aside @ rate) / (rate @ rate) * rate
+    away, twice = np.zeros(n + 2), once.copy()
+    away[:n] = aside / np.linalg.norm(aside)
+    twice[n] *= 2.0
     for part in ASIDE:
-        unknowns = np.append(guess.state, (2.0 * period, value)) + part * away * line.scale
         try:
-            point = line.near(unknowns, away)
+            point = line.near(twice + part * away * line.scale, away)
         except SimulationError:
             continue
         if _half_misses(line, point) > STILL_ASIDE * part:
             return point
-    x, y, vx, vy = guess.state.tolist()
-    message = f"no doubled cycle was found near the one of period {period:.9g}"
-    raise SimulationError(message, time=0.0, state=(x, y, vx, vy))
+    raise SimulationError(f"no doubled cycle was found near the one of period {once[n]:.9g}")
 
 
-def _half_misses(line: Curve[Shot], point: Point[Shot]) -> float:
+def _half_misses(line: Curve[O], point: Point[O]) -> float:
     """Return the distance after half a period from the start, relative to the size of the state."""
     start = point.stretch.start
-    half = line.problem.shoot(halved(point.unknowns, PLACE))
+    half = line.problem.shoot(halved(point.unknowns, start.size + 1))
     return float(np.linalg.norm(half.end - start) / np.linalg.norm(start))
 
 
