@@ -17,13 +17,14 @@ from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.core.systems import SystemResult
 from rotor_ida.schema import MODE, OF_FRICTION_EVENT_KIND
 from rotor_ida.simulation.orbit import ENTRY, EXIT
+from rotor_ida.steady.response import BOUNCING, FULL_CONTACT, ROLLING
 from rotor_ida.steady.system_flow import SystemFlow
 
 # Central differences of states are this long, in scaled coordinates; those of the speed in parts of
 # it, and those of time in parts of a revolution.
 APART, OF_SPEED, OF_TIME = 1e-5, 1e-6, 1e-5
-# Samples of an orbit in a revolution.
-SAMPLES_A_REVOLUTION = 64
+# Samples of an orbit in a revolution, and steps by which extreme distances are refined.
+SAMPLES_A_REVOLUTION, REFINEMENTS = 64, 2
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,8 @@ class SystemOrbit:
     @property
     def rolls(self) -> bool:
         """Whether a contact ever begins to roll; a difference along it is then lost."""
-        return bool((self.run.event_kinds == OF_FRICTION_EVENT_KIND["roll"]).any())
+        begins = (self.run.event_kinds == OF_FRICTION_EVENT_KIND["roll"]).any()
+        return bool(begins or (self.run.touches["way"] == MODE["rolling"]).any())
 
     @cached_property
     def sizes(self) -> Values:
@@ -148,6 +150,21 @@ class SystemOrbit:
         return bool((self.run.touches["way"] != MODE["flight"]).any())
 
     @property
+    def response(self) -> str:
+        """Kind of response: ``bouncing``, ``full_contact``, or ``rolling`` where it is dry whip."""
+        if any(self.contact_counts):
+            return BOUNCING
+        return ROLLING if self.rolls and self._is_backward else FULL_CONTACT
+
+    @property
+    def _is_backward(self) -> bool:
+        """Whether a contact that rolls whirls backwards all the time."""
+        place, velocity = self.displacements(self.sampled)
+        backward = (place.conj() * velocity).imag * math.copysign(1.0, self.flow.speed)
+        rolls = (self.sampled.forces[:, :, 3] == MODE["rolling"]).any(axis=0)
+        return bool((backward[:, rolls].max(axis=0) < 0.0).any())
+
+    @property
     def nearest_gap(self) -> float:
         """The extreme distance nearest to a stator, less the clearance, in scaled coordinates."""
         gaps = [
@@ -179,13 +196,12 @@ class SystemOrbit:
         for number, (square, rate) in enumerate(zip(squares.T, rates.T, strict=True)):
             turns = np.flatnonzero((rate[:-1] > 0.0) != (rate[1:] > 0.0))
             bends = np.diff(rate)[turns] / np.diff(times)[turns]
-            at = times[turns] - rate[turns] / bends
-            values = [square.min(), square.max()]
-            if turns.size:
-                # the times are close enough for a parabola
+            at, slopes, values = times[turns], rate[turns], np.array([square.min(), square.max()])
+            for _ in range(REFINEMENTS if turns.size else 0):
+                at = at - slopes / bends
                 again = self._squares(self.flow.run(self.start, np.append(at, times[-1])))
-                values = [*(again[0][:-1, number] - 0.5 * again[1][:-1, number] ** 2 / bends)]
-            found.append(np.sqrt(np.maximum(values, 0.0)))
+                values, slopes = (each[:-1, number] for each in again)
+            found.append(np.sqrt(values))
         return found
 
     def _squares(self, run: SystemResult) -> tuple[Values, Values]:
@@ -213,8 +229,8 @@ def at_speed(flow: SystemFlow, speed: float) -> SystemFlow:
     return replace(SystemFlow.at(flow.problem, speed, flow.stop), scales=flow.scales)
 
 
-def orbit_problem(flow: SystemFlow, rtol: float) -> SystemFlow:
-    """Return a motion with another tolerance."""
+def with_tolerance(flow: SystemFlow, rtol: float) -> SystemFlow:
+    """Return a motion with another tolerance, and states in the same scales."""
     problem = replace(flow.problem, rtol=rtol)
     return replace(SystemFlow.at(problem, flow.speed, flow.stop), scales=flow.scales)
 

@@ -70,8 +70,6 @@ class SystemGuess:
         Kind of special point of a branch; empty if it is none.
     slope : float
         Rate of the speed along its branch; 1 if it is not a point of one.
-    touching : tuple of int
-        The contacts that touch at a Hopf point.
     """
 
     flow: SystemFlow
@@ -79,7 +77,6 @@ class SystemGuess:
     period: float | None = None
     special: str = ""
     slope: float = 1.0
-    touching: Touching = ()
 
 
 def closed_orbit(flow: SystemFlow, state: Values, period: float) -> SystemOrbit:
