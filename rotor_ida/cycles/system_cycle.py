@@ -110,7 +110,11 @@ def limit_cycle_system(
     problem, begun = CycleProblem.of(modes, around, gravity)
     guess = guess_of_system(problem, begun, speed, period)
     check_is_cycle(guess)
-    cycle, response = interruptible(lambda stop: found_cycle(guess, stop))
+    return interruptible(lambda stop: _dataset_from(problem, guess, stop))
+
+
+def _dataset_from(problem: CycleProblem, guess: SystemGuess, stop: Stop) -> xr.Dataset:
+    cycle, response = found_cycle(guess, stop)
     errors = (math.nan, np.zeros(0)) if cycle is None else errors_of(cycle)
     return cycle_dataset(problem, guess, cycle, response, errors)
 
