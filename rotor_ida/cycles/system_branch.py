@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -179,10 +180,10 @@ def branch_from(
     return branch_dataset(problem, sides).assign_attrs(attributes)
 
 
-def guess_in(problem: CycleProblem, begun: dict[str, object], state: Values) -> SystemGuess:
+def guess_in(problem: CycleProblem, begun: Mapping[str, Any], state: Values) -> SystemGuess:
     """Return the guess from which a branch was followed, from its attributes or its design."""
-    flow = problem.at(float(begun["start_speed"]))  # type: ignore[arg-type]
+    flow = problem.at(float(begun["start_speed"]))
     return SystemGuess(
-        flow, problem.given_state(flow, state), float(begun["start_period"]),  # type: ignore[arg-type]
-        str(begun["start_special"]), float(begun["start_slope"]),  # type: ignore[arg-type]
+        flow, problem.given_state(flow, state), float(begun["start_period"]),
+        str(begun["start_special"]), float(begun["start_slope"]),
     )  # fmt: skip
