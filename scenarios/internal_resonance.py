@@ -35,7 +35,7 @@ from rotor_ida import (
 )
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.plot import mixed_panels, plot_system_branch, plot_system_cycle, plot_system_sweep
-from rotor_ida.plot.appearance import GREY, legend_below, style
+from rotor_ida.plot.appearance import GREY, drawing, legend_below, style
 
 # Each disc: mass, and moments of inertia about a diameter and about the axis. The shaft has bending
 # stiffness 1, and length 1 to the inner disc and between the discs.
@@ -135,27 +135,31 @@ def condition(system: RotorSystem, turns: tuple[int, int]) -> tuple[float, float
 def draw(
     system: RotorSystem, branches: dict, cycles: dict, swept: xr.Dataset, settings: Settings
 ) -> None:
-    figure, axes = mixed_panels(1, 3, height=4.2)
-    axes = np.ravel(axes)
-    plot_system_sweep(swept, ax=axes[0])
-    for turns, branch in branches.items():
-        plot_system_branch(branch, ax=axes[0])
-        with style():
-            axes[0].axvline(condition(system, turns)[0], color=GREY, lw=0.9, ls=":",
-                            label="whole turns of two whirls")  # fmt: skip
-    with style():
-        legend_below(axes[0], columns=2)
-    for ax, (turns, cycle) in zip(axes[1:], cycles.items(), strict=True):
-        plot_system_cycle(cycle, ax=ax)
-        ax.set_title(f"{turns[0]} and {turns[1]} turns, $\\Omega$ = {cycle.speed.item():g}")
+    with drawing(None, width=7.2, height=4.2) as ax:
+        plot_system_sweep(swept, ax=ax)
+        for turns, branch in branches.items():
+            plot_system_branch(branch, ax=ax)
+            ax.axvline(condition(system, turns)[0], color=GREY, lw=0.9, ls=":",
+                       label="whole turns of two whirls")  # fmt: skip
+        legend_below(ax, columns=3)
     settings.show(
-        figure, "internal_resonance",
+        ax.figure, "internal_resonance",
         archives=[*(f"branch_{a}by{b}" for a, b in branches), "runs"],
         shows="Bouncing cycles of two discs on an overhung shaft: exact branches over the speed "
-        "(solid: stable), runs from a kick, and the speeds at which the first backward and the "
-        "first forward whirl turn by whole numbers between contacts (dotted); a cycle of each "
-        "family on turning axes.",
+        "(solid where stable), runs from a kick, and the speeds at which the first backward and "
+        "the first forward whirl turn by whole numbers in a period (dotted).",
         found=" ".join(told(system, turns, branch) for turns, branch in branches.items()),
+    )  # fmt: skip
+    figure, axes = mixed_panels(1, 2, height=3.9)
+    for ax, (turns, cycle) in zip(axes, cycles.items(), strict=True):
+        plot_system_cycle(cycle, ax=ax)
+        with style():
+            ax.set_title(f"{turns[0]} and {turns[1]} turns, $\\Omega$ = {cycle.speed.item():g}")
+    settings.show(
+        figure, "resonant_cycles",
+        archives=[f"cycle_{a}by{b}" for a, b in cycles],
+        shows="One cycle of each family at the outer disc, on axes that turn with the rotor.",
+        found="Contacts are slight where the speed is near that of whole turns.",
     )  # fmt: skip
 
 

@@ -21,7 +21,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.cycles.continue_cycle import FORM, WAYS, Direction, follow_sides
 from rotor_ida.cycles.system_cycle import found_cycle
-from rotor_ida.cycles.system_dataset import branch_dataset
+from rotor_ida.cycles.system_dataset import system_branch_dataset
 from rotor_ida.cycles.system_guess import CLOSING_RTOL, CycleProblem, guess_of_system
 from rotor_ida.cycles.system_problem import SystemGuess, branch_over_speed
 from rotor_ida.errors import InputError
@@ -177,7 +177,7 @@ def branch_from(
         sides = follow_sides(branch, ways, kept, progress)
     attributes = provenance({"method": "taylor", "rtol": CLOSING_RTOL}) | begun
     attributes |= {name: np.array(begun[name]) for name in ("start", "limits")}
-    return branch_dataset(problem, sides).assign_attrs(attributes)
+    return system_branch_dataset(problem, sides).assign_attrs(attributes)
 
 
 def guess_in(problem: CycleProblem, begun: Mapping[str, Any], state: Values) -> SystemGuess:

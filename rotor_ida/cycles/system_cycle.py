@@ -13,7 +13,7 @@ import xarray as xr
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.cycles.dataset import ERROR_SAFETY
 from rotor_ida.cycles.multipliers import multipliers_near, multipliers_of
-from rotor_ida.cycles.system_dataset import cycle_dataset
+from rotor_ida.cycles.system_dataset import system_cycle_dataset
 from rotor_ida.cycles.system_guess import (
     CLOSING_RTOL,
     CycleProblem,
@@ -116,7 +116,7 @@ def limit_cycle_system(
 def _dataset_from(problem: CycleProblem, guess: SystemGuess, stop: Stop) -> xr.Dataset:
     cycle, response = found_cycle(guess, stop)
     errors = (math.nan, np.zeros(0)) if cycle is None else errors_of(cycle)
-    return cycle_dataset(problem, guess, cycle, response, errors)
+    return system_cycle_dataset(problem, guess, cycle, response, errors)
 
 
 def found_cycle(guess: SystemGuess, stop: Stop) -> tuple[SystemOrbit | None, str]:

@@ -86,7 +86,7 @@ def _labelled_as_cycle(dataset: xr.Dataset, problem: CycleProblem) -> xr.Dataset
     return with_system_units(dataset, problem.assembly.system)
 
 
-def cycle_dataset(
+def system_cycle_dataset(
     problem: CycleProblem,
     guess: SystemGuess,
     cycle: SystemOrbit | None,
@@ -157,7 +157,7 @@ def _none(problem: CycleProblem, response: str, count: int) -> dict[str, Any]:
 # ---- Branches ----
 
 
-def branch_dataset(
+def system_branch_dataset(
     problem: CycleProblem, sides: tuple[Side[SystemOrbit], Side[SystemOrbit]]
 ) -> xr.Dataset:
     """Return both sides, forward and backward, of a branch, from end to end."""

@@ -23,8 +23,8 @@ from rotor_ida.steady.system_flow import SystemFlow
 # Central differences of states are this long, in scaled coordinates; those of the speed in parts of
 # it, and those of time in parts of a revolution.
 APART, OF_SPEED, OF_TIME = 1e-5, 1e-6, 1e-5
-# Samples of an orbit in a revolution, and steps by which extreme distances are refined.
-SAMPLES_A_REVOLUTION, REFINEMENTS = 64, 2
+# Samples of an orbit in a revolution, and at least; steps that refine extreme distances.
+SAMPLES_A_REVOLUTION, FEWEST_SAMPLES, REFINEMENTS = 64, 192, 2
 
 
 @dataclass(frozen=True)
@@ -179,8 +179,8 @@ class SystemOrbit:
     @cached_property
     def sample_times(self) -> Values:
         """Times of samples, both ends included."""
-        count = SAMPLES_A_REVOLUTION * max(1.0, self.duration / self.flow.revolution)
-        return np.linspace(0.0, self.duration, math.ceil(count) + 1)
+        count = math.ceil(SAMPLES_A_REVOLUTION * self.duration / self.flow.revolution)
+        return np.linspace(0.0, self.duration, max(count, FEWEST_SAMPLES) + 1)
 
     @cached_property
     def sampled(self) -> SystemResult:

@@ -9,6 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import check_panels
 from rotor_ida.cycles.branch_course import runs_of
 from rotor_ida.errors import InputError
@@ -33,7 +34,7 @@ from rotor_ida.schema import words_of
 
 CYCLE = ("x", "y", "node", "clearance", "contact_node", "centre_x", "centre_y", "stability")
 BRANCH = ("speed", "stability", "radius_max", "clearance", "contact_node", "special_kind",
-          "special_speed", "special_radius_max")  # fmt: skip
+          "special_speed", "special_radius_max", "special_point")  # fmt: skip
 
 
 def plot_system_cycle(
@@ -156,9 +157,8 @@ def plot_system_branch(branch: xr.Dataset, *, contact: int = 0, ax: Axes | None 
             label_speed(ax, branch)
             label_axis(ax.yaxis, "radius", branch["radius_max"])
             draw_clearance(ax, part)
-        speeds, radii = speeds_in(branch["speed"]), part["radius_max"].values
-        words = words_of(branch["stability"])
-        for first, last in runs_of(words[:-1]):
+        speeds, radii, words = _course_of(part)
+        for first, last in runs_of(words):
             label, dashes, width = EDGES[words[first]]
             known = ax.get_legend_handles_labels()[1]
             ax.plot(speeds[first : last + 1], radii[first : last + 1], color=BLUE, ls=dashes,
@@ -168,6 +168,28 @@ def plot_system_branch(branch: xr.Dataset, *, contact: int = 0, ax: Axes | None 
         raise_limit(ax, float(radii.max()))
         own_legend(ax)
     return ax
+
+
+def _course_of(part: xr.Dataset) -> tuple[Values, Values, list[str]]:
+    """Return speeds and radii with the special points in their places, and stability between.
+
+    Between a point and a special one the stability is that of the point.
+    """
+    count, stability = part.sizes["point"], words_of(part["stability"])
+    behind = part["special_point"].values
+    order = np.argsort(np.append(np.arange(count), behind), kind="stable")
+    speeds, radii = (
+        np.append(values, special)[order]
+        for values, special in (
+            (speeds_in(part["speed"]), speeds_in(part["special_speed"])),
+            (part["radius_max"].values, part["special_radius_max"].values),
+        )
+    )
+    words = [
+        stability[here if here < count else min(int(behind[here - count]) + 1, count - 1)]
+        for here in order[:-1].tolist()
+    ]
+    return speeds, radii, words
 
 
 def system_branch_figure(branch: xr.Dataset) -> Figure:
