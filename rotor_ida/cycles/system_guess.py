@@ -136,6 +136,8 @@ def guess_of_system(
 
 def _of_dataset(problem: CycleProblem, start: xr.Dataset, speed: object) -> SystemGuess:
     """Return the guess of a cycle, or of one point of a branch, a sweep or special speeds."""
+    if _is_number(start, "special_speed") and speed is not None:
+        raise InputError(f"speed must be left out with a special point, got {shown(speed)}")
     if _is_number(start, "hopf_frequency"):
         return _of_hopf_point(problem, start)
     prefix = "special_" if _is_number(start, "special_period") else ""

@@ -15,6 +15,8 @@ BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 FULL = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
 # With friction there are no pairs of multipliers.
 RUBBING = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=10.0)
+# Dry whip that rolls and slips by turns.
+WHIPPING = Rotor(omega=1.0, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
 
 
 def parts(rotor):
@@ -43,10 +45,19 @@ def bouncing():
     return rotor_ida.limit_cycle(system, **around, speed=2.0)
 
 
-@pytest.mark.parametrize("rotor", [BOUNCING, FULL, RUBBING])
-def test_a_cycle_of_one_disc_as_a_system_is_that_of_one_disc(rotor):
+@pytest.mark.parametrize(
+    ("rotor", "start", "allowed"),
+    [
+        (BOUNCING, (3.0, 1.0, 0.0, 0.0), 1e-8),
+        (FULL, (3.0, 1.0, 0.0, 0.0), 1e-8),
+        (RUBBING, (3.0, 1.0, 0.0, 0.0), 1e-7),
+        # differences of a sliding speed that vanishes
+        (WHIPPING, (6.928, 0.0, 0.0, -10.0), 1e-6),
+    ],
+)
+def test_a_cycle_of_one_disc_as_a_system_is_that_of_one_disc(rotor, start, allowed):
     """Two ways to integrate and to differentiate: period, radii, force and multipliers."""
-    exact = rotor_ida.limit_cycle(rotor, start=(3.0, 1.0, 0.0, 0.0))
+    exact = rotor_ida.limit_cycle(rotor, start=start)
     system, around = parts(rotor)
     found = rotor_ida.limit_cycle(
         system, **around, speed=rotor.omega, start=start_of(exact), period=1.001 * exact.period
@@ -58,9 +69,9 @@ def test_a_cycle_of_one_disc_as_a_system_is_that_of_one_disc(rotor):
     for name in ("period", "radius_min", "radius_max", "largest_force"):
         np.testing.assert_allclose(found[name].values.ravel(), exact[name].values, rtol=1e-9)
     apart = np.abs(multipliers(found)[:, None] - multipliers(exact))
-    assert apart.min(axis=0).max() < 1e-7
+    assert apart.min(axis=0).max() < allowed
     assert found.attrs["axes"] == "turning"
-    assert found.trivial_defect.item() < 1e-7
+    assert found.trivial_defect.item() < allowed
 
 
 def test_a_disc_that_follows_its_attractor_arrives_on_the_cycle(bouncing, disc):
