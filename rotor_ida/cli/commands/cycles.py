@@ -256,6 +256,10 @@ def _point_of_system(dataset: xr.Dataset, origin: Origin) -> xr.Dataset:
 
     kind = kind_of(dataset)
     if kind == "system_cycle":
+        if (origin.point, origin.special) != (None, None):
+            raise InputError(
+                f"point and special must be left out with a cycle, got {shown(origin.from_)}"
+            )
         return dataset
     if kind not in ("system_branch", "system_special_points"):
         raise InputError(
