@@ -60,7 +60,7 @@ def main(settings: Settings) -> None:
             cycles[turns] = cycle_at(system, speed)
             branches[turns] = continue_cycle(
                 system, **around(), start=cycles[turns], limits=LIMITS,
-                points=6 if settings.quick else 150, progress=progress,
+                points=6 if settings.quick else 100, progress=progress,
             )  # fmt: skip
         settings.keep(cycles[turns], f"cycle_{name}")
         settings.keep(branches[turns], f"branch_{name}")

@@ -97,7 +97,8 @@ def limit_cycle(
 
     The cycle to which a rotor of any size leads, from a system file:
 
-        rotor-ida limit-cycle rotor.toml --speed 6000rpm --out cycle.nc
+        rotor-ida limit-cycle rotor.toml --speed 8000rpm --without-gravity \
+            --out bounce.nc
     """
     if system is not None:
         return cycle_file(system, rotor, start, period, output, without_gravity=without_gravity)
@@ -144,7 +145,8 @@ def continue_cycle(
 
     That of a rotor of any size over the speed, from a system file:
 
-        rotor-ida continue-cycle rotor.toml --from cycle.nc --limits 5000rpm 7000rpm
+        rotor-ida continue-cycle rotor.toml --from bounce.nc --without-gravity \
+            --limits 7950rpm 8050rpm
     """
     if system is not None:
         given: dict[str, Any] = {
