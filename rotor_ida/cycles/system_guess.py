@@ -28,10 +28,6 @@ from rotor_ida.systems.modes import in_modes
 CLOSING_RTOL = 1e-14
 # Periods in revolutions.
 SHORTEST, LONGEST = 1e-3, 1e3
-DATASET = (
-    "start must be a state, a limit cycle, or one point of a branch, of a sweep or of special "
-    "speeds of a rotor system"
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +140,11 @@ def _of_dataset(problem: CycleProblem, start: xr.Dataset, speed: object) -> Syst
     state = "special_state" if prefix else "final_state"
     names = [f"{prefix}speed", f"{prefix}period"]
     if not all(_is_number(start, name) for name in names) or state not in start:
-        raise InputError(f"{DATASET}, got a dataset of {shown(list(map(str, start.data_vars)))}")
+        raise InputError(
+            "start must be a state, a limit cycle, or one point of a branch, of a sweep or of "
+            "special speeds of a rotor system, got a dataset of "
+            f"{shown(list(map(str, start.data_vars)))}"
+        )
     here, period = (float(start[name]) for name in names)
     if not period > 0.0 or start[state].ndim != 1:
         raise InputError(NO_CYCLE)
