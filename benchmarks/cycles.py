@@ -26,7 +26,7 @@ import numpy as np
 from scipy.linalg import eig
 
 from rotor_ida import Rotor, branches_through, compare, continue_cycle, limit_cycle, sweep
-from rotor_ida.cycles.multipliers import contraction, defects_of, is_stable
+from rotor_ida.cycles.multipliers import defects_of, is_stable
 from rotor_ida.simulation.neighbours import shoot
 
 ZETA, CLEARANCES = 0.07, [0.5, 1.0, 2.0]
@@ -100,7 +100,7 @@ def structure() -> None:
 
 def defects(shot) -> tuple[float, ...]:
     """Return by how much a matrix breaks its structure, and what rounding may do to it."""
-    matrix, q = shot.monodromy, contraction(shot.rotor.zeta, shot.duration)
+    matrix, q = shot.monodromy, shot.contraction
     trivial, form = defects_of(shot)
     size = np.linalg.norm(matrix) * np.linalg.norm(np.linalg.inv(matrix))
     values, left, right = eig(matrix, left=True)

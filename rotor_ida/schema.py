@@ -650,6 +650,9 @@ QUANTITIES: dict[str, Quantity] = {
     "special_second_value": Quantity("second continued parameter at the special point"),
     "special_period": Quantity("period at the special point", scale="time"),
     "special_point": Quantity("number of the point of the branch before the special one"),
+    "special_state": Quantity(
+        "displacement and velocity of all coordinates, and speeds of races, at the special point"
+    ),
     "special_radius_min": Quantity(
         "smallest distance from the bearing axis at the special point", scale="length"
     ),

@@ -64,6 +64,20 @@ def a_system_sweep() -> xr.Dataset:
     )
 
 
+def a_system_cycle() -> xr.Dataset:
+    """Return a limit cycle of one disc as a system."""
+    system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    return rotor_ida.limit_cycle(system, contacts=contacts, unbalance=unbalance, speed=2.0)
+
+
+def a_system_branch() -> xr.Dataset:
+    """Return its branch, with a period doubling."""
+    system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    return rotor_ida.continue_cycle(
+        system, contacts=contacts, unbalance=unbalance, start=a_system_cycle(), limits=(1.7, 2.1)
+    )
+
+
 def over_speed(function: str) -> xr.Dataset:
     """Return a result of a rotor system over its speed."""
     system = rotor_ida.RotorSystem(
@@ -126,6 +140,8 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "run_without_times": lambda: a_run().drop_vars("t"),
     "system_run": a_system_run,
     "system_sweep": a_system_sweep,
+    "system_cycle": a_system_cycle,
+    "system_branch": a_system_branch,
     "system_whirls": lambda: over_speed("synchronous_response_system"),
     "special_speeds": lambda: over_speed("special_speeds"),
     "campbell": lambda: over_speed("campbell"),

@@ -8,6 +8,7 @@ import functools
 import inspect
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -81,6 +82,17 @@ CYCLES = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
 @functools.cache
 def cycle() -> xr.Dataset:
     return rotor_ida.limit_cycle(CYCLES, start=(3.0, 1.0, 0.0, 0.0))
+
+
+def system_of_cycles() -> dict[str, object]:
+    system, contacts, unbalance = replace(CYCLES, shaft_stiffness=0.01).system()
+    return {"system": system, "contacts": contacts, "unbalance": unbalance}
+
+
+@functools.cache
+def system_cycle() -> xr.Dataset:
+    start = ((3.0, 1.0), (0.0, 0.0))
+    return rotor_ida.limit_cycle_system(**system_of_cycles(), speed=3.0, start=start)
 
 
 @functools.cache
@@ -296,6 +308,16 @@ GIVEN |= {
     "sweep_system": lambda _: {
         "system": SYSTEM, "speed": [0.8, 1.2],
         "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0, damping=0.5)],
+    },
+    "limit_cycle_system": lambda _: {
+        **system_of_cycles(), "speed": 3.0, "period": 3.1,
+        "start": tuple(np.array([cycle()[name].values[0] for name in each]) for each in
+                       (("x", "y"), ("vx", "vy"))),
+    },
+    "continue_cycle_system": lambda folder: {
+        **system_of_cycles(), "start": system_cycle(), "limits": (2.99, 3.01), "points": 2,
+        "direction": "forward",
+        "study": folder / "branch",
     },
     "synchronous_response_system": lambda _: {
         "system": SYSTEM, "speed": [0.8, 1.2],

@@ -29,6 +29,7 @@ TASKS = {
     ],
     "Limit cycles and branches": [
         *("limit_cycle", "continue_cycle", "bifurcation_curve", "branches_through"),
+        *("limit_cycle_system", "continue_cycle_system"),
     ],
     "Basins of attraction": [
         *("basin", "basin_fractions", "continue_attractors", "touchdown_report"),

@@ -45,6 +45,39 @@ EIGENVALUES = Sheet(
         ),
     ),
 )  # fmt: skip
+_OF_CONTACT = ("contact_count", "radius_min", "radius_max", "largest_force", "touched")
+_OF_NODE = ("node_radius_min", "node_radius_max")
+_OF_CYCLE = ("period", "response", "stability", "residual")
+SYSTEM_CYCLE = Sheet(
+    "Limit cycle",
+    (
+        Rows(
+            title="Multipliers", key="multipliers", lead="multiplier_real",
+            names=("multiplier_real", "multiplier_imag", "multiplier_error"),
+        ),
+        Rows(
+            title="Contacts", key="contacts", lead="radius_max",
+            names=("contact", "contact_node", "clearance", *_OF_CONTACT),
+        ),
+        Rows(title="Nodes", key="nodes", lead="node_radius_max", names=("node", *_OF_NODE)),
+    ),
+)  # fmt: skip
+SYSTEM_BRANCH = Sheet(
+    "Branch of limit cycles",
+    (
+        Rows(
+            title="Special points", key="special_points", lead="special_kind", prefix="special_",
+            names=("special", "special_kind", "special_speed", "special_period", "special_point"),
+        ),
+        Rows(
+            title="Cycles", key="cycles", lead="period", names=("point", "speed", *_OF_CYCLE),
+        ),
+        Rows(
+            title="Contacts", key="contacts", lead="radius_max",
+            names=("point", "speed", "contact", *_OF_CONTACT),
+        ),
+    ),
+)  # fmt: skip
 OF_REPORT = (
     Rows(
         title="Clearances", key="clearances", lead="clearance_verdict",

@@ -134,7 +134,7 @@ def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None) -> Rep
     if "status" in dataset:
         report = answer(dataset, output, result=in_study)
         return _troubled(report, _failures(dataset), FAILED)
-    if "special_value" in dataset:
+    if "special_kind" in dataset:
         return answer(dataset, output, result=in_study)
     if "missed_fraction" in dataset:
         reason = dataset.attrs.get("not_computed_reason", "")

@@ -96,6 +96,16 @@ def sweep_file(
         return answer_whole(dataset, output, given["study"])
 
 
+def cycle_case(
+    file: Path, rotor: options.RotorOptions, start: State | None, output: Output
+) -> tuple[RotorSystem, dict[str, Any]]:
+    """Return the system of a file, and what its cycles are computed from."""
+    _checked(rotor.given, rotor.machine, start, options.SolverOptions(), output)
+    case = _case(file, rotor.given, {})
+    given = {name: each for name, each in case.around.items() if name != "more_modes"}
+    return case.system, given | {SPEED: rotor.given.get(SPEED, case.speed)}
+
+
 def _checked(
     quantities: Mapping[str, object],
     machine: Path | None,

@@ -31,14 +31,13 @@ from rotor_ida.cycles.dataset import branch_dataset, start_attributes
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.limit_cycle import checked_guess, with_period
 from rotor_ida.cycles.problems import NEVER_ZERO, Continuation, branch_through
-from rotor_ida.cycles.special_points import Special
+from rotor_ida.cycles.special_points import O, Special
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Form, Results, open_results
 from rotor_ida.schema import SPECIAL, by_number
-from rotor_ida.simulation.neighbours import Shot
 
 Parameter = Literal[
     "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",
@@ -242,8 +241,8 @@ def branch_from(
 
 
 def follow_sides(
-    branch: Continuation, ways: tuple[int, ...], kept: Results[Arrays], progress: Progress | None
-) -> tuple[Side, Side]:
+    branch: Continuation[O], ways: tuple[int, ...], kept: Results[Arrays], progress: Progress | None
+) -> tuple[Side[O], Side[O]]:
     """Follow a curve of cycles forward, 0, and backward, 1; an unused side keeps one point."""
     sides = (Side([branch.first]), Side([branch.first.reversed()]))
     pieces, total = dict(kept.results()), len(ways) * (branch.most - 1)
@@ -268,14 +267,14 @@ def follow_sides(
     return sides
 
 
-def _counted(branch: Continuation, side: Side, added: int, left: int) -> int:
+def _counted(branch: Continuation[O], side: Side[O], added: int, left: int) -> int:
     """Return the number of points that a piece counts as: the last one includes unused points."""
     if side.end == CLOSED:
         return left
     return added + branch.most - len(side.points) if side.end else added
 
 
-def _piece(side: Side, begun: int, known: int) -> Arrays:
+def _piece(side: Side[O], begun: int, known: int) -> Arrays:
     """Return the points from `begun` on, and the special points from `known` on, as arrays."""
     points, specials = side.points[begun:], side.specials[known:]
     size = side.points[0].unknowns.size
@@ -296,7 +295,7 @@ def _stacked(rows: list[Values], size: int) -> Values:
     return np.array(rows).reshape(-1, size)
 
 
-def _restore(branch: Continuation, side: Side, piece: Arrays) -> None:
+def _restore(branch: Continuation[O], side: Side[O], piece: Arrays) -> None:
     """Append the points of a stored piece to a side: the inverse of `_piece`."""
     kinds = by_number(SPECIAL)
     for unknowns, tangent in zip(piece["unknowns"], piece["tangents"], strict=True):
@@ -312,8 +311,8 @@ def _restore(branch: Continuation, side: Side, piece: Arrays) -> None:
 
 
 def _point(
-    branch: Continuation, unknowns: Values, tangent: Values, before: Point[Shot]
-) -> Point[Shot]:
+    branch: Continuation[O], unknowns: Values, tangent: Values, before: Point[O]
+) -> Point[O]:
     shot = branch.line.problem.shoot(unknowns)
     direction = branch.line.direction_at(shot, before.direction)
     return Point(unknowns, shot, tangent, direction)

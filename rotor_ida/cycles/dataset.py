@@ -43,7 +43,7 @@ from rotor_ida.schema import (
     labelled,
     labelled_dataset,
 )
-from rotor_ida.simulation.neighbours import RTOL
+from rotor_ida.simulation.neighbours import RTOL, Shot
 
 # The error of a cycle is estimated from further solutions with a looser tolerance,
 LOOSER_RTOL = 30.0 * RTOL
@@ -281,7 +281,12 @@ def start_attributes(guess: Guess) -> dict[str, object]:
 
 
 def branch_dataset(
-    sides: tuple[Side, Side], parameters: tuple[str, ...], rotor: Rotor, title: str, *, kind: str
+    sides: tuple[Side[Shot], Side[Shot]],
+    parameters: tuple[str, ...],
+    rotor: Rotor,
+    title: str,
+    *,
+    kind: str,
 ) -> xr.Dataset:
     """Return both sides, forward and backward, of a curve of cycles, from end to end.
 
@@ -317,7 +322,7 @@ def branch_dataset(
 
 
 def _special_columns(
-    specials: Sequence[SpecialBehind], parameters: tuple[str, ...]
+    specials: Sequence[SpecialBehind[Shot]], parameters: tuple[str, ...]
 ) -> dict[str, xr.Variable]:
     """Return the special points, in order along the curve."""
     cycles = [checked_cycle(each.point.stretch) for _, each in specials]

@@ -37,11 +37,13 @@ References
 from __future__ import annotations
 
 import math
-from itertools import combinations, permutations
+from itertools import combinations
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from rotor_ida.arrays import ComplexValues
+from rotor_ida.cycles.special_points import Orbit
 from rotor_ida.simulation.neighbours import Shot
 
 # A pair that has been located on the unit circle is within this distance of it.
@@ -51,38 +53,27 @@ ON_CIRCLE = 1e-6
 FORM = np.kron([[0.0, 1.0], [-1.0, 0.0]], np.eye(2))
 
 
-def contraction(zeta: float, period: float) -> float:
-    """Return ``q = exp(-2 zeta T)``, by which areas shrink in a period.
-
-    Examples
-    --------
-    >>> contraction(0.0, 3.0)
-    1.0
-    """
-    return math.exp(-2.0 * zeta * period)
-
-
-def fold_test(shot: Shot) -> float:
+def fold_test(shot: Orbit) -> float:
     """Return ``2 (1 + q) - tr M``: 0 at a fold, and below 0 where a real multiplier is above 1.
 
     If the trace is not sufficient, the product of ``1 - mu`` over the nontrivial multipliers.
     """
-    if not has_trace(shot):
+    if shot.pair_product is None:
         return float(np.prod(1.0 - _others_of(shot)).real)
-    return 2.0 * (1.0 + _contraction_of(shot)) - float(shot.monodromy.trace())
+    return 2.0 * (1.0 + shot.pair_product) - float(shot.monodromy.trace())
 
 
-def doubling_test(shot: Shot) -> float:
+def doubling_test(shot: Orbit) -> float:
     """Return ``tr M``: 0 at a period doubling, and below 0 where a real multiplier is below -1.
 
     If the trace is not sufficient, the product of ``1 + mu`` over the nontrivial multipliers.
     """
-    if not has_trace(shot):
+    if shot.pair_product is None:
         return float(np.prod(1.0 + _others_of(shot)).real)
     return float(shot.monodromy.trace())
 
 
-def torus_test(shot: Shot) -> float:
+def torus_test(shot: Orbit) -> float:
     """Return the product of ``1 - mu_i mu_j`` over the pairs of nontrivial multipliers.
 
     It is 0 where a complex pair is on the unit circle, and where two real ones have the product 1.
@@ -91,7 +82,7 @@ def torus_test(shot: Shot) -> float:
     return float(np.prod([1.0 - one * other for one, other in combinations(multipliers, 2)]).real)
 
 
-def on_unit_circle(shot: Shot) -> bool:
+def on_unit_circle(shot: Orbit) -> bool:
     """Return whether a complex pair of multipliers lies on the unit circle, to `ON_CIRCLE`."""
     multipliers = _others_of(shot)
     return bool(
@@ -99,9 +90,9 @@ def on_unit_circle(shot: Shot) -> bool:
     )
 
 
-def is_stable(shot: Shot) -> bool:
+def is_stable(shot: Orbit) -> bool:
     """Return whether all multipliers but the trivial one lie inside the unit circle."""
-    if not has_trace(shot):
+    if shot.pair_product is None:
         return bool((np.abs(_others_of(shot)) < 1.0).all())
     return fold_test(shot) > 0.0 and doubling_test(shot) > 0.0
 
@@ -111,32 +102,26 @@ def has_pairs(shot: Shot) -> bool:
     return shot.rotor.contact_damping == 0.0 and shot.rotor.friction == 0.0
 
 
-def has_trace(shot: Shot) -> bool:
-    """Return whether the trace determines all: there are pairs, and one of them is 1 and q."""
-    return has_pairs(shot) and shot.rotor.load == 0.0
-
-
-def _others_of(shot: Shot) -> ComplexValues:
+def _others_of(shot: Orbit) -> ComplexValues:
     """Return the nontrivial multipliers: those of M across the field at the start.
 
-    Under a load all four are nontrivial.
+    Under a load all are nontrivial.
     """
-    if shot.rotor.load > 0.0:
+    if not shot.is_autonomous:
         return np.asarray(np.linalg.eigvals(shot.monodromy), dtype=np.complex128)
     along = shot.start_rate / np.linalg.norm(shot.start_rate)
     across = np.linalg.svd(along[None])[2][1:]
     return np.asarray(np.linalg.eigvals(across @ shot.monodromy @ across.T), dtype=np.complex128)
 
 
-def multipliers_of(shot: Shot) -> ComplexValues:
-    """Return the four multipliers of a closed orbit, by decreasing modulus."""
-    if not has_trace(shot):
-        trivial = [] if shot.rotor.load > 0.0 else [1.0]
+def multipliers_of(shot: Orbit) -> ComplexValues:
+    """Return the multipliers of a closed orbit, by decreasing modulus."""
+    if (q := shot.pair_product) is None:
+        trivial = [1.0] if shot.is_autonomous else []
         multipliers = np.append(trivial, _others_of(shot))
         if shot.rolls:  # up to rounding
             multipliers[np.argmin(np.abs(multipliers))] = 0.0
         return np.asarray(multipliers[np.argsort(-np.abs(multipliers), kind="stable")])
-    q = _contraction_of(shot)
     half = 0.5 * (float(shot.monodromy.trace()) - 1.0 - q)
     rest = half * half - q
     if rest < 0.0:
@@ -150,16 +135,16 @@ def multipliers_of(shot: Shot) -> ComplexValues:
     return multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
 
 
-def multipliers_near(multipliers: ComplexValues, shot: Shot) -> ComplexValues:
-    """Return the four multipliers of a closed orbit in the order of the nearest given ones.
+def multipliers_near(multipliers: ComplexValues, shot: Orbit) -> ComplexValues:
+    """Return the multipliers of a closed orbit in the order of the nearest given ones.
 
     Rounding alone decides the order by modulus of several on one circle.
     """
     others = multipliers_of(shot)
-    if has_trace(shot):
+    if shot.pair_product is not None:
         return others
-    orders = [others[list(order)] for order in permutations(range(others.size))]
-    return min(orders, key=lambda order: float(np.abs(order - multipliers).max()))
+    nearest = linear_sum_assignment(np.abs(others - multipliers[:, np.newaxis]))[1]
+    return np.asarray(others[nearest])
 
 
 def defects_of(shot: Shot) -> tuple[float, float]:
@@ -181,11 +166,7 @@ def defects_of(shot: Shot) -> tuple[float, float]:
         trivial = np.float64(math.nan)
     if not has_pairs(shot):
         return float(trivial), math.nan
-    defect = np.abs(matrix.T @ FORM @ matrix - _contraction_of(shot) * FORM).max()
+    defect = np.abs(matrix.T @ FORM @ matrix - shot.contraction * FORM).max()
     size = (np.abs(matrix).T @ np.abs(FORM) @ np.abs(matrix)).max()
     # both are zero where a period damps all velocities to nothing
     return float(trivial), float(defect / size) if size else 0.0
-
-
-def _contraction_of(shot: Shot) -> float:
-    return contraction(shot.rotor.zeta, shot.duration)

@@ -17,11 +17,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Generic
 
 import numpy as np
 
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.core.runs import COLUMNS
+from rotor_ida.cycles.birth import DiscWhirl, birth_between
 from rotor_ida.cycles.continuation import Curve, Point, Problem, shooting_equations
 from rotor_ida.cycles.guess import DOUBLING, Guess
 from rotor_ida.cycles.multipliers import doubling_test, fold_test, on_unit_circle, torus_test
@@ -33,7 +36,7 @@ from rotor_ida.cycles.shooting import (
     period_of,
     revolutions_of,
 )
-from rotor_ida.cycles.special_points import Count
+from rotor_ida.cycles.special_points import Count, O
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor
@@ -50,8 +53,8 @@ TESTS: dict[str, Callable[[Shot], float]] = {
 PLACE = 5
 # A rotor at zero speed or without damping has no cycles; one without a load has different ones.
 NEVER_ZERO = ("omega", "zeta", "load")
-# Factors on the unknowns for half a period.
-HALF = np.array([1.0, 1.0, 1.0, 1.0, 0.5, 1.0])
+# If a curve of bifurcations ends this near a graze, relative to the clearance, that is the reason.
+NEAR_A_GRAZE = 1e-4
 # At a period doubling, doubled cycles are sought at these distances, relative to the size of the
 # state, in turn: close to where they branch off, then farther and nearer if Newton's method falls
 # back.
@@ -67,7 +70,7 @@ KEPT_WITHIN = 1e-8
 
 
 @dataclass(frozen=True, slots=True)
-class Continuation:
+class Continuation(Generic[O]):
     """A branch of cycles, or a curve of bifurcations, to be followed.
 
     Parameters
@@ -86,20 +89,38 @@ class Continuation:
         Whether it is followed both ways; from a period doubling there is only one.
     half : Problem, optional
         The cycles of half the period, which those of the branch may reach.
+    birth : callable, optional
+        Returns the cycle at which the branch is born between two points, or None.
+    hint : callable
+        What an orbit adds to the reason why no further step was possible.
     """
 
-    line: Curve[Shot]
+    line: Curve[O]
     name: str
-    first: Point[Shot]
+    first: Point[O]
     limits: dict[int, tuple[float, float]]
     most: int
     both: bool = True
-    half: Problem[Shot] | None = None
+    half: Problem[O] | None = None
+    birth: Callable[[Point[O], Point[O]], Point[O] | None] | None = None
+    hint: Callable[[O], str] = lambda _: ""
+
+    @property
+    def place(self) -> int:
+        """Index of the (first) parameter among the unknowns, after the state and the period."""
+        return self.first.stretch.start.size + 1
+
+
+def halved(unknowns: Values, place: int) -> Values:
+    """Return unknowns, the first parameter at a place, with half the period."""
+    found = unknowns.copy()
+    found[place - 1] *= 0.5
+    return found
 
 
 def branch_through(
     guess: Guess, parameter: str, limits: tuple[float, float], most: int, stop: Stop
-) -> Continuation:
+) -> Continuation[Shot]:
     """Return the branch through a cycle, or the doubled one that leaves it at a doubling.
 
     The guess has a period. SimulationError if there is no branch.
@@ -111,12 +132,17 @@ def branch_through(
     times = revolutions_of(rotor, scale[4])
     line = Curve(cycles_over(rotor, parameter, stop, times), scale)
     half = None if times % 2 else cycles_over(rotor, parameter, stop, times // 2)
+    near = partial(DiscWhirl, name=parameter)
+    birth = partial(birth_between, whirl_near=near, problem=line.problem)
     if doubles:
-        first = _doubled(line, guess, value)
-        return Continuation(line, parameter, first, {PLACE: limits}, most, both=False, half=half)
-    first = line.first(np.append(guess.state, (period, value)))
-    first = first.reversed() if guess.slope < 0.0 else first
-    return Continuation(line, parameter, first, {PLACE: limits}, most, half=half)
+        first = doubled(line, np.append(guess.state, (period, value)))
+    else:
+        first = line.first(np.append(guess.state, (period, value)))
+        first = first.reversed() if guess.slope < 0.0 else first
+    return Continuation(
+        line, parameter, first, {PLACE: limits}, most, both=not doubles, half=half,
+        birth=birth if rotor.load == 0.0 else None,
+    )  # fmt: skip
 
 
 def bifurcations_through(
@@ -126,14 +152,26 @@ def bifurcations_through(
     limits: tuple[tuple[float, float], tuple[float, float]],
     most: int,
     stop: Stop,
-) -> Continuation:
+) -> Continuation[Shot]:
     """Return the curve through a bifurcation."""
     values = [getattr(guess.rotor, name) for name in names]
     period = guess.period or math.nan
     scale = _scale(guess, period, values, limits)
     line = Curve(_problem(guess.rotor, kind, names, scale, stop), scale)
     first = line.first(np.append(guess.state, (period, *values)))
-    return Continuation(line, names[0], first, {PLACE: limits[0], PLACE + 1: limits[1]}, most)
+    both = {PLACE: limits[0], PLACE + 1: limits[1]}
+    return Continuation(line, names[0], first, both, most, hint=_corner_at_graze)
+
+
+def _corner_at_graze(shot: Shot) -> str:
+    """Return that a curve of bifurcations has a corner where a linear contact is just touched."""
+    gap, rotor = nearest_gap(shot), shot.rotor
+    if rotor.contact_exponent != 1.0 or abs(gap) > NEAR_A_GRAZE * rotor.delta0:
+        return ""
+    return (
+        f"; the radius comes within {abs(gap):.2g} of the stator, and at a graze of a linear "
+        "contact the curve has a corner"
+    )
 
 
 def _scale(
@@ -236,36 +274,35 @@ def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Sto
     return shot
 
 
-def _doubled(line: Curve[Shot], guess: Guess, value: float) -> Point[Shot]:
+def doubled(line: Curve[O], once: Values) -> Point[O]:
     """Return a point of the doubled branch near a period doubling, directed away from it.
 
-    Its cycles branch off along the eigenvector of the multiplier -1.
+    Its cycles branch off along the eigenvector of the multiplier -1. `once` has state, period and
+    parameter of the doubling.
     """
-    period = guess.period or math.nan
-    once = line.problem.shoot(np.append(guess.state, (period, value)))
-    multipliers, vectors = np.linalg.eig(once.monodromy)
+    orbit, n = line.problem.shoot(once), once.size - 2
+    multipliers, vectors = np.linalg.eig(orbit.monodromy)
     aside = np.real(vectors[:, np.argmin(np.abs(multipliers + 1.0))])
     if line.problem.autonomous:
-        aside -= (aside @ once.start_rate) / (once.start_rate @ once.start_rate) * once.start_rate
-    away = np.zeros(6)
-    away[:4] = aside / np.linalg.norm(aside)
+        rate = orbit.start_rate
+        aside -= (aside @ rate) / (rate @ rate) * rate
+    away, twice = np.zeros(n + 2), once.copy()
+    away[:n] = aside / np.linalg.norm(aside)
+    twice[n] *= 2.0
     for part in ASIDE:
-        unknowns = np.append(guess.state, (2.0 * period, value)) + part * away * line.scale
         try:
-            point = line.near(unknowns, away)
+            point = line.near(twice + part * away * line.scale, away)
         except SimulationError:
             continue
         if _half_misses(line, point) > STILL_ASIDE * part:
             return point
-    x, y, vx, vy = guess.state.tolist()
-    message = f"no doubled cycle was found near the one of period {period:.9g}"
-    raise SimulationError(message, time=0.0, state=(x, y, vx, vy))
+    raise SimulationError(f"no doubled cycle was found near the one of period {once[n]:.9g}")
 
 
-def _half_misses(line: Curve[Shot], point: Point[Shot]) -> float:
+def _half_misses(line: Curve[O], point: Point[O]) -> float:
     """Return the distance after half a period from the start, relative to the size of the state."""
     start = point.stretch.start
-    half = line.problem.shoot(point.unknowns * HALF)
+    half = line.problem.shoot(halved(point.unknowns, start.size + 1))
     return float(np.linalg.norm(half.end - start) / np.linalg.norm(start))
 
 

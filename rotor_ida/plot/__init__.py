@@ -64,6 +64,12 @@ from rotor_ida.plot.signals import (
     plot_spectrum,
     plot_trace,
 )
+from rotor_ida.plot.system_cycles import (
+    plot_system_branch,
+    plot_system_cycle,
+    system_branch_figure,
+    system_cycle_figure,
+)
 from rotor_ida.plot.system_sweeps import plot_system_sweep, system_sweep_figure
 from rotor_ida.plot.system_whirls import (
     plot_campbell,
@@ -154,6 +160,8 @@ __all__ = [
     "plot_spectrogram",
     "plot_spectrum",
     "plot_surface",
+    "plot_system_branch",
+    "plot_system_cycle",
     "plot_system_sweep",
     "plot_system_whirls",
     "plot_trace",
@@ -165,6 +173,8 @@ __all__ = [
     "shared_legend",
     "special_speeds_figure",
     "style",
+    "system_branch_figure",
+    "system_cycle_figure",
     "system_figure",
     "system_sweep_figure",
     "system_whirls_figure",

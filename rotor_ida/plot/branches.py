@@ -126,7 +126,7 @@ def plot_branch(branch: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         _draw_bands(ax, course)
         _draw_edges(ax, course)
         places = branch["special_value"].values, branch["special_radius_max"].values
-        _draw_specials(ax, branch, *places, tuple(MARKS))
+        draw_specials(ax, branch, *places, tuple(MARKS))
         raise_limit(ax, float(branch["radius_max"].max()))
         own_legend(ax)
     return ax
@@ -193,7 +193,7 @@ def plot_curves(
             places = curve["special_value"].values, curve["special_second_value"].values
             if parameters_of("curves", curve, "parameters", 2)[0] != across:
                 places = places[::-1]
-            _draw_specials(ax, curve, *places, ("cusp",))
+            draw_specials(ax, curve, *places, ("cusp",))
         if not several:
             ax.set_title(in_lines(parameter_text(values[0])))
         own_legend(ax)
@@ -251,7 +251,7 @@ def _draw_edges(ax: Axes, course: Course) -> None:
                     zorder=2.4)  # fmt: skip
 
 
-def _draw_specials(
+def draw_specials(
     ax: Axes, branch: xr.Dataset, across: Values, up: Values, kinds: Sequence[str]
 ) -> None:
     """Mark the special points of some kinds."""

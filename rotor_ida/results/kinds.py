@@ -108,6 +108,19 @@ KINDS = {
             study="sweep_system", resumed=f"{_RESUMED}:resume_system_sweep",
         ),
         Kind(
+            name="system_branch", meaning="branch of limit cycles of a rotor system",
+            variables=("multiplier_real", "special_state"), dims=("point", "contact"),
+            shown=f"{_SYSTEMS}:SYSTEM_BRANCH", drawn="rotor_ida.plot:system_branch_figure",
+            verified=f"{_VERIFIED}_systems:SYSTEM_BRANCH",
+            study="branch_of_system", resumed=f"{_RESUMED}:resume_system_branch",
+        ),
+        Kind(
+            name="system_cycle", meaning="limit cycle of a rotor system",
+            variables=("multiplier_real", "node_radius_max"), dims=("t", "contact"),
+            shown=f"{_SYSTEMS}:SYSTEM_CYCLE", drawn="rotor_ida.plot:system_cycle_figure",
+            verified=f"{_VERIFIED}_systems:SYSTEM_CYCLE",
+        ),
+        Kind(
             name="system_whirls", meaning="exact whirls of a rotor system",
             variables=("amplitude", "node_amplitude"), dims=("speed", "branch"),
             shown=f"{_SYSTEMS}:WHIRLS_OF_SYSTEM", drawn="rotor_ida.plot:system_whirls_figure",

@@ -79,6 +79,37 @@ class Shot:
         """Whether the disc ever rolls on the stator."""
         return self.ways is not None and bool((self.ways == ROLLS).any())
 
+    @property
+    def is_autonomous(self) -> bool:
+        """Whether it may begin at any time: there is no load."""
+        return self.rotor.load == 0.0
+
+    @property
+    def contraction(self) -> float:
+        """The factor ``exp(-2 zeta T)`` by which areas shrink, without contact damping."""
+        return math.exp(-2.0 * self.rotor.zeta * self.duration)
+
+    @property
+    def pair_product(self) -> float | None:
+        """Product of each pair of multipliers, one of them 1 and the rest; None without pairs."""
+        uniform = self.rotor.contact_damping == 0.0 and self.rotor.friction == 0.0
+        return self.contraction if uniform and self.is_autonomous else None
+
+    @property
+    def sizes(self) -> Values:
+        """The smallest and the largest radius at extrema [1]: the same at any phase."""
+        radii = self.extrema["radius"]
+        return np.array([radii.min(), radii.max()])
+
+    def halves_agree(self, part: float) -> bool:
+        """Return whether the extreme radii of both halves agree to a fraction of the largest."""
+        radii = self.extrema["radius"].tolist()
+        half, odd = divmod(len(radii), 2)
+        if odd or not half:
+            return False
+        pairs, allowed = zip(radii[:half], radii[half:], strict=True), part * max(radii)
+        return all(abs(one - other) <= allowed for one, other in pairs)
+
 
 def shoot(
     rotor: Rotor,

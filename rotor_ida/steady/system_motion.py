@@ -309,29 +309,35 @@ class _SystemMotion:
 
     def features(self) -> SystemFeatures:
         """Return how the system moves in the window."""
-        flow, run = self.flow, self.run
-        found, contacts = flow.problem.found, flow.problem.assembly.contacts
-        nodes = found.rows_in_y(flow.problem.assembly.node_rows())
-        rows = np.concatenate([found.rows, nodes])
-        centres = np.zeros(len(rows), complex)
-        centres[: len(contacts)] = [complex(*each.centre) for each in contacts]
-        places = np.einsum("kn,tn->tk", rows[:, 0] + 1j * rows[:, 1], run.samples[:, 0]) - centres
-        turn = np.exp(-1j * flow.speed * self.times[:-1, np.newaxis])
-        whirl = (places[:-1] * turn).mean(axis=0)
-        low, high = extreme_radii(flow, self.begin, self.times, run, rows, centres)
-        count = len(contacts)
-        largest = run.forces[:, :, 0].max(axis=0, initial=0.0)
-        table = run.episodes
-        numbers = table["contact"].astype(int)
-        np.maximum.at(largest, numbers, np.nan_to_num(table["largest_force"]))
-        # the peak of an episode is exact
-        np.maximum.at(
-            high[:count], numbers,
-            np.array([contacts[n].clearance for n in numbers], float) + table["peak_root"] ** 2,
-        )  # fmt: skip
-        return SystemFeatures(
-            contact_whirl=whirl[:count], node_whirl=whirl[count:],
-            contact_low=low[:count], contact_high=high[:count],
-            node_low=low[count:], node_high=high[count:],
-            largest_force=largest, touches=largest > 0.0,
-        )  # fmt: skip
+        return features_of(self.flow, self.begin, self.times, self.run)
+
+
+def features_of(
+    flow: SystemFlow, begin: Values, times: Values, run: SystemResult
+) -> SystemFeatures:
+    """Return how a system moves in a run from a state, sampled at equal times from 0 on."""
+    found, contacts = flow.problem.found, flow.problem.assembly.contacts
+    nodes = found.rows_in_y(flow.problem.assembly.node_rows())
+    rows = np.concatenate([found.rows, nodes])
+    centres = np.zeros(len(rows), complex)
+    centres[: len(contacts)] = [complex(*each.centre) for each in contacts]
+    places = np.einsum("kn,tn->tk", rows[:, 0] + 1j * rows[:, 1], run.samples[:, 0]) - centres
+    turn = np.exp(-1j * flow.speed * times[:-1, np.newaxis])
+    whirl = (places[:-1] * turn).mean(axis=0)
+    low, high = extreme_radii(flow, begin, times, run, rows, centres)
+    count = len(contacts)
+    largest = run.forces[:, :, 0].max(axis=0, initial=0.0)
+    table = run.episodes
+    numbers = table["contact"].astype(int)
+    np.maximum.at(largest, numbers, np.nan_to_num(table["largest_force"]))
+    # the peak of an episode is exact
+    np.maximum.at(
+        high[:count], numbers,
+        np.array([contacts[n].clearance for n in numbers], float) + table["peak_root"] ** 2,
+    )  # fmt: skip
+    return SystemFeatures(
+        contact_whirl=whirl[:count], node_whirl=whirl[count:],
+        contact_low=low[:count], contact_high=high[:count],
+        node_low=low[count:], node_high=high[count:],
+        largest_force=largest, touches=largest > 0.0,
+    )  # fmt: skip

@@ -153,7 +153,7 @@ def sweep_system(
     assembly = assemble(given["system"], contacts, unbalance, gravity, given["static_force"])
     first = [each["start"] for each in (given, *others)]
     problem = SettlingProblem.of(assembly, tolerance)
-    _check_slowest(problem, speeds)
+    check_slowest(problem, speeds)
     directions = np.array(DIRECTIONS[direction], dtype=np.int8)
     sizes = (speeds.size, len(first), directions.size)
     check_points(*(range(size) for size in sizes),
@@ -182,7 +182,7 @@ def _checked_speeds(speed: object, direction: object) -> Values:
     return speeds
 
 
-def _check_slowest(problem: SettlingProblem, speeds: Values) -> None:
+def check_slowest(problem: SettlingProblem, speeds: Values) -> None:
     """Refuse a speed at which a revolution would take too many steps."""
     slowest = float(np.abs(speeds).min())
     with np.errstate(over="ignore"):
@@ -299,7 +299,7 @@ def settle_along(ramp: SystemRampJob, stop: Stop) -> Rows:
             break
         flow = SystemFlow.at(problem, speed, stop)
         try:
-            begun = _first_state(problem, ramp.start, speed) if last is None else last
+            begun = first_state(problem, ramp.start, speed) if last is None else last
             settled = settle(flow, begun / flow.scales)
         except (*EXPECTED, InputError) as error:  # it must not end the other points
             _fail(row)
@@ -311,7 +311,7 @@ def settle_along(ramp: SystemRampJob, stop: Stop) -> Rows:
     return Rows(points[: len(messages)], messages)
 
 
-def _first_state(problem: SettlingProblem, start: Start, speed: float) -> Values:
+def first_state(problem: SettlingProblem, start: Start, speed: float) -> Values:
     """Return the state at a start: displacements, velocities and speeds of races."""
     begun = start_of(problem.assembly, start, speed)  # a resonance has no settled whirl
     moved = np.array([problem.found.to_y(each) for each in begun])

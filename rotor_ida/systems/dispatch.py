@@ -29,8 +29,10 @@ class OfBoth(Protocol[OfDisc, OfSystem]):
     def __call__(self, *given: OfSystem.args, **options: OfSystem.kwargs) -> xr.Dataset: ...
 
 
-def _of_both(
-    disc: Callable[OfDisc, xr.Dataset], system: Callable[OfSystem, xr.Dataset]
+def of_both(
+    disc: Callable[OfDisc, xr.Dataset],
+    system: Callable[OfSystem, xr.Dataset],
+    module: str = __name__,
 ) -> OfBoth[OfDisc, OfSystem]:
     """Return the function of one disc, which hands a rotor system to the other."""
 
@@ -39,7 +41,7 @@ def _of_both(
         chosen: Any = system if isinstance(rotor, RotorSystem) else disc
         return cast("xr.Dataset", chosen(rotor, **options))
 
-    either.__module__ = __name__  # where it can be found, by pickle too
+    either.__module__ = module  # where it can be found, by pickle too
     return cast("OfBoth[OfDisc, OfSystem]", either)
 
 
@@ -59,6 +61,6 @@ def of_both_by_keyword(
     return cast("OfBoth[OfDisc, OfSystem]", either)
 
 
-simulate = _of_both(simulate_disc, simulate_system)
-run_up = _of_both(run_up_disc, run_up_system)
+simulate = of_both(simulate_disc, simulate_system)
+run_up = of_both(run_up_disc, run_up_system)
 synchronous_response = of_both_by_keyword(synchronous_response_disc, synchronous_response_system)

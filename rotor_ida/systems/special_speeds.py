@@ -64,7 +64,7 @@ Roots = list[Values]
 
 
 @dataclass(frozen=True, slots=True)
-class _Problem:
+class RubProblem:
     """A system whose whirls are followed over the speed."""
 
     assembly: Assembly
@@ -72,12 +72,15 @@ class _Problem:
 
     @property
     def clearances(self) -> Values:
+        """The clearances of the contacts."""
         return np.array([each.clearance for each in self.assembly.contacts])
 
     def hertz(self, touching: Touching) -> list[bool]:
+        """Return which of some contacts are Hertz contacts."""
         return [self.assembly.contacts[j].exponent == HERTZ_EXPONENT for j in touching]
 
     def response(self, speeds: Sequence[float] | Values) -> Receptances:
+        """Return the receptances at speeds."""
         return receptances(self.assembly, np.asarray(speeds, float))
 
     def roots(self, touching: Touching, speeds: Values) -> Roots:
@@ -135,7 +138,7 @@ class _Piece:
     speeds: tuple[float, float]
     ends: tuple[Values, Values]
 
-    def at(self, problem: _Problem, omega: float) -> Values:
+    def at(self, problem: RubProblem, omega: float) -> Values:
         """Return the unknowns between the ends: the rub nearest to the line between them."""
         (first, last), (v, w) = self.speeds, self.ends
         part = (omega - first) / (last - first)
@@ -199,7 +202,7 @@ def special_speeds(
     check_axisymmetric_parts(assembly)
     check_no_races(assembly)
     check_masses(assembly)
-    problem = _Problem(assembly, forward_motions(assembly))
+    problem = RubProblem(assembly, forward_motions(assembly))
     found = list(_folds(problem, speeds))
     beside = [each.speed + side * _BESIDE * (high - low) for each in found for side in (-1.0, 1.0)]
     speeds = np.unique(np.clip(np.concatenate([speeds, beside]), low, high))
@@ -224,7 +227,7 @@ def _limits(given: object) -> tuple[float, float]:
     return low, high
 
 
-def _folds(problem: _Problem, speeds: Values) -> Iterator[_Point]:
+def _folds(problem: RubProblem, speeds: Values) -> Iterator[_Point]:
     """Yield the folds of each set of contacts between neighbouring speeds."""
     for touching in touching_sets(problem.assembly.contacts):
         roots = problem.roots(touching, speeds)
@@ -233,7 +236,7 @@ def _folds(problem: _Problem, speeds: Values) -> Iterator[_Point]:
 
 
 def _folds_between(
-    problem: _Problem,
+    problem: RubProblem,
     touching: Touching,
     ends: tuple[float, float],
     roots: tuple[Values, Values],
@@ -263,7 +266,7 @@ def _folds_between(
         yield fold
 
 
-def _solved_fold(problem: _Problem, touching: Touching, v: Values, omega: float) -> _Point | None:
+def _solved_fold(problem: RubProblem, touching: Touching, v: Values, omega: float) -> _Point | None:
     """Return the fold near a guess, by Newton's method with differences; None without one."""
 
     def equations(state: Values) -> Values:
@@ -310,7 +313,7 @@ def _ends_of(pieces: Sequence[_Piece]) -> tuple[Values, Values]:
     ), speeds
 
 
-def _grazes(problem: _Problem, pieces: Sequence[_Piece]) -> Iterator[_Point]:
+def _grazes(problem: RubProblem, pieces: Sequence[_Piece]) -> Iterator[_Point]:
     """Yield where another contact is just touched along branches."""
     if not pieces:
         return
@@ -326,7 +329,7 @@ def _grazes(problem: _Problem, pieces: Sequence[_Piece]) -> Iterator[_Point]:
             yield _between(problem, piece, gap, "graze")
 
 
-def _gaps(problem: _Problem, touching: Touching, v: Values, speeds: Values) -> Values:
+def _gaps(problem: RubProblem, touching: Touching, v: Values, speeds: Values) -> Values:
     """Return the distances of whirls from the contacts that they do not touch, else NaN."""
     displacement = problem.whirls(touching, v, speeds).displacement
     gaps = problem.clearances - np.abs(displacement)
@@ -334,7 +337,7 @@ def _gaps(problem: _Problem, touching: Touching, v: Values, speeds: Values) -> V
     return np.asarray(gaps)
 
 
-def _hopf_points(problem: _Problem, pieces: Sequence[_Piece]) -> Iterator[_Point]:
+def _hopf_points(problem: RubProblem, pieces: Sequence[_Piece]) -> Iterator[_Point]:
     """Yield where the real part of a pair of eigenvalues vanishes along branches."""
     if not pieces:
         return
@@ -356,7 +359,7 @@ def _hopf_points(problem: _Problem, pieces: Sequence[_Piece]) -> Iterator[_Point
 
 
 def _between(
-    problem: _Problem, piece: _Piece, function: Callable[[float], float], kind: str
+    problem: RubProblem, piece: _Piece, function: Callable[[float], float], kind: str
 ) -> _Point:
     """Return where a function of the speed vanishes on a piece of a branch."""
     low, high = piece.speeds
@@ -364,7 +367,7 @@ def _between(
     return _Point(omega, kind, piece.touching, piece.at(problem, omega))
 
 
-def _is_free(problem: _Problem, point: _Point) -> bool:
+def _is_free(problem: RubProblem, point: _Point) -> bool:
     """Return whether a point touches no further contact, but for the one that it grazes."""
     gaps = _gaps(problem, point.touching, point.v[np.newaxis], np.array([point.speed]))[0]
     gaps = np.sort(gaps[np.isfinite(gaps)])
@@ -372,7 +375,7 @@ def _is_free(problem: _Problem, point: _Point) -> bool:
     return bool((gaps >= rounded).all())
 
 
-def _dataset(problem: _Problem, points: Sequence[_Point], whirls: xr.Dataset) -> xr.Dataset:
+def _dataset(problem: RubProblem, points: Sequence[_Point], whirls: xr.Dataset) -> xr.Dataset:
     """Return special points in order of speed, with the whirls and what they are computed from."""
     assembly = problem.assembly
     amplitude = np.zeros((len(points), len(assembly.contacts)))

@@ -15,6 +15,9 @@ from rotor_ida.basins.atlas import continue_attractors
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.continue_cycle import branch_from
 from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.system_branch import branch_from as branch_of_system
+from rotor_ida.cycles.system_branch import guess_in
+from rotor_ida.cycles.system_guess import CycleProblem
 from rotor_ida.errors import ArchiveError
 from rotor_ida.model.parameters import ALL_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import Rotor
@@ -141,6 +144,16 @@ def resume_branch(design: Design, _jobs: Jobs) -> Resumed:
     guess = Guess(_rotor(design), state, **_given(design, "period", "special", "slope"))
     given = _given(design, "parameter", "direction", "points")
     return partial(branch_from, guess=guess, limits=tuple(design["limits"]), **given)
+
+
+def resume_system_branch(design: Design, _jobs: Jobs) -> Resumed:
+    """Return the function that resumes a branch of limit cycles of a rotor system."""
+    system, around = problem_in(design["problem"])
+    problem, _ = CycleProblem.of(None, {"system": system, **around, "start": None}, None)
+    guess = guess_in(problem, design, np.array(design["start"]))
+    given = _given(design, "direction", "points")
+    limits = tuple(design["limits"])
+    return partial(branch_of_system, problem, guess, limits, **given)
 
 
 def _given(design: Design, *names: str) -> dict[str, Any]:

@@ -11,6 +11,9 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
+from rotor_ida.cycles.system_branch import branch_from, guess_in
+from rotor_ida.cycles.system_cycle import limit_cycle_system
+from rotor_ida.cycles.system_guess import CycleProblem
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress
@@ -21,6 +24,8 @@ from rotor_ida.systems.special_speeds import special_speeds
 from rotor_ida.systems.synchronous import synchronous_response_system
 from rotor_ida.verification.verify import Verdict, Verification
 
+# What else a cycle may be computed from, and is within the system here.
+NOTHING_ELSE: dict[str, Any] = {"static_force": None, "start": None}
 # Differences allowed between machines, relative to the largest number of a variable.
 CLOSE = 1e-8
 
@@ -65,6 +70,23 @@ def _report(dataset: xr.Dataset, _workers: int | None, _progress: Progress | Non
         unbalance=around["unbalance"] if mass is None else None, mass=mass,
         vibration_limit=float(dataset["vibration_limit"]), points=given["points"],
     )  # fmt: skip
+
+
+def _cycle(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
+    system, around = problem_in(dataset)
+    if dataset["period"].isnull():
+        raise InputError("this result cannot be verified: there is no limit cycle in it")
+    return limit_cycle_system(system, **around, start=dataset)
+
+
+def _branch(dataset: xr.Dataset, _workers: int | None, progress: Progress | None) -> xr.Dataset:
+    system, around = problem_in(dataset)
+    problem, _ = CycleProblem.of(None, {"system": system, **around} | NOTHING_ELSE, None)
+    given = dataset.attrs
+    guess = guess_in(problem, given, np.atleast_1d(given["start"]))
+    low, high = np.asarray(given["limits"]).tolist()
+    direction, points = str(given["direction"]), int(given["points"])
+    return branch_from(problem, guess, (low, high), direction, points, progress=progress)
 
 
 def _numbers(names: Mapping[str, str], again: xr.Dataset, archived: xr.Dataset) -> Verdict:
@@ -120,6 +142,19 @@ SPECIAL_SPEEDS = _of(
     {"special_speed": "special speeds", "special_kind": "kinds of special speeds",
      "amplitude": "amplitudes", "branch_amplitude": "amplitudes of branches"},
     ("limits", "points"),
+)  # fmt: skip
+SYSTEM_CYCLE = _of(
+    _cycle,
+    {"period": "periods", "multiplier_real": "multipliers", "radius_max": "radii",
+     "largest_force": "forces", "stability": "stabilities"},
+    (), "speed", "final_state",
+)  # fmt: skip
+SYSTEM_BRANCH = _of(
+    _branch,
+    {"special_kind": "kinds of special points", "special_speed": "special speeds",
+     "special_period": "special periods"},
+    ("start", "start_speed", "start_period", "start_special", "start_slope", "limits",
+     "direction", "points"), "speed",
 )  # fmt: skip
 CAMPBELL = _of(
     _campbell, {"whirl_speed": "whirl speeds", "damping_ratio": "damping ratios"},

@@ -1,12 +1,13 @@
 """Multipliers from the trace, and the structure that this rests on, measured on M."""
 
+import math
+
 import numpy as np
 import pytest
 
 from rotor_ida import Rotor, limit_cycle
 from rotor_ida.cycles.multipliers import (
     FORM,
-    contraction,
     defects_of,
     doubling_test,
     fold_test,
@@ -39,7 +40,7 @@ def test_multipliers_of_the_sliver_are_real_and_negative(known, pair):
 def test_structure_measured_on_the_matrix_before_it_is_used(known):
     """The trivial multiplier to 1e-10; det M / q^2 and the partner / q to 1e-8, by eigenvalues."""
     cycle = closed(known)
-    matrix, q = cycle.shot.monodromy, contraction(known.rotor.zeta, cycle.period)
+    matrix, q = cycle.shot.monodromy, cycle.shot.contraction
     values, size = np.linalg.eigvals(matrix), np.linalg.norm(matrix)
     # where M is large, det M and q are small differences of its elements
     condition = max(size / q, 1.0)
@@ -71,7 +72,7 @@ def test_every_stretch_of_every_orbit_is_conformally_symplectic(rotor):
     generator = np.random.default_rng(5)
     for _ in range(4):
         start, duration = generator.uniform(-3.0, 3.0, 4), float(generator.uniform(2.0, 15.0))
-        q = contraction(rotor.zeta, duration)
+        q = math.exp(-2.0 * rotor.zeta * duration)
         for matrix, allowed in (
             (shoot(rotor, start, duration, GO_ON).monodromy, 1e-13),
             (flown(rotor, start, duration).monodromy, 1e-9),
@@ -83,7 +84,7 @@ def test_every_stretch_of_every_orbit_is_conformally_symplectic(rotor):
 def test_the_form_is_that_of_fixed_axes_velocity():
     """With the velocity seen on the turning axes as momentum the flow would not have it."""
     matrix = closed(BOUNCING).shot.monodromy
-    q = contraction(0.07, BOUNCING.period)
+    q = math.exp(-2.0 * 0.07 * BOUNCING.period)
     seen = np.eye(4)  # from (Z, W) to (Z, Z') = (Z, W - i omega Z)
     seen[2:, :2] = 2.0 * np.array([[0.0, 1.0], [-1.0, 0.0]])
     other = np.linalg.inv(seen).T @ FORM @ np.linalg.inv(seen)

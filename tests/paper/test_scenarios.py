@@ -12,9 +12,9 @@ from tests.scenarios import scenario
 # Those with sweeps take longer, and are run by hand and by `rotor-ida reproduce`.
 QUICK = ["dimensional_example", "drop", "event_time_convergence", "fig02_03_force_potential",
          "fig04_05_free_vibration", "fig06_jumps", "fig07_basins", "fig08_09_whirls",
-         "finite_elements", "fitted_machine",
-         "general_solution", "how_slow", "plots", "random_starts", "restitution", "rub",
-         "run_up", "shaft", "signatures", "way_to_whip", "whip_map"]  # fmt: skip
+         "finite_elements", "fitted_machine", "general_solution", "how_slow",
+         "internal_resonance", "plots", "random_starts", "restitution", "rub", "run_up", "shaft",
+         "signatures", "way_to_whip", "whip_map"]  # fmt: skip
 
 SPELLED_OUT = re.compile(r"\b(omega|zeta|delta0|sqrt)\b|\^|\de[-+]\d|\b[xyz]0?'")
 

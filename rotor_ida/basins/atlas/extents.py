@@ -44,6 +44,7 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor, without
 from rotor_ida.schema import STABILITY, WITH_EXTENTS
+from rotor_ida.simulation.neighbours import Shot
 
 # Special points at which a branch may turn back at a corner.
 CORNERS = (SLIDING, DISCONTINUOUS)
@@ -249,7 +250,7 @@ def extent_of_cycle(
     return ends[0], ends[1]
 
 
-def _met(side: Side) -> list[End]:
+def _met(side: Side[Shot]) -> list[End]:
     """Return where stability was lost on the points followed so far, in order."""
     ends = (FOLD, DOUBLING, TORUS, DISCONTINUOUS)
     names = [
@@ -263,13 +264,13 @@ def _met(side: Side) -> list[End]:
     ]
 
 
-def _turns_after(side: Side, place: int) -> bool:
+def _turns_after(side: Side[Shot], place: int) -> bool:
     """Return whether the parameter turns back between a point of a branch and the next."""
     here, there = side.points[place : place + 2]
     return bool(here.tangent[PLACE] * there.tangent[PLACE] < 0.0)
 
 
-def _end_of_side(side: Side, way: int, begin: float) -> End:
+def _end_of_side(side: Side[Shot], way: int, begin: float) -> End:
     """Return where a branch of limit cycles ends in one direction."""
     if met := _met(side):
         return met[0]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from cyclopts import Parameter
 
@@ -13,6 +14,7 @@ from rotor_ida.cli import options
 from rotor_ida.cli.machines import Units, plain
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
+from rotor_ida.cli.systems import cycle_case
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
@@ -73,10 +75,13 @@ class Origin(options.RotorOptions):
 
 
 def limit_cycle(
+    system: options.System = None,
+    /,
     *,
     rotor: options.RotorOptions = options.RotorOptions(),
     start: options.Start = AT_REST,
     period: options.Period = None,
+    without_gravity: options.WithoutGravity = False,
     output: Output = Output(),
 ) -> Report:
     r"""Compute the limit cycle reached from an initial state, with multipliers and spectrum.
@@ -89,7 +94,16 @@ def limit_cycle(
 
         rotor-ida limit-cycle --omega 2 --zeta 0.07 --delta0 2 \
             --start 2.6 0.75 0.66 -1.65 --period 4.5
+
+    The cycle to which a rotor of any size leads, from a system file:
+
+        rotor-ida limit-cycle rotor.toml --speed 8000rpm --without-gravity \
+            --out bounce.nc
     """
+    if system is not None:
+        return cycle_file(system, rotor, start, period, output, without_gravity=without_gravity)
+    if without_gravity:
+        raise InputError("without_gravity must be left out without a rotor system")
     output.check()
     chosen, units = rotor.rotor_and_units()
     with working("cycle"):
@@ -97,7 +111,11 @@ def limit_cycle(
             found = rotor_ida.limit_cycle(chosen, start=units.start(start))
         else:
             found = _closed(chosen, units.start(start), units.time(period))
-    found = units.shown(found)
+    return _answered(units.shown(found), output)
+
+
+def _answered(found: xr.Dataset, output: Output) -> Report:
+    """Return the answer with a cycle; without one there is no figure."""
     if found["period"].notnull() or output.figure is None:
         return answer(found, output, most=FIRST_ROWS)
     report = answer(found, replace(output, figure=None), most=FIRST_ROWS)
@@ -105,12 +123,15 @@ def limit_cycle(
 
 
 def continue_cycle(
+    system: options.System = None,
+    /,
     *,
     origin: Origin = Origin(),
     limits: options.Limits,
     parameter: options.OneParameter = "omega",
     direction: options.Way = "both",
     points: options.PointCount = 2000,
+    without_gravity: options.WithoutGravity = False,
     study: options.Study = None,
     output: Output = Output(),
 ) -> Report:
@@ -121,7 +142,21 @@ def continue_cycle(
         rotor-ida continue-cycle --from cycle.nc --limits 1.5 2.5 --out branch.nc
 
         rotor-ida continue-cycle --from branch.nc --special 1 --limits 1.7 2
+
+    That of a rotor of any size over the speed, from a system file:
+
+        rotor-ida continue-cycle rotor.toml --from bounce.nc --without-gravity \
+            --limits 7950rpm 8050rpm
     """
+    if system is not None:
+        given: dict[str, Any] = {
+            "limits": limits, "direction": direction, "points": points, "study": study
+        }  # fmt: skip
+        if parameter != "omega":
+            raise InputError(f"parameter must be left out with a rotor system, got {parameter}")
+        return branch_file(system, origin, output, given, without_gravity=without_gravity)
+    if without_gravity:
+        raise InputError("without_gravity must be left out without a rotor system")
     origin.check()
     output.check()
     with working("points", study) as progress:
@@ -173,6 +208,69 @@ def bifurcation_curve(
             progress=progress,
         )
         return answer(units.shown(found), output)
+
+
+# ---- Of a rotor system ----
+
+
+def cycle_file(
+    file: Path,
+    rotor: options.RotorOptions,
+    start: State,
+    period: float | None,
+    output: Output,
+    *,
+    without_gravity: bool,
+) -> Report:
+    """Compute the limit cycle of the system of a file."""
+    own, given = cycle_case(file, rotor, None if start == AT_REST else start, output)
+    if without_gravity:
+        given.pop("gravity", None)
+    with working("cycle"):
+        found = rotor_ida.limit_cycle_system(own, **given, period=period)
+    return _answered(found, output)
+
+
+def branch_file(
+    file: Path, origin: Origin, output: Output, how: dict[str, Any], *, without_gravity: bool
+) -> Report:
+    """Continue a limit cycle of the system of a file over the speed."""
+    if origin.period is not None:
+        raise InputError(
+            "period must be left out with a rotor system: compute its cycle first, with limit-cycle"
+        )
+    own, given = cycle_case(file, origin, origin.start, output)
+    if without_gravity:
+        given.pop("gravity", None)
+    if origin.from_ is not None:
+        given["start"] = _point_of_system(read(origin.from_), origin)
+        given["speed"] = origin.given.get("speed")  # else that of the archive
+    elif (origin.point, origin.special) != (None, None):
+        raise InputError("point and special must be left out without --from")
+    with working("points", how["study"]) as progress:
+        branch = rotor_ida.continue_cycle_system(own, **given, **how, progress=progress)
+        return answer_whole(branch, output, how["study"])
+
+
+def _point_of_system(dataset: xr.Dataset, origin: Origin) -> xr.Dataset:
+    """Return the cycle of a system in an archive, or one point of a branch or special speeds."""
+    from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - heavy, and not for --help
+
+    kind = kind_of(dataset)
+    if kind == "system_cycle":
+        if (origin.point, origin.special) != (None, None):
+            raise InputError(
+                f"point and special must be left out with a cycle, got {shown(origin.from_)}"
+            )
+        return dataset
+    if kind not in ("system_branch", "system_special_points"):
+        raise InputError(
+            "from must be a cycle, a branch or special speeds of a rotor system, got "
+            f"{shown(origin.from_)}, of the kind {kind}"
+        )
+    if kind == "system_special_points" and origin.special is None:
+        raise InputError("special must be given with special speeds")
+    return _at(dataset, kind, origin.point, origin.special)
 
 
 def _closed(rotor: Rotor, start: State, period: float) -> xr.Dataset:

@@ -1,0 +1,147 @@
+"""Find the limit cycle of a rotor system to which a start leads, or which lies near a guess."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Stop, Values
+from rotor_ida.cycles.dataset import ERROR_SAFETY
+from rotor_ida.cycles.multipliers import multipliers_near, multipliers_of
+from rotor_ida.cycles.system_dataset import system_cycle_dataset
+from rotor_ida.cycles.system_guess import (
+    CLOSING_RTOL,
+    CycleProblem,
+    check_is_cycle,
+    guess_of_system,
+)
+from rotor_ida.cycles.system_orbit import SystemOrbit, with_tolerance
+from rotor_ida.cycles.system_problem import SystemGuess, closed_orbit
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.parallel import interruptible
+from rotor_ida.steady.response import BOUNCING, FULL_CONTACT, ROLLING, UNRESOLVED
+from rotor_ida.steady.system_motion import settle
+from rotor_ida.systems.starts import Start
+
+NOT_FOUND = "not_found"
+# Tolerance with which the system is followed to its cycle, as by default in a sweep.
+SETTLING_RTOL = 1e-10
+# The errors are measured by a solution begun elsewhere, with a tolerance looser by this factor.
+LOOSER, ELSEWHERE = 30.0, 0.37
+
+
+def limit_cycle_system(
+    system: RotorSystem,
+    *,
+    contacts: Sequence[Contact],
+    speed: float | None = None,
+    unbalance: Sequence[Unbalance] = (),
+    gravity: tuple[float, float] | None = None,
+    static_force: npt.ArrayLike | None = None,
+    start: Start | xr.Dataset = None,
+    period: float | None = None,
+    modes: int | None = None,
+) -> xr.Dataset:
+    """Compute the limit cycle of a rotor system to which a start leads, or near a guess.
+
+    Parameters
+    ----------
+    system, contacts, unbalance, gravity, static_force, modes
+        As in `simulate_system`. There must be contacts and damping.
+    speed : float
+        Spin speed, not 0; by default that of the start.
+    start : (q, velocity), "settled", "rest", None or Dataset
+        Start at time 0, as in `simulate_system`, from which the system is followed to its
+        attractor. Another limit cycle, or one point of a branch or of a `sweep` that has a period,
+        serves as a guess.
+    period : float, optional
+        Approximate period: Newton's method then begins at the start itself. If the system is not
+        axisymmetric, it is rounded to whole revolutions.
+
+    Returns
+    -------
+    Dataset
+        ``response``: for a limit cycle ``bouncing``, ``full_contact`` or ``rolling``; otherwise the
+        response found instead, and all numbers are NaN. ``period`` with its ``period_error``,
+        ``stability``, ``residual`` (the distance of the end from the start, relative to its size)
+        and ``trivial_defect``. On ``multiplier``, by decreasing modulus, ``multiplier_real``,
+        ``multiplier_imag`` and ``multiplier_error``. On ``contact``: ``contact_count`` in a period,
+        ``radius_min``, ``radius_max``, ``largest_force``, ``touched``. On ``node``:
+        ``node_radius_min`` and ``node_radius_max``; on ``(t, node)`` one period of ``x y vx vy``.
+        On ``component``: ``final_state``, the state at its start and end, with the unbalance at
+        angle 0. The attribute ``axes`` tells on which axes it closes.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used.
+    SimulationError
+        If Newton's method does not converge from a cycle that was simulated or given.
+
+    Notes
+    -----
+    An axisymmetric system is autonomous on axes that turn with the unbalance: a limit cycle closes
+    there after a period that is not known, and is quasi-periodic on fixed axes unless this is a
+    whole number of revolutions. Any other system has cycles of whole revolutions on fixed axes.
+    Newton's method finds a state and the period; the derivative of a state after a period is that
+    of the runs themselves, through all events. The errors are five times the largest differences
+    from a second solution, begun elsewhere with 30 times the tolerance.
+
+    Examples
+    --------
+    One disc as a system:
+
+    >>> from rotor_ida import Rotor
+    >>> system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    >>> cycle = limit_cycle_system(system, contacts=contacts, unbalance=unbalance, speed=2.0)
+    >>> cycle.period.round(9).item(), cycle.contact_count.values
+    (4.563916675, array([1]))
+    """
+    around = {
+        "system": system, "contacts": contacts, "unbalance": unbalance, "start": start,
+        "static_force": static_force,
+    }  # fmt: skip
+    problem, begun = CycleProblem.of(modes, around, gravity)
+    guess = guess_of_system(problem, begun, speed, period)
+    check_is_cycle(guess)
+    return interruptible(lambda stop: _dataset_from(problem, guess, stop))
+
+
+def _dataset_from(problem: CycleProblem, guess: SystemGuess, stop: Stop) -> xr.Dataset:
+    cycle, response = found_cycle(guess, stop)
+    errors = (math.nan, np.zeros(0)) if cycle is None else errors_of(cycle)
+    return system_cycle_dataset(problem, guess, cycle, response, errors)
+
+
+def found_cycle(guess: SystemGuess, stop: Stop) -> tuple[SystemOrbit | None, str]:
+    """Return the limit cycle to which a guess leads, or None, and the kind of response."""
+    flow, state, period = replace(guess.flow, stop=stop), guess.state, guess.period
+    if period is None:
+        settled = settle(with_tolerance(flow, SETTLING_RTOL), state)
+        decision = settled.decision
+        if decision.kind not in (BOUNCING, FULL_CONTACT, ROLLING) or decision.period is None:
+            unknown = decision.kind == UNRESOLVED
+            return None, NOT_FOUND if unknown else decision.kind
+        state, period = settled.state, decision.period
+    cycle = closed_orbit(flow, state, period)
+    return cycle, cycle.response
+
+
+def errors_of(cycle: SystemOrbit) -> tuple[float, Values]:
+    """Return the estimated errors of the period and of the multipliers."""
+    looser = with_tolerance(cycle.flow, LOOSER * CLOSING_RTOL)
+    begun = ELSEWHERE * cycle.duration if cycle.is_autonomous else cycle.flow.revolution
+    other = closed_orbit(looser, cycle.flow.after(cycle.start, begun), cycle.duration)
+    multipliers = multipliers_of(cycle)
+    apart = np.abs(multipliers_near(multipliers, other) - multipliers)
+    errors = ERROR_SAFETY * (apart + np.spacing(np.abs(multipliers)))
+    if cycle.is_autonomous:
+        errors[np.argmin(np.abs(multipliers - 1.0))] = 0.0
+    period = ERROR_SAFETY * (abs(other.duration - cycle.duration) + np.spacing(cycle.duration))
+    return float(period), errors

@@ -1,0 +1,103 @@
+"""Limit cycles of a rotor system on the command line: from a file, and from archives."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rotor_ida
+
+Program = Callable[..., Any]
+
+FILE = """
+units = "1"
+speed = 2.0
+
+[system]
+mass = [1.0, 1.0]
+damping = [0.14, 0.14]
+stiffness = [0.02, 0.02]
+
+[system.nodes]
+disc = [0, 1]
+
+[[contacts]]
+node = "disc"
+clearance = 2.0
+stiffness = 1.0
+
+[[unbalance]]
+node = "disc"
+moment = 1.0
+"""
+
+
+@pytest.fixture
+def disc(program: Program) -> str:
+    """Return a system file in the folder in which the program runs."""
+    Path("disc.toml").write_text(FILE)
+    return "disc.toml"
+
+
+def test_a_cycle_and_its_branch_are_those_of_the_library(program: Program, disc: str):
+    answer = program("cycle", disc, "--out", "cycle.nc", "--figure", "cycle", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    case = rotor_ida.load_system(disc)
+    around = {"contacts": case.contacts, "unbalance": case.unbalance}
+    exact = rotor_ida.limit_cycle(case.system, **around, speed=2.0)
+    assert json.loads(answer.out)["period"] == exact.period.item()
+    limits = ("--limits", 1.77, 2.01)
+    answer = program(
+        "continue", disc, "--from", "cycle.nc", *limits, "--out", "branch.nc", "--study", "kept"
+    )
+    assert (answer.status, answer.err) == (0, "")
+    branch = rotor_ida.continue_cycle(case.system, **around, start=exact, limits=(1.77, 2.01))
+    archived = rotor_ida.load("branch.nc")
+    np.testing.assert_array_equal(archived.special_speed, branch.special_speed)
+    assert "period_doubling" in answer.out
+    answer = program(
+        "continue", disc, "--from", "branch.nc", "--special", 0, *limits, "--points", 3, "--json"
+    )
+    assert answer.status == 0
+    found = [row["period"] for row in json.loads(answer.out)["cycles"]]
+    np.testing.assert_allclose(found, 2.0 * branch.special_period.item(), rtol=1e-2)
+    assert program("resume", "kept").status == 0
+    for archive in ("cycle.nc", "branch.nc"):
+        assert program("verify", archive).status == 0
+
+
+def test_a_response_that_is_no_cycle_is_an_answer_too(program: Program, disc: str):
+    answer = program("cycle", disc, "--speed", 0.2, "--figure", "cycle")
+    assert (answer.status, answer.err) == (0, "")
+    assert "drew no figure: there is no limit cycle" in answer.out
+
+
+@pytest.mark.parametrize(("words", "message"), [
+    (("cycle", "--zeta", 0.1), "zeta must be left out with a rotor system"),
+    (("cycle", "--start", 1, 0, 0, 0), "start must be left out with a rotor system"),
+    (("cycle", "--speed", 0), "speed must not be 0"),
+    (("continue", "--limits", 3, 4), "limits must contain the speed of the start"),
+    (("continue", "--limits", 1, 3, "--period", 4.5), "period must be left out"),
+    (("continue", "--limits", 1, 3, "--special", 0), "must be left out without --from"),
+    (("continue", "--limits", 1, 3, "--parameter", "zeta"), "parameter must be left out"),
+    (("continue", "--limits", 1, 3, "--from", "disc.toml"), "is not an archive"),
+])  # fmt: skip
+def test_bad_input_is_one_line_and_status_2(program: Program, disc: str, words, message):
+    answer = program(words[0], disc, *words[1:])
+    assert answer.status == 2
+    assert answer.err.startswith("rotor-ida: ")
+    assert message in answer.err
+    assert answer.err.count("\n") == 1
+
+
+def test_options_of_systems_are_refused_of_one_disc(program: Program):
+    rotor = ("--omega", 2, "--zeta", 0.07, "--delta0", 2, "--without-gravity")
+    for command in (("cycle",), ("continue", "--limits", 1, 3)):
+        answer = program(*command, *rotor)
+        assert answer.status == 2
+        assert "without_gravity must be left out without a rotor system" in answer.err

@@ -1,0 +1,58 @@
+"""Figures of limit cycles of rotor systems: orbits, and branches over the speed."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import InputError, plot
+from rotor_ida.plot.appearance import STABLE_CYCLE, UNSTABLE_CYCLE
+from tests.kinds import a_system_branch, a_system_cycle
+
+
+@pytest.fixture(scope="module")
+def cycle():
+    return a_system_cycle()
+
+
+@pytest.fixture(scope="module")
+def branch():
+    return a_system_branch()
+
+
+def lines(ax, label):
+    return [line for line in ax.lines if line.get_label() == label]
+
+
+def test_the_orbit_closes_and_reaches_the_largest_radius(cycle):
+    ax = plot.plot_system_cycle(cycle)
+    (orbit,) = lines(ax, STABLE_CYCLE)
+    x, y = orbit.get_data()
+    assert (x[0], y[0]) == pytest.approx((x[-1], y[-1]))
+    assert np.hypot(x, y).max() == pytest.approx(cycle.radius_max.item(), rel=1e-3)
+    assert len(lines(ax, "clearance")) == 1
+
+
+def test_the_branch_changes_its_line_at_the_bifurcation(branch):
+    """Stable above the period doubling, unstable below it, and joined there."""
+    ax = plot.plot_system_branch(branch)
+    (stable,), (unstable,) = lines(ax, STABLE_CYCLE), lines(ax, UNSTABLE_CYCLE)
+    bifurcation = branch.special_speed.item()
+    assert stable.get_xdata().min() == unstable.get_xdata().max() == bifurcation
+    assert stable.get_ydata()[0] == branch.special_radius_max.item()
+
+
+def test_two_branches_share_axes_and_one_entry_of_the_legend(branch):
+    ax = plot.plot_system_branch(branch)
+    plot.plot_system_branch(branch, ax=ax)
+    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert len(words) == len(set(words))
+
+
+def test_figures_of_results_of_another_kind_are_refused(cycle, branch):
+    with pytest.raises(InputError, match="branch must"):
+        plot.plot_system_branch(cycle)
+    with pytest.raises(InputError, match="node must be one of disc, got 'tip'"):
+        plot.plot_system_cycle(cycle, node="tip")
+    with pytest.raises(InputError, match="contact must be one of 0 to 0, got 1"):
+        plot.plot_system_branch(branch, contact=1)
+    with pytest.raises(InputError, match="without one"):
+        plot.plot_system_cycle(cycle.isel(t=slice(0, 0)))
