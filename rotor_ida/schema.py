@@ -694,6 +694,8 @@ QUANTITIES |= {
     for name in OF_BEARING
     for end, words in {
         "mean": "mean over drops", "mean_error": "standard error of the mean over drops",
+        "mean_low": "lower end of the mean over drops",
+        "mean_high": "upper end of the mean over drops",
         "quantile": "quantile over drops", "quantile_low": "lower end of a quantile over drops",
         "quantile_high": "upper end of a quantile over drops",
     }.items()

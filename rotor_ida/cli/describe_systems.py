@@ -143,7 +143,7 @@ def _statistics(own: xr.Dataset, name: str) -> Record:
     low, high = own[f"{name}_quantile_low"].values[-1], own[f"{name}_quantile_high"].values[-1]
     return {
         "quantity": with_unit(own, name),
-        "mean": float(own[f"{name}_mean"]), "error": float(own[f"{name}_mean_error"]),
+        **{word: float(own[f"{name}_{word}"]) for word in ("mean", "mean_low", "mean_high")},
         **quantiles, "from": float(low), "to": float(high),
     }  # fmt: skip
 

@@ -112,7 +112,8 @@ def drop_ensemble(
         On ``drop`` what was varied, ``first_touch_time``, ``standstill_time``, ``horizon``,
         ``status`` and ``message``; on ``(drop, contact)`` what `drop` delivers by bearing. For
         each figure on ``contact``, of the drops in which it is known, as a random sample:
-        ``largest_force_mean`` and ``largest_force_mean_error`` (standard error);
+        ``largest_force_mean``, ``largest_force_mean_error`` (standard error), and the ends of its
+        95 % interval, ``largest_force_mean_low`` and ``_high``;
         on ``(quantile, contact)`` ``largest_force_quantile`` and the ends of its 95 % interval,
         ``largest_force_quantile_low`` and ``_high``; and so on. ``backward_whirl_fraction``,
         ``rest_fraction`` and ``decided_fraction``, each with the ends ``_low`` and ``_high`` of
@@ -130,8 +131,9 @@ def drop_ensemble(
     -----
     Intervals of fractions are Wilson's; those of quantiles are the order statistics between which
     the quantile lies with 95 % by the binomial distribution, whatever the distribution of the
-    figure, and infinite where the sample is too small. The standard error of a mean is too small
-    where few drops dominate it, as with impulses of long contacts. ``backward_whirl_fraction``
+    figure, and infinite where the sample is too small. Those of means are Hall's, which allow for
+    skewness, joined with Student's; no sample tells of what it does not hold, so that an event of
+    one drop in 20 needs some 100 drops. ``backward_whirl_fraction``
     counts drops with a backward whirl of three turns or more, ``rest_fraction`` those that stay in
     contact at the end.
 

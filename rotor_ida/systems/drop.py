@@ -18,6 +18,7 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support, Unbalance
 from rotor_ida.parallel import Progress
 from rotor_ida.schema import labelled
+from rotor_ida.simulation.spin import SpeedProfile, steady
 from rotor_ida.systems.assembly import assemble, check_parts
 from rotor_ida.systems.drop_figures import figures_of_drop
 from rotor_ida.systems.levitation import Levitated, check_supports, levitated, with_supports
@@ -25,8 +26,8 @@ from rotor_ida.systems.modes import check_modes, in_modes
 from rotor_ida.systems.simulate import (
     MOST_RADIANS,
     SystemMethod,
-    run_up_system,
-    simulate_system,
+    profile_of,
+    run_of_cases,
 )
 from rotor_ida.systems.units import with_system_units
 
@@ -51,6 +52,7 @@ def drop(
     start: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
     samples: int | npt.ArrayLike | None = None,
     modes: int | None = None,
+    more_modes: int | None = None,
     rtol: float = 1e-10,
     method: SystemMethod = "taylor",
     progress: Progress | None = None,
@@ -89,7 +91,7 @@ def drop(
         Other close clearances by node: only compared with the motion, not touched.
     start : (q, velocity), optional
         State at the drop. Default: the levitated steady state.
-    samples, modes, rtol, method, progress : optional
+    samples, modes, more_modes, rtol, method, progress : optional
         As in `simulate_system`.
 
     Returns
@@ -147,7 +149,7 @@ def drop(
             f"got {omega!r}"
         )
     checked = _clearances(system, clearances)
-    check_modes(modes, None)
+    check_modes(modes, more_modes)
     found, fails = check_supports(system, supports, failing)
     if gravity is None and system.units == "SI":
         gravity = (0.0, -GRAVITY)
@@ -155,21 +157,32 @@ def drop(
         "contacts": bearings, "gravity": gravity, "static_force": static_force, "start": start,
         "unbalance": [replace(each, phase=each.phase + turned) for each in unbalance],
     }  # fmt: skip
-    case = _released(in_modes(system, modes, around), found, fails, omega)
-    how: dict[str, Any] = {"duration": duration, "samples": samples, "rtol": rtol, "method": method,
-                           "progress": progress, "speed": omega}  # fmt: skip
+    numbers = {"modes": modes, "more_modes": more_modes}
+    all_modes = [modes] if more_modes is None else [modes, more_modes]
+    cases = [_released(in_modes(system, number, around), found, fails, omega)
+             for number in all_modes]  # fmt: skip
+    profile, change = _course(omega, duration, inertia, drag)
+    run = run_of_cases(
+        [case.around for case in cases], profile, samples=samples, rtol=rtol,
+        method=method, progress=progress, speed=omega,
+        change=change | {name: each for name, each in numbers.items() if each is not None},
+    )  # fmt: skip
+    columns = figures_of_drop(run, checked) | cases[0].told
+    return _dataset(system, run, columns, {"phase": turned})
+
+
+def _course(
+    speed: float, duration: float, inertia: float | None, drag: float
+) -> tuple[SpeedProfile, dict[str, object]]:
+    """Return the course of the speed, held or by drag and friction, and its attributes."""
+    resistance = check_nonnegative("drag", drag)
     if inertia is None:
-        if (resistance := check_nonnegative("drag", drag)) > 0.0:
+        if resistance > 0.0:
             raise InputError(f"inertia must be given with drag, got drag {resistance!r} alone")
-        run = simulate_system(**case.around, **how)
-    else:
-        torque = (0.0, check_nonnegative("drag", drag))
-        run = run_up_system(**case.around, **how, torque=torque,
-                            inertia=check_positive("inertia", inertia))  # fmt: skip
-    told: dict[str, object] = {"phase": turned}
-    if modes is not None:
-        told["modes"] = modes
-    return _dataset(system, run, figures_of_drop(run, checked) | case.told, told)
+        return steady(speed, duration), {"speed": speed}
+    profile, _, change = profile_of(speed, None, None, None, (0.0, resistance),
+                                    check_positive("inertia", inertia), duration)  # fmt: skip
+    return profile, change
 
 
 def _clearances(system: RotorSystem, given: Mapping[str, float] | None) -> dict[str, float]:

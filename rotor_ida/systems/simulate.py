@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
@@ -235,7 +235,7 @@ def run_up_system(
     """
     if ramp_time is not None:
         rate = _rate_of(speed, to, rate, ramp_time)
-    profile, first, change = _profile(speed, to, rate, speeds, torque, inertia, duration)
+    profile, first, change = profile_of(speed, to, rate, speeds, torque, inertia, duration)
     return _simulate(
         system, profile, contacts=contacts, unbalance=unbalance, gravity=gravity,
         static_force=static_force, start=start, samples=samples, modes=modes,
@@ -254,7 +254,7 @@ def _rate_of(speed: object, to: object, rate: object, ramp_time: object) -> floa
     return (check_real("to", to) - check_real("speed", speed)) / span
 
 
-def _profile(
+def profile_of(
     speed: float | None,
     to: float | None,
     rate: float | None,
@@ -391,27 +391,61 @@ def _simulate(
     change: dict[str, object],
 ) -> xr.Dataset:
     """Return the run of a system along a course of its speed."""
+    around: dict[str, Any] = {"contacts": contacts, "unbalance": unbalance, "gravity": gravity,
+                              "static_force": static_force, "start": start}  # fmt: skip
+    check_modes(modes, more_modes)
+    numbers = {"modes": modes, "more_modes": more_modes}
+    change = change | {name: number for name, number in numbers.items() if number is not None}
+    cases = [in_modes(system, number, around)
+             for number in ([modes] if more_modes is None else [modes, more_modes])]  # fmt: skip
+    return run_of_cases(
+        cases, profile, samples=samples, rtol=rtol, method=method, progress=progress, speed=speed,
+        change=change,
+    )  # fmt: skip
+
+
+def run_of_cases(
+    cases: Sequence[Mapping[str, Any]],
+    profile: SpeedProfile,
+    *,
+    samples: int | npt.ArrayLike | None,
+    rtol: float,
+    method: SystemMethod,
+    progress: Progress | None,
+    speed: float,
+    change: dict[str, object],
+) -> xr.Dataset:
+    """Return the run of a system in its surroundings, and the shifts of its events in a second.
+
+    Parameters
+    ----------
+    cases : sequence of mapping
+        The system and its surroundings as keywords; those with more modes come second.
+    profile : SpeedProfile
+        The course of the speed.
+    samples, rtol, method, progress : optional
+        As for `simulate_system`.
+    speed : float
+        Speed at time 0.
+    change : dict
+        Attributes of the run: its speed or what changes it.
+    """
     check_choice("method", method, METHODS)
     check_progress(progress)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     end, fastest = profile.ends[-1], _fastest(profile, speed)
     times = _times(samples, end, fastest)
     told = {"method": method, "rtol": tolerance, "duration": end, **change}
-    around: dict[str, Any] = {"contacts": contacts, "unbalance": unbalance, "gravity": gravity,
-                              "static_force": static_force, "start": start}  # fmt: skip
-    check_modes(modes, more_modes)
-    numbers = {"modes": modes, "more_modes": more_modes}
-    told |= {name: number for name, number in numbers.items() if number is not None}
     first, *second = [
         _prepared(
-            **in_modes(system, number, around),
+            **each,
             profile=profile,
             times=times,
             speed=speed,
             fastest=fastest,
             rtol=tolerance,
         )
-        for number in ([modes] if more_modes is None else [modes, more_modes])
+        for each in cases
     ]
     watch: Watch = []
 
@@ -435,7 +469,7 @@ def _simulate(
         progress(100, 100)
     allowed = ROUNDED + OF_TOLERANCE * tolerance
     _check(first.assembly, first.found, first.request.start, followed, allowed)
-    more = problem_variables(first.assembly, unbalance, first.begun)
+    more = problem_variables(first.assembly, cases[0]["unbalance"], first.begun)
     if growth := growth_of(first.found, fastest):
         told["growth_rate_without_contact"] = growth
     if moved is not None:

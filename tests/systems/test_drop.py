@@ -7,8 +7,20 @@ import pytest
 from scipy.optimize import brentq
 
 import rotor_ida
-from rotor_ida import Contact, InputError, Race, RotorSystem, Stator, Support, Unbalance, drop
+from rotor_ida import (
+    Contact,
+    DimensionalRotor,
+    InputError,
+    Race,
+    RotorSystem,
+    Stator,
+    Support,
+    Unbalance,
+    drop,
+)
 from rotor_ida.core import systems as core_systems
+from rotor_ida.paper.whip import is_whip
+from rotor_ida.schema import MODE
 
 GRAVITY = 9.80665
 MASS, TILT, POLAR = 20.0, 0.6, 0.08
@@ -217,6 +229,57 @@ def test_what_cannot_be_dropped_is_refused_in_one_line(change, words):
     with pytest.raises(InputError, match=words) as caught:
         drop(rigid(), **given | change)
     assert "\n" not in str(caught.value)
+
+
+def test_more_modes_tell_how_far_the_events_of_a_drop_move():
+    bend = np.diff(np.eye(6), 2, axis=0)
+    stiffness = 4e6 * np.kron(bend.T @ bend, np.eye(2))
+    system = RotorSystem(
+        mass=3.0 * np.eye(12), stiffness=stiffness, damping=2e-5 * stiffness,
+        nodes={"a": (0, 1), "disc": (4, 5), "b": (10, 11)},
+    )  # fmt: skip
+    given = {"bearings": [bearing("a"), bearing("b")], "speed": 300.0, "duration": 0.011,
+             "supports": SUPPORTS, "unbalance": [Unbalance(node="disc", moment=2e-5)],
+             "inertia": POLAR}  # fmt: skip
+    few = drop(system, **given, modes=4, more_modes=6)
+    many = drop(system, **given, modes=6)
+    assert few.attrs["more_modes"] == 6
+    assert few.sizes["event"] >= 2
+    assert few.event_contact[0] == many.event_contact[0]
+    moved = abs(float(few.event_time[0] - many.event_time[0]))
+    assert moved > 1e-7
+    np.testing.assert_allclose(few.event_time_shift[0], moved, rtol=1e-3)
+    with pytest.raises(InputError, match="more_modes must be more than modes, 6, got 4"):
+        drop(system, **given, modes=6, more_modes=4)
+
+
+@pytest.mark.parametrize(("friction", "damping", "whips"), [(0.0, 10.0, False), (0.2, 10.0, False),
+                                                            (0.4, 10.0, True)])  # fmt: skip
+def test_a_disc_as_a_system_drops_as_the_disc_itself(friction, damping, whips):
+    """The rotor of the scenario "drop": the same events up to the horizon, the same end."""
+    machine = DimensionalRotor(
+        mass=MASS, contact_stiffness=2e9, damping=50.0, eccentricity=4e-6, clearance=2e-4,
+        speed=500.0 * math.pi, contact_damping=damping, load=MASS * GRAVITY, friction=friction,
+        disc_radius=0.02 if friction else None,
+    )  # fmt: skip
+    rotor = machine.rotor()
+    one = rotor_ida.simulate(rotor, start=(-1.0, 0.0, 0.0, -rotor.omega), samples=1001,
+                             duration=0.15 / machine.time_scale)  # fmt: skip
+    system, contacts, unbalance = machine.system()
+    shift = machine.eccentricity
+    run = drop(system, bearings=contacts, unbalance=unbalance, speed=machine.speed, duration=0.15,
+               gravity=(0.0, 0.0),
+               start=([-shift, 0.0], [0.0, -shift * machine.speed]))  # fmt: skip
+    times = one.event_time.values * machine.time_scale
+    both = min(float(one.horizon) * machine.time_scale, float(run.horizon))
+    count = int((times < 0.99 * both).sum())
+    assert count == times.size >= 4
+    np.testing.assert_allclose(run.event_time.values[:count], times[:count], rtol=1e-9)
+    assert (run.event_kind.values[:count] == one.event_kind.values[:count]).all()
+    assert is_whip(one) == whips
+    assert (run.whirl_sense[0] < 0) == whips
+    assert (run["mode"][-1, 0] == MODE["rolling"]) == whips
+    assert run.rest_time.notnull().all()
 
 
 def test_a_drop_is_verified_and_loaded_as_it_was(tmp_path):
