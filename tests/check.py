@@ -28,13 +28,17 @@ BESIDE = {"types": ["-m", "mypy"], "layout": ["-c", LINT_IMPORTS]}
 # One more process than processors, as many tests wait for what they have started.
 WORKERS = str((os.cpu_count() or 1) + 1)
 TESTS = ["-m", "pytest", "-n", WORKERS, "--dist", "worksteal"]
+# Every process would compile what it imports, and rewrite its assertions, were this set.
+ENVIRONMENT = {
+    name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
+}
 # pytest ends each line of dots with the part of the tests that is done.
 PART_DONE = re.compile(r"\[ *(\d+)%\]$")
 
 
 def started(arguments, **how):
     """Start a check with this Python."""
-    return subprocess.Popen([sys.executable, *arguments], cwd=ROOT, text=True, **how)
+    return subprocess.Popen([sys.executable, *arguments], cwd=ROOT, env=ENVIRONMENT, text=True, **how)
 
 
 def run(name, arguments):
