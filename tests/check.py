@@ -38,7 +38,9 @@ PART_DONE = re.compile(r"\[ *(\d+)%\]$")
 
 def started(arguments, **how):
     """Start a check with this Python."""
-    return subprocess.Popen([sys.executable, *arguments], cwd=ROOT, env=ENVIRONMENT, text=True, **how)
+    return subprocess.Popen(
+        [sys.executable, *arguments], cwd=ROOT, env=ENVIRONMENT, text=True, **how
+    )
 
 
 def run(name, arguments):

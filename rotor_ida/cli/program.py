@@ -23,7 +23,6 @@ from cyclopts import (
     UnusedCliTokensError,
     ValidationError,
 )
-from rich.console import Console
 
 from rotor_ida.checks import did_you_mean, listed, shown
 from rotor_ida.cli import options
