@@ -28,10 +28,9 @@ BESIDE = {"types": ["-m", "mypy"], "layout": ["-c", LINT_IMPORTS]}
 # One more process than processors, as many tests wait for what they have started.
 WORKERS = str((os.cpu_count() or 1) + 1)
 TESTS = ["-m", "pytest", "-n", WORKERS, "--dist", "worksteal"]
-# Every process would compile what it imports, and rewrite its assertions, were this set.
-ENVIRONMENT = {
-    name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
-}
+# One thread for matrices, as all processors have a process each: threads that wait for the next
+# product take a third of the time. And Python keeps what it has compiled, even if told not to.
+ENVIRONMENT = os.environ | {"OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": ""}
 # pytest ends each line of dots with the part of the tests that is done.
 PART_DONE = re.compile(r"\[ *(\d+)%\]$")
 
