@@ -28,13 +28,18 @@ BESIDE = {"types": ["-m", "mypy"], "layout": ["-c", LINT_IMPORTS]}
 # One more process than processors, as many tests wait for what they have started.
 WORKERS = str((os.cpu_count() or 1) + 1)
 TESTS = ["-m", "pytest", "-n", WORKERS, "--dist", "worksteal"]
+# One thread for matrices, as all processors have a process each: threads that wait for the next
+# product take a third of the time. And Python keeps what it has compiled, even if told not to.
+ENVIRONMENT = os.environ | {"OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": ""}
 # pytest ends each line of dots with the part of the tests that is done.
 PART_DONE = re.compile(r"\[ *(\d+)%\]$")
 
 
 def started(arguments, **how):
     """Start a check with this Python."""
-    return subprocess.Popen([sys.executable, *arguments], cwd=ROOT, text=True, **how)
+    return subprocess.Popen(
+        [sys.executable, *arguments], cwd=ROOT, env=ENVIRONMENT, text=True, **how
+    )
 
 
 def run(name, arguments):

@@ -1,12 +1,10 @@
 """Pages of the reference that come from the code: the public names, and the command line."""
 
-import io
 import re
 import shutil
 from pathlib import Path
 
 from notation import public_names
-from rich.console import Console
 
 from rotor_ida import schema
 from rotor_ida.cli.program import COMMANDS, application
@@ -84,8 +82,7 @@ def section(module, title, names):
 
 def write_commands():
     """Write the page of commands from their own help."""
-    console = Console(file=io.StringIO())
-    found = application(console).generate_docs(output_format="markdown")
+    found = application().generate_docs(output_format="markdown")
     found = re.sub(r"## Table of Contents\n\n(?:- .*\n)+\n", "", found)
     for commands in COMMANDS.values():
         for command, short in commands.items():

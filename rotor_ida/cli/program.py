@@ -6,6 +6,7 @@ import errno
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import is_dataclass
+from functools import cache
 from importlib.metadata import version
 from typing import Literal, TextIO, get_args, get_origin
 
@@ -22,7 +23,6 @@ from cyclopts import (
     UnusedCliTokensError,
     ValidationError,
 )
-from rich.console import Console
 
 from rotor_ida.checks import did_you_mean, listed, shown
 from rotor_ida.cli import options
@@ -140,15 +140,15 @@ def main(words: Sequence[str] | None = None) -> int:
             return _complain(said, BAD_INPUT if isinstance(error, InputError) else FAILED)
 
 
-def application(console: Console) -> App:
-    """Return the commands, with their help going to `console`."""
+@cache
+def application() -> App:
+    """Return the commands."""
     groups = {name: Group(name, sort_key=place) for place, name in enumerate(COMMANDS)}
     app = App(
         name="rotor-ida",
         help=HELP,
         help_format="plaintext",
         version=version("rotor-ida"),
-        console=console,
         group_commands=groups["Program"],
     )
     for name, commands in COMMANDS.items():
@@ -169,8 +169,8 @@ def application(console: Console) -> App:
 
 def _run(words: list[str], results: TextIO) -> int:
     console = console_on(results)
-    command, bound = application(console).parse_args(
-        readable(words), print_error=False, exit_on_error=False
+    command, bound = application().parse_args(
+        readable(words), console=console, print_error=False, exit_on_error=False
     )[:2]
     _refuse_units(bound.arguments)
     with console.capture() as help_text:

@@ -158,14 +158,14 @@ def names_of(batch):
 @pytest.mark.parametrize("name", NARROW)
 @pytest.mark.parametrize("sections", [True, False])
 def test_no_label_hangs_on_what_else_is_in_the_batch(name, sections, monkeypatch):
-    """The first of some starts, alone and with as many more, with sections of cycles or without."""
+    """The first half of some starts, alone and with the others, with sections of cycles or not."""
     if not sections:
         monkeypatch.setattr(known_module, "cycle_section", without_a_set)
     rotor, count = NARROW[name]
     count = count if sections else count // 4
-    states = random_states(2 * count, seed=1)
-    alone, together = decide(batch_of(rotor, states[:, :count])), decide(batch_of(rotor, states))
-    assert names_of(alone) == names_of(together)[:count]
+    states, half = random_states(count, seed=1), count // 2
+    alone, together = decide(batch_of(rotor, states[:, :half])), decide(batch_of(rotor, states))
+    assert names_of(alone) == names_of(together)[:half]
 
 
 def without_a_set(cycle, stop):

@@ -1,6 +1,7 @@
 """Drops of a horizontal rotor: against basin fractions, and single runs by CVODE."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -54,6 +55,11 @@ def long_run(rotor, start, turns=200):
     return simulate(rotor, start=end, duration=turns * revolution, samples=200 * turns + 1)
 
 
+@cache
+def report_of(rotor):
+    return touchdown_report(rotor, **WIDE, starts=8, seed=3)
+
+
 def start_to(rotor, kind):
     """A start that leads to a kind of motion."""
     random = np.random.default_rng(0)
@@ -74,7 +80,7 @@ def start_to(rotor, kind):
     ],
 )
 def test_forces_and_losses_are_those_of_a_long_run(rotor, kind, near):
-    row = of_kind(touchdown_report(rotor, **WIDE, starts=8, seed=3), kind)
+    row = of_kind(report_of(rotor), kind)
     run = long_run(rotor, start_to(rotor, kind))
     told, forces, turns = contact_summary(run), contact_forces(run), 200
     normal = forces["normal_force" if rotor.friction > 0.0 else "force"]
