@@ -354,7 +354,7 @@ Film = Annotated[
 ]
 File = Annotated[Path, _path("Archive written by rotor-ida (.nc).", name="FILE")]
 FileToExplore = Annotated[
-    Path | None, _path("Archived run whose rotor and initial state are shown first.")
+    Path | None, _path("Archived run shown first, or a rotor system as TOML or .nc.")
 ]
 Port = Annotated[int, _whole_number("Port on this computer; 0 picks a free one.", 0, 65_535)]
 NoBrowser = Annotated[bool, _flag("Print the address without opening a browser.")]

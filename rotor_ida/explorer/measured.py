@@ -66,9 +66,9 @@ def show_measured(measurement: Measurement) -> Iterator[Answer]:
     notes = str(signals.attrs["notes"]).split("; ") if "notes" in signals.attrs else []
     notes += [] if record.angles is not None else [NO_ANGLE]
     if record.angles is not None:
-        arrays |= _unless_impossible(_order, signals, record, notes)
+        arrays |= unless_impossible(order_rows, signals, record, notes)
     varies = record.angles is not None and speed is None
-    arrays |= _unless_impossible(_cascade if varies else _full, signals, record, notes)
+    arrays |= unless_impossible(cascade_rows if varies else full_lines, signals, record, notes)
     facts |= {
         "columns": columns,
         "samples": signals.sizes["t"],
@@ -96,7 +96,7 @@ def segment_for(rate: float, step: float) -> int:
     return int(2 ** round(math.log2(min(max(fine, FEWEST), MOST))))
 
 
-def _unless_impossible(
+def unless_impossible(
     analyse: Callable[[xr.Dataset, Record], Arrays],
     signals: xr.Dataset,
     record: Record,
@@ -110,7 +110,7 @@ def _unless_impossible(
         return {}
 
 
-def _order(signals: xr.Dataset, _record: Record) -> Arrays:
+def order_rows(signals: xr.Dataset, _record: Record) -> Arrays:
     """Return order 1 in each revolution."""
     tracked = orders(signals).isel(order=0)
     every = math.ceil(tracked.sizes["window"] / MOST_REVOLUTIONS)
@@ -120,7 +120,7 @@ def _order(signals: xr.Dataset, _record: Record) -> Arrays:
     return {f"order_{short}": tracked[name].values[::every] for short, name in names.items()}
 
 
-def _full(signals: xr.Dataset, record: Record) -> Arrays:
+def full_lines(signals: xr.Dataset, record: Record) -> Arrays:
     """Return the full spectrum of all samples."""
     lines, speed = full_spectrum(signals), one_speed(record)
     frequency, height = lines["frequency"].values, lines["whirl_amplitude"].values
@@ -141,7 +141,7 @@ def _tallest(frequency: Values, height: Values) -> tuple[Values, Values]:
     return frequency[places], height[places]
 
 
-def _cascade(signals: xr.Dataset, record: Record) -> Arrays:
+def cascade_rows(signals: xr.Dataset, record: Record) -> Arrays:
     """Return full spectra over the speed, no more than are distinguishable."""
     step, angles, times = record.equal_step(), record.known_angles(), record.times
     parts = slice(None, None, max(angles.size // PARTS, 1))

@@ -23,6 +23,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
+from rotor_ida.explorer.system_questions import READERS, SystemQuestion, SystemUpload
 from rotor_ida.model.data_sheet import KEYS, check_keys, machine_from_data_sheet
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
@@ -179,7 +180,9 @@ class DataSheet:
         return machine_from_data_sheet(**cast(dict[str, Any], self.quantities))
 
 
-def read_question(text: str) -> Question | Measurement | DataSheet:
+def read_question(
+    text: str,
+) -> Question | Measurement | DataSheet | SystemQuestion | SystemUpload:
     """Return a checked question, or raise `InputError`.
 
     Examples
@@ -207,6 +210,12 @@ def read_question(text: str) -> Question | Measurement | DataSheet:
         return _measurement(given)
     if isinstance(given, dict) and given.get("about") == DataSheet.about:
         return _data_sheet(given)
+    if (
+        isinstance(given, dict)
+        and isinstance(given.get("about"), str)
+        and given["about"] in READERS
+    ):
+        return READERS[given["about"]](given)
     names = sorted(set(Question.__dataclass_fields__).difference(OF_RUN_UP))
     if not isinstance(given, dict):
         raise InputError(f"a question must have {', '.join(names)}, got {shown(given)}")

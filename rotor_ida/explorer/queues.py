@@ -11,8 +11,17 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import count
 
-from rotor_ida.explorer.messages import FILES, Answer, Measurement, Question, packed
-from rotor_ida.explorer.workers import FIRST_MACHINE, FIRST_ROTOR, LENGTH, SHOWN_BY, Order, example
+from rotor_ida.explorer.messages import FILES, Answer, Measurement, packed
+from rotor_ida.explorer.system_questions import SYSTEM_FILES
+from rotor_ida.explorer.workers import (
+    FIRST_MACHINE,
+    FIRST_ROTOR,
+    LENGTH,
+    SHOWN_BY,
+    Asked,
+    Order,
+    example,
+)
 
 Deliver = Callable[[bytes], None]
 # Origin of a question: a page, and the panels of one of its rotors.
@@ -28,9 +37,15 @@ AGAIN = 0.5
 AT_A_TIME = 2**20
 # For each queue: its questions, pause, patience and rest in seconds, and niceness.
 PLANS: tuple[tuple[tuple[str, ...], float, float, float, int], ...] = (
-    (("motion", "run_up", "lines"), 0.0, 0.25, 0.0, 0),
-    (("responses", Measurement.about, *FILES), 0.0, 0.25, 0.15, 0),
-    (("starts",), 0.08, 0.0, 0.0, 10),
+    (("motion", "run_up", "lines", "system_run"), 0.0, 0.25, 0.0, 0),
+    (
+        ("responses", Measurement.about, *FILES, "system_map", *SYSTEM_FILES),
+        0.0,
+        0.25,
+        0.15,
+        0,
+    ),
+    (("starts", "system_run_up"), 0.08, 0.0, 0.0, 10),
 )
 DIED = "The process that computes this ended unexpectedly; it is being restarted."
 
@@ -63,7 +78,7 @@ class Queues:
             task.cancel()
         await asyncio.gather(*self._running, return_exceptions=True)
 
-    def ask(self, page: int, question: Question | Measurement, deliver: Deliver) -> None:
+    def ask(self, page: int, question: Asked, deliver: Deliver) -> None:
         """Add a question to the queue that answers it."""
         queue = next(queue for queue in self._queues if question.about in queue.abouts)
         queue.ask(page, question, deliver)
@@ -87,7 +102,7 @@ class _Pending:
     """A question with its origin and time; once begun, the number of its answer."""
 
     place: Place
-    question: Question | Measurement
+    question: Asked
     deliver: Deliver
     since: float
     number: int | None = None
@@ -142,7 +157,7 @@ class Queue:
         self._changed = asyncio.Event()
         self._worker: _Worker | None = None
 
-    def ask(self, page: int, question: Question | Measurement, deliver: Deliver) -> None:
+    def ask(self, page: int, question: Asked, deliver: Deliver) -> None:
         """Add a question, in place of an older one from the same origin."""
         loop = asyncio.get_running_loop()
         place = (page, question.about, question.side)
@@ -245,7 +260,7 @@ class Queue:
         """Cancel an answer that is not complete."""
         if self._begun.get(pending.place) is not pending:
             return
-        if pending.question.about in FILES:
+        if pending.question.about in (*FILES, *SYSTEM_FILES):
             pending.deliver = _nowhere  # drawing is not interrupted: it imports modules as it goes
             return
         del self._begun[pending.place]

@@ -8,6 +8,7 @@ messages larger or more frequent than a page sends.
 from __future__ import annotations
 
 import asyncio
+import re
 import secrets
 import socket
 from collections.abc import Callable, Iterator
@@ -36,13 +37,14 @@ from rotor_ida.explorer.messages import (
     Answer,
     DataSheet,
     Measurement,
-    Question,
     largest_speed,
     packed,
     read_question,
 )
 from rotor_ida.explorer.page import TYPES, page_files
 from rotor_ida.explorer.queues import Deliver, Queues
+from rotor_ida.explorer.system_questions import SystemQuestion, SystemUpload
+from rotor_ida.explorer.workers import Asked
 from rotor_ida.model.data_sheet import implausible
 
 HOSTS = ("127.0.0.1", "localhost", "[::1]")
@@ -52,6 +54,8 @@ MOST_PAGES = 16
 # Largest message in bytes; larger ones are not read.
 LARGEST_MESSAGE = 65_536
 MOST_FRAGMENTS = 1024
+# Characters kept of the name of a file of a system.
+LONGEST_STEM = 60
 # Bytes of answers waiting to be read by a page.
 MOST_UNREAD = 2**25
 # Connections that have not shown the key, and how long each may take, in seconds.
@@ -80,8 +84,11 @@ HEADERS = {
 TOO_MANY_PAGES, TOO_SLOW = 4429, 4408
 
 
-def application(queues: Queues, key: str) -> ASGIApp:
-    """Return the application that serves the page, and answers to those with the key."""
+def application(queues: Queues, key: str, system: Path | None = None) -> ASGIApp:
+    """Return the application that serves the pages, and answers to those with the key.
+
+    `system` is the file that the page of a rotor system shows first.
+    """
     contents, numbers, pages = page_files(), count(1), set[int]()
 
     async def page(request: Request) -> Response:
@@ -105,7 +112,7 @@ def application(queues: Queues, key: str) -> ASGIApp:
                 return
             pages.add(number)
             try:
-                await _converse(socket, queues, number)
+                await _converse(socket, queues, number, system)
             finally:
                 pages.discard(number)
                 queues.forget(number)
@@ -116,7 +123,9 @@ def application(queues: Queues, key: str) -> ASGIApp:
     return _only_from_here(Starlette(routes=routes))
 
 
-async def _converse(socket: WebSocket, queues: Queues, page: int) -> None:
+async def _converse(
+    socket: WebSocket, queues: Queues, page: int, system: Path | None = None
+) -> None:
     """Accept the questions of a page and send the answers, until it disconnects."""
     unread, held = asyncio.Queue[bytes](), 0
 
@@ -135,7 +144,7 @@ async def _converse(socket: WebSocket, queues: Queues, page: int) -> None:
             held -= len(answer)
 
     async def take() -> None:
-        with closing(Inbox(partial(queues.ask, page), deliver)) as inbox:
+        with closing(Inbox(partial(queues.ask, page), deliver, system)) as inbox:
             while (message := await socket.receive())["type"] != "websocket.disconnect":
                 try:
                     inbox.take(message.get("text") or "", message.get("bytes"))
@@ -156,19 +165,21 @@ async def _converse(socket: WebSocket, queues: Queues, page: int) -> None:
 
 
 class Inbox:
-    """Input from a page: questions, and a measured file in pieces after its question.
+    """Input from a page: questions, and a file in pieces after its question.
 
-    The file is kept in a temporary folder until it is analysed, the page sends another one or
-    disconnects.
+    A measured file is kept in a temporary folder until it is analysed, the file of a system until
+    the page sends another one or disconnects.
     """
 
     def __init__(
-        self, ask: Callable[[Question | Measurement, Deliver], None], deliver: Deliver
+        self, ask: Callable[[Asked, Deliver], None], deliver: Deliver, system: Path | None = None
     ) -> None:
         self._ask = ask
         self._deliver = deliver
+        self._system = system
+        self._folder_of_system: TemporaryDirectory[str] | None = None
         self._folder: TemporaryDirectory[str] | None = None
-        self._coming: Measurement | None = None
+        self._coming: Measurement | SystemUpload | None = None
         self._left = 0
 
     def take(self, text: str, piece: bytes | None) -> None:
@@ -177,15 +188,20 @@ class Inbox:
             self._add(piece)
             return
         question = read_question(text)
-        if isinstance(question, Question):
-            self._ask(question, self._deliver)
+        if isinstance(question, SystemQuestion):
+            self._ask(replace(question, path=self._system), self._deliver)
             return
         if isinstance(question, DataSheet):
             self._deliver(packed(_machine_of(question), question.ticket))
             return
-        self.close()
+        if not isinstance(question, Measurement | SystemUpload):
+            self._ask(question, self._deliver)
+            return
+        self._forget()
         self._folder = TemporaryDirectory(prefix="rotor-ida-")
-        path = Path(self._folder.name, f"measured{question.ending}")
+        # its own name of a system is in messages, and in the lines that compute it again
+        name = "measured" if isinstance(question, Measurement) else safe_stem(question.name)
+        path = Path(self._folder.name, f"{name}{question.ending}")
         self._coming, self._left = replace(question, path=path), question.size
         self._add(b"")
 
@@ -195,13 +211,16 @@ class Inbox:
         assert coming is not None
         assert coming.path is not None
         if len(piece) > self._left:
-            self.close()
+            self._forget()
             raise InputError(f"a file must have the {coming.size} bytes announced, got more")
         with coming.path.open("ab") as file:
             file.write(piece)
         self._left -= len(piece)
-        if not self._left:
+        if not self._left and isinstance(coming, SystemUpload):
+            self._keep(coming)
+        elif not self._left:
             self._coming = None
+            assert isinstance(coming, Measurement)
             self._ask(coming, partial(self._answered, self._folder))
 
     def _answered(self, folder: TemporaryDirectory[str] | None, answer: bytes) -> None:
@@ -209,12 +228,39 @@ class Inbox:
             folder.cleanup()
         self._deliver(answer)
 
+    def _keep(self, coming: SystemUpload) -> None:
+        """Take a file that is complete as that of the system."""
+        if self._folder_of_system is not None:
+            self._folder_of_system.cleanup()
+        self._folder_of_system, self._folder, self._coming = self._folder, None, None
+        self._system = coming.path
+        self._deliver(packed(Answer("system_file", {"name": coming.name}), coming.ticket))
+
     def close(self) -> None:
-        """Remove the stored file."""
+        """Remove the stored files."""
+        self._forget()
+        if self._folder_of_system is not None:
+            self._folder_of_system.cleanup()
+            self._folder_of_system = None
+
+    def _forget(self) -> None:
+        """Remove a file that is in transfer, or is analysed."""
         self._coming = None
         if self._folder is not None:
             self._folder.cleanup()
             self._folder = None
+
+
+def safe_stem(name: str) -> str:
+    """Return the stem of a file name with nothing in it that leads elsewhere.
+
+    Examples
+    --------
+    >>> safe_stem("../../my pump.toml")
+    'my pump'
+    """
+    stem = Path(name.replace("\\", "/")).stem
+    return re.sub(r"[^\w .-]", "_", stem)[:LONGEST_STEM].lstrip(".") or "system"
 
 
 def _machine_of(sheet: DataSheet) -> Answer:

@@ -21,9 +21,11 @@ from typing import BinaryIO, Literal, cast
 
 from rotor_ida.errors import RotorError
 from rotor_ida.explorer.messages import Answer, Measurement, Question, packed, read_question
+from rotor_ida.explorer.system_questions import SystemQuestion
 
 # Orders about a numbered answer: compute its first part, continue, or cancel it.
-Order = tuple[int, Question | Measurement | Literal["next", "drop"]]
+Asked = Question | Measurement | SystemQuestion
+Order = tuple[int, Asked | Literal["next", "drop"]]
 
 # Rotor of the warm-up question, before a page may connect.
 FIRST_ROTOR = (2.0, 0.07, 2.0)
@@ -37,6 +39,10 @@ SHOWN_BY = {
     "responses": ("responses", "show_responses"),
     "starts": ("starts", "show_starts"),
 }
+OF_SYSTEMS = {
+    "system_run": "show_system_run", "system_map": "show_system_map",
+    "system_run_up": "show_system_run_up",
+}  # fmt: skip
 # Seconds after which a part is interrupted again.
 SOON = 0.01
 # Bytes of the length of an answer, little-endian.
@@ -80,7 +86,7 @@ class Desk:
             if self._begun.pop(number, None) is not None:
                 signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
             return
-        if isinstance(what, (Question, Measurement)):
+        if isinstance(what, Asked):
             self._begun[number] = _parts(what)
         self._due.put(number)
 
@@ -123,7 +129,7 @@ def _listen(desk: Desk, orders: BinaryIO) -> None:
     os._exit(0)
 
 
-def _parts(question: Question | Measurement) -> Iterator[bytes]:
+def _parts(question: Asked) -> Iterator[bytes]:
     """Yield the parts of an answer; the last may be an error."""
     try:
         for answer in _show(question):
@@ -140,12 +146,16 @@ def _why(error: Exception) -> str:
     return said if isinstance(error, RotorError) else f"{type(error).__name__}: {said}"
 
 
-def _show(question: Question | Measurement) -> Iterator[Answer]:
+def _show(question: Asked) -> Iterator[Answer]:
     """Answer a question; each process imports only what it needs."""
     if isinstance(question, Measurement):
         from rotor_ida.explorer.measured import show_measured  # noqa: PLC0415
 
         return show_measured(question)
+    if isinstance(question, SystemQuestion):
+        systems = import_module("rotor_ida.explorer.systems")
+        shown_by = getattr(systems, OF_SYSTEMS.get(question.about, "show_system_file"))
+        return cast(Iterator[Answer], shown_by(question))
     module, function = SHOWN_BY.get(question.about, ("files", "show_file"))
     show = getattr(import_module(f"rotor_ida.explorer.{module}"), function)
     return cast(Iterator[Answer], show(question))

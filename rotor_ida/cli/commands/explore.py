@@ -14,7 +14,10 @@ from rotor_ida.cli.machines import Units, plain
 from rotor_ida.cli.output import FORCED, read, working
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import MOST_REVOLUTIONS, largest_speed
+from rotor_ida.explorer.system_questions import ENDINGS, SYSTEM_RUNS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.results.kinds import kind_of
+from rotor_ida.results.system_file import load_system
 from rotor_ida.simulation.options import check_can_be_followed
 
 # Packages that serve the page, not required otherwise.
@@ -51,16 +54,31 @@ def explore(
 
         rotor-ida explore run.nc
 
+    A rotor system, or the playback of a drop, from a system file or from an archive:
+
+        rotor-ida explore rotor.toml
+
     As a page that needs no server, with a slider over the speeds:
 
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2 --export page.html \
             --speeds 1.9:2.1:3
     """
+    system = _system(file, rotor, start, export)
+    if system is not None:
+        _serve({}, port, not no_browser, system)
+        return 0
     chosen, first, revolutions = _beginning(rotor, start, file)
     if export is not None:
         return _export(export, chosen, first, revolutions, speeds, force)
     if speeds is not None:
         raise InputError("speeds must be left out without --export")
+    _serve(_state(chosen, first, revolutions), port, not no_browser)
+    return 0
+
+
+def _serve(
+    state: Mapping[str, object], port: int, browser: bool, system: Path | None = None
+) -> None:
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         raise InputError(
@@ -68,8 +86,25 @@ def explore(
         )
     from rotor_ida.explorer.explore import explore as serve  # noqa: PLC0415 - not for --help
 
-    serve(_state(chosen, first, revolutions), port=port, browser=not no_browser, report=_say)
-    return 0
+    serve(state, port=port, browser=browser, report=_say, system=system)
+
+
+def _system(
+    file: Path | None, rotor: options.RotorOptions, start: State | None, export: Path | None
+) -> Path | None:
+    """Return the file if it is of a rotor system that can be read; None for one disc."""
+    if file is None or file.suffix.lower() not in ENDINGS:
+        return None
+    is_toml = file.suffix.lower() == ".toml"
+    if not is_toml and kind_of(read(file)) not in SYSTEM_RUNS:
+        return None
+    if rotor.machine is not None or rotor.given or start is not None:
+        raise InputError("file must be given alone: it contains the rotor and the start")
+    if export is not None:
+        raise InputError("export must be left out: a page of a rotor system needs the program")
+    if is_toml:
+        load_system(file)
+    return file.resolve()
 
 
 def _beginning(

@@ -9,6 +9,7 @@ from unicodedata import lookup
 
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.explorer.messages import LARGEST_FILE, LEAST_SPEED, ROOM
+from rotor_ida.explorer.system_questions import ENDINGS
 from rotor_ida.model.data_sheet import ALTERNATIVES, GRAVITY
 from rotor_ida.model.parameters import DEFAULTS, MACHINE_PARAMETERS, PARAMETERS, TABLE
 from rotor_ida.schema import (
@@ -55,8 +56,9 @@ def page_files() -> dict[str, bytes]:
         for each in place.iterdir():
             if each.name.rpartition(".")[2] in TYPES:
                 found[prefix + each.name] = each.read_bytes()
-    index = found["index.html"].decode()
-    found["index.html"] = index.replace(TABLES.format("{}"), TABLES.format(_tables())).encode()
+    for name in ("index.html", "system.html"):
+        page = found[name].decode()
+        found[name] = page.replace(TABLES.format("{}"), TABLES.format(_tables())).encode()
     return found
 
 
@@ -74,6 +76,7 @@ def _tables() -> str:
     }
     tables = {
         "largest_file": LARGEST_FILE,
+        "system_endings": ENDINGS,
         "parameters": parameters,
         "room": ROOM,
         "least_speed": LEAST_SPEED,

@@ -1,0 +1,400 @@
+"""Panels of a rotor system from a file: its run or drop, exact whirls, Campbell, and run-up."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.arrays import Arrays
+from rotor_ida.checks import shown
+from rotor_ida.errors import InputError
+from rotor_ida.explorer.files import NAME
+from rotor_ida.explorer.measured import cascade_rows, full_lines, order_rows, unless_impossible
+from rotor_ida.explorer.messages import Answer
+from rotor_ida.explorer.system_questions import OF_CONTACT, SYSTEM_RUNS, SystemQuestion
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.plot import drop_figure, save_figure, system_figure
+from rotor_ida.plot.appearance import without_pyplot
+from rotor_ida.results.archive import load, save
+from rotor_ida.results.kinds import kind_of
+from rotor_ida.results.system_file import SystemFile, load_system
+from rotor_ida.schema import SPECIAL
+from rotor_ida.signals.nodes import at_node
+from rotor_ida.signals.record import record_of
+from rotor_ida.systems.archived import problem_of
+from rotor_ida.systems.campbell import campbell
+from rotor_ida.systems.drop import drop
+from rotor_ida.systems.simulate import run_up_system, simulate_system
+from rotor_ida.systems.special_speeds import special_speeds
+from rotor_ida.systems.synchronous import synchronous_response_system
+
+# Samples that are sent of a run, and speeds of the exact response and of the Campbell diagram.
+MOST_SAMPLES, SPEEDS, FEW_SPEEDS = 6000, 160, 60
+# Eigenvalues of a Campbell diagram.
+MOST_EIGENVALUES = 16
+# Range of speeds over that of the file, and revolutions of a run-up that the file does not give.
+LOW, HIGH, TURNS = 0.1, 1.5, 300
+# Revolutions at the end of a run that the verdict is about.
+LAST = 10
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """A system with what is around it, changed as the page asks; of an archive, its run too.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The rotor.
+    contacts : tuple of Contact
+        Its contacts.
+    unbalance : tuple of Unbalance
+        Its unbalance.
+    speed : float
+        Running speed.
+    file : SystemFile, optional
+        The system file, if it is one.
+    run : Dataset, optional
+        The run of an archive.
+    """
+
+    system: RotorSystem
+    contacts: tuple[Contact, ...]
+    unbalance: tuple[Unbalance, ...]
+    speed: float
+    file: SystemFile | None = None
+    run: xr.Dataset | None = None
+
+    @property
+    def drops(self) -> bool:
+        """Whether the file describes a drop."""
+        return self.file is not None and "duration" in self.file.fall
+
+
+def case_of(question: SystemQuestion) -> Case:
+    """Return the case of a question, from its file and its changes."""
+    path = question.path
+    if path is None:
+        raise InputError("drop a system file (.toml) or an archive of a system (.nc) on the page")
+    found = _read(path, path.stat().st_mtime_ns)
+    contacts, changes = list(found.contacts), dict(question.changes)
+    factor = changes.pop("unbalance_factor", 1.0)
+    if changes:
+        if question.contact >= len(contacts):
+            raise InputError(f"contact must be below {len(contacts)}, got {question.contact}")
+        contacts[question.contact] = replace(contacts[question.contact], **changes)
+    unbalance = tuple(replace(each, moment=factor * each.moment) for each in found.unbalance)
+    speed = found.speed if question.speed is None else question.speed
+    return replace(found, contacts=tuple(contacts), unbalance=unbalance, speed=speed)
+
+
+@lru_cache(maxsize=2)
+def _read(path: Path, _changed: int) -> Case:
+    """Return the case of a file; a newer version of the file is read again."""
+    if path.suffix.lower() == ".toml":
+        file = load_system(path)
+        speed = file.speed if file.speed is not None else file.change.get("to")
+        if speed is None:
+            raise InputError(f"{path.name}: speed must be given")
+        return Case(system=file.system, contacts=file.contacts, unbalance=file.unbalance,
+                    speed=speed, file=file)  # fmt: skip
+    try:
+        run = load(path)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path.name}: {error}") from error
+    if kind_of(run) not in SYSTEM_RUNS:
+        raise InputError(
+            f"{path.name}: a run or a drop of a rotor system must be given, got {kind_of(run)!r}"
+        )
+    system, around = problem_of(run)
+    fastest = float(run["speed"].max()) if "speed" in run else float(run.attrs["speed"])
+    return Case(system=system, contacts=tuple(around["contacts"]),
+                unbalance=tuple(around["unbalance"]), speed=fastest, run=run)  # fmt: skip
+
+
+@lru_cache(maxsize=2)
+def _computed(path: Path, _changed: int, key: tuple[object, ...]) -> xr.Dataset:
+    """Return the run of a question; the last ones are kept, since another node needs the same."""
+    contact, speed, revolutions, changes = key
+    question: Any = SystemQuestion(
+        about="system_run", number=0, path=path, contact=contact,  # type: ignore[arg-type]
+        speed=speed, revolutions=revolutions, changes=dict(changes),  # type: ignore[arg-type, call-overload]
+    )  # fmt: skip
+    case = case_of(question)
+    if case.run is not None:
+        return case.run
+    assert case.file is not None
+    if case.drops:
+        given = case.file.drop | {
+            "bearings": case.contacts, "unbalance": case.unbalance, "speed": case.speed
+        }  # fmt: skip
+        return drop(case.system, **given)
+    around = case.file.around | {"contacts": case.contacts, "unbalance": case.unbalance}
+    return simulate_system(case.system, **around, speed=case.speed,
+                           duration=_duration(case, question.revolutions))  # fmt: skip
+
+
+def _duration(case: Case, revolutions: int) -> float:
+    if not case.speed > 0.0:
+        raise InputError(f"speed must be positive, got {case.speed!r}")
+    return 2.0 * math.pi * revolutions / case.speed
+
+
+def run_of_system(question: SystemQuestion) -> xr.Dataset:
+    """Return the run that a question is about: of its archive, or computed."""
+    case_of(question)  # without a file there is none
+    assert question.path is not None
+    key = (question.contact, question.speed, question.revolutions,
+           tuple(sorted(question.changes.items())))  # fmt: skip
+    return _computed(question.path, question.path.stat().st_mtime_ns, key)
+
+
+def show_system_run(question: SystemQuestion) -> Iterator[Answer]:
+    """Yield the sketch of the rotor, then its run."""
+    case = case_of(question)
+    yield Answer("sketch", _sketch(case, question))
+    run = run_of_system(question)
+    node = _node(case, question)
+    every = slice(None, None, math.ceil(run.sizes["t"] / MOST_SAMPLES))
+    names = ("x", "y", "contact_x", "contact_y", "normal_force", "tangential_force")
+    arrays: Arrays = {"t": run["t"].values[every]}
+    arrays |= {name: np.ascontiguousarray(run[name].values[every].T).ravel() for name in names}
+    if "speed" in run:
+        arrays["speed"] = run["speed"].values[every]
+    arrays["peak_time"], arrays["peak_force"] = run["peak_time"].values, run["peak_force"].values
+    arrays["peak_contact"] = run["episode_contact"].values.astype(float)
+    notes: list[str] = []
+    signals = at_node(run, node)
+    arrays |= unless_impossible(full_lines, signals, record_of(signals), notes)
+    facts = {
+        "node": node, "speed": case.speed, "notes": notes, "verdict": verdict(run),
+        "drop": kind_of(run) == "drop", "python": lines_of(question),
+        "command": command_of(question),
+    }  # fmt: skip
+    yield Answer("run", facts, arrays)
+
+
+def _node(case: Case, question: SystemQuestion) -> str:
+    nodes = list(case.system.nodes)
+    if question.node and question.node not in nodes:
+        raise InputError(f"node must be one of {', '.join(nodes)}, got {shown(question.node)}")
+    return question.node or (case.contacts[0].node if case.contacts else nodes[0])
+
+
+def _sketch(case: Case, question: SystemQuestion) -> dict[str, object]:
+    """Return what a sketch of the rotor shows, and where sliders start."""
+    places = case.system.positions or {n: float(i) for i, n in enumerate(case.system.nodes)}
+    supports = () if case.file is None else case.file.supports
+    contacts = [
+        {"node": each.node, "centre": each.centre, "on_stator": each.stator is not None}
+        | {name: getattr(each, name) for name in OF_CONTACT}
+        for each in case.contacts
+    ]
+    file = _read(question.path, question.path.stat().st_mtime_ns) if question.path else case
+    return {
+        "nodes": list(places), "positions": list(places.values()),
+        "has_positions": case.system.positions is not None, "units": case.system.units,
+        "contacts": contacts, "supports": [each.node for each in supports],
+        "unbalance": [each.node for each in case.unbalance], "node": _node(case, question),
+        "speed": case.speed, "file_speed": file.speed, "is_archive": case.run is not None,
+        "is_drop": case.drops,
+        "from_file": [
+            {name: getattr(each, name) for name in OF_CONTACT} | {"rubs": each.radius is not None}
+            for each in file.contacts
+        ],
+    }  # fmt: skip
+
+
+def verdict(run: xr.Dataset) -> str:
+    """Return in a sentence which contacts touch at the end of a run, and how hard."""
+    nodes, peaks = run["contact_node"].values.tolist(), run["peak_force"].values
+    owners = run["episode_contact"].values
+    unit = str(run["normal_force"].attrs.get("units", "")).replace("1", "")
+    if kind_of(run) == "drop":
+        parts = [
+            f"{_titled(i, node)} takes {peaks[owners == i].max(initial=0.0):.4g} {unit}".strip()
+            + f" in {int((owners == i).sum())} contacts"
+            for i, node in enumerate(nodes)
+        ]
+        return f"Drop: {'; '.join(parts)}."
+    speed = float(run["speed"].values[-1]) if "speed" in run else float(run.attrs["speed"])
+    last = float(run["t"].values[-1])
+    begin = last - 2.0 * math.pi * LAST / speed if speed > 0.0 else 0.0
+    ends = run["exit_time"].values
+    late = np.isnan(ends) | (ends >= begin)
+    parts, clear = [], []
+    for i, node in enumerate(nodes):
+        mine = late & (owners == i)
+        if mine.any():
+            sampled = run["normal_force"].values[run["t"].values >= begin, i]
+            between = peaks[mine & (run["peak_time"].values >= begin)]
+            force = np.concatenate([sampled, between]).max(initial=0.0)
+            parts.append(f"rubs at {_titled(i, node)} with up to {force:.4g} {unit}".strip())
+        else:
+            clear.append(_titled(i, node))
+    if not parts:
+        return f"The rotor runs clear of all contacts in the last {LAST} revolutions."
+    rest = f", and runs clear of {', '.join(clear)}" if clear else ""
+    return f"In the last {LAST} revolutions the rotor {' and '.join(parts)}{rest}."
+
+
+def _titled(number: int, node: str) -> str:
+    return f"contact {number} ({'node ' * node.isdecimal()}{node})"
+
+
+def show_system_map(question: SystemQuestion) -> Iterator[Answer]:
+    """Yield the exact whirls over the speed, then the Campbell diagram."""
+    case = case_of(question)
+    node = _node(case, question)
+    low, high = LOW * case.speed, HIGH * case.speed
+    place = list(case.system.nodes).index(node)
+    facts: dict[str, object] = {"node": node, "notes": []}
+    arrays: Arrays = {}
+    around: dict[str, Any] = {"contacts": case.contacts, "unbalance": case.unbalance}
+    try:
+        whirls = synchronous_response_system(
+            case.system, **around, speed=np.linspace(low, high, SPEEDS)
+        )
+        arrays |= _branches(whirls, place)
+        if case.contacts:
+            points = special_speeds(case.system, **around, limits=(low, high))
+            kinds = {number: word for word, number in SPECIAL.items()}
+            facts["kinds"] = [kinds[int(each)] for each in points["special_kind"].values]
+            arrays["special_speed"] = points["special_speed"].values
+    except InputError as error:
+        facts["notes"] = [str(error)]
+    yield Answer("map", facts, arrays)
+    try:
+        found = campbell(
+            case.system, contacts=case.contacts, speed=np.linspace(low, high, FEW_SPEEDS),
+            modes=min(MOST_EIGENVALUES, case.system.size),
+        ).isel(contact_stiffness=0)  # fmt: skip
+    except InputError as error:
+        yield Answer("campbell", {"notes": [str(error)]})
+        return
+    rates = found["whirl_speed"].transpose("eigenvalue", "speed").values
+    damping = found["damping_ratio"].transpose("eigenvalue", "speed").values
+    yield Answer("campbell", {"notes": []}, {
+        "speed": found["speed"].values, "whirl_speed": rates.ravel(), "damping": damping.ravel(),
+    })  # fmt: skip
+
+
+def _branches(whirls: xr.Dataset, place: int) -> Arrays:
+    """Return amplitude and stability of the whirls at a node, by branch."""
+    amplitude = whirls["node_amplitude"].isel(node=place).transpose("branch", "speed").values
+    stability = whirls["stability"].transpose("branch", "speed").values.astype(float)
+    return {
+        "speed": whirls["speed"].values,
+        "amplitude": np.ascontiguousarray(amplitude).ravel(),
+        "stability": np.ascontiguousarray(stability).ravel(),
+    }
+
+
+def show_system_run_up(question: SystemQuestion) -> Iterator[Answer]:
+    """Yield order 1 and the cascade of a run-up at the chosen node."""
+    case = case_of(question)
+    if case.run is not None or case.drops:
+        yield Answer("run_up", {"notes": ["run-ups are of system files without [drop]"]})
+        return
+    signals = at_node(_run_up(case), _node(case, question))
+    notes: list[str] = []
+    record = record_of(signals)
+    arrays = unless_impossible(order_rows, signals, record, notes)
+    arrays |= unless_impossible(cascade_rows, signals, record, notes)
+    yield Answer("run_up", {"notes": notes, "node": _node(case, question)}, arrays)
+
+
+def _run_up(case: Case) -> xr.Dataset:
+    """Return the run-up of the file, or else one over the speeds shown."""
+    assert case.file is not None
+    change: Mapping[str, Any] = case.file.change
+    if not change:
+        time = 2.0 * math.pi * TURNS / (0.5 * (LOW + HIGH) * case.speed)
+        change = {"speed": LOW * case.speed, "to": HIGH * case.speed, "ramp_time": time}
+    around = case.file.around | {"contacts": case.contacts, "unbalance": case.unbalance}
+    return run_up_system(case.system, **around, **change)
+
+
+def show_system_file(question: SystemQuestion) -> Iterator[Answer]:
+    """Yield a file of the run shown, with its name."""
+    ending = question.about.removeprefix("system_")
+    if ending in {"py", "sh"}:
+        text = lines_of(question) if ending == "py" else f"{command_of(question)}\n"
+        contents = text.encode()
+    else:
+        run = run_of_system(question)
+        with TemporaryDirectory() as folder:
+            place = Path(folder) / NAME
+            if ending == "nc":
+                save(run, place.with_suffix(".nc"))
+            else:
+                with without_pyplot():
+                    draw = drop_figure if kind_of(run) == "drop" else system_figure
+                    save_figure(draw(run), place)
+            contents = place.with_suffix(f".{ending}").read_bytes()
+    yield Answer("file", {"name": f"{NAME}.{ending}"},
+                 {"contents": np.frombuffer(contents, dtype=np.int8)})  # fmt: skip
+
+
+def lines_of(question: SystemQuestion) -> str:
+    """Return the Python lines that compute the run shown."""
+    case, path = case_of(question), question.path
+    assert path is not None
+    if case.run is not None:
+        return f'from rotor_ida import load\n\nrun = load("{path.name}")\n'
+    lines = [
+        "from dataclasses import replace", "",
+        f"from rotor_ida import {'drop' if case.drops else 'simulate'}, load_system", "",
+        f'case = load_system("{path.name}")', "contacts = list(case.contacts)",
+        "unbalance = list(case.unbalance)",
+    ]  # fmt: skip
+    changes = dict(question.changes)
+    factor = changes.pop("unbalance_factor", 1.0)
+    if changes:
+        words = ", ".join(f"{name}={value!r}" for name, value in changes.items())
+        number = question.contact
+        lines.append(f"contacts[{number}] = replace(contacts[{number}], {words})")
+    if factor != 1.0:
+        lines.append(
+            f"unbalance = [replace(each, moment={factor!r} * each.moment) for each in unbalance]"
+        )
+    if case.drops:
+        lines += [
+            'given = {**case.drop, "bearings": contacts, "unbalance": unbalance, '
+            f'"speed": {case.speed!r}}}',
+            "run = drop(case.system, **given)",
+        ]
+    else:
+        lines += [
+            'around = {**case.around, "contacts": contacts, "unbalance": unbalance}',
+            f"run = simulate(case.system, **around, speed={case.speed!r}, "
+            f"duration={_duration(case, question.revolutions)!r})",
+        ]
+    if not (changes or factor != 1.0):
+        lines = lines[2:]
+    return "\n".join(lines) + "\n"
+
+
+def command_of(question: SystemQuestion) -> str:
+    """Return the command for the run shown; empty where a changed contact needs Python."""
+    case, path = case_of(question), question.path
+    assert path is not None
+    if case.run is not None:
+        return f"rotor-ida show {path.name}"
+    if question.changes:
+        return ""
+    if case.drops:
+        return f"rotor-ida drop {path.name} --speed {case.speed!r} --out report"
+    return (
+        f"rotor-ida simulate {path.name} --speed {case.speed!r} "
+        f"--duration {_duration(case, question.revolutions)!r} --out run.nc --figure run"
+    )
