@@ -55,13 +55,14 @@ from .signals.spectra import full_spectrum as full_spectrum
 from .signals.spectra import spectrogram as spectrogram
 from .signals.spectra import spectrum as spectrum
 from .simulation.contact_table import contact_summary as contact_summary
-from .simulation.lyapunov import lyapunov_exponent as lyapunov_exponent
 from .simulation.sections import poincare_section as poincare_section
 from .steady.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
+from .steady.dispatch import lyapunov_exponent as lyapunov_exponent
 from .steady.dispatch import sweep as sweep
 from .steady.drop_ensemble import drop_ensemble as drop_ensemble
 from .steady.run_up_summary import summary as summary
 from .steady.run_ups import run_ups as run_ups
+from .steady.system_lyapunov import lyapunov_exponent_system as lyapunov_exponent_system
 from .steady.system_sweep import sweep_system as sweep_system
 from .systems.campbell import campbell as campbell
 from .systems.clearances.report import clearance_report as clearance_report

@@ -23,6 +23,7 @@ TASKS = {
     ],
     "Steady states, sweeps and chaos": [
         *("sweep", "compare", "bifurcation_diagram", "poincare_section", "lyapunov_exponent"),
+        *("lyapunov_exponent_system",),
         "spectrum",
     ],
     "Limit cycles and branches": [

@@ -12,6 +12,9 @@ static const double FALL = 2.0;
 enum { TERMS_LOOKED_AT = 4 };
 /* A step turns the fastest motion by no more than this part of the order. */
 static const double FARTHEST = 0.25;
+/* The same where small changes are followed, of which some turn at that rate, whatever the motion
+ * does. */
+static const double FARTHEST_OF_CHANGES = 0.1;
 /* The logarithm of a step that nothing limits. */
 static const double UNLIMITED = 200.0;
 /* Contacts of a root below this part of that of the clearance have a fictitious time. */
@@ -657,9 +660,10 @@ void choose_step(struct work *work)
         square += each->mobility * stiffness;
         following = fmax(following, each->stator_mobility * stiffness);
     }
+    const double farthest = work->run->column_count > 0 ? FARTHEST_OF_CHANGES : FARTHEST;
     const double rate = (sqrt(square) + following + fabs(work->spin[0])) * work->pace[0];
     if (rate > 0.0)
-        work->step = smaller(work->step, FARTHEST * order / rate);
+        work->step = smaller(work->step, farthest * order / rate);
 }
 
 void read_rows(const struct work *work, const double *rows, double point, double *values)

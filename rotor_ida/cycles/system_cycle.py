@@ -89,9 +89,9 @@ def limit_cycle_system(
     An axisymmetric system is autonomous on axes that turn with the unbalance: a limit cycle closes
     there after a period that is not known, and is quasi-periodic on fixed axes unless this is a
     whole number of revolutions. Any other system has cycles of whole revolutions on fixed axes.
-    Newton's method finds a state and the period; the derivative of a state after a period is that
-    of the runs themselves, through all events. The errors are five times the largest differences
-    from a second solution, begun elsewhere with 30 times the tolerance.
+    Newton's method finds a state and the period; the derivative of a state after a period follows
+    the linearised motion, and jumps where slip ends or turns. The errors are five times the largest
+    differences from a second solution, begun elsewhere with 30 times the tolerance.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""An orbit of a rotor system, with the derivatives of its end: by differences of runs.
+"""An orbit of a rotor system, with the derivatives of its end.
 
 The state of an axisymmetric system is on turning axes, where it may begin at any time and its
 period is unknown. That of any other system begins with the unbalance at angle 0 and lasts whole
@@ -20,9 +20,8 @@ from rotor_ida.simulation.orbit import ENTRY, EXIT
 from rotor_ida.steady.response import BOUNCING, FULL_CONTACT, ROLLING
 from rotor_ida.steady.system_flow import SystemFlow
 
-# Central differences of states are this long, in scaled coordinates; those of the speed in parts of
-# it, and those of time in parts of a revolution.
-APART, OF_SPEED, OF_TIME = 1e-5, 1e-6, 1e-5
+# Central differences of the speed are this long, in parts of it; those of time in revolutions.
+OF_SPEED, OF_TIME = 1e-6, 1e-5
 # Samples of an orbit in a revolution, and at least; steps that refine extreme distances.
 SAMPLES_A_REVOLUTION, FEWEST_SAMPLES, REFINEMENTS = 64, 192, 2
 
@@ -55,8 +54,7 @@ class SystemOrbit:
     @cached_property
     def monodromy(self) -> Values:
         """Derivative of the end by the start."""
-        steps = APART * np.eye(self.start.size)
-        return np.stack([self._change(step) for step in steps], axis=1) / APART
+        return self.flow.monodromy(self.start, self.duration)
 
     @cached_property
     def start_rate(self) -> Values:
@@ -215,13 +213,6 @@ class SystemOrbit:
         whole = rows[:, 0] + 1j * rows[:, 1]
         centres = [complex(*each.centre) for each in self.flow.problem.assembly.contacts]
         return np.stack([run.samples[:, 0] @ whole.T - centres, run.samples[:, 1] @ whole.T])
-
-    def _change(self, step: Values) -> Values:
-        """Return half the change of the end between two starts on both sides."""
-        ahead, behind = (
-            self.flow.after(self.start + way * step, self.duration) for way in (1.0, -1.0)
-        )
-        return 0.5 * (ahead - behind)
 
 
 def at_speed(flow: SystemFlow, speed: float) -> SystemFlow:

@@ -144,7 +144,7 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         label_axis(ax.xaxis, "t", found["t"])
         label_axis(ax.yaxis, "running_exponent", found["running_exponent"])
         ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
-        for number, (colour, dashes) in enumerate(LINES):
+        for number, (colour, dashes) in enumerate(LINES[: found.sizes["exponent"]]):
             part = found.isel(exponent=number)
             value, error = part["lyapunov_exponent"].item(), part["lyapunov_error"].item()
             words = f"$\\lambda_{number + 1} = {with_error(value, error)}$"

@@ -32,6 +32,8 @@ UNDAMPED = 1e-9
 # Where contacts are linear, what neighbours do jumps at grazes, and the means of their stretching
 # over a torus converge slowly.
 NO_STRETCH = 0.1
+# A change that shrinks below this in a revolution is lost in rounding.
+LOST = 1e-12
 # Revolutions in which small changes align before their growth is averaged; batches of the mean.
 ALIGNING, BATCHES = 100, 20
 
@@ -227,23 +229,32 @@ class SystemFlow:
         """Return the derivative of the state after a period by that before."""
         return self.changes(state, np.eye(state.size), period)[1].T
 
+    def growth(self, state: Values, count: int, revolutions: int) -> Values:
+        """Return the rates at which some small changes grow in each revolution.
+
+        They are made orthonormal after each (Benettin et al. 1980). A rate is minus infinity where
+        a change is lost: a contact that rolls leaves none of its slip.
+        """
+        bundle = np.linalg.qr(np.vander(np.linspace(-0.9, 1.0, state.size), count))[0]
+        factors = np.empty((revolutions, count))
+        for row in factors:
+            state, changes = self.changes(state, bundle.T, self.revolution)
+            bundle, grown = np.linalg.qr(changes.T)
+            row[:] = np.abs(grown.diagonal())
+        with np.errstate(divide="ignore"):
+            return np.log(np.where(factors > LOST, factors, 0.0)) / self.revolution
+
     def exponents(self, state: Values, revolutions: int) -> Exponents:
         """Return the largest Lyapunov exponents, and their errors.
 
         Notes
         -----
-        Small changes of the motion are made orthonormal after each revolution (Benettin et al.
-        1980). In an axisymmetric system one exponent is 0, that of a
+        In an axisymmetric system one exponent is 0, that of a
         shift in time, and on a torus one more.
         """
         count = 2 if self.problem.forward is not None else 1
         revolutions = BATCHES * -(-revolutions // BATCHES)
-        bundle = np.linalg.qr(np.vander(np.linspace(-0.9, 1.0, state.size), count))[0]
-        rates = np.empty((ALIGNING + revolutions, count))
-        for row in rates:
-            state, apart = self.changes(state, bundle.T, self.revolution)
-            bundle, grown = np.linalg.qr(apart.T)
-            row[:] = np.log(np.abs(grown.diagonal())) / self.revolution
+        rates = self.growth(state, count, ALIGNING + revolutions)
         values, errors = means_of_rates(rates[ALIGNING:], BATCHES)
         return Exponents(
             values, errors, revolutions * self.revolution, count, has_tori=True,

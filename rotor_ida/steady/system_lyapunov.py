@@ -1,0 +1,162 @@
+"""Lyapunov exponents of a rotor system at a constant speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Column, Stop, Values
+from rotor_ida.checks import MOST_NUMBERS, check_between, check_count, check_positive
+from rotor_ida.core.runs import NO_STOP
+from rotor_ida.errors import InputError
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.parallel import interruptible
+from rotor_ida.results.provenance import provenance
+from rotor_ida.schema import labelled_dataset
+from rotor_ida.simulation.lyapunov import (
+    BATCHES,
+    FEWEST_BATCHES,
+    FEWEST_SPANS,
+    POINTS_SHOWN,
+    means_of_rates,
+)
+from rotor_ida.steady.system_flow import SettlingProblem, SystemFlow
+from rotor_ida.steady.system_sweep import check_slowest, first_state
+from rotor_ida.systems.assembly import assemble
+from rotor_ida.systems.modes import in_modes
+from rotor_ida.systems.receptances import checked_speeds
+from rotor_ida.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
+from rotor_ida.systems.starts import Start
+from rotor_ida.systems.units import with_system_units
+
+
+def lyapunov_exponent_system(
+    system: RotorSystem,
+    *,
+    speed: float,
+    contacts: Sequence[Contact] = (),
+    unbalance: Sequence[Unbalance] = (),
+    gravity: tuple[float, float] | None = None,
+    static_force: npt.ArrayLike | None = None,
+    start: Start = None,
+    exponents: int | None = None,
+    transient: int = 200,
+    revolutions: int = 2000,
+    batches: int = BATCHES,
+    modes: int | None = None,
+    rtol: float = 1e-10,
+) -> xr.Dataset:
+    """Compute the largest Lyapunov exponents of the motion of a rotor system.
+
+    Parameters
+    ----------
+    system : RotorSystem
+        The rotor.
+    speed : float
+        Spin speed, not 0.
+    contacts, unbalance, gravity, static_force, start, modes : optional
+        As in `simulate_system`.
+    exponents : int, optional
+        Number of exponents, the largest first; default: all, one for each displacement, velocity
+        and speed of a race.
+    transient : int
+        Revolutions to settle before averaging; the small changes align in them too.
+    revolutions : int
+        Revolutions over which to average, at least 20 for each batch.
+    batches : int
+        Number of parts of `revolutions`, at least 4, whose scatter gives the error.
+    rtol : float
+        Relative tolerance, from 1e-14 to 1e-4.
+
+    Returns
+    -------
+    Dataset
+        ``lyapunov_exponent`` and ``lyapunov_error`` on ``exponent``, the largest first, per unit of
+        time; ``running_exponent`` on ``t`` and ``exponent``, the plain mean so far.
+
+    Raises
+    ------
+    InputError
+        If an argument cannot be used.
+    SimulationError
+        If a run is stuck.
+
+    Notes
+    -----
+    Small changes of the motion follow the linearised equations along it, and jump where slip ends
+    or turns (saltation). After each revolution they are made orthonormal; their mean rates of
+    growth are the exponents. Means and errors are those of `lyapunov_exponent` of one disc. In an
+    axisymmetric system one exponent of a motion other than a whirl at the spin speed is 0, that of
+    a shift in time. An exponent is minus infinity where a contact rolls in every revolution, as
+    rolling leaves no slip, and where a change shrinks below 1e-12 in a revolution.
+
+    References
+    ----------
+    G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15, 1980.
+    P. C. Müller, Chaos, Solitons & Fractals 5, 1995: the jump at discontinuities.
+
+    Examples
+    --------
+    >>> system = RotorSystem(mass=np.eye(2), damping=0.14 * np.eye(2), stiffness=np.eye(2),
+    ...                      nodes={"disc": (0, 1)}, units="1")
+    >>> found = lyapunov_exponent_system(system, speed=1.7, transient=20, revolutions=80, batches=4)
+    >>> found.lyapunov_exponent.values.round(5)
+    array([-0.07, -0.07, -0.07, -0.07])
+    """
+    speeds = checked_speeds(speed)
+    if speeds.size != 1 or not speeds.all():
+        raise InputError(f"speed must be one number that is not 0, got {speed!r}")
+    tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
+    parts = check_count("batches", batches, FEWEST_BATCHES)
+    lead = math.ceil(check_positive("transient", transient, MOST_NUMBERS))
+    each = int(check_positive("revolutions", revolutions, MOST_NUMBERS)) // parts
+    if each < FEWEST_SPANS:
+        raise InputError(
+            f"revolutions must be at least {FEWEST_SPANS} for each of {parts} batches, "
+            f"got {revolutions!r}"
+        )
+    around = {"contacts": contacts, "unbalance": unbalance, "static_force": static_force}
+    given = in_modes(system, modes, around | {"start": start})
+    whole = assemble(given["system"], contacts, unbalance, gravity, given["static_force"])
+    problem = SettlingProblem.of(whole, tolerance)
+    check_slowest(problem, speeds)
+    here = float(speeds[0])
+    state = first_state(problem, given["start"], here)
+    count = state.size if exponents is None else check_count("exponents", exponents, 1)
+    if count > state.size:
+        raise InputError(f"exponents must be at most {state.size}, got {exponents!r}")
+
+    def rates_of_growth(stop: Stop) -> Values:
+        flow = SystemFlow.at(problem, here, stop)
+        return flow.growth(state / flow.scales, count, lead + parts * each)[lead:]
+
+    rates = interruptible(rates_of_growth)
+    values, errors = np.full(count, -np.inf), np.zeros(count)
+    known = np.isfinite(rates).all(axis=0)
+    values[known], errors[known] = means_of_rates(rates[:, known], parts)
+    order = np.argsort(-values, kind="stable")
+    shown = np.unique(np.linspace(1, len(rates), min(POINTS_SHOWN, len(rates))).astype(int))
+    running = np.cumsum(rates, axis=0)[shown - 1] / shown[:, np.newaxis]
+    variables: dict[str, Column] = {
+        "lyapunov_exponent": ("exponent", values[order]),
+        "lyapunov_error": ("exponent", errors[order]),
+        "running_exponent": (("t", "exponent"), running[:, order]),
+    }
+    revolution = SystemFlow.at(problem, here, NO_STOP).revolution
+    coordinates: dict[str, Column] = {
+        "speed": ((), here), "exponent": ("exponent", np.arange(count)),
+        "t": ("t", revolution * shown),
+    }  # fmt: skip
+    how = provenance({"method": "taylor", "rtol": tolerance}) | {
+        "transient": lead * revolution, "duration": parts * each * revolution, "batches": parts,
+    }  # fmt: skip
+    dataset = labelled_dataset(
+        "Lyapunov exponents of one motion of a rotor system", variables, coordinates, how,
+        kind="lyapunov_exponent",
+    )  # fmt: skip
+    return with_system_units(dataset, system)
