@@ -22,7 +22,7 @@ from rotor_ida.steady.system_flow import SystemFlow
 
 # Central differences of states are this long, in scaled coordinates; those of the speed in parts of
 # it, and those of time in parts of a revolution.
-APART, OF_SPEED, OF_TIME = 1e-5, 1e-6, 1e-5
+APART, OF_SPEED, OF_TIME = 1e-6, 1e-6, 1e-5
 # Samples of an orbit in a revolution, and at least; steps that refine extreme distances.
 SAMPLES_A_REVOLUTION, FEWEST_SAMPLES, REFINEMENTS = 64, 192, 2
 
@@ -198,7 +198,8 @@ class SystemOrbit:
             bends = np.diff(rate)[turns] / np.diff(times)[turns]
             at, slopes, values = times[turns], rate[turns], np.array([square.min(), square.max()])
             for _ in range(REFINEMENTS if turns.size else 0):
-                at = at - slopes / bends
+                # within its interval, also where a minimum and a maximum merge
+                at = np.clip(at - slopes / bends, times[turns], times[turns + 1])
                 again = self._squares(self.flow.run(self.start, np.append(at, times[-1])))
                 values, slopes = (each[:-1, number] for each in again)
             found.append(np.sqrt(values))
