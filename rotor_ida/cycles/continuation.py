@@ -132,6 +132,9 @@ class Problem(Generic[S]):
         Integers of an orbit, each of which changes at a special point of that name.
     autonomous : bool
         Whether an orbit may begin anywhere on a cycle. If not, no direction is fixed.
+    closes : callable
+        Whether a stretch closes. If not, Newton's method goes on after a small step: near a graze
+        derivatives by differences are inaccurate.
     """
 
     shoot: Callable[[Values], S]
@@ -140,6 +143,7 @@ class Problem(Generic[S]):
     tests: Mapping[str, Callable[[Point[S], Point[S]], float]] = field(default_factory=dict)
     counts: Mapping[str, Count[S]] = field(default_factory=dict)
     autonomous: bool = True
+    closes: Callable[[S], bool] = lambda _: True
 
 
 @dataclass(frozen=True, slots=True)
@@ -373,7 +377,7 @@ class Curve(Generic[S]):
         for steps in range(MOST_NEWTON_STEPS + 1):
             stretch = self.problem.shoot(unknowns)
             direction = stretch.start_rate if direction is None else direction
-            if size <= CONVERGED:
+            if size <= CONVERGED and self.problem.closes(stretch):
                 return self._point(unknowns, stretch, plane, direction), steps
             miss, matrix = self._bordered(unknowns, stretch, direction, plane)
             step = _solved(matrix, miss)

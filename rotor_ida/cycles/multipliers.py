@@ -59,7 +59,7 @@ def fold_test(shot: Orbit) -> float:
     If the trace is not sufficient, the product of ``1 - mu`` over the nontrivial multipliers.
     """
     if shot.pair_product is None:
-        return float(np.prod(1.0 - _others_of(shot)).real)
+        return float(np.prod(1.0 - nontrivial(shot)).real)
     return 2.0 * (1.0 + shot.pair_product) - float(shot.monodromy.trace())
 
 
@@ -69,7 +69,7 @@ def doubling_test(shot: Orbit) -> float:
     If the trace is not sufficient, the product of ``1 + mu`` over the nontrivial multipliers.
     """
     if shot.pair_product is None:
-        return float(np.prod(1.0 + _others_of(shot)).real)
+        return float(np.prod(1.0 + nontrivial(shot)).real)
     return float(shot.monodromy.trace())
 
 
@@ -78,13 +78,18 @@ def torus_test(shot: Orbit) -> float:
 
     It is 0 where a complex pair is on the unit circle, and where two real ones have the product 1.
     """
-    multipliers = _others_of(shot)
-    return float(np.prod([1.0 - one * other for one, other in combinations(multipliers, 2)]).real)
+    return float(np.prod(torus_factors(shot)).real)
+
+
+def torus_factors(shot: Orbit) -> ComplexValues:
+    """Return ``1 - mu_i mu_j`` for the pairs of nontrivial multipliers."""
+    pairs = combinations(nontrivial(shot), 2)
+    return np.array([1.0 - one * other for one, other in pairs], dtype=np.complex128)
 
 
 def on_unit_circle(shot: Orbit) -> bool:
     """Return whether a complex pair of multipliers lies on the unit circle, to `ON_CIRCLE`."""
-    multipliers = _others_of(shot)
+    multipliers = nontrivial(shot)
     return bool(
         ((np.abs(np.abs(multipliers) - 1.0) <= ON_CIRCLE) & (multipliers.imag != 0.0)).any()
     )
@@ -93,7 +98,7 @@ def on_unit_circle(shot: Orbit) -> bool:
 def is_stable(shot: Orbit) -> bool:
     """Return whether all multipliers but the trivial one lie inside the unit circle."""
     if shot.pair_product is None:
-        return bool((np.abs(_others_of(shot)) < 1.0).all())
+        return bool((np.abs(nontrivial(shot)) < 1.0).all())
     return fold_test(shot) > 0.0 and doubling_test(shot) > 0.0
 
 
@@ -102,7 +107,7 @@ def has_pairs(shot: Shot) -> bool:
     return shot.rotor.contact_damping == 0.0 and shot.rotor.friction == 0.0
 
 
-def _others_of(shot: Orbit) -> ComplexValues:
+def nontrivial(shot: Orbit) -> ComplexValues:
     """Return the nontrivial multipliers: those of M across the field at the start.
 
     Under a load all are nontrivial.
@@ -118,7 +123,7 @@ def multipliers_of(shot: Orbit) -> ComplexValues:
     """Return the multipliers of a closed orbit, by decreasing modulus."""
     if (q := shot.pair_product) is None:
         trivial = [1.0] if shot.is_autonomous else []
-        multipliers = np.append(trivial, _others_of(shot))
+        multipliers = np.append(trivial, nontrivial(shot))
         if shot.rolls:  # up to rounding
             multipliers[np.argmin(np.abs(multipliers))] = 0.0
         return np.asarray(multipliers[np.argsort(-np.abs(multipliers), kind="stable")])

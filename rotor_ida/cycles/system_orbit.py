@@ -196,7 +196,8 @@ class SystemOrbit:
             bends = np.diff(rate)[turns] / np.diff(times)[turns]
             at, slopes, values = times[turns], rate[turns], np.array([square.min(), square.max()])
             for _ in range(REFINEMENTS if turns.size else 0):
-                at = at - slopes / bends
+                # within its interval, also where a minimum and a maximum merge
+                at = np.clip(at - slopes / bends, times[turns], times[turns + 1])
                 again = self._squares(self.flow.run(self.start, np.append(at, times[-1])))
                 values, slopes = (each[:-1, number] for each in again)
             found.append(np.sqrt(values))
