@@ -70,15 +70,18 @@ def drop(
     everything = _many(case.system, given, vary, jobs, study) if many else None
     if everything is not None:
         rotor_ida.save(everything, files[1], overwrite=force)
-    pages = write_report(out, system, run, everything)
+    told = {"speed": speed, "duration": duration, "drops": drops}
+    asked = [each for name, value in told.items() if value is not None
+             for each in (f"--{name}", repr(value))]  # fmt: skip
+    pages = write_report(out, system, run, everything, asked)
     written = [*files[:-2], *pages]
     if film is not None:
         from rotor_ida.plot import save_orbit_film  # noqa: PLC0415 - heavy
 
         written.append(save_orbit_film(run, film))
     record, parts = describe(run, most=0)
-    told = [f"wrote {each}" for each in written]
-    return Report(record=record, parts=[*parts, *told], as_json=as_json)
+    parts += [f"wrote {each}" for each in written]
+    return Report(record=record, parts=parts, as_json=as_json)
 
 
 def _make(folder: Path) -> None:
