@@ -38,7 +38,7 @@ VERSIONS = ("rotor_ida_version", "python_version", "numpy_version", "scipy_versi
             "xarray_version", "core_compiler", "core_level", "method", "rtol",
             "date_created")  # fmt: skip
 # Size of an A4 page [inch], its lines and columns of text.
-PAGE, LINES, COLUMNS = (8.27, 11.69), 88, 150
+PAGE, LINES, COLUMNS = (8.27, 11.69), 84, 132
 # Units in which an engineer reads a figure, with its parts and the size from which it is used.
 READ_IN = {
     "s": [("ms", 1e3, 0.0), ("s", 1.0, 10.0)],
@@ -349,17 +349,20 @@ def _png(figure: Figure) -> str:
 
 
 def _lines(table: Listed) -> list[str]:
-    """Return a table as lines of text."""
+    """Return a table as lines of text, in blocks of as many columns as fit on a page."""
     rows = [table.heads, *table.rows]
     widths = [max(len(row[column]) for row in rows) for column in range(len(table.heads))]
-    drawn = [
-        "  ".join(
-            cell.rjust(width) if column else cell.ljust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        )
-        for row in rows
-    ]
-    return [table.title, *([table.note] if table.note else []), *drawn, ""]
+    found = [table.title, *([table.note] if table.note else [])]
+    columns = list(range(1, len(widths)))
+    while columns:
+        ends = np.cumsum([widths[0], *(2 + widths[each] for each in columns)])
+        fitting = max(1, int((ends <= COLUMNS).sum()) - 1)
+        for row in rows:
+            cells = (row[each].rjust(widths[each]) for each in columns[:fitting])
+            found.append("  ".join([row[0].ljust(widths[0]), *cells]))
+        found.append("")
+        columns = columns[fitting:]
+    return found
 
 
 def _write_pdf(path: Path, text: Sequence[str], figures: Sequence[Figure]) -> None:
@@ -382,7 +385,7 @@ def text_page(lines: Sequence[str], foot: str) -> Figure:
 
     page = Page(figsize=PAGE)
     for height, words in ((0.96, "\n".join(lines)), (0.03, foot)):
-        page.text(0.06, height, words, va="top", family="monospace", fontsize=5.8,
+        page.text(0.06, height, words, va="top", family="monospace", fontsize=6.2,
                   parse_math=False)  # fmt: skip
     return page
 

@@ -181,7 +181,7 @@ def _draw_distribution(ax: Axes, drops: xr.Dataset, name: str, number: int) -> N
     values = np.sort(values[np.isfinite(values)])
     if not values.size:
         return
-    colour, dashes = look(number)
+    colour, dashes = look(1 + number)  # as in the figure of one drop
     node = str(drops["contact_node"].values[number])
     ax.step(values, np.arange(1, values.size + 1) / values.size, where="post", color=colour,
             ls=dashes, lw=1.0, label=node)  # fmt: skip

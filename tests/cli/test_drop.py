@@ -6,6 +6,7 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli import main
+from rotor_ida.cli.drop_report import COLUMNS, Listed, _lines
 
 FILE = """# drawn in the report
 speed = "4800 rpm"
@@ -85,3 +86,11 @@ def test_bad_input_is_one_line_and_status_2(change, options, words, capfd):
     said = capfd.readouterr().err
     assert words in said
     assert said.count("\n") == 1
+
+
+def test_a_table_wider_than_a_page_of_the_pdf_is_split_between_columns():
+    heads, cell = ["", *(f"bearing {number}" for number in range(30))], "1234.5 (12 to 13)"
+    lines = _lines(Listed("Wide", heads, [["force", *[cell] * 30]]))
+    assert max(map(len, lines)) <= COLUMNS
+    assert sum(line.count(cell) for line in lines) == 30
+    assert sum(line.startswith("force") for line in lines) > 1

@@ -12,6 +12,9 @@ from rotor_ida.cli.output import working
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
 
+# What only one drop takes.
+NOT_OF_MANY = {"phase", "clearances", "more_modes"}
+
 
 def drop(
     system: options.SystemFile,
@@ -99,7 +102,7 @@ def _many(
     jobs: options.JobOptions, study: Path | None,
 ) -> Any:  # fmt: skip
     """Return the ensemble of drops."""
-    ways = {name: each for name, each in given.items() if name not in {"phase", "clearances"}}
+    ways = {name: each for name, each in given.items() if name not in NOT_OF_MANY}
     with working("drops", study) as progress:
         return rotor_ida.drop_ensemble(
             system, **ways, **vary, **jobs.on_every_core(), study=study, progress=progress
