@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 
@@ -38,6 +39,7 @@ WORDS = {
     "total_heat": "heat of friction", "largest_race_speed": "largest speed of the race",
 }  # fmt: skip
 TRAIL, MOST_FRAMES = 60, 5000
+RPM = 60.0 / math.tau
 ENDINGS = (".gif", ".mp4")
 
 
@@ -108,18 +110,19 @@ def _draw_bearing(above: Axes, below: Axes, run: xr.Dataset, number: int) -> Non
 
 def _draw_speeds(ax: Axes, run: xr.Dataset) -> None:
     """Draw the speeds of the rotor and of the races, these at events."""
+    unit = str(run["event_speed"].attrs.get("units", "1")) if "event_speed" in run else "1"
+    parts = RPM if unit == "s-1" else 1.0
     if "speed" in run.variables:
-        ax.plot(run["t"], run["speed"], color=INK, lw=1.2, label="rotor")
+        ax.plot(run["t"], parts * run["speed"].values, color=INK, lw=1.2, label="rotor")
     if "event_race_speed" in run.variables:
         for number in np.flatnonzero(~np.isnan(run["race_radius"].values)):
             colour, dashes = look(1 + int(number))
             times, speeds = run["event_time"].values, run["event_race_speed"].values[:, number]
             if times.size:
                 kept = kept_in_columns(times, speeds)
-                ax.plot(times[kept], speeds[kept], color=colour, ls=dashes, lw=0.8)
-    unit = str(run["event_speed"].attrs.get("units", "1")) if "event_speed" in run else "1"
+                ax.plot(times[kept], parts * speeds[kept], color=colour, ls=dashes, lw=0.8)
     words = "speeds of rotor, races" if "event_race_speed" in run else "speed of rotor"
-    ax.set_ylabel(f"{words} [rad/s]" if unit == "s-1" else words, fontsize=9.0)
+    ax.set_ylabel(f"{words} [rpm]" if unit == "s-1" else words, fontsize=9.0)
     ax.axhline(0.0, color=GREY, lw=0.6)
 
 
@@ -159,28 +162,34 @@ def drops_figure(drops: xr.Dataset) -> Figure:
             for number in range(drops.sizes["contact"]):
                 _draw_distribution(ax, drops, name, number)
             label_axis(ax.xaxis, name, drops[name], words=WORDS[name])
+            if name == "largest_race_speed" and drops[name].attrs.get("units") == "s-1":
+                ax.set_xlabel(f"{WORDS[name]} [rpm]")
             ax.set_ylabel("fraction of drops")
             ax.set_ylim(0.0, 1.0)
             if not np.isfinite(drops[name].values).any():
                 say_in_middle(ax, "no race")
+                ax.set_xticks([])
         shared_legend(figure, axes, columns=5, outer=False)
     return figure
 
 
 def _draw_distribution(ax: Axes, drops: xr.Dataset, name: str, number: int) -> None:
     """Draw the fraction of drops below a value, with dots at the quantiles."""
-    values = drops[name].values[:, number].astype(float)
+    in_rpm = name == "largest_race_speed" and drops[name].attrs.get("units") == "s-1"
+    parts = RPM if in_rpm else 1.0
+    values = parts * drops[name].values[:, number].astype(float)
     values = np.sort(values[np.isfinite(values)])
     if not values.size:
         return
-    colour, dashes = look(number)
+    colour, dashes = look(1 + number)  # as in the figure of one drop
     node = str(drops["contact_node"].values[number])
     ax.step(values, np.arange(1, values.size + 1) / values.size, where="post", color=colour,
             ls=dashes, lw=1.0, label=node)  # fmt: skip
     if f"{name}_quantile" not in drops.variables:
         return
     levels = drops["quantile"].values
-    ends = [drops[f"{name}_quantile{end}"].values[:, number] for end in ("", "_low", "_high")]
+    ends = [parts * drops[f"{name}_quantile{end}"].values[:, number]
+            for end in ("", "_low", "_high")]  # fmt: skip
     middle, low, high = (np.where(np.isfinite(each), each, ends[0]) for each in ends)
     ax.errorbar(middle, levels, xerr=[middle - low, high - middle], fmt="o", ms=3.0,
                 color=colour, elinewidth=1.0, capsize=2.0)  # fmt: skip

@@ -138,7 +138,8 @@ class SystemFile:
     def drop(self) -> dict[str, Any]:
         """The arguments of `drop` but for the system."""
         given = {"bearings": self.contacts, "supports": self.supports, **self.fall}
-        given |= {name: getattr(self, name) for name in ("speed", "unbalance", "gravity", "modes")}
+        names = ("speed", "unbalance", "gravity", "modes", "more_modes")
+        given |= {name: getattr(self, name) for name in names}
         return given | ({} if isinstance(self.start, str | None) else {"start": self.start})
 
     @property

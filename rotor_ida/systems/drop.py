@@ -143,9 +143,10 @@ def drop(
     if not bearings:
         raise InputError("bearings must be at least one Contact, got none")
     omega, turned = check_real("speed", speed), check_real("phase", phase)
-    if not abs(omega) * check_positive("duration", duration) <= MOST_RADIANS:
+    end = check_positive("duration", duration)
+    if not abs(omega) * end <= MOST_RADIANS:
         raise InputError(
-            f"speed must be at most {MOST_RADIANS / duration:.4g} in a duration of {duration!r}, "
+            f"speed must be at most {MOST_RADIANS / end:.4g} in a duration of {end!r}, "
             f"got {omega!r}"
         )
     checked = _clearances(system, clearances)
@@ -161,7 +162,7 @@ def drop(
     all_modes = [modes] if more_modes is None else [modes, more_modes]
     cases = [_released(in_modes(system, number, around), found, fails, omega)
              for number in all_modes]  # fmt: skip
-    profile, change = _course(omega, duration, inertia, drag)
+    profile, change = _course(omega, end, inertia, drag)
     run = run_of_cases(
         [case.around for case in cases], profile, samples=samples, rtol=rtol,
         method=method, progress=progress, speed=omega,

@@ -6,8 +6,9 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli import main
+from rotor_ida.cli.drop_report import COLUMNS, Listed, _lines
 
-FILE = """
+FILE = """# drawn in the report
 speed = "4800 rpm"
 system = { mass = [20, 20], stiffness = [0, 0], nodes = { disc = [0, 1] } }
 supports = [ { node = "disc", stiffness = "2e6 N/m", damping = "2e3 N s/m" } ]
@@ -45,7 +46,13 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
     page = Path("report/report.html").read_text("utf-8")
     assert page.count("data:image/png;base64,") == 3
     assert "http" not in page
-    assert "rotor-ida drop rotor.toml --out report" in page
+    assert "rotor-ida drop rotor.toml --out report --duration 0.03 --drops 3" in page
+    assert "# drawn in the report" in page
+    for head in ("largest force [kN]", "largest race speed [rpm]", "clearance [µm]", "rest_time"):
+        assert (head in page) == (head != "rest_time")
+    assert "largest force [kN]</td><td>1.616" in page
+    assert "speed at the drop [rpm]</td><td>4800" in page
+    assert "<td>python</td>" in page
     assert Path("report/report.pdf").read_bytes().startswith(b"%PDF")
     case = rotor_ida.load_system("rotor.toml")
     run = rotor_ida.drop(case.system, **{**case.drop, "duration": 0.03})
@@ -79,3 +86,11 @@ def test_bad_input_is_one_line_and_status_2(change, options, words, capfd):
     said = capfd.readouterr().err
     assert words in said
     assert said.count("\n") == 1
+
+
+def test_a_table_wider_than_a_page_of_the_pdf_is_split_between_columns():
+    heads, cell = ["", *(f"bearing {number}" for number in range(30))], "1234.5 (12 to 13)"
+    lines = _lines(Listed("Wide", heads, [["force", *[cell] * 30]]))
+    assert max(map(len, lines)) <= COLUMNS
+    assert sum(line.count(cell) for line in lines) == 30
+    assert sum(line.startswith("force") for line in lines) > 1

@@ -1,7 +1,10 @@
 """Figures and films of drops show what is in the dataset."""
 
+import math
+
 import numpy as np
 import pytest
+from matplotlib.animation import FFMpegWriter
 from PIL import Image
 
 from rotor_ida import Contact, InputError, Race, RotorSystem, drop, drop_ensemble
@@ -22,8 +25,10 @@ def test_a_figure_of_a_drop_has_radius_force_and_speeds():
     np.testing.assert_allclose(drawn, run.excursion[0], rtol=1e-3)
     np.testing.assert_allclose(force.lines[0].get_ydata().max(), run.largest_force[0])
     rotor, race = speeds.lines[:2]
-    np.testing.assert_allclose(rotor.get_ydata(), run.speed)
-    assert race.get_ydata().max() <= run.largest_race_speed[0] * (1.0 + 1e-12)
+    rpm = 60.0 / math.tau
+    np.testing.assert_allclose(rotor.get_ydata(), rpm * run.speed)
+    assert race.get_ydata().max() <= rpm * run.largest_race_speed[0] * (1.0 + 1e-12)
+    assert "[rpm]" in speeds.get_ylabel()
 
 
 def test_distributions_rise_to_1():
@@ -40,3 +45,15 @@ def test_a_film_has_its_frames(tmp_path):
         assert film.n_frames == 4
     with pytest.raises(InputError, match="film must end in"):
         save_orbit_film(drop(DISC, **GIVEN), tmp_path / "drop.png")
+
+
+@pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="MP4 needs ffmpeg")
+def test_a_film_is_an_mp4_where_ffmpeg_is_installed(tmp_path):
+    path = save_orbit_film(drop(DISC, **GIVEN), tmp_path / "drop.mp4", frames=4)
+    assert path.read_bytes()[4:8] == b"ftyp"
+
+
+@pytest.mark.skipif(FFMpegWriter.isAvailable(), reason="ffmpeg is installed")
+def test_without_ffmpeg_an_mp4_is_refused_in_one_line(tmp_path):
+    with pytest.raises(InputError, match=r"film must end in \.gif, as ffmpeg is not installed"):
+        save_orbit_film(drop(DISC, **GIVEN), tmp_path / "drop.mp4")

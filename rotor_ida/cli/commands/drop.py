@@ -12,6 +12,9 @@ from rotor_ida.cli.output import working
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
 
+# What only one drop takes.
+NOT_OF_MANY = {"phase", "clearances", "more_modes"}
+
 
 def drop(
     system: options.SystemFile,
@@ -70,15 +73,18 @@ def drop(
     everything = _many(case.system, given, vary, jobs, study) if many else None
     if everything is not None:
         rotor_ida.save(everything, files[1], overwrite=force)
-    pages = write_report(out, system, run, everything)
+    told = {"speed": speed, "duration": duration, "drops": drops}
+    asked = [each for name, value in told.items() if value is not None
+             for each in (f"--{name}", repr(value))]  # fmt: skip
+    pages = write_report(out, system, run, everything, asked)
     written = [*files[:-2], *pages]
     if film is not None:
         from rotor_ida.plot import save_orbit_film  # noqa: PLC0415 - heavy
 
         written.append(save_orbit_film(run, film))
     record, parts = describe(run, most=0)
-    told = [f"wrote {each}" for each in written]
-    return Report(record=record, parts=[*parts, *told], as_json=as_json)
+    parts += [f"wrote {each}" for each in written]
+    return Report(record=record, parts=parts, as_json=as_json)
 
 
 def _make(folder: Path) -> None:
@@ -96,7 +102,7 @@ def _many(
     jobs: options.JobOptions, study: Path | None,
 ) -> Any:  # fmt: skip
     """Return the ensemble of drops."""
-    ways = {name: each for name, each in given.items() if name not in {"phase", "clearances"}}
+    ways = {name: each for name, each in given.items() if name not in NOT_OF_MANY}
     with working("drops", study) as progress:
         return rotor_ida.drop_ensemble(
             system, **ways, **vary, **jobs.on_every_core(), study=study, progress=progress
