@@ -238,7 +238,7 @@ function slider(text, name, value, [low, high], set) {
 /** Have one orbit, at the chosen node; of a drop those in all bearings. */
 function buildOrbits({ contacts, is_drop: isDrop, is_archive: isArchive }) {
   const each = (isDrop || isArchive) && contacts.length > 1 ? contacts.slice(0, MOST_ORBITS).map((_, i) => i) : [null];
-  $("orbits").replaceChildren();
+  $("orbits").replaceChildren(force.card);
   orbits = each.map((contact) => new Orbit($("orbits"), view, asked, contact));
 }
 
