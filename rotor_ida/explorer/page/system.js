@@ -104,7 +104,12 @@ function choose({ node, contact }) {
     const other = contact !== asked.contact;
     asked.contact = contact;
     node ??= page.sketch.contacts[contact].node;
-    if (other) buildSliders();
+    if (other) {
+      // changes are of one contact: the other one is again as in the file
+      const { unbalance_factor: factor } = asked.changes;
+      asked.changes = factor === undefined ? {} : { unbalance_factor: factor };
+      buildSliders();
+    }
   }
   if (node !== undefined) asked.node = node;
   $("node").value = asked.node;
