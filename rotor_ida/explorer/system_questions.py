@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Literal, cast, get_args
 
@@ -48,7 +48,7 @@ class SystemQuestion:
         Running speed; default: that of the file.
     revolutions : int
         Length of the run.
-    changes : dict
+    changes : tuple of (str, float)
         Values in place of the file's, by the names of `CHANGES`.
     path : Path, optional
         Path of the file, set by the server.
@@ -60,7 +60,7 @@ class SystemQuestion:
     contact: int = 0
     speed: float | None = None
     revolutions: int = 60
-    changes: Mapping[str, float] = field(default_factory=dict)
+    changes: tuple[tuple[str, float], ...] = ()
     path: Path | None = None
     side: ClassVar[int] = 0
 
@@ -111,7 +111,7 @@ def system_question(given: Mapping[str, Any]) -> SystemQuestion:
     --------
     >>> system_question({"about": "system_run", "number": 1, "node": "disc", "contact": 0,
     ...     "speed": 450.0, "revolutions": 60, "changes": {"friction": 0.2}}).changes
-    {'friction': 0.2}
+    (('friction', 0.2),)
     """
     _check_entries(given, ("about", "number", "node", "contact", "speed", "revolutions", "changes"))
     node, changes = given["node"], given["changes"]
@@ -127,7 +127,7 @@ def system_question(given: Mapping[str, Any]) -> SystemQuestion:
         contact=check_count("contact", given["contact"], 0, MOST_CONTACTS),
         speed=None if speed is None else check_nonnegative("speed", speed),
         revolutions=check_count("revolutions", given["revolutions"], 1, MOST_REVOLUTIONS),
-        changes={name: check_nonnegative(name, value) for name, value in changes.items()},
+        changes=tuple((name, check_nonnegative(name, changes[name])) for name in sorted(changes)),
     )
 
 

@@ -86,7 +86,8 @@ def case_of(question: SystemQuestion) -> Case:
     if path is None:
         raise InputError("drop a system file (.toml) or an archive of a system (.nc) on the page")
     found = _read(path, path.stat().st_mtime_ns)
-    contacts, changes = list(found.contacts), dict(question.changes)
+    contacts = list(found.contacts)
+    changes: dict[str, Any] = dict(question.changes)
     factor = changes.pop("unbalance_factor", 1.0)
     if changes:
         if question.contact >= len(contacts):
@@ -122,13 +123,8 @@ def _read(path: Path, _changed: int) -> Case:
 
 
 @lru_cache(maxsize=2)
-def _computed(path: Path, _changed: int, key: tuple[object, ...]) -> xr.Dataset:
+def _computed(question: SystemQuestion, _changed: int) -> xr.Dataset:
     """Return the run of a question; the last ones are kept, since another node needs the same."""
-    contact, speed, revolutions, changes = key
-    question: Any = SystemQuestion(
-        about="system_run", number=0, path=path, contact=contact,  # type: ignore[arg-type]
-        speed=speed, revolutions=revolutions, changes=dict(changes),  # type: ignore[arg-type, call-overload]
-    )  # fmt: skip
     case = case_of(question)
     if case.run is not None:
         return case.run
@@ -153,9 +149,8 @@ def run_of_system(question: SystemQuestion) -> xr.Dataset:
     """Return the run that a question is about: of its archive, or computed."""
     case_of(question)  # without a file there is none
     assert question.path is not None
-    key = (question.contact, question.speed, question.revolutions,
-           tuple(sorted(question.changes.items())))  # fmt: skip
-    return _computed(question.path, question.path.stat().st_mtime_ns, key)
+    same = replace(question, about="system_run", number=0, node="")
+    return _computed(same, question.path.stat().st_mtime_ns)
 
 
 def show_system_run(question: SystemQuestion) -> Iterator[Answer]:
@@ -204,6 +199,7 @@ def _sketch(case: Case, question: SystemQuestion) -> dict[str, object]:
         "nodes": list(places), "positions": list(places.values()),
         "has_positions": case.system.positions is not None, "units": case.system.units,
         "contacts": contacts, "supports": [each.node for each in supports],
+        "masses": [_mass(case.system, node) for node in case.system.nodes],
         "unbalance": [each.node for each in case.unbalance], "node": _node(case, question),
         "speed": case.speed, "file_speed": file.speed, "is_archive": case.run is not None,
         "is_drop": case.drops,
@@ -212,6 +208,12 @@ def _sketch(case: Case, question: SystemQuestion) -> dict[str, object]:
             for each in file.contacts
         ],
     }  # fmt: skip
+
+
+def _mass(system: RotorSystem, node: str) -> float:
+    """Return the mass that moves with a node where all others rest."""
+    row = system.rows(node)[0]
+    return float(row @ system.mass @ row)
 
 
 def verdict(run: xr.Dataset) -> str:

@@ -2,7 +2,7 @@
 
 import { colour } from "./plot.js";
 import { NOTHING, hasPanel, rowsOf } from "./signals.js";
-import { LARGEST_FILE } from "./tables.js";
+import { LARGEST_FILE, SYSTEM_ENDINGS } from "./tables.js";
 import { told, withUnit } from "./units.js";
 
 // Default probes: along x and y, with readings as displacements.
@@ -18,6 +18,13 @@ const FIELDS = { angles: ["measured-angle-x", "measured-angle-y"], gains: ["meas
 const TURNS = ["keyphasor", "angle", "speed"];
 const COLUMNS = ["t", "x", "y", "turn"], UNITS = ["t", "length", "turn"];
 const $ = (id) => document.getElementById(id);
+
+/** Open the page of a rotor system with a file, which waits for it in a cache of this origin. */
+async function openSystem(file) {
+  const cache = await caches.open("rotor-ida-key");
+  await cache.put("/system-file", new Response(file, { headers: { "x-name": encodeURIComponent(file.name) } }));
+  location.assign("system.html");
+}
 
 export class Measured {
   /**
@@ -58,7 +65,8 @@ export class Measured {
   /** Read a file, or the two of a COMTRADE record. */
   #readOne(files) {
     const file = files.length > 1 ? combined(files) : files[0];
-    if (file) this.read(file);
+    if (file && SYSTEM_ENDINGS.some((ending) => file.name.toLowerCase().endsWith(ending))) openSystem(file);
+    else if (file) this.read(file);
     else if (files.length) this.#say(`One file at a time, or the .cfg and the .dat of a COMTRADE record: of ${files.length} none is read.`, true);
   }
 

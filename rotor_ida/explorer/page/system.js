@@ -104,7 +104,12 @@ function choose({ node, contact }) {
     const other = contact !== asked.contact;
     asked.contact = contact;
     node ??= page.sketch.contacts[contact].node;
-    if (other) buildSliders();
+    if (other) {
+      // changes are of one contact: the other one is again as in the file
+      const { unbalance_factor: factor } = asked.changes;
+      asked.changes = factor === undefined ? {} : { unbalance_factor: factor };
+      buildSliders();
+    }
   }
   if (node !== undefined) asked.node = node;
   $("node").value = asked.node;
@@ -238,7 +243,7 @@ function slider(text, name, value, [low, high], set) {
 /** Have one orbit, at the chosen node; of a drop those in all bearings. */
 function buildOrbits({ contacts, is_drop: isDrop, is_archive: isArchive }) {
   const each = (isDrop || isArchive) && contacts.length > 1 ? contacts.slice(0, MOST_ORBITS).map((_, i) => i) : [null];
-  $("orbits").replaceChildren();
+  $("orbits").replaceChildren(force.card);
   orbits = each.map((contact) => new Orbit($("orbits"), view, asked, contact));
 }
 

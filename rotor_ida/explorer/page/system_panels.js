@@ -62,7 +62,7 @@ export class Sketch extends Panel {
     const span = Math.max(...positions) - Math.min(...positions) || 1;
     this.drawn = true;
     this.plot.show({
-      x: [Math.min(...positions) - 0.06 * span, Math.max(...positions) + 0.06 * span], y: [-1.05, 1.15],
+      x: [Math.min(...positions) - 0.06 * span, Math.max(...positions) + 0.06 * span], y: [-1.05, 1.45],
       labels: [placed ? labelled("axial position", this.view.page.sketch.units === "SI" ? "m" : "") : "node", ""],
     });
     this.plot.say(`Sketch of the rotor with the nodes ${nodes.join(", ")}`);
@@ -97,7 +97,7 @@ export class Sketch extends Panel {
     positions.forEach((x, i) => {
       if (pen.x(x) - last < 44 * pen.pixel) return;
       last = pen.x(x);
-      pen.text(nodes[i], x, 1.03, { fill: colour("muted"), align: "center" });
+      pen.text(nodes[i], x, 1.2, { fill: colour("muted"), align: "center" });
     });
   }
 
@@ -168,7 +168,7 @@ export class Orbit extends Panel {
     area.setAttribute("role", "img");
     card.append(document.createElement("h2"), area);
     card.append(Object.assign(document.createElement("p"), { className: "key" }));
-    parent.append(card);
+    parent.insertBefore(card, parent.lastElementChild); // the force comes last
     super(card, view, { x: "x", y: "y", equal: true });
     Object.assign(this, { asked, contact });
   }
