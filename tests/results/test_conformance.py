@@ -14,7 +14,6 @@ import xarray as xr
 import rotor_ida
 from tests.kinds import KINDS, a_run
 
-
 ASKED = [
     "get_time_variable",
     *(
