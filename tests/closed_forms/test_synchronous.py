@@ -221,7 +221,7 @@ def test_light_damping_reaches_amplitudes_near_a_hundred():
     assert 60.0 < one_point(3.1, 0.01, 1.0)["amplitude"].max() < 140.0
 
 
-@pytest.mark.parametrize("away", [1e-6, 1e-10, 1e-14])
+@pytest.mark.parametrize("away", [1e-6, 1e-14])
 @pytest.mark.parametrize("delta0", [0.0, 0.1, 0.7, 1.0, 3.0])
 @pytest.mark.parametrize(
     ("kappa", "exponent"),
