@@ -39,6 +39,7 @@ from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import (
     plot_bode,
     plot_campbell,
+    plot_cascade,
     plot_shape,
     plot_whirl_shapes,
     system_figure,
@@ -175,6 +176,11 @@ def draw_run_up(up: xr.Dataset, critical: float, settings: Settings) -> None:
         shows="Amplitude and phase lag of 1X at the seal as the rotor runs up with eight modes.",
         found=f"Without contacts the rotor resonates at {critical / RPM:.0f} rpm. It touches from "
         f"{first:.0f} rpm on, which stiffens it, and comes off at {last:.0f} rpm.",
+    )  # fmt: skip
+    settings.show(
+        plot_cascade(signals).figure, "cascade", archives=["run_up"],
+        shows="Full spectra at the seal over the speed of the run-up, backward whirl on the left.",
+        found=f"The rotor rubs from {first:.0f} to {last:.0f} rpm.",
     )  # fmt: skip
 
 

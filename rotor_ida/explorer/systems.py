@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -85,7 +86,10 @@ def case_of(question: SystemQuestion) -> Case:
     path = question.path
     if path is None:
         raise InputError("drop a system file (.toml) or an archive of a system (.nc) on the page")
-    found = _read(path, path.stat().st_mtime_ns)
+    try:
+        found = _read(path, path.stat().st_mtime_ns)
+    except InputError as error:  # the folder is of no interest, or a temporary one
+        raise InputError(str(error).replace(f"{path.parent}{os.sep}", "")) from error
     contacts = list(found.contacts)
     changes: dict[str, Any] = dict(question.changes)
     factor = changes.pop("unbalance_factor", 1.0)
