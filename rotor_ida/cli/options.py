@@ -20,6 +20,7 @@ from rotor_ida.checks import (
     State,
     check_axis,
     did_you_mean,
+    listed,
     shown,
 )
 from rotor_ida.cli import machines, parsing
@@ -108,16 +109,19 @@ START = Parameter(
 )
 Start = Annotated[State, START]
 StartOrNone = Annotated[State | None, START]
-Starts = Annotated[
-    list[State],
-    Parameter(
-        help="Initial states, one or more. Default: at rest on the axis.",
-        metavar="X Y VX VY",
-        converter=parsing.converter(parsing.starts),
-        consume_multiple=True,
-        negative=(),
-        show_default=False,
-    ),
+STARTS = Parameter(
+    help="Initial states, one or more. Default: at rest on the axis.",
+    metavar="X Y VX VY",
+    converter=parsing.converter(parsing.starts),
+    consume_multiple=True,
+    negative=(),
+    show_default=False,
+)
+Starts = Annotated[list[State], STARTS]
+StartsOrNone = Annotated[
+    list[State] | None,
+    STARTS,
+    Parameter(help="Initial states, one or more, instead of random ones."),
 ]
 Component = Annotated[
     float | list[float],
@@ -152,6 +156,21 @@ ShocksOrNone = Annotated[
     ),
 ]  # fmt: skip
 Seed = Annotated[int, _whole_number("Seed of the random numbers.", 0, LARGEST_SEED)]
+
+Reach = Annotated[
+    float | None,
+    _quantity(
+        "Largest |x| and |y| of random initial states (SI: m), and of their velocities, "
+        "divided by the reference frequency. Default: 5 eccentricities.",
+        "m",
+    ),
+]
+ExtremaTime = Annotated[
+    float | None,
+    _quantity(
+        "Time over which extrema are found (SI: s). Default: 100 / reference frequency.", "s"
+    ),
+]
 
 Period = Annotated[
     float | None,
@@ -221,6 +240,14 @@ Rates = Annotated[
     list[float],
     _numbers(
         "Rates of change of the speed (SI: rad/s2, or as 100rpm/s): numbers, or START:STOP:COUNT.",
+        "rad s-2",
+    ),
+]
+RateOrNone = Annotated[
+    float | None,
+    _quantity(
+        "Rate of change of the speed (SI: rad/s2, or as 100rpm/s), with --direction. Default: "
+        "the rotor settles at each speed.",
         "rad s-2",
     ),
 ]
@@ -512,7 +539,7 @@ Direction = Annotated[
     Literal["up", "down", "both"] | None,
     Parameter(help="Quasi-static sweep: start each speed where the one before ended."),
 ]
-WithFolds = Annotated[bool, _flag("List the folds too; without --omega, only the folds.")]
+WithFolds = Annotated[bool, _flag("List the folds too.")]
 Quick = Annotated[bool, _flag("Compute coarser results, faster.")]
 Studies = Annotated[
     bool, _flag("Compute the studies as well as the figures of the paper.", name="--all")
@@ -650,6 +677,12 @@ class RotorsOptions:
         """Return the values of each given parameter."""
         return list(self.values.values())
 
+    def check_one_varies(self) -> None:
+        """Refuse a figure of one panel over several parameters."""
+        varied = [name for name, each in self.values.items() if len(each) > 1]
+        if len(varied) > 1:
+            raise InputError(f"figure needs one parameter that varies, got {listed(varied)}")
+
     def panels(self, over: str = "") -> int:
         """Return the number of panels of a figure over one of the parameters."""
         return math.prod(
@@ -664,22 +697,23 @@ class RotorsOptions:
 class WhirlsOptions(RotorsOptions):
     """Rotors for lists of whirls or folds."""
 
-    @property
-    def has_speed(self) -> bool:
-        """Whether a speed is given."""
-        return self.machine is not None or bool({"omega", "speed"} & self.values.keys())
-
-    def without_load(self) -> tuple[dict[str, Any], Units]:
+    def without_load(self, known: Mapping[str, list[float]] = {}) -> tuple[dict[str, Any], Units]:
         """Return the given parameters that affect exact whirls, and their units."""
-        any_speed = {} if self.has_speed else {"speed" if self.in_si else "omega": [ANY_SPEED]}
-        given, units = self.given_and_units(any_speed)
-        if any_speed:
-            del given["omega"]
+        given, units = self.given_and_units(known)
         if given.pop("load", 0.0) != 0.0:
             raise InputError("load must be 0 for exact whirls: under a load there are none")
         radii = given.pop("disc_radius", None)  # it moves no whirl
         if radii is not None:
             check_axis("disc_radius", radii)
+        return given, units
+
+    def without_speed(self) -> tuple[dict[str, Any], Units]:
+        """Return the given parameters that affect folds and Hopf points, and their units."""
+        speed = "speed" if self.in_si else "omega"
+        if speed in self.values:
+            raise InputError(f"{speed} must be left out: all speeds are searched")
+        given, units = self.without_load({speed: [ANY_SPEED]} if self.machine is None else {})
+        del given["omega"]
         return given, units
 
 

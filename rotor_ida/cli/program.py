@@ -27,16 +27,15 @@ from cyclopts import (
 from rotor_ida.checks import did_you_mean, listed, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.commands.compute import (
-    backward_whirl,
     basin,
     basin_fractions,
+    bifurcation_diagram,
     continue_attractors,
     reproduce,
     run_up,
     run_ups,
     simulate,
     sweep,
-    synchronous_response,
     touchdown_report,
 )
 from rotor_ida.cli.commands.cycles import bifurcation_curve, continue_cycle, limit_cycle
@@ -48,6 +47,7 @@ from rotor_ida.cli.commands.machine import machine
 from rotor_ida.cli.commands.plot import plot
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
 from rotor_ida.cli.commands.systems import campbell, clearance_report, special_speeds
+from rotor_ida.cli.commands.whirls import backward_whirl, folds, hopf_points, synchronous_response
 from rotor_ida.cli.machines import missing
 from rotor_ida.cli.parsing import SYSTEM_ENDING, as_given, readable, refuse_units
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
@@ -64,9 +64,19 @@ Exit status: 0 done, 1 the run or the check failed, 2 bad input.
 """
 # The commands in the groups of the help, in order; some have a short name too.
 COMMANDS: dict[str, dict[Callable[..., object], str]] = {
-    "Simulate": {machine: "", simulate: "", run_up: "", run_ups: "", sweep: "", drop: ""},
+    "Simulate": {
+        machine: "",
+        simulate: "",
+        run_up: "",
+        run_ups: "",
+        sweep: "",
+        bifurcation_diagram: "",
+        drop: "",
+    },
     "Exact whirls": {
         synchronous_response: "response",
+        folds: "",
+        hopf_points: "",
         backward_whirl: "whirl",
         special_speeds: "",
         campbell: "",

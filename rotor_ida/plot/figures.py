@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida import plot
-from rotor_ida.checks import check_panels
+from rotor_ida.checks import check_panels, listed
 from rotor_ida.closed_forms import folds, hopf_points, response_curve
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
@@ -42,8 +42,8 @@ def figure_of(dataset: xr.Dataset) -> Figure:
     if not drawn:
         raise InputError(
             "figure must be of a run, of whirls, their folds or Hopf points, of a sweep, run-ups, "
-            "a basin or atlas, of limit cycles, of signals, their orders or spectra, or of a fit, "
-            f"got {kind!r}"
+            "a bifurcation diagram, a basin or atlas, of limit cycles, of signals, their orders or "
+            f"spectra, or of a fit, got {kind!r}"
         )
     made: Axes | Figure = loaded(drawn)(dataset)
     return made if isinstance(made, Figure) else cast(Figure, made.figure)
@@ -87,6 +87,19 @@ def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
     has_hopf_points = given.get("friction") or given.get("contact_damping")
     exact = [curve, folds(**given), hopf_points(**given) if has_hopf_points else None]
     return tuple(each if each is None else in_units_of(each, part) for each in exact)
+
+
+def figure_of_diagram(dataset: xr.Dataset) -> Figure:
+    """Return the figure of a bifurcation diagram over one parameter; over speeds on the curve."""
+    varied = [name for name in parameters_in(dataset) if dataset[name].size > 1]
+    if len(varied) > 1:
+        raise InputError(f"figure needs one parameter that varies, got {listed(varied)}")
+    exact, fold_points = None, None
+    if varied in ([], ["omega"]):
+        exact, fold_points, _ = _exact_beside(dataset)
+    figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
+    plot.plot_extrema(dataset, exact=exact, fold_points=fold_points, ax=ax)
+    return figure
 
 
 def figure_of_signals(dataset: xr.Dataset) -> Figure:

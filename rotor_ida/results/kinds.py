@@ -173,6 +173,7 @@ KINDS = {
         Kind(
             name="bifurcation_diagram", meaning="bifurcation diagram",
             variables=("extremum_radius",), shown=f"{_SHOWN}:show_sweep",
+            drawn=f"{_DRAWN}:figure_of_diagram",
         ),
         Kind(
             name="run_ups", meaning="run-ups", variables=("ending", "rate", "to"),

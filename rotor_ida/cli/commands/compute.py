@@ -1,4 +1,4 @@
-"""The commands that compute: runs, responses over speed, basins, and the paper's figures."""
+"""The commands that simulate: runs, responses over speed, basins, and the paper's figures."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from rotor_ida.cli.machines import Units
 from rotor_ida.cli.output import Output, answer, answer_whole, summarised, working
 from rotor_ida.cli.parsing import MOST_POINTS, check_points
 from rotor_ida.cli.report import FIRST_ROWS, Report
-from rotor_ida.cli.systems import run_up_file, simulate_file, sweep_file, whirls_file
+from rotor_ida.cli.systems import run_up_file, simulate_file, sweep_file
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 
-# More rows are for programs, with --json or --out.
-MOST_ROWS = 1000
+# Number of random initial states of a bifurcation diagram.
+STARTS = 8
 
 
 def simulate(
@@ -119,70 +119,6 @@ def run_up(
     return summarised(found, answer(shown, output, most=FIRST_ROWS))
 
 
-def synchronous_response(
-    system: options.System = None,
-    /,
-    *,
-    rotors: options.WhirlsOptions = options.WhirlsOptions(),
-    folds: options.WithFolds = False,
-    without_gravity: options.WithoutGravity = False,
-    output: Output = Output(),
-) -> Report:
-    r"""List all exact synchronous whirls, with their stability.
-
-    At two speeds, with the folds; then over a range of speeds, saved and drawn:
-
-        rotor-ida synchronous-response --omega 1.2 1.7 --zeta 0.07 --delta0 0.5 \
-            --folds
-
-        rotor-ida synchronous-response --omega 0.5:3:251 --zeta 0.07 \
-            --delta0 0 2 --out whirls.nc --figure whirls.png
-
-    A rotor of any size, from a system file:
-
-        rotor-ida synchronous-response rotor.toml --speed 3000rpm:9000rpm:61 \
-            --without-gravity --figure rubs
-    """
-    if system is not None:
-        if folds:
-            raise InputError("folds must be left out with a rotor system: see special-speeds")
-        return whirls_file(system, rotors, output, without_gravity=without_gravity)
-    if without_gravity:
-        raise InputError("without_gravity must be left out without a rotor system")
-    if not rotors.has_speed and not folds:
-        raise InputError("omega must hold at least one number, got none")
-    if not rotors.has_speed and output.figure is not None:
-        raise InputError("figure must be of whirls: give --omega")
-    check_points(*rotors.axes())
-    output.check(panels=rotors.panels(over="omega"))
-    given, units = rotors.without_load()
-    of_folds = {name: each for name, each in given.items()
-                if name not in {"omega", "contact_damping"}}  # fmt: skip
-    found = rotor_ida.folds(**of_folds) if folds else None
-    if "omega" not in given:
-        assert found is not None
-        return answer(units.shown(found), output, most=MOST_ROWS)
-    whirls = rotor_ida.synchronous_response(**given)
-    if found is not None:
-        whirls = whirls.assign({name: found[name] for name in ("fold_omega", "fold_amplitude")})
-    return answer(units.shown(whirls), output, most=MOST_ROWS)
-
-
-def backward_whirl(
-    *, rotor: options.RotorOptions = options.RotorOptions(), output: Output = Output()
-) -> Report:
-    r"""Compute the backward whirls that friction sustains: dry whirl and dry whip.
-
-    Without unbalance; both exist above the speed `birth omega`:
-
-        rotor-ida backward-whirl --omega 0.63 --zeta 0.1 --delta0 1 \
-            --friction 0.2 --disc-radius 10
-    """
-    output.check()
-    chosen, units = rotor.rotor_and_units()
-    return answer(units.shown(rotor_ida.backward_whirl(chosen)), output)
-
-
 def sweep(
     system: options.System = None,
     /,
@@ -229,6 +165,61 @@ def sweep(
             progress=progress,
         )
         return answer_whole(units.shown(dataset), output, study)
+
+
+def bifurcation_diagram(
+    *,
+    rotors: options.RotorsOptions = options.RotorsOptions(),
+    starts: options.StartCount = STARTS,
+    start: options.StartsOrNone = None,
+    seed: options.Seed = 0,
+    reach: options.Reach = None,
+    extrema_time: options.ExtremaTime = None,
+    direction: options.Direction = None,
+    rate: options.RateOrNone = None,
+    rtol: options.Rtol = 1e-10,
+    atol: options.Atol = 1e-12,
+    method: options.ContactMethod = "adams",
+    jobs: options.JobOptions = options.JobOptions(),
+    output: Output = Output(),
+) -> Report:
+    r"""Compute a bifurcation diagram: extrema of the radius after the rotor has settled.
+
+    At each speed from four random initial states, drawn over the exact curve:
+
+        rotor-ida bifurcation-diagram --omega 1.6:2:3 --zeta 0.07 --delta0 2 \
+            --starts 4 --extrema-time 50 --workers 1 --figure diagram
+
+    Up and down in speed, where each speed starts from the state of the one before:
+
+        rotor-ida bifurcation-diagram --omega 1.2:1.7:3 --zeta 0.1 --delta0 0.5 \
+            --start 0 0 0 0 --direction both --workers 1 --csv diagram.csv
+    """
+    if start is not None and starts != STARTS:
+        raise InputError(f"starts must be left out with --start, got {starts}")
+    check_points(*rotors.axes(), start or [AT_REST] * starts)
+    output.check()
+    if output.figure is not None:
+        rotors.check_one_varies()
+    given, units = rotors.given_and_units()
+    if reach is not None:
+        given["reach"] = units.component("x", reach)
+    if extrema_time is not None:
+        given["extrema_time"] = units.time(extrema_time)
+    with working("diagram") as progress:
+        dataset = rotor_ida.bifurcation_diagram(
+            **given,
+            starts=starts if start is None else list(map(units.start, start)),
+            seed=seed,
+            direction=direction,
+            rate=None if rate is None else units.rate(rate),
+            rtol=rtol,
+            atol=atol,
+            method=method,
+            **jobs.on_every_core(),
+            progress=progress,
+        )
+        return answer_whole(units.shown(dataset), output, None)
 
 
 def run_ups(

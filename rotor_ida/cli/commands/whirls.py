@@ -1,0 +1,114 @@
+"""The commands for exact whirls of one disc, and the points at which they change."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import rotor_ida
+from rotor_ida.cli import options
+from rotor_ida.cli.output import Output, answer
+from rotor_ida.cli.parsing import check_points
+from rotor_ida.cli.report import Report
+from rotor_ida.cli.systems import whirls_file
+from rotor_ida.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# More rows are for programs, with --json or --out.
+MOST_ROWS = 1000
+
+
+def synchronous_response(
+    system: options.System = None,
+    /,
+    *,
+    rotors: options.WhirlsOptions = options.WhirlsOptions(),
+    folds: options.WithFolds = False,
+    without_gravity: options.WithoutGravity = False,
+    output: Output = Output(),
+) -> Report:
+    r"""List all exact synchronous whirls, with their stability.
+
+    At two speeds, with the folds; then over a range of speeds, saved and drawn:
+
+        rotor-ida synchronous-response --omega 1.2 1.7 --zeta 0.07 --delta0 0.5 \
+            --folds
+
+        rotor-ida synchronous-response --omega 0.5:3:251 --zeta 0.07 \
+            --delta0 0 2 --out whirls.nc --figure whirls.png
+
+    A rotor of any size, from a system file:
+
+        rotor-ida synchronous-response rotor.toml --speed 3000rpm:9000rpm:61 \
+            --without-gravity --figure rubs
+    """
+    if system is not None:
+        if folds:
+            raise InputError("folds must be left out with a rotor system: see special-speeds")
+        return whirls_file(system, rotors, output, without_gravity=without_gravity)
+    if without_gravity:
+        raise InputError("without_gravity must be left out without a rotor system")
+    check_points(*rotors.axes())
+    output.check(panels=rotors.panels(over="omega"))
+    given, units = rotors.without_load()
+    whirls = rotor_ida.synchronous_response(**given)
+    if folds:
+        of_folds = {name: each for name, each in given.items()
+                    if name not in {"omega", "contact_damping"}}  # fmt: skip
+        found = rotor_ida.folds(**of_folds)
+        whirls = whirls.assign({name: found[name] for name in ("fold_omega", "fold_amplitude")})
+    return answer(units.shown(whirls), output, most=MOST_ROWS)
+
+
+def folds(
+    *, rotors: options.WhirlsOptions = options.WhirlsOptions(), output: Output = Output()
+) -> Report:
+    r"""Compute all folds: speeds at which a synchronous whirl in contact vanishes.
+
+    The rotor jumps there. At two clearances; then drawn on the response curve:
+
+        rotor-ida folds --zeta 0.07 --delta0 0 0.5
+
+        rotor-ida folds --zeta 0.07 --delta0 0.5 --out folds.nc --figure folds
+    """
+    return _at_all_speeds(rotor_ida.folds, rotors, output)
+
+
+def hopf_points(
+    *, rotors: options.WhirlsOptions = options.WhirlsOptions(), output: Output = Output()
+) -> Report:
+    r"""Compute all Hopf points: speeds at which a whirl in contact begins to oscillate.
+
+    They occur only with friction or contact damping:
+
+        rotor-ida hopf-points --zeta 0.07 --delta0 0.5 --friction 0 0.1 \
+            --figure hopf_points
+    """
+    return _at_all_speeds(rotor_ida.hopf_points, rotors, output)
+
+
+def _at_all_speeds(
+    compute: Callable[..., xr.Dataset], rotors: options.WhirlsOptions, output: Output
+) -> Report:
+    """Return the answer with the special points of whirls, which are at any speeds."""
+    check_points(*rotors.axes())
+    output.check(panels=rotors.panels())
+    given, units = rotors.without_speed()
+    return answer(units.shown(compute(**given)), output, most=MOST_ROWS)
+
+
+def backward_whirl(
+    *, rotor: options.RotorOptions = options.RotorOptions(), output: Output = Output()
+) -> Report:
+    r"""Compute the backward whirls that friction sustains: dry whirl and dry whip.
+
+    Without unbalance; both exist above the speed `birth omega`:
+
+        rotor-ida backward-whirl --omega 0.63 --zeta 0.1 --delta0 1 \
+            --friction 0.2 --disc-radius 10
+    """
+    output.check()
+    chosen, units = rotor.rotor_and_units()
+    return answer(units.shown(rotor_ida.backward_whirl(chosen)), output)
