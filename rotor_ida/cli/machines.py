@@ -173,15 +173,17 @@ def chosen(
     return of_sheet(sheet_of(given, file), file)
 
 
-def check_complete(given: Mapping[str, object], optional: Sequence[str]) -> None:
-    """Refuse a rotor that is incomplete, or given in both ways."""
+def check_complete(
+    given: Collection[str], optional: Sequence[str], *, known: Sequence[str] = ()
+) -> None:
+    """Refuse a rotor that is incomplete but for `known` parameters, or given in both ways."""
     needed = [name for name in given if name not in optional]
     both = [next((name for name in needed if name in kind), "") for kind in KINDS]
     if all(both):
         raise InputError(
             f"a rotor must be given without dimensions or in SI units, got {listed(both)}"
         )
-    lacking = missing(needed)
+    lacking = missing([*needed, *known])
     if lacking:
         beside = f" with {listed(needed)}" if needed else ", or a machine in SI units"
         raise InputError(f"{listed(lacking)} must be given{beside}")

@@ -38,6 +38,7 @@ from rotor_ida.simulation.options import Backend, Flight, Method
 
 # Placeholder where a speed is required but not used.
 ANY_SPEED = 1.0
+SPEEDS = ("omega", "speed")
 # Groups of options in the help of a command; options without one are in the command's group.
 ROTOR = Group("Rotor", sort_key=1)
 SPEED = Group("Change of the speed", sort_key=2)
@@ -695,7 +696,7 @@ class RotorsOptions:
 @Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
 class WhirlsOptions(RotorsOptions):
-    """Rotors for lists of whirls or folds."""
+    """Rotors for lists of whirls."""
 
     def without_load(self, known: Mapping[str, list[float]] = {}) -> tuple[dict[str, Any], Units]:
         """Return the given parameters that affect exact whirls, and their units."""
@@ -707,11 +708,24 @@ class WhirlsOptions(RotorsOptions):
             check_axis("disc_radius", radii)
         return given, units
 
+
+@Parameter(name="*", group=ROTOR)
+@dataclass(frozen=True, kw_only=True)
+@with_parameters(
+    {name: Annotated[SEVERAL[name], Parameter(show=False)] for name in SPEEDS},
+    dict.fromkeys(SPEEDS),
+)
+class AllSpeedsOptions(WhirlsOptions):
+    """Rotors for lists of folds or Hopf points, which are found at all speeds."""
+
     def without_speed(self) -> tuple[dict[str, Any], Units]:
-        """Return the given parameters that affect folds and Hopf points, and their units."""
+        """Return the given parameters that affect these points, and their units."""
+        for name in SPEEDS:
+            if name in self.values:
+                raise InputError(f"{name} must be left out: all speeds are searched")
         speed = "speed" if self.in_si else "omega"
-        if speed in self.values:
-            raise InputError(f"{speed} must be left out: all speeds are searched")
+        if self.machine is None:
+            machines.check_complete(self.values, OPTIONAL, known=(speed,))
         given, units = self.without_load({speed: [ANY_SPEED]} if self.machine is None else {})
         del given["omega"]
         return given, units

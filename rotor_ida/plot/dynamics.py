@@ -67,6 +67,7 @@ EXTREMA = {
     "minimum": ("local minimum of $|z|$", PURPLE),
 }
 FEW_EXTREMA = 3000
+HEADROOM = 1.06
 WITH_EXTREMA = (*PARAMETERS, "response", "extremum_count", "extremum_radius", "extremum_kind")
 
 
@@ -200,7 +201,7 @@ def plot_extrema(
             ax.set_title(in_lines(parameter_text(held)))
         else:
             plot_amplitude(exact, fold_points=fold_points, ax=ax)
-        size = 2.6 if extrema.number < FEW_EXTREMA else 1.2
+        size = 2.6 if extrema.here.sum() < FEW_EXTREMA else 1.2
         for words, (colour, chosen) in extrema.groups.items():
             if not chosen.any():
                 continue
@@ -212,6 +213,9 @@ def plot_extrema(
                 rasterized=True, zorder=2.4 if words == FREE else 3.0,
             )  # fmt: skip
             draw_marks(ax, [], [], "o", colour, size=3.4, face=face, edge=0.7, label=words)
+        if exact is not None:  # whose amplitudes may be the smaller
+            highest = extrema.radius[extrema.here].max(initial=0.0)
+            ax.set_ylim(top=max(ax.get_ylim()[1], HEADROOM * highest))
         label_parameter(ax.xaxis, over, found)
         label_axis(ax.yaxis, "radius", found["extremum_radius"])
         own_legend(ax)
@@ -219,11 +223,11 @@ def plot_extrema(
 
 
 class _Extrema(NamedTuple):
-    """The extrema of a diagram as flat arrays: how many are shown, and each kind."""
+    """The extrema of a diagram as flat arrays: which are shown, and each kind."""
 
     across: Values
     radius: Values
-    number: int
+    here: npt.NDArray[np.bool_]
     groups: dict[str, tuple[str, npt.NDArray[np.bool_]]]
 
 
@@ -249,7 +253,7 @@ def _extrema_of(found: xr.Dataset, over: str, delta0: float | None) -> _Extrema:
         words: (colour, of_kind[kind] & ~swinging) for kind, (words, colour) in EXTREMA.items()
     }
     groups[FREE] = (GREY, here & swinging)
-    return _Extrema(across, found["extremum_radius"].values, int(here.sum()), groups)
+    return _Extrema(across, found["extremum_radius"].values, here, groups)
 
 
 def _is_of(

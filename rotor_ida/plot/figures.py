@@ -31,6 +31,8 @@ MARKED, USUAL, MARGIN = ("fold_omega", "hopf_omega"), (0.05, 3.0), 1.2
 # Fewest revolutions of a Bode plot, samples between which speeds are compared, and the part by
 # which the speed of a machine may change that does not run up.
 FEW_TURNS, SPEEDS, WANDERS = 16, 17, 0.1
+# Margin beside the speeds of a bifurcation diagram, by their range.
+BESIDE = 0.03
 # Width and height of a single panel [inch].
 ALONE = (5.6, 4.2)
 
@@ -99,6 +101,9 @@ def figure_of_diagram(dataset: xr.Dataset) -> Figure:
         exact, fold_points, _ = _exact_beside(dataset)
     figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
     plot.plot_extrema(dataset, exact=exact, fold_points=fold_points, ax=ax)
+    if varied == ["omega"]:
+        lowest, highest = float(dataset["omega"].min()), float(dataset["omega"].max())
+        ax.set_xlim(lowest - BESIDE * (highest - lowest), highest + BESIDE * (highest - lowest))
     return figure
 
 

@@ -63,7 +63,7 @@ def synchronous_response(
 
 
 def folds(
-    *, rotors: options.WhirlsOptions = options.WhirlsOptions(), output: Output = Output()
+    *, rotors: options.AllSpeedsOptions = options.AllSpeedsOptions(), output: Output = Output()
 ) -> Report:
     r"""Compute all folds: speeds at which a synchronous whirl in contact vanishes.
 
@@ -77,7 +77,7 @@ def folds(
 
 
 def hopf_points(
-    *, rotors: options.WhirlsOptions = options.WhirlsOptions(), output: Output = Output()
+    *, rotors: options.AllSpeedsOptions = options.AllSpeedsOptions(), output: Output = Output()
 ) -> Report:
     r"""Compute all Hopf points: speeds at which a whirl in contact begins to oscillate.
 
@@ -90,7 +90,7 @@ def hopf_points(
 
 
 def _at_all_speeds(
-    compute: Callable[..., xr.Dataset], rotors: options.WhirlsOptions, output: Output
+    compute: Callable[..., xr.Dataset], rotors: options.AllSpeedsOptions, output: Output
 ) -> Report:
     """Return the answer with the special points of whirls, which are at any speeds."""
     check_points(*rotors.axes())
