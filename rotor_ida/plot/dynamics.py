@@ -67,6 +67,7 @@ EXTREMA = {
     "minimum": ("local minimum of $|z|$", PURPLE),
 }
 FEW_EXTREMA = 3000
+# Top of the axes over the largest extremum.
 HEADROOM = 1.06
 WITH_EXTREMA = (*PARAMETERS, "response", "extremum_count", "extremum_radius", "extremum_kind")
 

@@ -104,6 +104,7 @@ def figure_of_diagram(dataset: xr.Dataset) -> Figure:
     if varied == ["omega"]:
         lowest, highest = float(dataset["omega"].min()), float(dataset["omega"].max())
         ax.set_xlim(lowest - BESIDE * (highest - lowest), highest + BESIDE * (highest - lowest))
+    plot.shared_legend(figure, [ax])
     return figure
 
 

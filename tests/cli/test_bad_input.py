@@ -40,6 +40,7 @@ def run_up(given: str, omega: str = "0.5") -> str:
     return f"run-up --omega {omega} --zeta 0.07 --delta0 0.5 {given}"
 
 
+DIAGRAM = "bifurcation-diagram --omega 1 --zeta 0.1 --delta0 1"
 FINITE = "must be a finite real number, got"
 MISTAKES = [
     # values
@@ -98,7 +99,18 @@ MISTAKES = [
     ("response --omega 0:1:9999 --zeta 0:1:9999 --delta0 0", "at most 5000000 points"),
     ("response --omega 1 -1 --zeta 0 --delta0 0", "omega must be zero or positive, got -1.0"),
     ("response --omega 1e300 --zeta 0 --delta0 0", "omega must be 0 or between"),
-    ("response --zeta 0 --delta0 0", "omega must hold at least one number"),
+    ("response --zeta 0 --delta0 0", "omega must be given with zeta and delta0"),
+    ("folds --zeta 0.1 --delta0 0 --omega 1", "omega must be left out: all speeds are searched"),
+    ("hopf-points --zeta 0.1", "delta0 must be given with zeta"),
+    ("hopf-points", "zeta and delta0 must be given, or a machine in SI units"),
+    ("folds --zeta 0.1 --delta0 1 --load 1", "load must be 0 for exact whirls"),
+    (f"{DIAGRAM} --start 0 0 0 0 --starts 3", "starts must be left out with --start, got 3"),
+    (f"{DIAGRAM} --rate 1", "direction must be given with rate, got None"),
+    (f"{DIAGRAM} --reach 3um", "reach must have no unit for a dimensionless rotor, got '3um'"),
+    (
+        f"{DIAGRAM} 2 --shaft-stiffness 0 1 --figure a",
+        "figure needs one parameter that varies, got delta0 and shaft_stiffness",
+    ),
     ("response --omega --zeta 0 --delta0 0", "omega must"),
     # sweeps
     (sweep(direction="sideways"), "direction must be one of 'up', 'down', 'both'"),
@@ -244,7 +256,6 @@ MISTAKES = [
         "response --omega 1 --zeta 0:1:4 --delta0 0:1:4 --figure a.png",
         "at most 12 combinations of zeta, delta0 and other parameters, got 16",
     ),
-    ("response --zeta 0.1 --delta0 0 --folds --figure a.png", "figure must be of whirls"),
     (sweep(out="taken.nc"), "out must not exist unless --force is given"),
     (simulate(csv="taken.csv"), "csv must not exist unless --force is given, got 'taken.csv'"),
     (
@@ -335,7 +346,9 @@ MACHINE = (
 WITH_FRICTION = {
     "simulate": f"simulate {ROTOR} --duration 5",
     "response": f"response {ROTOR}",
-    "folds": "response --zeta 0.07 --delta0 {delta0} --folds",
+    "folds": "folds --zeta 0.07 --delta0 {delta0}",
+    "hopf points": "hopf-points --zeta 0.07 --delta0 {delta0}",
+    "diagram": f"bifurcation-diagram {ROTOR}",
     "sweep": f"sweep {ROTOR}",
     "basin": f"basin {ROTOR} {PLANE}",
     "fractions": f"fractions {ROTOR} {BOX}",
@@ -348,7 +361,7 @@ WITH_FRICTION = {
     "continue": f"continue {ROTOR} --limits 1 3",
 }
 # Exact whirls slip, whatever the disc: they need no radius.
-WITHOUT_DISC = {"response", "folds"}
+WITHOUT_DISC = {"response", "folds", "hopf points"}
 FRICTION = [
     ("0.5", "--friction 0.1", "disc_radius must be given with friction, got None with friction"),
     ("0.5", "--friction -0.1 --disc-radius 10", "friction must be zero or positive, got -0.1"),

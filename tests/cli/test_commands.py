@@ -166,20 +166,93 @@ def test_branches_that_are_absent_are_left_out(program: Program):
     assert [whirl["omega"] for whirl in whirls] == [1.2, 1.7, 1.7, 1.7]
 
 
-def test_response_lists_folds_alone_or_beside_the_whirls(program: Program):
-    words = ("response", "--zeta", 0.07, "--delta0", 0, "--folds")
-    alone = json.loads(program(*words, "--json").out)
-    exact = rotor_ida.folds(zeta=0.07, delta0=0.0)["fold_omega"].values.ravel()
-    assert column(alone["folds"], "fold_omega") == exact.tolist()
-    beside = program(*words, "--omega", 1.7, "--out", "both.nc", "--json")
+def test_response_lists_folds_beside_the_whirls(program: Program):
+    words = ("--zeta", 0.07, "--delta0", 0)
+    alone = json.loads(program("folds", *words, "--json").out)
+    beside = program("response", *words, "--folds", "--omega", 1.7, "--out", "both.nc", "--json")
     assert json.loads(beside.out)["folds"] == alone["folds"]
     assert {"amplitude", "fold_omega"} <= set(rotor_ida.load("both.nc").data_vars)
-    assert "Folds: 2" in program(*words).out
+
+
+@pytest.mark.parametrize(
+    ("command", "given"),
+    [
+        ("folds", {"zeta": [0.07, 0.1], "delta0": [0.0, 0.5]}),
+        ("folds", {"zeta": [0.07], "delta0": [0.5], "contact_damping": [0.2]}),
+        ("hopf-points", {"zeta": [0.07], "delta0": [0.5], "friction": [0.0, 0.1]}),
+    ],
+)
+def test_special_points_are_those_of_the_library(
+    program: Program, command: str, given: dict[str, list[float]]
+):
+    options = [f"--{name.replace('_', '-')} {' '.join(map(str, values))}"
+               for name, values in given.items()]  # fmt: skip
+    answer = program(*f"{command} {' '.join(options)} --out found.nc --json".split())
+    assert (answer.status, answer.err) == (0, "")
+    compute, name = {"folds": (rotor_ida.folds, "fold_omega"),
+                     "hopf-points": (rotor_ida.hopf_points, "hopf_omega")}[command]  # fmt: skip
+    exact = compute(**{name: values[0] if name == "contact_damping" else values
+                       for name, values in given.items()})  # fmt: skip
+    omega = exact[name].values
+    assert np.isfinite(omega).any()
+    rows = json.loads(answer.out)[command.replace("-", "_")]
+    assert column(rows, name) == omega[np.isfinite(omega)].tolist()
+    xr.testing.assert_equal(rotor_ida.load("found.nc"), exact)
 
 
 def test_no_fold_is_said_in_words(program: Program):
-    answer = program("response", "--zeta", 0.5, "--delta0", 0, "--folds")
+    answer = program("folds", "--zeta", 0.5, "--delta0", 0)
     assert (answer.status, answer.out) == (0, "Folds: none\n")
+
+
+def test_folds_of_a_machine_are_in_si_units(program: Program):
+    """Those without dimensions, times the reference frequency sqrt(k sqrt(D)/m) of the machine."""
+    machine = ("--mass", "4kg", "--contact-stiffness", "1e9", "--damping", "280",
+               "--eccentricity", "1um", "--clearance", "0.5um")  # fmt: skip
+    answer = program("folds", *machine, "--out", "si.nc", "--csv", "folds.csv")
+    assert (answer.status, answer.err) == (0, "")
+    exact = rotor_ida.folds(zeta=0.07, delta0=0.5)
+    found = rotor_ida.load("si.nc")
+    assert found.fold_omega.values == pytest.approx(exact.fold_omega.values, rel=1e-12)
+    assert found.fold_amplitude.values == pytest.approx(1e-6 * exact.fold_amplitude.values)
+    fastest = 30.0 / np.pi * 500.0 * exact.fold_omega.values.max()
+    assert "fold speed [rpm]" in answer.out
+    assert f"{fastest:.8g}" in answer.out
+    assert len(Path("folds.csv").read_text().splitlines()) > exact.fold.size
+
+
+def test_a_bifurcation_diagram_is_that_of_the_library(program: Program):
+    line = "bifurcation-diagram --omega 1.2 1.7 --zeta 0.5 --delta0 0.5 --workers 1"
+    random = "--starts 2 --seed 3 --reach 2 --extrema-time 20 --rtol 1e-9"
+    ramp = "--start 0 0 0 0 --start 1 0 0 0 --direction up --rate 0.01 --method taylor"
+    given = {"omega": [1.2, 1.7], "zeta": 0.5, "delta0": 0.5, "workers": 1}
+    expected = [
+        {"starts": 2, "seed": 3, "reach": 2.0, "extrema_time": 20.0, "rtol": 1e-9},
+        {"starts": [(0, 0, 0, 0), (1, 0, 0, 0)], "direction": "up", "rate": 0.01,
+         "method": "taylor"},
+    ]  # fmt: skip
+    for options, same in zip((random, ramp), expected, strict=True):
+        answer = program(*line.split(), *options.split(), "--out", "diagram.nc", "--force")
+        assert (answer.status, answer.err) == (0, "")
+        assert "synchronous" in answer.out
+        diagram = rotor_ida.bifurcation_diagram(**given, **same)
+        xr.testing.assert_equal(rotor_ida.load("diagram.nc"), diagram)
+
+
+def test_options_of_a_diagram_of_a_machine_have_units(program: Program):
+    """Its reference frequency is 500 rad/s, its eccentricity 1 um."""
+    line = ("bifurcation-diagram --mass 4kg --contact-stiffness 1e9 --damping 2000 "
+            "--eccentricity 1um --clearance 0.5um --speed 600 850 --workers 1 --reach 2um "
+            "--starts 2 --direction up --rate 2500rad/s2 --out si.nc")  # fmt: skip
+    assert program(*line.split()).status == 0
+    same = rotor_ida.bifurcation_diagram(
+        omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=2, reach=2.0, direction="up", rate=0.01,
+        workers=1,
+    )  # fmt: skip
+    found = rotor_ida.load("si.nc")
+    assert found.extremum_radius.attrs["units"] == "m"
+    assert found.extremum_radius.values == pytest.approx(1e-6 * same.extremum_radius.values)
+    assert found.extremum_speed.values == pytest.approx(same.extremum_speed.values)
 
 
 @pytest.mark.parametrize("workers", [1, 2])

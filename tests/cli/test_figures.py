@@ -5,10 +5,12 @@ import pytest
 import xarray as xr
 
 from rotor_ida import (
+    InputError,
     Rotor,
     backward_whirl,
     basin,
     basin_fractions,
+    bifurcation_diagram,
     folds,
     hopf_points,
     run_ups,
@@ -96,6 +98,27 @@ def test_folds_and_hopf_points_are_shown_on_their_curves(found):
             np.testing.assert_array_equal(
                 lines[word].get_xdata(), exact[np.isfinite(exact)], err_msg=word
             )
+
+
+def test_a_diagram_over_the_speed_shows_every_extremum_above_the_curve_too():
+    found = bifurcation_diagram(
+        omega=[1.9, 2.0], zeta=0.07, delta0=2.0, starts=[(2.6, 0.75, 0.66, -1.65)], workers=1,
+        extrema_time=20.0, method="taylor",
+    )  # fmt: skip
+    (ax,) = figure_of(found).axes
+    assert "contact-free whirl" in [line.get_label() for line in ax.lines]
+    assert ax.get_ylim()[0] == 0.0
+    assert ax.get_ylim()[1] > found.extremum_radius.max() > 3.0  # the whirl's is about 1
+    assert ax.get_xlim() == pytest.approx((1.897, 2.003))
+
+
+def test_a_diagram_has_a_figure_over_one_parameter():
+    given = {"omega": 1.2, "zeta": 0.5, "starts": [(0, 0, 0, 0)], "workers": 1}
+    found = bifurcation_diagram(**given, delta0=[0.25, 0.5], shaft_stiffness=[0.0, 0.1])
+    with pytest.raises(InputError, match="one parameter that varies, got delta0 and shaft_stiff"):
+        figure_of(found)
+    (ax,) = figure_of(bifurcation_diagram(**given, delta0=[0.25, 0.5])).axes
+    assert ax.get_xlabel().startswith("clearance")
 
 
 def test_fractions_have_a_figure_over_the_speed_or_of_one_rotor():

@@ -139,6 +139,10 @@ def test_a_run_up_of_a_file_begins_at_rest_and_tells_its_sentence_first(
 COMMANDS = {
     "run": "simulate --duration 40ms --start 3um 0 0 0",
     "whirls": "response --speed 500:1500:3",
+    "folds": "folds",
+    "hopf points": "hopf-points --friction 0.1 --disc-radius 60mm",
+    "diagram": "bifurcation-diagram --speed 800 1200 --starts 2 --reach 5um --extrema-time 20ms "
+    "--workers 1",
     "sweep": "sweep --speed 400rad/s 1000rad/s --clearance 1.5um 2um --workers 1",
     "run_ups": "run-ups --speed 150 --to 800 --rate 2e4rad/s2 --shaft-stiffness 1e6N/m --workers 1",
     "basin": "basin --x=-3um:3um:4 --y=-3um:3um:4 --workers 1",
@@ -164,7 +168,7 @@ def test_every_command_takes_a_machine_and_its_archive_is_of_use(
     assert archived.attrs["length_scale"] == SMALL.length_scale
     shown = program("show", "si.nc")
     assert (shown.status, shown.err) == (0, "")
-    if name not in {"whirls", "touchdown"}:
+    if name not in {"whirls", "folds", "hopf points", "diagram", "touchdown"}:
         verified = program("verify", "si.nc", "--json")
         assert (verified.status, verified.err) == (0, ""), verified.out
         assert json.loads(verified.out)["agrees"] is True
