@@ -16,8 +16,6 @@ from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import MOST_REVOLUTIONS, largest_speed
 from rotor_ida.explorer.system_questions import ENDINGS, SYSTEM_RUNS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.results.kinds import kind_of
-from rotor_ida.results.system_file import load_system
 from rotor_ida.simulation.options import check_can_be_followed
 
 # Packages that serve the page, not required otherwise.
@@ -93,6 +91,9 @@ def _system(
     file: Path | None, rotor: options.RotorOptions, start: State | None, export: Path | None
 ) -> Path | None:
     """Return the file if it is of a rotor system that can be read; None for one disc."""
+    from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.results.system_file import load_system  # noqa: PLC0415
+
     if file is None or file.suffix.lower() not in ENDINGS:
         return None
     is_toml = file.suffix.lower() == ".toml"
