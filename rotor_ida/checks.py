@@ -343,6 +343,12 @@ def check_panels(panels: int) -> int:
     return panels
 
 
+def check_one_varies(varied: Sequence[str]) -> None:
+    """Refuse a figure of one panel over several parameters."""
+    if len(varied) > 1:
+        raise InputError(f"figure needs one parameter that varies, got {listed(varied)}")
+
+
 def _scalar(name: str, value: object) -> object:
     """Return the number in a zero-dimensional array, and any other value as it is."""
     if hasattr(value, "__array__") and not isinstance(value, np.generic):

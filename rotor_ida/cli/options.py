@@ -20,7 +20,6 @@ from rotor_ida.checks import (
     State,
     check_axis,
     did_you_mean,
-    listed,
     shown,
 )
 from rotor_ida.cli import machines, parsing
@@ -38,6 +37,7 @@ from rotor_ida.simulation.options import Backend, Flight, Method
 
 # Placeholder where a speed is required but not used.
 ANY_SPEED = 1.0
+# The speed of a rotor, without dimensions and in SI units.
 SPEEDS = ("omega", "speed")
 # Groups of options in the help of a command; options without one are in the command's group.
 ROTOR = Group("Rotor", sort_key=1)
@@ -677,12 +677,6 @@ class RotorsOptions:
     def axes(self) -> list[list[float]]:
         """Return the values of each given parameter."""
         return list(self.values.values())
-
-    def check_one_varies(self) -> None:
-        """Refuse a figure of one panel over several parameters."""
-        varied = [name for name, each in self.values.items() if len(each) > 1]
-        if len(varied) > 1:
-            raise InputError(f"figure needs one parameter that varies, got {listed(varied)}")
 
     def panels(self, over: str = "") -> int:
         """Return the number of panels of a figure over one of the parameters."""

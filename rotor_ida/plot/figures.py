@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida import plot
-from rotor_ida.checks import check_panels, listed
+from rotor_ida.checks import check_one_varies, check_panels
 from rotor_ida.closed_forms import folds, hopf_points, response_curve
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
@@ -94,8 +94,7 @@ def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
 def figure_of_diagram(dataset: xr.Dataset) -> Figure:
     """Return the figure of a bifurcation diagram over one parameter; over speeds on the curve."""
     varied = [name for name in parameters_in(dataset) if dataset[name].size > 1]
-    if len(varied) > 1:
-        raise InputError(f"figure needs one parameter that varies, got {listed(varied)}")
+    check_one_varies(varied)
     exact, fold_points = None, None
     if varied in ([], ["omega"]):
         exact, fold_points, _ = _exact_beside(dataset)

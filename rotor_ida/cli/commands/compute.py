@@ -1,4 +1,4 @@
-"""The commands that simulate: runs, responses over speed, basins, and the paper's figures."""
+"""The commands that compute: runs, sweeps, basins, and the paper's figures."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 import rotor_ida
-from rotor_ida.checks import AT_REST
+from rotor_ida.checks import AT_REST, check_one_varies
 from rotor_ida.cli import options
 from rotor_ida.cli.machines import Units
 from rotor_ida.cli.output import Output, answer, answer_whole, summarised, working
@@ -200,7 +200,7 @@ def bifurcation_diagram(
     check_points(*rotors.axes(), start or [AT_REST] * starts)
     output.check()
     if output.figure is not None:
-        rotors.check_one_varies()
+        check_one_varies([name for name, each in rotors.values.items() if len(each) > 1])
     given, units = rotors.given_and_units()
     if reach is not None:
         given["reach"] = units.component("x", reach)
