@@ -21,6 +21,7 @@ from rotor_ida.explorer.files import NAME
 from rotor_ida.explorer.measured import cascade_rows, full_lines, order_rows, unless_impossible
 from rotor_ida.explorer.messages import Answer
 from rotor_ida.explorer.system_questions import OF_CONTACT, SYSTEM_RUNS, SystemQuestion
+from rotor_ida.explorer.system_verdicts import verdict
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
 from rotor_ida.plot import drop_figure, save_figure, system_figure
@@ -44,8 +45,6 @@ MOST_SAMPLES, SPEEDS, FEW_SPEEDS = 6000, 160, 60
 MOST_EIGENVALUES = 16
 # Range of speeds over that of the file, and revolutions of a run-up that the file does not give.
 LOW, HIGH, TURNS = 0.1, 1.5, 300
-# Revolutions at the end of a run that the verdict is about.
-LAST = 10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -218,43 +217,6 @@ def _mass(system: RotorSystem, node: str) -> float:
     """Return the mass that moves with a node where all others rest."""
     row = system.rows(node)[0]
     return float(row @ system.mass @ row)
-
-
-def verdict(run: xr.Dataset) -> str:
-    """Return in a sentence which contacts touch at the end of a run, and how hard."""
-    nodes, peaks = run["contact_node"].values.tolist(), run["peak_force"].values
-    owners = run["episode_contact"].values
-    unit = str(run["normal_force"].attrs.get("units", "")).replace("1", "")
-    if kind_of(run) == "drop":
-        parts = [
-            f"{_titled(i, node)} takes {peaks[owners == i].max(initial=0.0):.4g} {unit}".strip()
-            + f" in {int((owners == i).sum())} contacts"
-            for i, node in enumerate(nodes)
-        ]
-        return f"Drop: {'; '.join(parts)}."
-    speed = float(run["speed"].values[-1]) if "speed" in run else float(run.attrs["speed"])
-    last = float(run["t"].values[-1])
-    begin = last - 2.0 * math.pi * LAST / speed if speed > 0.0 else 0.0
-    ends = run["exit_time"].values
-    late = np.isnan(ends) | (ends >= begin)
-    parts, clear = [], []
-    for i, node in enumerate(nodes):
-        mine = late & (owners == i)
-        if mine.any():
-            sampled = run["normal_force"].values[run["t"].values >= begin, i]
-            between = peaks[mine & (run["peak_time"].values >= begin)]
-            force = np.concatenate([sampled, between]).max(initial=0.0)
-            parts.append(f"rubs at {_titled(i, node)} with up to {force:.4g} {unit}".strip())
-        else:
-            clear.append(_titled(i, node))
-    if not parts:
-        return f"The rotor runs clear of all contacts in the last {LAST} revolutions."
-    rest = f", and runs clear of {', '.join(clear)}" if clear else ""
-    return f"In the last {LAST} revolutions the rotor {' and '.join(parts)}{rest}."
-
-
-def _titled(number: int, node: str) -> str:
-    return f"contact {number} ({'node ' * node.isdecimal()}{node})"
 
 
 def show_system_map(question: SystemQuestion) -> Iterator[Answer]:
