@@ -225,7 +225,7 @@ def show_system_map(question: SystemQuestion) -> Iterator[Answer]:
     node = _node(case, question)
     low, high = LOW * case.speed, HIGH * case.speed
     place = list(case.system.nodes).index(node)
-    facts: dict[str, object] = {"node": node, "notes": []}
+    facts: dict[str, object] = {"node": node, "notes": _left_out(case)}
     arrays: Arrays = {}
     around: dict[str, Any] = {"contacts": case.contacts, "unbalance": case.unbalance}
     try:
@@ -256,6 +256,23 @@ def show_system_map(question: SystemQuestion) -> Iterator[Answer]:
     })  # fmt: skip
 
 
+def _left_out(case: Case) -> list[str]:
+    """Return a note on what acts in the run, but not on the exact whirls."""
+    forces = [case.system.static_force]
+    if case.file is not None:
+        forces.append(case.file.drop.get("gravity") if case.drops else case.file.gravity)
+    elif case.run is not None:
+        forces.append(case.run["constant_force"].values)
+    named = (
+        ["gravity and static forces"]
+        if any(each is not None and np.any(each) for each in forces)
+        or (case.drops and case.system.units == "SI")
+        else []
+    )
+    named += ["the supports before the drop"] if case.drops else []
+    return [f"without {' and '.join(named)}"] if named else []
+
+
 def _branches(whirls: xr.Dataset, place: int) -> Arrays:
     """Return amplitude and stability of the whirls at a node, by branch."""
     amplitude = whirls["node_amplitude"].isel(node=place).transpose("branch", "speed").values
@@ -270,8 +287,8 @@ def _branches(whirls: xr.Dataset, place: int) -> Arrays:
 def show_system_run_up(question: SystemQuestion) -> Iterator[Answer]:
     """Yield order 1 and the cascade of a run-up at the chosen node."""
     case = case_of(question)
-    if case.run is not None or case.drops:
-        yield Answer("run_up", {"notes": ["run-ups are of system files without [drop]"]})
+    if case.run is not None or case.drops:  # the page has no panel of a run-up then
+        yield Answer("run_up", {"notes": []})
         return
     signals = at_node(_run_up(case), _node(case, question))
     notes: list[str] = []
@@ -295,9 +312,8 @@ def _run_up(case: Case) -> xr.Dataset:
 def show_system_file(question: SystemQuestion) -> Iterator[Answer]:
     """Yield a file of the run shown, with its name."""
     ending = question.about.removeprefix("system_")
-    if ending in {"py", "sh"}:
-        text = lines_of(question) if ending == "py" else f"{command_of(question)}\n"
-        contents = text.encode()
+    if ending == "py":
+        contents = lines_of(question).encode()
     else:
         run = run_of_system(question)
         with TemporaryDirectory() as folder:
@@ -353,16 +369,20 @@ def lines_of(question: SystemQuestion) -> str:
 
 
 def command_of(question: SystemQuestion) -> str:
-    """Return the command for the run shown; empty where a changed contact needs Python."""
+    """Return the command for the run shown, after what must be changed in the file first."""
     case, path = case_of(question), question.path
     assert path is not None
     if case.run is not None:
         return f"rotor-ida show {path.name}"
-    if question.changes:
-        return ""
+    changes = dict(question.changes)
+    factor = changes.pop("unbalance_factor", 1.0)
+    first = [f"set {name} = {value!r} in contact {question.contact}"
+             for name, value in changes.items()]  # fmt: skip
+    first += [f"multiply each moment of the unbalance by {factor!r}"] if factor != 1.0 else []
+    said = f"# first, in {path.name}: {'; '.join(first)}\n" if first else ""
     if case.drops:
-        return f"rotor-ida drop {path.name} --speed {case.speed!r} --out report"
+        return f"{said}rotor-ida drop {path.name} --speed {case.speed!r} --out report"
     return (
-        f"rotor-ida simulate {path.name} --speed {case.speed!r} "
+        f"{said}rotor-ida simulate {path.name} --speed {case.speed!r} "
         f"--duration {_duration(case, question.revolutions)!r} --out run.nc --figure run"
     )

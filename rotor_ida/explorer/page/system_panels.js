@@ -23,6 +23,13 @@ const largest = (values) => values.reduce((top, each) => (Math.abs(each) > top ?
 const si = (page, unit, size) => (page.sketch.units === "SI" ? prefixed(unit, size) : { factor: 1, unit: "" });
 const speedIn = (page) => (page.sketch.units === "SI" ? { factor: SPEED_UNITS.rpm, unit: "rpm" } : { factor: 1, unit: "" });
 
+/** Return the ends of the axis along the shaft; a single node is in its middle. */
+function along(positions, margin) {
+  const [low, high] = [Math.min(...positions), Math.max(...positions)];
+  const beyond = margin * (high - low) || 0.5;
+  return [low - beyond, high + beyond];
+}
+
 /** Say what stands for what: pairs of a class and words. */
 function key(element, parts) {
   element.replaceChildren(...parts.map(([className, words, ink]) => {
@@ -59,10 +66,9 @@ export class Sketch extends Panel {
 
   show() {
     const { positions, has_positions: placed, nodes } = this.view.page.sketch;
-    const span = Math.max(...positions) - Math.min(...positions) || 1;
     this.drawn = true;
     this.plot.show({
-      x: [Math.min(...positions) - 0.06 * span, Math.max(...positions) + 0.06 * span], y: [-1.05, 1.45],
+      x: along(positions, 0.06), y: [-1.05, 1.45],
       labels: [placed ? labelled("axial position", this.view.page.sketch.units === "SI" ? "m" : "") : "node", ""],
     });
     this.plot.say(`Sketch of the rotor with the nodes ${nodes.join(", ")}`);
@@ -122,7 +128,7 @@ export class Shape extends Panel {
     this.along = (ALONG * span) / (top * this.drawn.factor);
     const limit = (1 + DOWN) * top * this.drawn.factor;
     this.plot.show({
-      x: [Math.min(...positions) - 0.08 * span, Math.max(...positions) + 0.08 * span], y: [-limit, limit],
+      x: along(positions, 0.08), y: [-limit, limit],
       labels: [page.sketch.has_positions ? labelled("axial position", units === "SI" ? "m" : "") : "node", labelled("deflection", this.drawn.unit)],
     });
     this.plot.say(`Deflected shape at t = ${told(run.t[this.view.now])}`);
