@@ -22,6 +22,7 @@ from rotor_ida.explorer.measured import cascade_rows, full_lines, order_rows, un
 from rotor_ida.explorer.messages import Answer
 from rotor_ida.explorer.system_questions import OF_CONTACT, SYSTEM_RUNS, SystemQuestion
 from rotor_ida.explorer.system_verdicts import verdict
+from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
 from rotor_ida.plot import drop_figure, save_figure, system_figure
@@ -257,20 +258,20 @@ def show_system_map(question: SystemQuestion) -> Iterator[Answer]:
 
 
 def _left_out(case: Case) -> list[str]:
-    """Return a note on what acts in the run, but not on the exact whirls."""
-    forces = [case.system.static_force]
-    if case.file is not None:
-        forces.append(case.file.drop.get("gravity") if case.drops else case.file.gravity)
-    elif case.run is not None:
+    """Return a note on what acts in the run, or before a drop, but not on the exact whirls."""
+    forces: list[Any] = [case.system.static_force]
+    if case.run is not None:
         forces.append(case.run["constant_force"].values)
-    named = (
-        ["gravity and static forces"]
-        if any(each is not None and np.any(each) for each in forces)
-        or (case.drops and case.system.units == "SI")
-        else []
-    )
-    named += ["the supports before the drop"] if case.drops else []
-    return [f"without {' and '.join(named)}"] if named else []
+    elif case.file is not None:
+        forces.append(case.file.gravity)
+        if case.drops and case.file.gravity is None and case.system.units == "SI":
+            forces.append(GRAVITY)  # a drop's default
+    named = []
+    if any(each is not None and np.any(each) for each in forces):
+        named.append("gravity and static forces")
+    if case.drops or (case.run is not None and kind_of(case.run) == "drop"):
+        named.append("the supports before the drop")
+    return [f"without {', and '.join(named)}"] if named else []
 
 
 def _branches(whirls: xr.Dataset, place: int) -> Arrays:

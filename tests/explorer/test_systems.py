@@ -145,7 +145,7 @@ def test_what_the_exact_whirls_leave_out_is_told(path: Path, of_drop: Path) -> N
     ]
     assert told == [
         [], ["without gravity and static forces"],
-        ["without gravity and static forces and the supports before the drop"],
+        ["without gravity and static forces, and the supports before the drop"],
     ]  # fmt: skip
 
 

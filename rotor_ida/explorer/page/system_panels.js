@@ -14,6 +14,7 @@ const ABOVE = 0.62;
 // How the oblique view moves a point for x towards the viewer: along the shaft, of its length, and down.
 const ALONG = 0.05, DOWN = 0.35;
 const POINTS = 48; // of a ring
+const JUMP = 0.05; // of the height of the diagram, from one whirl to another
 const TRAIL = 1 / 20; // of the run, in bold behind the rotor
 const INKS = ["contact", "second", "keyphasor", "rolling", "accent", "muted"];
 
@@ -296,14 +297,22 @@ export class SpeedMap extends Panel {
     const { map: { speed, amplitude, stability, special_speed: specials }, sketch } = this.view.page;
     const count = speed.length;
     const xs = speed.map((each) => each * this.speed.factor);
+    const [low, high] = this.plot.shown.y;
+    const present = Array.from(xs, (_, j) => amplitude.filter((each, k) => k % count === j && Number.isFinite(each)).length);
     for (let i = 0; i < amplitude.length / count; i++) {
       const ys = column(amplitude, i, count).map((each) => each * this.drawn.factor);
       const states = column(stability, i, count);
-      const drawn = (isStable) => ys.map((each, j) => ((states[j] === STABILITY.stable) === isStable && states[j] !== STABILITY.absent ? each : NaN));
-      pen.line(xs, drawn(true), { stroke: colour("ink"), width: 1.8 });
-      pen.line(xs, drawn(false), { stroke: colour("ink"), width: 1.2, dash: [5, 4] });
+      // whirls are in the order of their amplitudes: where some end, another one may take their place
+      const jumps = (j) => j > 0 && present[j] !== present[j - 1] && Math.abs(ys[j] - ys[j - 1]) > JUMP * (high - low);
+      for (const [isStable, style] of [[true, { width: 1.8 }], [false, { width: 1.2, dash: [5, 4] }]]) {
+        const points = [];
+        ys.forEach((each, j) => {
+          if (jumps(j)) points.push([xs[j], NaN]);
+          points.push([xs[j], (states[j] === STABILITY.stable) === isStable && states[j] !== STABILITY.absent ? each : NaN]);
+        });
+        pen.line(points.map(([x]) => x), points.map(([, y]) => y), { stroke: colour("ink"), ...style });
+      }
     }
-    const [low, high] = this.plot.shown.y;
     specials?.forEach((each) => {
       const x = each * this.speed.factor;
       pen.line([x, x], [low, high], { stroke: colour("muted"), dash: [2, 3] });
