@@ -307,8 +307,8 @@ export class SpeedMap extends Panel {
       for (const [isStable, style] of [[true, { width: 1.8 }], [false, { width: 1.2, dash: [5, 4] }]]) {
         const points = [];
         ys.forEach((each, j) => {
-          if (jumps(j)) points.push([xs[j], NaN]);
-          points.push([xs[j], (states[j] === STABILITY.stable) === isStable && states[j] !== STABILITY.absent ? each : NaN]);
+          if (jumps(j)) points.push([NaN, NaN]); // a pen breaks off where x is none
+          points.push((states[j] === STABILITY.stable) === isStable && states[j] !== STABILITY.absent ? [xs[j], each] : [NaN, NaN]);
         });
         pen.line(points.map(([x]) => x), points.map(([, y]) => y), { stroke: colour("ink"), ...style });
       }
