@@ -69,8 +69,8 @@ def _of_bearing(own: xr.Dataset) -> list[str]:
         told.append("no lasting whirl")
     race = float(own["largest_race_speed"])
     if math.isfinite(race):
-        speed = f"{race / SPEED_UNITS['rpm']:.4g} rpm" if _is_si(own) else f"{race:.4g}"
-        told.append(f"race up to {speed}")
+        most = f"{race / SPEED_UNITS['rpm']:.4g} rpm" if _is_si(own) else f"{race:.4g}"
+        told.append(f"race up to {most}")
     rest = float(own["rest_time"])
     resting = f"in contact to the end from {rest:.3g} {_unit(own, 't')}".strip()
     return [*told, resting if math.isfinite(rest) else "no lasting contact by the end"]
