@@ -1,46 +1,75 @@
 """Draw the pictures of the explorer's page: ``python docs/_extensions/explorer.py``.
 
-They are taken in Chromium, by its driver, from a pump whose run-up ends in a rub.
+They are taken in Chromium, by its driver, from a pump whose run-up ends in a rub, and from a rotor
+with a disc and a seal.
 """
 
 from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 DOCS = Path(__file__).parents[1]
 sys.path.insert(0, str(DOCS.parent))
 
 from tests.explorer.browser import Page, chromium_in, ended, served  # noqa: E402
+from tests.explorer.test_system_page import SystemPage  # noqa: E402
 
 PUMP = {
     "mass": 12, "contact-stiffness": 1e8, "damping": 415.7, "eccentricity": 16.7e-6,
     "clearance": 150e-6, "speed": 376.99112, "shaft-stiffness": 4e6, "contact-exponent": 1,
     "friction": 0.12, "disc-radius": 0.06,
 }  # fmt: skip
+SYSTEM = """
+speed = "5000 rpm"
+contacts = [ { node = "seal", clearance = "150 um", stiffness = "5e7 N/m", friction = 0.1, radius = "50 mm" } ]
+unbalance = [ { node = "disc", moment = "1200 g mm" } ]
+[system]
+mass = [12, 12, 8, 8]
+damping = [[1600, 0, -800, 0], [0, 1600, 0, -800], [-800, 0, 1200, 0], [0, -800, 0, 1200]]
+stiffness = [[8e6, 0, -4e6, 0], [0, 8e6, 0, -4e6], [-4e6, 0, 6e6, 0], [0, -4e6, 0, 6e6]]
+nodes = { disc = [0, 1], seal = [2, 3] }
+positions = { disc = 0.2, seal = 0.5 }
+"""  # noqa: E501
 WIDTH, HEIGHT = 1280, 1010
 REST = 2.0  # seconds for what is drawn a moment later
 
 
 def main() -> None:
-    """Write the three pictures of the page on the explorer."""
-    words = [f"--{name}={value}" for name, value in PUMP.items()]
-    process, address = served(*words)
+    """Write the pictures of the page on the explorer."""
     with TemporaryDirectory() as folder:
+        file = Path(folder) / "rotor.toml"
+        file.write_text(SYSTEM)
+        _draw_with(_draw_system, [str(file)], folder)
+        _draw_with(_draw, [f"--{name}={value}" for name, value in PUMP.items()], folder)
+
+
+def _draw_with(draw: Callable[[Any, str], None], words: list[str], folder: str) -> None:
+    """Serve the explorer, and draw its page in a browser."""
+    process, address = served(*words)
+    try:
         driver = chromium_in(Path(folder))
         try:
             driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
                 "width": WIDTH, "height": HEIGHT, "deviceScaleFactor": 1, "mobile": False,
             })  # fmt: skip
-            _draw(driver, address)
+            draw(driver, address)
         finally:
             driver.quit()
-            ended(process)
+    finally:
+        ended(process)
 
 
-def _draw(driver, address: str) -> None:  # type: ignore[no-untyped-def]
+def _draw_system(driver: Any, address: str) -> None:
+    page = SystemPage(driver, address)
+    _save(page, "explorer_system", None)
+
+
+def _draw(driver: Any, address: str) -> None:
     page = Page(driver, address)
     page.settle("settled")
     page.until("rotorIda.shown[0].basin?.facts.finest")

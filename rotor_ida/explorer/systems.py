@@ -21,6 +21,8 @@ from rotor_ida.explorer.files import NAME
 from rotor_ida.explorer.measured import cascade_rows, full_lines, order_rows, unless_impossible
 from rotor_ida.explorer.messages import Answer
 from rotor_ida.explorer.system_questions import OF_CONTACT, SYSTEM_RUNS, SystemQuestion
+from rotor_ida.explorer.system_verdicts import verdict
+from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
 from rotor_ida.plot import drop_figure, save_figure, system_figure
@@ -44,8 +46,6 @@ MOST_SAMPLES, SPEEDS, FEW_SPEEDS = 6000, 160, 60
 MOST_EIGENVALUES = 16
 # Range of speeds over that of the file, and revolutions of a run-up that the file does not give.
 LOW, HIGH, TURNS = 0.1, 1.5, 300
-# Revolutions at the end of a run that the verdict is about.
-LAST = 10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -220,50 +220,13 @@ def _mass(system: RotorSystem, node: str) -> float:
     return float(row @ system.mass @ row)
 
 
-def verdict(run: xr.Dataset) -> str:
-    """Return in a sentence which contacts touch at the end of a run, and how hard."""
-    nodes, peaks = run["contact_node"].values.tolist(), run["peak_force"].values
-    owners = run["episode_contact"].values
-    unit = str(run["normal_force"].attrs.get("units", "")).replace("1", "")
-    if kind_of(run) == "drop":
-        parts = [
-            f"{_titled(i, node)} takes {peaks[owners == i].max(initial=0.0):.4g} {unit}".strip()
-            + f" in {int((owners == i).sum())} contacts"
-            for i, node in enumerate(nodes)
-        ]
-        return f"Drop: {'; '.join(parts)}."
-    speed = float(run["speed"].values[-1]) if "speed" in run else float(run.attrs["speed"])
-    last = float(run["t"].values[-1])
-    begin = last - 2.0 * math.pi * LAST / speed if speed > 0.0 else 0.0
-    ends = run["exit_time"].values
-    late = np.isnan(ends) | (ends >= begin)
-    parts, clear = [], []
-    for i, node in enumerate(nodes):
-        mine = late & (owners == i)
-        if mine.any():
-            sampled = run["normal_force"].values[run["t"].values >= begin, i]
-            between = peaks[mine & (run["peak_time"].values >= begin)]
-            force = np.concatenate([sampled, between]).max(initial=0.0)
-            parts.append(f"rubs at {_titled(i, node)} with up to {force:.4g} {unit}".strip())
-        else:
-            clear.append(_titled(i, node))
-    if not parts:
-        return f"The rotor runs clear of all contacts in the last {LAST} revolutions."
-    rest = f", and runs clear of {', '.join(clear)}" if clear else ""
-    return f"In the last {LAST} revolutions the rotor {' and '.join(parts)}{rest}."
-
-
-def _titled(number: int, node: str) -> str:
-    return f"contact {number} ({'node ' * node.isdecimal()}{node})"
-
-
 def show_system_map(question: SystemQuestion) -> Iterator[Answer]:
     """Yield the exact whirls over the speed, then the Campbell diagram."""
     case = case_of(question)
     node = _node(case, question)
     low, high = LOW * case.speed, HIGH * case.speed
     place = list(case.system.nodes).index(node)
-    facts: dict[str, object] = {"node": node, "notes": []}
+    facts: dict[str, object] = {"node": node, "notes": _left_out(case)}
     arrays: Arrays = {}
     around: dict[str, Any] = {"contacts": case.contacts, "unbalance": case.unbalance}
     try:
@@ -294,6 +257,23 @@ def show_system_map(question: SystemQuestion) -> Iterator[Answer]:
     })  # fmt: skip
 
 
+def _left_out(case: Case) -> list[str]:
+    """Return a note on what acts in the run, or before a drop, but not on the exact whirls."""
+    forces: list[Any] = [case.system.static_force]
+    if case.run is not None:
+        forces.append(case.run["constant_force"].values)
+    elif case.file is not None:
+        forces.append(case.file.gravity)
+        if case.drops and case.file.gravity is None and case.system.units == "SI":
+            forces.append(GRAVITY)  # a drop's default
+    named = []
+    if any(each is not None and np.any(each) for each in forces):
+        named.append("gravity and static forces")
+    if case.drops or (case.run is not None and kind_of(case.run) == "drop"):
+        named.append("the supports before the drop")
+    return [f"without {', and '.join(named)}"] if named else []
+
+
 def _branches(whirls: xr.Dataset, place: int) -> Arrays:
     """Return amplitude and stability of the whirls at a node, by branch."""
     amplitude = whirls["node_amplitude"].isel(node=place).transpose("branch", "speed").values
@@ -308,8 +288,8 @@ def _branches(whirls: xr.Dataset, place: int) -> Arrays:
 def show_system_run_up(question: SystemQuestion) -> Iterator[Answer]:
     """Yield order 1 and the cascade of a run-up at the chosen node."""
     case = case_of(question)
-    if case.run is not None or case.drops:
-        yield Answer("run_up", {"notes": ["run-ups are of system files without [drop]"]})
+    if case.run is not None or case.drops:  # the page has no panel of a run-up then
+        yield Answer("run_up", {"notes": []})
         return
     signals = at_node(_run_up(case), _node(case, question))
     notes: list[str] = []
@@ -333,9 +313,8 @@ def _run_up(case: Case) -> xr.Dataset:
 def show_system_file(question: SystemQuestion) -> Iterator[Answer]:
     """Yield a file of the run shown, with its name."""
     ending = question.about.removeprefix("system_")
-    if ending in {"py", "sh"}:
-        text = lines_of(question) if ending == "py" else f"{command_of(question)}\n"
-        contents = text.encode()
+    if ending == "py":
+        contents = lines_of(question).encode()
     else:
         run = run_of_system(question)
         with TemporaryDirectory() as folder:
@@ -391,16 +370,20 @@ def lines_of(question: SystemQuestion) -> str:
 
 
 def command_of(question: SystemQuestion) -> str:
-    """Return the command for the run shown; empty where a changed contact needs Python."""
+    """Return the command for the run shown, after what must be changed in the file first."""
     case, path = case_of(question), question.path
     assert path is not None
     if case.run is not None:
         return f"rotor-ida show {path.name}"
-    if question.changes:
-        return ""
+    changes = dict(question.changes)
+    factor = changes.pop("unbalance_factor", 1.0)
+    first = [f"set {name} = {value!r} in contact {question.contact}"
+             for name, value in changes.items()]  # fmt: skip
+    first += [f"multiply each moment of the unbalance by {factor!r}"] if factor != 1.0 else []
+    said = f"# first, in {path.name}: {'; '.join(first)}\n" if first else ""
     if case.drops:
-        return f"rotor-ida drop {path.name} --speed {case.speed!r} --out report"
+        return f"{said}rotor-ida drop {path.name} --speed {case.speed!r} --out report"
     return (
-        f"rotor-ida simulate {path.name} --speed {case.speed!r} "
+        f"{said}rotor-ida simulate {path.name} --speed {case.speed!r} "
         f"--duration {_duration(case, question.revolutions)!r} --out run.nc --figure run"
     )

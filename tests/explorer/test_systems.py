@@ -9,17 +9,31 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotor_ida import load_system, save, simulate
+from rotor_ida import drop, load, load_system, save, simulate
 from rotor_ida.errors import InputError
 from rotor_ida.explorer import systems
 from rotor_ida.explorer.messages import Answer, read_question
 from rotor_ida.explorer.system_questions import SystemQuestion
+from rotor_ida.explorer.system_verdicts import verdict
 
 DISC = """
 speed = "2000 rpm"
 system = { mass = [4, 4], stiffness = [1e5, 1e5], damping = [80, 80], nodes = { disc = [0, 1] } }
 contacts = [ { node = "disc", clearance = "60 um", stiffness = "1e7 N/m" } ]
 unbalance = [ { node = "disc", moment = "100 g mm" } ]
+"""
+DROP = """
+speed = "4800 rpm"
+system = { mass = [20, 20], stiffness = [0, 0], nodes = { disc = [0, 1] } }
+supports = [ { node = "disc", stiffness = "2e6 N/m", damping = "2e3 N s/m" } ]
+[[contacts]]
+node = "disc"
+clearance = "0.2 mm"
+stiffness = "2e9 N/m^1.5"
+friction = 0.1
+radius = "30 mm"
+[drop]
+duration = "16 ms"
 """
 ASKED = {
     "about": "system_run", "number": 1, "node": "", "contact": 0, "speed": None, "revolutions": 10,
@@ -31,6 +45,13 @@ ASKED = {
 def path(tmp_path: Path) -> Path:
     place = tmp_path / "disc.toml"
     place.write_text(DISC)
+    return place
+
+
+@pytest.fixture
+def of_drop(tmp_path: Path) -> Path:
+    place = tmp_path / "drop.toml"
+    place.write_text(DROP)
     return place
 
 
@@ -50,7 +71,9 @@ def test_a_run_is_that_of_its_python_lines(path: Path) -> None:
     there: dict[str, object] = {}
     exec(lines, there)
     np.testing.assert_array_equal(answer.arrays["x"], there["run"]["x"].values.ravel())  # type: ignore[index]
-    assert answer.facts["command"] == ""
+    assert str(answer.facts["command"]).startswith(
+        "# first, in disc.toml: set clearance = 5e-05 in contact 0\nrotor-ida simulate disc.toml "
+    )
 
 
 def test_an_archive_is_played_as_it_is(path: Path, tmp_path: Path) -> None:
@@ -61,6 +84,69 @@ def test_an_archive_is_played_as_it_is(path: Path, tmp_path: Path) -> None:
     np.testing.assert_array_equal(
         run_of(question(archive)).arrays["normal_force"], run["normal_force"].values.ravel()
     )
+
+
+def test_a_drop_is_that_of_its_file_and_its_archive_the_same(of_drop: Path) -> None:
+    case = load_system(of_drop)
+    run = drop(case.system, **case.drop)
+    archive = of_drop.with_suffix(".nc")
+    save(run, archive)
+    for path in (of_drop, archive):
+        answer = run_of(question(path))
+        np.testing.assert_array_equal(answer.arrays["y"], run["y"].values.ravel())
+        np.testing.assert_array_equal(answer.arrays["peak_force"], run["peak_force"].values)
+        assert answer.facts["drop"]
+        rest = list(systems.show_system_run_up(question(path, about="system_run_up")))
+        assert not rest[0].arrays
+    assert str(run_of(question(of_drop)).facts["command"]).startswith("rotor-ida drop drop.toml")
+
+
+def test_a_drop_is_told_by_its_figures(of_drop: Path) -> None:
+    case = load_system(of_drop)
+    run = drop(case.system, **case.drop)
+    force, far = float(run["largest_force"][0]), float(run["excursion"][0])
+    assert verdict(run) == (
+        f"Drop: contact 0 (disc) takes up to {force:.4g} N in {int(run['contact_count'][0])} "
+        f"contacts, excursion up to {far:.3g} clearances, no lasting whirl, "
+        "no lasting contact by the end."
+    )
+    figures = {"whirl_sense": -1, "whirl_turns": -12.0, "whirl_speed": -20.0 * np.pi,
+               "largest_race_speed": 10.0 * np.pi, "rest_time": 0.25}  # fmt: skip
+    whirls = run.assign({
+        name: run[name].copy(data=np.array([each])) for name, each in figures.items()
+    }).assign(standstill_time=run["standstill_time"].copy(data=2.5))  # fmt: skip
+    assert verdict(whirls).endswith(
+        "whirls backward for 12 turns at 10 Hz, race up to 300 rpm, in contact to the end from "
+        "0.25 s; the rotor stands still after 2.5 s."
+    )
+
+
+@pytest.mark.parametrize(
+    ("ending", "begin"), [("py", b"from"), ("png", b"\x89PNG"), ("svg", b"<?xml"), ("nc", b"")]
+)
+def test_the_run_shown_is_written_to_a_file(path: Path, ending: str, begin: bytes) -> None:
+    asked = question(path, about=f"system_{ending}")
+    (answer,) = systems.show_system_file(asked)
+    contents = answer.arrays["contents"].tobytes()
+    assert str(answer.facts["name"]).endswith(f".{ending}")
+    assert contents.startswith(begin)
+    if ending == "nc":
+        again = path.with_suffix(".nc")
+        again.write_bytes(contents)
+        assert load(again).equals(systems.run_of_system(asked))
+
+
+def test_what_the_exact_whirls_leave_out_is_told(path: Path, of_drop: Path) -> None:
+    with_gravity = path.with_name("gravity.toml")
+    with_gravity.write_text('gravity = ["0", "-9.81 m/s2"]\n' + DISC)
+    told = [
+        next(systems.show_system_map(question(each, about="system_map"))).facts["notes"]
+        for each in (path, with_gravity, of_drop)
+    ]
+    assert told == [
+        [], ["without gravity and static forces"],
+        ["without gravity and static forces, and the supports before the drop"],
+    ]  # fmt: skip
 
 
 def test_the_map_and_the_campbell_diagram_are_sent(path: Path) -> None:

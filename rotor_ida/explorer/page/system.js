@@ -133,9 +133,11 @@ function showSketch(facts) {
   $("node").value = facts.node;
   $("contact").value = asked.contact;
   const what = facts.is_archive ? "Archive: what is played is in the file" : facts.is_drop ? "A drop, from its system file" : "A system file";
-  $("about").textContent = `${what}; ${facts.nodes.length} nodes, ${facts.contacts.length} contacts.`;
+  $("about").textContent = `${what}; ${counted(facts.nodes.length, "node")}, ${counted(facts.contacts.length, "contact")}.`;
   sketch.show();
 }
+
+const counted = (count, word) => `${count} ${word}${count === 1 ? "" : "s"}`;
 
 function options(id, pairs) {
   $(id).replaceChildren(...pairs.map(([value, text]) => new Option(text, value)));
@@ -146,10 +148,10 @@ function showRun(facts, arrays) {
   const verdict = $("verdict").firstElementChild;
   verdict.textContent = facts.verdict;
   verdict.className = facts.verdict.includes("rubs") || facts.drop ? "rub" : "clear";
-  $("command").textContent = facts.command || "(a changed contact needs Python)";
+  $("command").textContent = facts.command;
   $("python").textContent = facts.python;
   drawRun();
-  signals.choose(["bode", "full", "cascade"]);
+  signals.choose(page.sketch.is_archive || facts.drop ? ["full"] : ["bode", "full", "cascade"]);
 }
 
 function drawRun() {
@@ -216,10 +218,16 @@ function buildSliders() {
   $("sliders").replaceChildren(...rows);
 }
 
+/** Return a number as short as its field is, in powers of ten if it is large. */
+function brief(value, digits) {
+  const rounded = Number(value.toPrecision(digits));
+  return rounded < 1e6 ? String(rounded) : rounded.toExponential().replace("+", "");
+}
+
 function slider(text, name, value, [low, high], set) {
   const row = Object.assign(document.createElement("div"), { className: "control" });
   const label = Object.assign(document.createElement("label"), { textContent: text, htmlFor: `number-${name}` });
-  const field = Object.assign(document.createElement("input"), { type: "number", id: `number-${name}`, step: "any", min: 0, value: Number(value.toPrecision(6)) });
+  const field = Object.assign(document.createElement("input"), { type: "number", id: `number-${name}`, step: "any", min: 0, value: brief(value, 6) });
   const range = Object.assign(document.createElement("input"), { type: "range", min: low, max: high, step: "any", value });
   range.setAttribute("aria-label", text);
   const change = (given) => {
@@ -229,7 +237,7 @@ function slider(text, name, value, [low, high], set) {
     else ask();
   };
   range.addEventListener("input", () => {
-    field.value = Number(range.valueAsNumber.toPrecision(4));
+    field.value = brief(range.valueAsNumber, 4);
     change(field.valueAsNumber);
   });
   field.addEventListener("change", () => {

@@ -14,6 +14,7 @@ const ABOVE = 0.62;
 // How the oblique view moves a point for x towards the viewer: along the shaft, of its length, and down.
 const ALONG = 0.05, DOWN = 0.35;
 const POINTS = 48; // of a ring
+const JUMP = 0.05; // of the height of the diagram, from one whirl to another
 const TRAIL = 1 / 20; // of the run, in bold behind the rotor
 const INKS = ["contact", "second", "keyphasor", "rolling", "accent", "muted"];
 
@@ -22,6 +23,13 @@ const column = (values, place, count) => values.subarray(place * count, (place +
 const largest = (values) => values.reduce((top, each) => (Math.abs(each) > top ? Math.abs(each) : top), 0);
 const si = (page, unit, size) => (page.sketch.units === "SI" ? prefixed(unit, size) : { factor: 1, unit: "" });
 const speedIn = (page) => (page.sketch.units === "SI" ? { factor: SPEED_UNITS.rpm, unit: "rpm" } : { factor: 1, unit: "" });
+
+/** Return the ends of the axis along the shaft; a single node is in its middle. */
+function along(positions, margin) {
+  const [low, high] = [Math.min(...positions), Math.max(...positions)];
+  const beyond = margin * (high - low) || 0.5;
+  return [low - beyond, high + beyond];
+}
 
 /** Say what stands for what: pairs of a class and words. */
 function key(element, parts) {
@@ -59,10 +67,9 @@ export class Sketch extends Panel {
 
   show() {
     const { positions, has_positions: placed, nodes } = this.view.page.sketch;
-    const span = Math.max(...positions) - Math.min(...positions) || 1;
     this.drawn = true;
     this.plot.show({
-      x: [Math.min(...positions) - 0.06 * span, Math.max(...positions) + 0.06 * span], y: [-1.05, 1.45],
+      x: along(positions, 0.06), y: [-1.05, 1.45],
       labels: [placed ? labelled("axial position", this.view.page.sketch.units === "SI" ? "m" : "") : "node", ""],
     });
     this.plot.say(`Sketch of the rotor with the nodes ${nodes.join(", ")}`);
@@ -122,7 +129,7 @@ export class Shape extends Panel {
     this.along = (ALONG * span) / (top * this.drawn.factor);
     const limit = (1 + DOWN) * top * this.drawn.factor;
     this.plot.show({
-      x: [Math.min(...positions) - 0.08 * span, Math.max(...positions) + 0.08 * span], y: [-limit, limit],
+      x: along(positions, 0.08), y: [-limit, limit],
       labels: [page.sketch.has_positions ? labelled("axial position", units === "SI" ? "m" : "") : "node", labelled("deflection", this.drawn.unit)],
     });
     this.plot.say(`Deflected shape at t = ${told(run.t[this.view.now])}`);
@@ -290,14 +297,22 @@ export class SpeedMap extends Panel {
     const { map: { speed, amplitude, stability, special_speed: specials }, sketch } = this.view.page;
     const count = speed.length;
     const xs = speed.map((each) => each * this.speed.factor);
+    const [low, high] = this.plot.shown.y;
+    const present = Array.from(xs, (_, j) => amplitude.filter((each, k) => k % count === j && Number.isFinite(each)).length);
     for (let i = 0; i < amplitude.length / count; i++) {
       const ys = column(amplitude, i, count).map((each) => each * this.drawn.factor);
       const states = column(stability, i, count);
-      const drawn = (isStable) => ys.map((each, j) => ((states[j] === STABILITY.stable) === isStable && states[j] !== STABILITY.absent ? each : NaN));
-      pen.line(xs, drawn(true), { stroke: colour("ink"), width: 1.8 });
-      pen.line(xs, drawn(false), { stroke: colour("ink"), width: 1.2, dash: [5, 4] });
+      // whirls are in the order of their amplitudes: where some end, another one may take their place
+      const jumps = (j) => j > 0 && present[j] !== present[j - 1] && Math.abs(ys[j] - ys[j - 1]) > JUMP * (high - low);
+      for (const [isStable, style] of [[true, { width: 1.8 }], [false, { width: 1.2, dash: [5, 4] }]]) {
+        const points = [];
+        ys.forEach((each, j) => {
+          if (jumps(j)) points.push([NaN, NaN]); // a pen breaks off where x is none
+          points.push((states[j] === STABILITY.stable) === isStable && states[j] !== STABILITY.absent ? [xs[j], each] : [NaN, NaN]);
+        });
+        pen.line(points.map(([x]) => x), points.map(([, y]) => y), { stroke: colour("ink"), ...style });
+      }
     }
-    const [low, high] = this.plot.shown.y;
     specials?.forEach((each) => {
       const x = each * this.speed.factor;
       pen.line([x, x], [low, high], { stroke: colour("muted"), dash: [2, 3] });
