@@ -37,7 +37,8 @@ enum status {
     STALLED = 1009,     /* the speed fell through 0, where the torque turns the rotor no more */
     RUNAWAY = 1010,     /* the torque lets the speed run away */
     SINGULAR = 1011,    /* of a system: no forces are determined that let its contacts roll */
-    SPENT = 1012        /* the run has taken as many steps as its caller allows */
+    SPENT = 1012,       /* the run has taken as many steps as its caller allows */
+    UNBOUNDED = 1013    /* of a system: nothing bounds its motion, which grows */
 };
 
 /* How a speed changes up to a time. At its beginning a prescribed one is `speed`. */

@@ -4,6 +4,9 @@
 /* Steps without progress in time after which a run counts as stuck. */
 enum { MOST_IDLE = 1000, FORCES_A_CONTACT = 4 };
 
+/* The largest displacement, in clearances or, without contacts, in sizes of the motion. */
+static const double MOST_CLEARANCES = 1e30;
+
 void record_system_event(struct system_run *run, int kind, int contact)
 {
     const int64_t row = run->events++, width = 2 * run->stride + run->contact_count;
@@ -119,6 +122,16 @@ static int pass_system_piece(struct work *work)
     return status;
 }
 
+/* Whether the motion has grown so far that no contact bounds it: its steps, whose errors are
+ * measured by the clearance, would become ever shorter. */
+static int is_unbounded(const struct system_run *run)
+{
+    double largest = 0.0;
+    for (int64_t i = 0; i < run->size - run->massless; i++)
+        largest = fmax(largest, fabs(run->state[i]));
+    return largest > MOST_CLEARANCES * run->displacement;
+}
+
 static int take_step(struct work *work, int *is_idle)
 {
     struct system_run *run = work->run;
@@ -132,6 +145,8 @@ static int take_step(struct work *work, int *is_idle)
     choose_step(work);
     if (isnan(work->step))
         return NOT_FINITE;
+    if (is_unbounded(run))
+        return UNBOUNDED;
     double end = work->step;
     int ends = polynomial(work->time, 1, work->order, end) >= limit;
     if (ends)

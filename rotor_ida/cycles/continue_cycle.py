@@ -152,6 +152,7 @@ def continue_cycle(
 
     Examples
     --------
+    >>> from rotor_ida import Rotor
     >>> rotor = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
     >>> branch = continue_cycle(rotor, start=(3, 1, 0, 0), limits=(2.5, 3.2))
     >>> branch.special_value.values.round(6), branch.attrs["first_end"]

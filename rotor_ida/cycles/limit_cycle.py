@@ -121,6 +121,7 @@ def limit_cycle(
 
     Examples
     --------
+    >>> from rotor_ida import Rotor
     >>> cycle = limit_cycle(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=(0, 0, 0, 0))
     >>> cycle.period.round(12).item(), cycle.contact_count.item()
     (4.56391667538, 1)

@@ -140,6 +140,7 @@ def lyapunov_exponent(
 
     Examples
     --------
+    >>> from rotor_ida import Rotor
     >>> found = lyapunov_exponent(Rotor(omega=1.7, zeta=0.07, delta0=0.0), start=(0, 0, 0, 0),
     ...                           duration=1000.0)
     >>> found.lyapunov_exponent.values.round(5)

@@ -10,7 +10,14 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
-from rotor_ida.checks import MOST_NUMBERS, check_between, check_count, check_positive
+from rotor_ida.checks import (
+    MOST_NUMBERS,
+    check_between,
+    check_count,
+    check_positive,
+    check_real,
+    shown,
+)
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
@@ -102,15 +109,17 @@ def lyapunov_exponent_system(
 
     Examples
     --------
+    >>> from rotor_ida import RotorSystem
     >>> system = RotorSystem(mass=np.eye(2), damping=0.14 * np.eye(2), stiffness=np.eye(2),
     ...                      nodes={"disc": (0, 1)}, units="1")
     >>> found = lyapunov_exponent_system(system, speed=1.7, transient=20, revolutions=80, batches=4)
     >>> found.lyapunov_exponent.values.round(5)
     array([-0.07, -0.07, -0.07, -0.07])
     """
-    speeds = checked_speeds(speed)
-    if speeds.size != 1 or not speeds.all():
-        raise InputError(f"speed must be one number that is not 0, got {speed!r}")
+    here = check_real("speed", speed)
+    speeds = checked_speeds(here)
+    if here == 0.0:
+        raise InputError("speed must not be 0 for the exponents of a rotor system, got 0.0")
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     parts = check_count("batches", batches, FEWEST_BATCHES)
     lead = math.ceil(check_positive("transient", transient, MOST_NUMBERS))
@@ -118,18 +127,17 @@ def lyapunov_exponent_system(
     if each < FEWEST_SPANS:
         raise InputError(
             f"revolutions must be at least {FEWEST_SPANS} for each of {parts} batches, "
-            f"got {revolutions!r}"
+            f"got {shown(revolutions)}"
         )
     around = {"contacts": contacts, "unbalance": unbalance, "static_force": static_force}
     given = in_modes(system, modes, around | {"start": start})
     whole = assemble(given["system"], contacts, unbalance, gravity, given["static_force"])
     problem = SettlingProblem.of(whole, tolerance)
     check_slowest(problem, speeds)
-    here = float(speeds[0])
     state = first_state(problem, given["start"], here)
     count = state.size if exponents is None else check_count("exponents", exponents, 1)
     if count > state.size:
-        raise InputError(f"exponents must be at most {state.size}, got {exponents!r}")
+        raise InputError(f"exponents must be at most {state.size}, got {shown(exponents)}")
 
     def rates_of_growth(stop: Stop) -> Values:
         flow = SystemFlow.at(problem, here, stop)
@@ -140,8 +148,8 @@ def lyapunov_exponent_system(
     known = np.isfinite(rates).all(axis=0)
     values[known], errors[known] = means_of_rates(rates[:, known], parts)
     order = np.argsort(-values, kind="stable")
-    shown = np.unique(np.linspace(1, len(rates), min(POINTS_SHOWN, len(rates))).astype(int))
-    running = np.cumsum(rates, axis=0)[shown - 1] / shown[:, np.newaxis]
+    places = np.unique(np.linspace(1, len(rates), min(POINTS_SHOWN, len(rates))).astype(int))
+    running = np.cumsum(rates, axis=0)[places - 1] / places[:, np.newaxis]
     variables: dict[str, Column] = {
         "lyapunov_exponent": ("exponent", values[order]),
         "lyapunov_error": ("exponent", errors[order]),
@@ -150,7 +158,7 @@ def lyapunov_exponent_system(
     revolution = SystemFlow.at(problem, here, NO_STOP).revolution
     coordinates: dict[str, Column] = {
         "speed": ((), here), "exponent": ("exponent", np.arange(count)),
-        "t": ("t", revolution * shown),
+        "t": ("t", revolution * places),
     }  # fmt: skip
     how = provenance({"method": "taylor", "rtol": tolerance}) | {
         "transient": lead * revolution, "duration": parts * each * revolution, "batches": parts,

@@ -16,11 +16,14 @@ from rotor_ida import (
     Race,
     Rotor,
     RotorSystem,
+    SimulationError,
     Stator,
     Unbalance,
     campbell,
+    decode_flags,
     run_up,
     simulate,
+    sweep,
 )
 from rotor_ida.cli.describe import describe
 from rotor_ida.core import systems as core_systems
@@ -446,3 +449,18 @@ def test_the_second_run_of_chaos_ends_early_and_says_the_same(monkeypatch):
     horizon = float(runs[0].horizon)
     assert 2.0 * horizon <= ends[1] < 400.0
     xr.testing.assert_identical(runs[0].drop_attrs(), runs[1].drop_attrs())
+
+
+def test_a_motion_that_nothing_bounds_ends_with_a_reason():
+    """Steps become ever shorter where a motion is huge: without a limit, a run would never end."""
+    crossed = np.array([[1.0, 0.4], [-0.4, 1.0]])
+    system = RotorSystem(
+        mass=np.eye(4), stiffness=np.kron(np.eye(2), crossed), damping=0.1 * np.eye(4),
+        nodes={"disc": (0, 1), "free": (2, 3)}, units="1",
+    )  # fmt: skip
+    around = {"contacts": [Contact(**TOUCH)], "unbalance": [Unbalance(node="free", moment=0.1)]}
+    with pytest.raises(SimulationError, match=r"unstable: its motion passed 1e\+30 clearances"):
+        simulate(system, **around, speed=1.0, duration=5000.0, samples=5)
+    found = sweep(system, **around, speed=1.0).squeeze()
+    assert decode_flags(found.response).item() == "failed"
+    assert "unstable" in found.message.item()
