@@ -85,9 +85,7 @@ def case_of(question: SystemQuestion) -> Case:
     """Return the case of a question, from its file and its changes."""
     path = question.path
     if path is None:
-        raise InputError(
-            "a system file (.toml) or an archive (.nc) must be given: drop it on the page"
-        )
+        raise InputError("a system file or an archive of one must be given: drop it on the page")
     try:
         found = _read(path, path.stat().st_mtime_ns)
     except InputError as error:  # the folder is of no interest, or a temporary one
