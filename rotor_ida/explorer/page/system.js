@@ -27,7 +27,7 @@ const SLIDERS = {
 
 const page = (window.rotorIda = { sketch: null, run: null, map: null, campbell: null, runUp: null, time: 1, errors: [] });
 const asked = { node: "", contact: 0, speed: null, revolutions: 60, changes: {} };
-let number = 0, timer = 0, playing = 0, orbits = [];
+let number = 0, since = 0, timer = 0, playing = 0, orbits = [];
 const view = { page, get now() { return timeShown(); } };
 
 const sketch = new Sketch(document.querySelector('[data-panel="sketch"]'), view, choose);
@@ -77,7 +77,7 @@ function answered({ about, part, facts, arrays, number: of }) {
   if (part === "trouble") return about === "system_run_up" ? showRunUp({ notes: [facts.message] }, {}) : fail(facts.message);
   if (about === "system_file") return begin();
   if (part === "file") return keep(new Blob([arrays.contents], { type: TYPES[facts.name.split(".").pop()] }), facts.name);
-  if (of < number && part === "sketch" && page.sketch) return;
+  if (of <= since || (of < number && part === "sketch" && page.sketch)) return; // of another file, or older
   $("trouble").hidden = true;
   document.querySelector(".panels").classList.remove("stale");
   ({ sketch: showSketch, run: showRun, map: showMap, campbell: showCampbell, run_up: showRunUp })[part]?.(facts, arrays);
@@ -87,6 +87,8 @@ function answered({ about, part, facts, arrays, number: of }) {
 function begin() {
   Object.assign(asked, { node: "", contact: 0, speed: null, changes: {} });
   Object.assign(page, { sketch: null, run: null, map: null, campbell: null, runUp: null });
+  for (const each of [sketch, shape, force, map, campbell, ...orbits]) each.drawn = null;
+  since = number;
   ask();
 }
 
@@ -135,6 +137,7 @@ function showSketch(facts) {
   const what = facts.is_archive ? "Archive: what is played is in the file" : facts.is_drop ? "A drop, from its system file" : "A system file";
   $("about").textContent = `${what}; ${counted(facts.nodes.length, "node")}, ${counted(facts.contacts.length, "contact")}.`;
   sketch.show();
+  if (isNew) for (const each of [map, campbell]) each.show(); // whose answers may have come before
 }
 
 const counted = (count, word) => `${count} ${word}${count === 1 ? "" : "s"}`;
@@ -160,12 +163,12 @@ function drawRun() {
 
 function showMap(facts, arrays) {
   page.map = { facts, ...arrays };
-  map.show();
+  if (page.sketch) map.show();
 }
 
 function showCampbell(facts, arrays) {
   page.campbell = { facts, ...arrays };
-  campbell.show();
+  if (page.sketch) campbell.show();
 }
 
 function showRunUp(facts, arrays) {
@@ -320,7 +323,7 @@ $("time").addEventListener("input", () => {
 });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   forgetColours();
-  for (const each of [sketch, map, campbell]) each.show();
+  if (page.sketch) for (const each of [sketch, map, campbell]) each.show();
   if (page.run) drawRun();
   signals.show();
 });

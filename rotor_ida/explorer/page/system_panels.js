@@ -31,7 +31,7 @@ function along(positions, margin) {
   return [low - beyond, high + beyond];
 }
 
-/** Say what stands for what: pairs of a class and words. */
+/** Write a legend: pairs of a class and words. */
 function key(element, parts) {
   element.replaceChildren(...parts.map(([className, words, ink]) => {
     const item = Object.assign(document.createElement("span"), { className: className ? "" : "reason" });
