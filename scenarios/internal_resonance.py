@@ -9,7 +9,7 @@ exist about where this is a whole number of turns for two whirls at once,
     (Omega - omega_1) T = 2 pi n_1,    (Omega - omega_2) T = 2 pi n_2,
 
 which picks out single speeds. Here these come from the eigenvalues at each speed. The cycles are
-exact, followed over the speed, with runs from a kick beside them. The rotor is ours, not theirs.
+exact and followed over the speed, with runs from a kick beside them. The paper's rotor is another.
 
 A. D. Shaw, A. R. Champneys, M. I. Friswell, "Asynchronous partial contact motion due to internal
 resonance in multiple degree-of-freedom rotordynamics", Proc. R. Soc. A 472, 2016.

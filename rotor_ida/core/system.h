@@ -6,7 +6,7 @@
  *
  * Rows and columns are padded with zeros to `stride`, a multiple of four; matrices are stored by
  * columns. What is linear stands in system.c, what a contact does in system_contact.c,
- * and what becomes of small changes in system_tangent.c. */
+ * and the growth of small changes in system_tangent.c. */
 #ifndef ROTOR_IDA_SYSTEM_H
 #define ROTOR_IDA_SYSTEM_H
 

@@ -26,7 +26,7 @@ struct columns {
     struct column_touch touching[MOST_CONTACTS];
 };
 
-/* Columns are summed so many vectors at a time. */
+/* Vectors of columns that are summed at once. */
 enum { BLOCK = 4, SERIES_OF_TOUCH = 15, ALIGNMENT = 64 };
 
 int64_t core_system_column_room(int64_t size, int64_t contacts, int64_t columns)

@@ -133,7 +133,7 @@ def curve_of(flow: SystemFlow, state: Values, period: float) -> Curve[SystemOrbi
 
 
 def cycles_over_speed(flow: SystemFlow, revolutions: int) -> Problem[SystemOrbit]:
-    """Return the cycles of a system over its speed; of so many revolutions if not axisymmetric."""
+    """Return the cycles of a system over its speed; on fixed axes, those of some revolutions."""
     autonomous = flow.problem.forward is not None
 
     def shoot(unknowns: Values) -> SystemOrbit:

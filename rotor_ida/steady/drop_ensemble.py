@@ -212,7 +212,9 @@ def _varied(given: Mapping[str, object], drops: int | None, seed: object) -> dic
     found.setdefault("phase", np.array([0.0, math.tau]))
     for name, axis in found.items():
         if axis.size != 2 or not axis[0] <= axis[1]:
-            raise InputError(f"{name} must be a range of two numbers, got {shown(given[name])}")
+            raise InputError(
+                f"{name} must be a range of two numbers, the lower first, got {shown(given[name])}"
+            )
         found[name] = draw.uniform(float(axis[0]), float(axis[1]), count)
     return found
 

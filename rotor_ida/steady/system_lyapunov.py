@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,14 +12,12 @@ import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
 from rotor_ida.checks import (
-    MOST_NUMBERS,
     check_between,
     check_count,
     check_positive,
     check_real,
     shown,
 )
-from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
@@ -40,6 +39,9 @@ from rotor_ida.systems.receptances import checked_speeds
 from rotor_ida.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.systems.starts import Start
 from rotor_ida.systems.units import with_system_units
+
+# Revolutions at most: each keeps one number for each exponent in memory.
+LONGEST = 1_000_000
 
 
 def lyapunov_exponent_system(
@@ -74,7 +76,7 @@ def lyapunov_exponent_system(
     transient : int
         Revolutions to settle before averaging; the small changes align in them too.
     revolutions : int
-        Revolutions over which to average, at least 20 for each batch.
+        Revolutions over which to average, at least 20 for each batch, at most a million.
     batches : int
         Number of parts of `revolutions`, at least 4, whose scatter gives the error.
     rtol : float
@@ -122,8 +124,8 @@ def lyapunov_exponent_system(
         raise InputError("speed must not be 0 for the exponents of a rotor system, got 0.0")
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     parts = check_count("batches", batches, FEWEST_BATCHES)
-    lead = math.ceil(check_positive("transient", transient, MOST_NUMBERS))
-    each = int(check_positive("revolutions", revolutions, MOST_NUMBERS)) // parts
+    lead = math.ceil(check_positive("transient", transient, LONGEST))
+    each = int(check_positive("revolutions", revolutions, LONGEST)) // parts
     if each < FEWEST_SPANS:
         raise InputError(
             f"revolutions must be at least {FEWEST_SPANS} for each of {parts} batches, "
@@ -144,27 +146,35 @@ def lyapunov_exponent_system(
         return flow.growth(state / flow.scales, count, lead + parts * each)[lead:]
 
     rates = interruptible(rates_of_growth)
+    attributes = provenance({"method": "taylor", "rtol": tolerance})
+    return with_system_units(_dataset(rates, here, lead, parts, attributes), system)
+
+
+def _dataset(
+    rates: Values, speed: float, lead: int, parts: int, attributes: dict[str, Any]
+) -> xr.Dataset:
+    """Return the exponents by the rates of growth in each revolution after the first ones."""
+    revolutions, count = rates.shape
     values, errors = np.full(count, -np.inf), np.zeros(count)
     known = np.isfinite(rates).all(axis=0)
     values[known], errors[known] = means_of_rates(rates[:, known], parts)
     order = np.argsort(-values, kind="stable")
-    places = np.unique(np.linspace(1, len(rates), min(POINTS_SHOWN, len(rates))).astype(int))
+    places = np.unique(np.linspace(1, revolutions, min(POINTS_SHOWN, revolutions)).astype(int))
     running = np.cumsum(rates, axis=0)[places - 1] / places[:, np.newaxis]
     variables: dict[str, Column] = {
         "lyapunov_exponent": ("exponent", values[order]),
         "lyapunov_error": ("exponent", errors[order]),
         "running_exponent": (("t", "exponent"), running[:, order]),
     }
-    revolution = SystemFlow.at(problem, here, NO_STOP).revolution
+    revolution = 2.0 * math.pi / abs(speed)
     coordinates: dict[str, Column] = {
-        "speed": ((), here), "exponent": ("exponent", np.arange(count)),
+        "speed": ((), speed), "exponent": ("exponent", np.arange(count)),
         "t": ("t", revolution * places),
     }  # fmt: skip
-    how = provenance({"method": "taylor", "rtol": tolerance}) | {
-        "transient": lead * revolution, "duration": parts * each * revolution, "batches": parts,
+    how = attributes | {
+        "transient": lead * revolution, "duration": revolutions * revolution, "batches": parts,
     }  # fmt: skip
-    dataset = labelled_dataset(
+    return labelled_dataset(
         "Lyapunov exponents of one motion of a rotor system", variables, coordinates, how,
         kind="lyapunov_exponent",
     )  # fmt: skip
-    return with_system_units(dataset, system)

@@ -94,7 +94,7 @@ def check_axisymmetric_parts(assembly: Assembly) -> None:
                     )
     if assembly.force.any():
         size = float(np.abs(assembly.force).max())
-        raise InputError(f"static_force of the system must be 0 for a whirl, got up to {size:.6g}")
+        raise InputError(f"gravity and static_force must be 0 for a whirl, got up to {size:.6g}")
 
 
 def check_masses(assembly: Assembly) -> None:

@@ -274,7 +274,7 @@ def test_a_report_begins_with_its_words_and_weight_has_no_whirl(program: Program
     answer = program("clearance-report", plain, *given, STILL)
     assert answer.out.startswith("Contact 0 at 'seal' ")
     heavy = program("clearance-report", plain, *given)
-    assert "not known: static_force of the system must be 0 for a whirl" in " ".join(
+    assert "not known: gravity and static_force must be 0 for a whirl" in " ".join(
         heavy.out.split()
     )
     own = program("clearance-report", plain, *given, "--own-unbalance", STILL, "--json")
@@ -282,7 +282,7 @@ def test_a_report_begins_with_its_words_and_weight_has_no_whirl(program: Program
     assert [row["applied_unbalance"] for row in applied] == [pytest.approx(2.4e-3), 0.0]
     answer = program("synchronous-response", plain)
     assert (answer.status, answer.out) == (2, "")
-    assert "static_force of the system must be 0 for a whirl" in answer.err
+    assert "gravity and static_force must be 0 for a whirl" in answer.err
     found = json.loads(program("synchronous-response", plain, STILL, "--json").out)
     assert {row["speed"] for row in found["whirls"]} == {4300 * RPM}
 

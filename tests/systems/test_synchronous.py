@@ -375,7 +375,7 @@ TOUCH = {"node": "d", "clearance": 0.5, "stiffness": 4.0}
         ({"damping": np.diag([0.1, 0.2])}, {}, "whose damping is not"),
         ({"mass": np.diag([1.0, 1.1])}, {}, "whose mass at node 'd' is not"),
         ({"nodes": {"d": [[1, 0], [0, 2]]}}, {}, "whose mass at node 'd' is not"),
-        ({"static_force": [0.0, -1.0]}, {}, "static_force of the system must be 0 .* got up to 1"),
+        ({"static_force": [0.0, -1.0]}, {}, "gravity and static_force must be 0 .* got up to 1"),
         ({}, {"centre": (0.1, 0.0)}, r"centre of contact 0 at 'd' must be \(0, 0\)"),
         ({}, {"stator": Stator(mass=1.0, stiffness=(1.0, 2.0))}, "stiffness of the stator of"),
         ({}, {"friction": 0.1, "radius": 1.0, "race": RACE}, "race of contact 0"),
