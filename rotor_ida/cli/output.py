@@ -15,6 +15,7 @@ from cyclopts import Parameter
 import rotor_ida
 from rotor_ida.checks import check_panels, shown
 from rotor_ida.cli import options
+from rotor_ida.cli.option_types import OUTPUT
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report
 from rotor_ida.errors import ArchiveError, InputError, RotorError, SimulationError
 
@@ -30,7 +31,7 @@ PDF = ".pdf"
 FORCED = "--force is given"
 
 
-@Parameter(name="*", group=options.OUTPUT)
+@Parameter(name="*", group=OUTPUT)
 @dataclass(frozen=True, kw_only=True)
 class Output:
     """Where to write a result."""
@@ -212,3 +213,9 @@ def going_on(study: Path | None) -> str:
         f"; {found['done']} of {found['points']} points are saved in {folder}; continue with "
         f"rotor-ida resume {shlex.quote(word)}"
     )
+
+
+def check_varies(points: int) -> None:
+    """Refuse a figure of an atlas in which nothing varies."""
+    if points < 2:
+        raise InputError("figure needs an atlas of several speeds, dampings or clearances, got one")

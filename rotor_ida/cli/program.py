@@ -25,18 +25,19 @@ from cyclopts import (
 )
 
 from rotor_ida.checks import did_you_mean, listed, shown
-from rotor_ida.cli import options
-from rotor_ida.cli.commands.compute import (
+from rotor_ida.cli.commands.basins import (
     basin,
     basin_fractions,
-    bifurcation_diagram,
     continue_attractors,
+    touchdown_report,
+)
+from rotor_ida.cli.commands.compute import (
+    bifurcation_diagram,
     reproduce,
     run_up,
     run_ups,
     simulate,
     sweep,
-    touchdown_report,
 )
 from rotor_ida.cli.commands.cycles import bifurcation_curve, continue_cycle, limit_cycle
 from rotor_ida.cli.commands.doctor import doctor
@@ -49,6 +50,7 @@ from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
 from rotor_ida.cli.commands.systems import campbell, clearance_report, special_speeds
 from rotor_ida.cli.commands.whirls import backward_whirl, folds, hopf_points, synchronous_response
 from rotor_ida.cli.machines import missing
+from rotor_ida.cli.option_types import OPTIONS, STUDY
 from rotor_ida.cli.parsing import SYSTEM_ENDING, as_given, readable, refuse_units
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
@@ -169,7 +171,7 @@ def application() -> App:
                 sort_key=place,
                 alias=short or None,
                 usage=USAGE.get(command),
-                group_parameters=options.STUDY if name in COMPUTING else options.OPTIONS,
+                group_parameters=STUDY if name in COMPUTING else OPTIONS,
             )
     app.register_install_completion_command(
         help="Install completion of commands and options for bash, zsh or fish."

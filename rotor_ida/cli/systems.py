@@ -15,6 +15,7 @@ from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, working
 from rotor_ida.cli.parsing import refuse_units
 from rotor_ida.cli.report import FIRST_ROWS, Report
+from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
 from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ OF_SYSTEM = ("rtol", "method")
 
 def simulate_file(
     file: Path,
-    rotor: options.RotorOptions,
+    rotor: RotorOptions,
     start: State | None,
     solver: options.SolverOptions | options.RunUpSolverOptions,
     output: Output,
@@ -49,7 +50,7 @@ def simulate_file(
 
 def run_up_file(
     file: Path,
-    rotor: options.RotorOptions,
+    rotor: RotorOptions,
     change: options.ChangeOptions,
     start: State | None,
     solver: options.SolverOptions | options.RunUpSolverOptions,
@@ -70,7 +71,7 @@ def run_up_file(
 
 def sweep_file(
     file: Path,
-    rotors: options.RotorsOptions,
+    rotors: RotorsOptions,
     starts: list[State],
     solver: options.SolverOptions,
     output: Output,
@@ -97,7 +98,7 @@ def sweep_file(
 
 
 def cycle_case(
-    file: Path, rotor: options.RotorOptions, start: State | None, output: Output
+    file: Path, rotor: RotorOptions, start: State | None, output: Output
 ) -> tuple[RotorSystem, dict[str, Any]]:
     """Return the system of a file, and what its cycles are computed from."""
     _checked(rotor.given, rotor.machine, start, options.SolverOptions(), output)
@@ -134,9 +135,7 @@ def _case(file: Path, quantities: Mapping[str, Any], given: Mapping[str, Any]) -
     return case
 
 
-def _change(
-    case: SystemFile, rotor: options.RotorOptions, given: Mapping[str, Any]
-) -> dict[str, Any]:
+def _change(case: SystemFile, rotor: RotorOptions, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the change of speed: that of the file, unless options give another."""
     begins = [each for each in (given.get("begin"), rotor.given.get(SPEED)) if each is not None]
     if len(begins) > 1:
@@ -152,7 +151,7 @@ def _change(
 
 
 def whirls_file(
-    file: Path, rotors: options.RotorsOptions, output: Output, *, without_gravity: bool
+    file: Path, rotors: RotorsOptions, output: Output, *, without_gravity: bool
 ) -> Report:
     """Compute the synchronous whirls of the system of a file."""
     speeds: Any = rotors.values.get(SPEED)

@@ -17,16 +17,13 @@ import pytest
 
 import rotor_ida
 from rotor_ida.checks import AT_REST
-from rotor_ida.cli.commands.compute import (
+from rotor_ida.cli.commands.basins import (
     basin,
     basin_fractions,
-    bifurcation_diagram,
     continue_attractors,
-    run_ups,
-    simulate,
-    sweep,
     touchdown_report,
 )
+from rotor_ida.cli.commands.compute import bifurcation_diagram, run_ups, simulate, sweep
 from rotor_ida.cli.commands.cycles import bifurcation_curve, continue_cycle, limit_cycle
 from rotor_ida.cli.options import SolverOptions
 from rotor_ida.cli.program import COMMANDS as BY_GROUP

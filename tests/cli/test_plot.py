@@ -12,9 +12,8 @@ import pytest
 from scipy.io import savemat, wavfile
 
 import rotor_ida
-from rotor_ida.cli.commands.plot import FUNCTIONS, OF_SYSTEM
+from rotor_ida.cli.commands.plot import FUNCTIONS, OF_SYSTEM, PLOTS_ALSO_CALLED, KindOfPlot
 from rotor_ida.cli.exact import exact_beneath
-from rotor_ida.cli.options import PLOTS_ALSO_CALLED, KindOfPlot
 from rotor_ida.plot.figures import figure_of
 
 Program = Callable[..., Any]

@@ -13,7 +13,7 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli.machines import Units
-from rotor_ida.cli.options import RotorOptions, RotorsOptions
+from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
 from rotor_ida.model.parameters import FRICTIONLESS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 

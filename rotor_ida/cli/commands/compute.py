@@ -1,33 +1,108 @@
-"""The commands that compute: runs, sweeps, basins, and the paper's figures."""
+"""The commands that simulate: runs and run-ups, one or many, and the paper's figures."""
 
 from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import AT_REST, check_one_varies
-from rotor_ida.cli import options
+from rotor_ida.checks import AT_REST, MOST_NUMBERS, check_one_varies
+from rotor_ida.cli import options, parsing
 from rotor_ida.cli.machines import Units
+from rotor_ida.cli.option_types import (
+    IN_OUTPUT,
+    count_option,
+    flag_option,
+    numbers_option,
+    path_option,
+    quantity_option,
+)
 from rotor_ida.cli.output import Output, answer, answer_whole, summarised, working
-from rotor_ida.cli.parsing import MOST_POINTS, check_points
+from rotor_ida.cli.parsing import check_points
 from rotor_ida.cli.report import FIRST_ROWS, Report
+from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
 from rotor_ida.cli.systems import run_up_file, simulate_file, sweep_file
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 
 # Number of random initial states of a bifurcation diagram.
 STARTS = 8
+Reach = Annotated[
+    float | None,
+    quantity_option(
+        "Largest |x| and |y| of random initial states (SI: m), and of their velocities, "
+        "divided by the reference frequency. Default: 5 eccentricities.",
+        "m",
+    ),
+]
+ExtremaTime = Annotated[
+    float | None,
+    quantity_option(
+        "Time over which extrema are found (SI: s). Default: 100 / reference frequency.", "s"
+    ),
+]
+Duration = Annotated[float, quantity_option("Time to simulate (SI: s).", "s")]
+ToSpeed = Annotated[
+    float, quantity_option("Final speed of the ramps (SI: rad/s, or as 3000rpm).", "rad s-1")
+]
+Rates = Annotated[
+    list[float],
+    numbers_option(
+        "Rates of change of the speed (SI: rad/s2, or as 100rpm/s): numbers, or START:STOP:COUNT.",
+        "rad s-2",
+    ),
+]
+RateOrNone = Annotated[
+    float | None,
+    quantity_option(
+        "Rate of change of the speed (SI: rad/s2, or as 100rpm/s), with --direction. Default: "
+        "the rotor settles at each speed.",
+        "rad s-2",
+    ),
+]
+Phases = Annotated[
+    list[float],
+    Parameter(
+        help="Angles of the unbalance at time 0, in radians: numbers, or START:STOP:COUNT. "
+        "Default: 0.",
+        converter=parsing.converter(parsing.numbers),
+        consume_multiple=True,
+        negative=(),
+        show_default=False,
+    ),
+]
+Samples = Annotated[
+    int | None,
+    count_option("Number of output times. Default: at least 32 per revolution.", 2, MOST_NUMBERS),
+]
+Results = Annotated[Path, path_option("Folder for archives and figures."), IN_OUTPUT]
+Direction = Annotated[
+    Literal["up", "down", "both"] | None,
+    Parameter(help="Quasi-static sweep: start each speed where the one before ended."),
+]
+Quick = Annotated[bool, flag_option("Compute coarser results, faster.")]
+Studies = Annotated[
+    bool, flag_option("Compute the studies as well as the figures of the paper.", name="--all")
+]
+Names = Annotated[
+    list[str] | None,
+    Parameter(
+        help="Scenarios to run: names, or beginnings of names.", consume_multiple=True, negative=()
+    ),
+]
 
 
 def simulate(
     system: options.System = None,
     /,
     *,
-    rotor: options.RotorOptions = options.RotorOptions(),
-    duration: options.Duration,
+    rotor: RotorOptions = RotorOptions(),
+    duration: Duration,
     start: options.StartOrNone = None,
-    samples: options.Samples = None,
+    samples: Samples = None,
     solver: options.AnySolverOptions = options.AnySolverOptions(),
     output: Output = Output(),
 ) -> Report:
@@ -66,10 +141,10 @@ def run_up(
     system: options.System = None,
     /,
     *,
-    rotor: options.RotorOptions = options.RotorOptions(),
+    rotor: RotorOptions = RotorOptions(),
     change: options.ChangeOptions = options.ChangeOptions(),
     start: options.StartOrNone = None,
-    samples: options.Samples = None,
+    samples: Samples = None,
     solver: options.AnyRunUpSolverOptions = options.AnyRunUpSolverOptions(),
     output: Output = Output(),
 ) -> Report:
@@ -123,9 +198,9 @@ def sweep(
     system: options.System = None,
     /,
     *,
-    rotors: options.RotorsOptions = options.RotorsOptions(),
+    rotors: RotorsOptions = RotorsOptions(),
     start: options.Starts = [AT_REST],  # noqa: B006 - never changed
-    direction: options.Direction = None,
+    direction: Direction = None,
     jobs: options.JobOptions = options.JobOptions(),
     solver: options.AnySolverOptions = options.AnySolverOptions(),
     study: options.Study = None,
@@ -169,14 +244,14 @@ def sweep(
 
 def bifurcation_diagram(
     *,
-    rotors: options.RotorsOptions = options.RotorsOptions(),
+    rotors: RotorsOptions = RotorsOptions(),
     starts: options.StartCount = STARTS,
     start: options.StartsOrNone = None,
     seed: options.Seed = 0,
-    reach: options.Reach = None,
-    extrema_time: options.ExtremaTime = None,
-    direction: options.Direction = None,
-    rate: options.RateOrNone = None,
+    reach: Reach = None,
+    extrema_time: ExtremaTime = None,
+    direction: Direction = None,
+    rate: RateOrNone = None,
     rtol: options.Rtol = 1e-10,
     atol: options.Atol = 1e-12,
     method: options.ContactMethod = "adams",
@@ -224,10 +299,10 @@ def bifurcation_diagram(
 
 def run_ups(
     *,
-    rotors: options.RotorsOptions = options.RotorsOptions(),
-    to: options.ToSpeed,
-    rate: options.Rates,
-    phase: options.Phases = [0.0],  # noqa: B006 - never changed
+    rotors: RotorsOptions = RotorsOptions(),
+    to: ToSpeed,
+    rate: Rates,
+    phase: Phases = [0.0],  # noqa: B006 - never changed
     start: options.Starts = [AT_REST],  # noqa: B006 - never changed
     jobs: options.JobOptions = options.JobOptions(),
     solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),
@@ -266,164 +341,12 @@ def run_ups(
         return answer_whole(units.shown(dataset), output, study)
 
 
-def basin(
-    *,
-    rotor: options.RotorOptions = options.RotorOptions(),
-    x: options.Component,
-    y: options.Component,
-    vx: options.Component = 0.0,
-    vy: options.Component = 0.0,
-    rtol: options.RtolOrNone = None,
-    jobs: options.JobOptions = options.JobOptions(),
-    study: options.Study = None,
-    output: Output = Output(),
-) -> Report:
-    r"""Compute basins of attraction on a plane of initial states.
-
-    Two components of the initial state are ranges; here the velocities are 0:
-
-        rotor-ida basin --omega 1.7 --zeta 0.07 --delta0 0 \
-            --x=-15:15:64 --y=-15:15:64 --out basin.nc
-
-    After an interrupt (exit status 130) the rest of the result is marked as not computed.
-    """
-    axes = [part for part in (x, y, vx, vy) if isinstance(part, list)]
-    check_points(*axes, in_study=study is not None)
-    output.check()
-    chosen, units = rotor.rotor_and_units()
-    units.keep(study)
-    with working("basin", study) as progress:
-        dataset = rotor_ida.basin(
-            chosen,
-            x=units.component("x", x),
-            y=units.component("y", y),
-            vx=units.component("vx", vx),
-            vy=units.component("vy", vy),
-            rtol=rtol,
-            **asdict(jobs),
-            study=study,
-            progress=progress,
-        )
-        return answer_whole(units.shown(dataset), output, study)
-
-
-def basin_fractions(
-    *,
-    rotor: options.RotorOptions = options.RotorOptions(),
-    x: options.Range,
-    y: options.Range,
-    vx: options.Range = 0.0,
-    vy: options.Range = 0.0,
-    starts: options.StartCount = 10_000,
-    seed: options.Seed = 0,
-    rtol: options.RtolOrNone = None,
-    jobs: options.JobOptions = options.JobOptions(),
-    study: options.Study = None,
-    out: options.Out = None,
-    csv: options.Csv = None,
-    as_json: options.AsJson = False,
-    force: options.Force = False,
-) -> Report:
-    r"""Estimate basin fractions from random initial states.
-
-    From a square of initial states, saved in a folder as they are computed:
-
-        rotor-ida basin-fractions --omega 2 --zeta 0.07 --delta0 2 \
-            --x=-15:15 --y=-15:15 --starts 2000 --study study
-    """
-    output = Output(out=out, csv=csv, as_json=as_json, force=force)
-    output.check()
-    if study is None and starts > MOST_POINTS:
-        raise InputError(f"starts must be at most {MOST_POINTS} without --study, got {starts}")
-    chosen, units = rotor.rotor_and_units()
-    units.keep(study)
-    with working("fractions", study) as progress:
-        dataset = rotor_ida.basin_fractions(
-            chosen,
-            x=units.component("x", x),
-            y=units.component("y", y),
-            vx=units.component("vx", vx),
-            vy=units.component("vy", vy),
-            starts=starts,
-            seed=seed,
-            rtol=rtol,
-            **asdict(jobs),
-            study=study,
-            progress=progress,
-        )
-        return answer_whole(units.shown(dataset), output, study)
-
-
-def continue_attractors(
-    *,
-    rotors: options.RotorsOptions = options.RotorsOptions(),
-    drawn: options.DrawnOptions = options.DrawnOptions(),
-    shocks: options.ShockCount = 0,
-    jobs: options.JobOptions = options.JobOptions(),
-    study: options.Study = None,
-    output: Output = Output(),
-) -> Report:
-    r"""Continue all attractors over speed, damping or clearance, with their basin fractions.
-
-    Over 15 speeds, drawn as basin fractions:
-
-        rotor-ida continue-attractors --omega 0.2:3:8 --zeta 0.07 --delta0 2 \
-            --x=-15:15 --y=-15:15 --starts 200 --out atlas.nc --figure atlas
-    """
-    output.check()
-    if output.figure is not None:
-        options.check_varies(rotors.panels())
-    given, units = rotors.given_and_units()
-    units.keep(study)
-    with working("atlas", study) as progress:
-        dataset = rotor_ida.continue_attractors(
-            **given,
-            **drawn.of(units),
-            shocks=shocks,
-            **asdict(jobs),
-            study=study,
-            progress=progress,
-        )
-        return answer_whole(units.shown(dataset), output, study)
-
-
-def touchdown_report(
-    *,
-    rotor: options.RotorOptions = options.RotorOptions(),
-    drawn: options.DrawnOptions = options.DrawnOptions(),
-    shocks: options.ShocksOrNone = None,
-    output: Output = Output(),
-) -> Report:
-    r"""Report the loads, basin fraction and shock resistance of each attractor.
-
-    In SI units, from initial displacements within 15 um:
-
-        rotor-ida touchdown-report --mass 4kg --contact-stiffness 1e9 \
-            --damping 280 --eccentricity 1um --clearance 2um --speed 1000 \
-            --x=-15um:15um --y=-15um:15um
-
-    Dimensionless, without shocks:
-
-        rotor-ida touchdown-report --omega 2 --zeta 0.07 --delta0 2 \
-            --x=-15:15 --y=-15:15 --shocks 0 --json
-
-    Drops of a horizontal rotor, whose starts are followed one by one:
-
-        rotor-ida touchdown-report --omega 2 --zeta 0.05 --delta0 1 \
-            --shaft-stiffness 0.25 --load 0.6 --x=-1:1 --y=-1:1 --starts 50
-    """
-    chosen = rotor.chosen()
-    output.check()
-    report = rotor_ida.touchdown_report(chosen, **asdict(drawn), shocks=shocks)
-    return answer(report, output)
-
-
 def reproduce(
     *,
-    out: options.Results = Path("results"),
-    quick: options.Quick = False,
-    studies: options.Studies = False,
-    only: options.Names = None,
+    out: Results = Path("results"),
+    quick: Quick = False,
+    studies: Studies = False,
+    only: Names = None,
     workers: options.Workers = None,
     force: options.Force = False,
 ) -> int:

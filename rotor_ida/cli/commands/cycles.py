@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import AT_REST, COMPONENTS, State, shown
-from rotor_ida.cli import options
+from rotor_ida.checks import AT_REST, COMPONENTS, MOST_NUMBERS, State, shown
+from rotor_ida.cli import options, parsing
 from rotor_ida.cli.machines import Units, plain
+from rotor_ida.cli.option_types import count_option, path_option, quantity_option
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
+from rotor_ida.cli.rotor_options import RotorOptions
 from rotor_ida.cli.systems import cycle_case
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, TABLE
 from rotor_ida.model.rotor import Rotor
 
 if TYPE_CHECKING:
@@ -26,16 +28,86 @@ if TYPE_CHECKING:
 SOURCES = ("cycle", "branch", "curve")
 
 
+def _limits(text: str, words: str) -> Parameter:
+    """Return an option for values of a parameter, whose unit depends on the parameter."""
+    every = tuple({each.unit for each in TABLE if each.unit != "1"})
+    reading = parsing.converter(
+        lambda name, given: tuple(parsing.quantity(name, [word], *every) for word in given)
+    )
+    return Parameter(help=text, metavar=words, converter=reading, negative=())
+
+
+Period = Annotated[
+    float | None,
+    quantity_option(
+        "Estimate of the period, for a start near a cycle on the rotating axes (SI: s).", "s"
+    ),
+]
+From = Annotated[
+    Path | None,
+    path_option("Archive of a cycle, branch or curve to start from.", name="--from"),
+]
+PointNumber = Annotated[
+    int | None,
+    count_option("Point of the branch or curve in that archive, counted from 0.", 0, MOST_NUMBERS),
+]
+SpecialNumber = Annotated[
+    int | None,
+    count_option("Special point of that branch or curve, counted from 0.", 0, MOST_NUMBERS),
+]
+PointCount = Annotated[
+    int, count_option("Largest number of points in each direction.", 2, MOST_NUMBERS)
+]
+Continued = Literal[
+    "omega", "zeta", "delta0", "speed", "damping", "clearance", "shaft_stiffness",
+    "contact_damping", "load", "friction", "disc_radius",
+]  # fmt: skip
+OneParameter = Annotated[
+    Continued,
+    Parameter(
+        help="Parameter to vary; for a machine speed, damping or clearance replace omega, "
+        "zeta or delta0."
+    ),
+]
+TwoParameters = Annotated[
+    tuple[Continued, Continued],
+    Parameter(
+        help="The two parameters to vary, from the choices of continue-cycle.",
+        metavar="NAME NAME",
+        negative=(),
+        show_default=" ".join,
+    ),
+]
+Limits = Annotated[
+    tuple[float, float],
+    _limits(
+        "Smallest and largest value of the parameter (of a machine in SI units, or as 3000rpm).",
+        "LOW HIGH",
+    ),
+]
+TwoLimits = Annotated[
+    tuple[float, float, float, float],
+    _limits("Smallest and largest value of each parameter.", "LOW HIGH LOW HIGH"),
+]
+Way = Annotated[
+    Literal["both", "forward", "backward"],
+    Parameter(help="Direction: forward is to larger values, or onwards along a branch."),
+]
+Bifurcation = Annotated[
+    Literal["fold", "period_doubling", "torus"], Parameter(help="Bifurcation to follow.")
+]
+
+
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
-class Origin(options.RotorOptions):
+class Origin(RotorOptions):
     """The start of a branch or a curve: an initial state, or a cycle in an archive."""
 
     start: options.StartOrNone = None
-    period: options.Period = None
-    from_: options.From = None
-    point: options.PointNumber = None
-    special: options.SpecialNumber = None
+    period: Period = None
+    from_: From = None
+    point: PointNumber = None
+    special: SpecialNumber = None
 
     @property
     def units_unknown(self) -> bool:
@@ -78,9 +150,9 @@ def limit_cycle(
     system: options.System = None,
     /,
     *,
-    rotor: options.RotorOptions = options.RotorOptions(),
+    rotor: RotorOptions = RotorOptions(),
     start: options.Start = AT_REST,
-    period: options.Period = None,
+    period: Period = None,
     without_gravity: options.WithoutGravity = False,
     output: Output = Output(),
 ) -> Report:
@@ -127,10 +199,10 @@ def continue_cycle(
     /,
     *,
     origin: Origin = Origin(),
-    limits: options.Limits,
-    parameter: options.OneParameter = "omega",
-    direction: options.Way = "both",
-    points: options.PointCount = 2000,
+    limits: Limits,
+    parameter: OneParameter = "omega",
+    direction: Way = "both",
+    points: PointCount = 2000,
     without_gravity: options.WithoutGravity = False,
     study: options.Study = None,
     output: Output = Output(),
@@ -178,10 +250,10 @@ def continue_cycle(
 def bifurcation_curve(
     *,
     origin: Origin = Origin(),
-    kind: options.Bifurcation,
-    limits: options.TwoLimits,
-    parameters: options.TwoParameters = ("omega", "delta0"),
-    points: options.PointCount = 2000,
+    kind: Bifurcation,
+    limits: TwoLimits,
+    parameters: TwoParameters = ("omega", "delta0"),
+    points: PointCount = 2000,
     output: Output = Output(),
 ) -> Report:
     r"""Continue a fold, period doubling or torus bifurcation of cycles over two parameters.
@@ -215,7 +287,7 @@ def bifurcation_curve(
 
 def cycle_file(
     file: Path,
-    rotor: options.RotorOptions,
+    rotor: RotorOptions,
     start: State,
     period: float | None,
     output: Output,

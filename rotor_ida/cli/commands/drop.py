@@ -3,28 +3,46 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import rotor_ida
 from rotor_ida.checks import shown
 from rotor_ida.cli import options
+from rotor_ida.cli.option_types import IN_OUTPUT, count_option, path_option, quantity_option
 from rotor_ida.cli.output import working
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
 
 # What only one drop takes.
 NOT_OF_MANY = {"phase", "clearances", "more_modes"}
+ReportFolder = Annotated[Path, path_option("Folder of the report, which is made."), IN_OUTPUT]
+DropSpeed = Annotated[
+    float | None,
+    quantity_option(
+        "Speed at the drop (rad/s, or as 3000rpm). Default: that of the file.", "rad s-1"
+    ),
+]
+DropDuration = Annotated[
+    float | None, quantity_option("Time to simulate (s). Default: that of the file.", "s")
+]
+DropCount = Annotated[
+    int | None,
+    count_option("Number of drops at random, beside one. Default: that of the file.", 2, 100_000),
+]
+Film = Annotated[
+    Path | None, path_option("Write a film of the orbits to this file (.gif, or .mp4)."), IN_OUTPUT
+]
 
 
 def drop(
     system: options.SystemFile,
     /,
     *,
-    out: options.ReportFolder,
-    speed: options.DropSpeed = None,
-    duration: options.DropDuration = None,
-    drops: options.DropCount = None,
-    film: options.Film = None,
+    out: ReportFolder,
+    speed: DropSpeed = None,
+    duration: DropDuration = None,
+    drops: DropCount = None,
+    film: Film = None,
     jobs: options.JobOptions = options.JobOptions(),
     study: options.Study = None,
     as_json: options.AsJson = False,

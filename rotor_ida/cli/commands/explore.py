@@ -7,11 +7,20 @@ import sys
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Annotated
 
 from rotor_ida.checks import AT_REST, COMPONENTS, State, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.machines import Units, plain
+from rotor_ida.cli.option_types import (
+    IN_OUTPUT,
+    count_option,
+    flag_option,
+    numbers_option,
+    path_option,
+)
 from rotor_ida.cli.output import FORCED, read, working
+from rotor_ida.cli.rotor_options import RotorOptions
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import MOST_REVOLUTIONS, largest_speed
 from rotor_ida.explorer.system_questions import ENDINGS, SYSTEM_RUNS
@@ -23,17 +32,30 @@ NEEDED = ("starlette", "uvicorn", "websockets")
 FIRST = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REVOLUTIONS = 60
 PAGE = ".html"
+FileToExplore = Annotated[
+    Path | None, path_option("Archived run shown first, or a rotor system as TOML or .nc.")
+]
+Port = Annotated[int, count_option("Port on this computer; 0 picks a free one.", 0, 65_535)]
+NoBrowser = Annotated[bool, flag_option("Print the address without opening a browser.")]
+Export = Annotated[
+    Path | None,
+    path_option("Write a page that needs no server, for the speeds of --speeds, and stop."),
+    IN_OUTPUT,
+]
+ExportedSpeeds = Annotated[
+    list[float] | None, numbers_option("Speeds of the exported page: numbers, or START:STOP:COUNT.")
+]
 
 
 def explore(
-    file: options.FileToExplore = None,
+    file: FileToExplore = None,
     *,
-    rotor: options.RotorOptions = options.RotorOptions(),
+    rotor: RotorOptions = RotorOptions(),
     start: options.StartOrNone = None,
-    port: options.Port = 8765,
-    no_browser: options.NoBrowser = False,
-    export: options.Export = None,
-    speeds: options.ExportedSpeeds = None,
+    port: Port = 8765,
+    no_browser: NoBrowser = False,
+    export: Export = None,
+    speeds: ExportedSpeeds = None,
     force: options.Force = False,
 ) -> int:
     r"""Open an interactive page in the browser, with sliders for the parameters.
@@ -88,7 +110,7 @@ def _serve(
 
 
 def _system(
-    file: Path | None, rotor: options.RotorOptions, start: State | None, export: Path | None
+    file: Path | None, rotor: RotorOptions, start: State | None, export: Path | None
 ) -> Path | None:
     """Return the file if it is of a rotor system that can be read; None for one disc."""
     from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - heavy, and not for --help
@@ -109,7 +131,7 @@ def _system(
 
 
 def _beginning(
-    rotor: options.RotorOptions, start: State | None, file: Path | None
+    rotor: RotorOptions, start: State | None, file: Path | None
 ) -> tuple[Rotor | DimensionalRotor, State, int]:
     """Return the initial machine, start and number of revolutions."""
     given = rotor.machine is not None or bool(rotor.given)

@@ -2,31 +2,63 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
 
 import rotor_ida
 from rotor_ida.cli import options
 from rotor_ida.cli.commands.plot import OF_FILE, signals_in
+from rotor_ida.cli.option_types import number_option, numbers_option, quantity_option
 from rotor_ida.cli.output import Output, answer, working
 from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import Report
+from rotor_ida.cli.rotor_options import ANY_SPEED, RotorOptions
 from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
+Unknowns = Annotated[
+    list[str],
+    Parameter(
+        help="Parameters to fit: names of rotor options, or unbalance_angle.",
+        metavar="NAME",
+        consume_multiple=True,
+        negative=(),
+    ),
+]
+EntryTimes = Annotated[
+    list[float] | None,
+    numbers_option(
+        "Measured times at which contacts begin, in the unit of the signals or as 20ms.", "s"
+    ),
+]
+ExitTimes = Annotated[list[float] | None, numbers_option("The same, at which contacts end.", "s")]
+TimeError = Annotated[float | None, quantity_option("Standard error of these times.", "s")]
+NoiseLevel = Annotated[
+    float | None,
+    quantity_option(
+        "Standard deviation of the noise, in the unit of the probes or as 2um. Default: that of "
+        "the residuals.",
+        "m",
+    ),
+]
+SearchLimit = Annotated[
+    float | None, number_option("Longest time to search, in s. The best trial is reported then.")
+]
 
 
 def fit(
     *files: options.SignalFile,
-    unknown: options.Unknowns,
-    rotor: options.RotorOptions = options.RotorOptions(),
+    unknown: Unknowns,
+    rotor: RotorOptions = RotorOptions(),
     orders: options.Orders = None,
     start: options.StartOrNone = None,
-    entries: options.EntryTimes = None,
-    exits: options.ExitTimes = None,
-    time_error: options.TimeError = None,
-    noise: options.NoiseLevel = None,
-    limit: options.SearchLimit = None,
+    entries: EntryTimes = None,
+    exits: ExitTimes = None,
+    time_error: TimeError = None,
+    noise: NoiseLevel = None,
+    limit: SearchLimit = None,
     times: options.Times = None,
     reading: options.ReadingOptions = options.ReadingOptions(),
     output: Output = Output(),
@@ -50,7 +82,7 @@ def fit(
     output.check()
     given = rotor.given  # the speed is measured; this one is not used
     known = {
-        speed: options.ANY_SPEED
+        speed: ANY_SPEED
         for speed, other in (("omega", "zeta"), ("speed", "mass"))
         if speed not in given and other in given
     }

@@ -12,14 +12,17 @@ from rich.console import RenderableType
 
 from rotor_ida.checks import shown
 from rotor_ida.cli import machines, options, parsing
+from rotor_ida.cli.option_types import IN_OUTPUT, ROTOR, path_option
 from rotor_ida.cli.output import FORCED
 from rotor_ida.cli.report import Report, pairs
+from rotor_ida.cli.rotor_options import with_parameters
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import MILLIMETRE, check_keys, implausible
 from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.units import SPEED_UNITS
 
 ENDING = ".toml"
+MachineOut = Annotated[Path | None, path_option("Write the machine to this TOML file."), IN_OUTPUT]
 
 
 def _word(_name: str, words: list[str]) -> str:
@@ -59,11 +62,9 @@ SHEET = {
 }  # fmt: skip
 
 
-@Parameter(name="*", group=options.ROTOR)
+@Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
-@options.with_parameters(
-    {name: _quantity(*told) for name, told in SHEET.items()}, dict.fromkeys(SHEET)
-)
+@with_parameters({name: _quantity(*told) for name, told in SHEET.items()}, dict.fromkeys(SHEET))
 class SheetOptions:
     """The entries of a data sheet."""
 
@@ -75,7 +76,7 @@ class SheetOptions:
 def machine(
     *,
     sheet: SheetOptions = SheetOptions(),
-    out: options.MachineOut = None,
+    out: MachineOut = None,
     as_json: options.AsJson = False,
     force: options.Force = False,
 ) -> Report:

@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_args
+
+from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import shown
-from rotor_ida.cli import options
+from rotor_ida.checks import MOST_NUMBERS, did_you_mean, shown
+from rotor_ida.cli import options, parsing
+from rotor_ida.cli.option_types import (
+    IN_OUTPUT,
+    count_option,
+    flag_option,
+    number_option,
+    path_option,
+    quantity_option,
+)
 from rotor_ida.cli.output import OUT_ENDING, Output, read, write_figure
 from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import Report, pairs
@@ -41,25 +51,110 @@ OF_SYSTEM = {
     "shape": "plot_shape",
 }
 OPTIONS = {"t": "at"}
+FigureOfPlot = Annotated[
+    Path | None,
+    path_option(
+        "Draw to NAME.png and NAME.svg, or to NAME.pdf. Default: named after FILE and kind."
+    ),
+    IN_OUTPUT,
+]
+KindOfPlot = Literal[
+    "bode", "polar", "orders", "orbit", "full-spectrum", "cascade", "spectrogram", "centreline",
+    "trace", "orbits", "forces", "history", "shape",
+]  # fmt: skip
+# Other names of these.
+PLOTS_ALSO_CALLED: dict[str, KindOfPlot] = {
+    "waterfall": "cascade",
+    "spectrum": "full-spectrum",
+    "campbell": "spectrogram",
+    "colormap": "spectrogram",
+    "nyquist": "polar",
+    "centerline": "centreline",
+    "shaft-centerline": "centreline",
+    "timebase": "trace",
+    "waveform": "trace",
+    "mode-shape": "shape",
+    "deflected-shape": "shape",
+}
+
+
+def _kind_of_plot(name: str, words: Sequence[str]) -> str:
+    """Return the kind of plot that a word names, in either case."""
+    word = words[0].lower().replace("_", "-")
+    kinds, others = get_args(KindOfPlot), PLOTS_ALSO_CALLED
+    if word in kinds:
+        return word
+    if word not in others:
+        listed = ", ".join(map(repr, kinds))
+        meant = did_you_mean(word, (*kinds, *others))
+        raise InputError(f"{name} must be one of {listed}, got {shown(words[0])}{meant}")
+    return others[word]
+
+
+PlotKind = Annotated[
+    KindOfPlot | None,
+    Parameter(
+        help="Plot to draw. Default: one that suits the file. Also understood: waterfall for "
+        "cascade, spectrum for full-spectrum, campbell for spectrogram.",
+        converter=parsing.converter(_kind_of_plot),
+    ),
+]
+Node = Annotated[
+    str | None,
+    Parameter(help="Node of a rotor system at which probes look at the shaft.", metavar="NAME"),
+]
+OneContact = Annotated[
+    int | None, count_option("Contact whose forces are drawn, counted from 0.", 0, MOST_NUMBERS)
+]
+Instant = Annotated[
+    float | None,
+    quantity_option("Instant of a deflected shape. Default: the largest deflection.", "s"),
+]
+Exact = Annotated[
+    bool,
+    flag_option("Also draw the exact response, cycle or backward whirl of the archived rotor."),
+]
+OneOrder = Annotated[
+    float | None,
+    number_option("Order in Bode and polar plots, as a multiple of the speed. Default: 1."),
+]
+Sense = Annotated[
+    Literal["forward", "backward"] | None,
+    Parameter(help="Sense of the whirl in Bode and polar plots."),
+]
+Over = Annotated[
+    Literal["speed", "t"] | None,
+    Parameter(help="Axis of a cascade or spectrogram: speed or time."),
+]
+Span = Annotated[
+    float | None, number_option("Largest frequency to show, as a multiple of the speed.")
+]
+Segment = Annotated[
+    int | None, count_option("Number of samples in each segment of a spectrum.", 16, MOST_NUMBERS)
+]
+ShownClearance = Annotated[
+    float | None,
+    quantity_option("Clearance of a measured machine, in the unit of the probes or as 150um.", "m"),
+]
 
 
 def plot(
     file: options.SignalFile,
     /,
     *,
-    kind: options.PlotKind = None,
-    figure: options.FigureOfPlot = None,
-    exact: options.Exact = False,
-    order: options.OneOrder = None,
+    kind: PlotKind = None,
+    figure: FigureOfPlot = None,
+    exact: Exact = False,
+    order: OneOrder = None,
     orders: options.Orders = None,
-    sense: options.Sense = None,
-    over: options.Over = None,
-    span: options.Span = None,
-    segment: options.Segment = None,
-    clearance: options.ShownClearance = None,
-    node: options.Node = None,
-    contact: options.OneContact = None,
-    at: options.Instant = None,
+    sense: Sense = None,
+    over: Over = None,
+    span: Span = None,
+    segment: Segment = None,
+    clearance: ShownClearance = None,
+    node: Node = None,
+    contact: OneContact = None,
+    at: Instant = None,
     times: options.Times = None,
     reading: options.ReadingOptions = options.ReadingOptions(),
     as_json: options.AsJson = False,
@@ -124,7 +219,7 @@ def _suiting(dataset: xr.Dataset) -> Figure:
 
 
 def _of_kind(
-    kind: options.KindOfPlot, dataset: xr.Dataset, chosen: dict[str, Any], *, exact: bool
+    kind: KindOfPlot, dataset: xr.Dataset, chosen: dict[str, Any], *, exact: bool
 ) -> Figure:
     """Return the figure of a kind of plot of signals."""
     from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
@@ -154,7 +249,7 @@ def _written(
     drawn: Figure,
     figure: Path,
     *,
-    kind: options.KindOfPlot | None,
+    kind: KindOfPlot | None,
     as_json: bool,
     force: bool,
 ) -> Report:
@@ -180,7 +275,7 @@ def _written(
 
 
 def _check_options(
-    kind: options.KindOfPlot, chosen: Iterable[str], *, exact: bool, node: str | None
+    kind: KindOfPlot, chosen: Iterable[str], *, exact: bool, node: str | None
 ) -> None:
     """Raise `InputError` for an option that does not apply to a kind of plot."""
     from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it

@@ -7,22 +7,34 @@ import os
 from dataclasses import asdict, replace
 from datetime import timedelta
 from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
 
 import rotor_ida
 from rotor_ida.checks import shown
 from rotor_ida.cli import options
 from rotor_ida.cli.machines import kept, plain
-from rotor_ida.cli.output import Output, answer, answer_whole, read, working
+from rotor_ida.cli.option_types import IN_SOLVER, path_option
+from rotor_ida.cli.output import Output, answer, answer_whole, check_varies, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report, pairs
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.simulation.options import Method
 
 # A longer remaining time [s] is shown as this one.
 LONGEST_LEFT = 1e12
+Witness = Annotated[
+    Method | None,
+    Parameter(help="Solver of the new computation. Default: that of the archive."),
+    IN_SOLVER,
+]
+File = Annotated[Path, path_option("Archive written by rotor-ida (.nc).", name="FILE")]
+Folder = Annotated[Path, path_option("Folder of a study.", name="FOLDER")]
 
 
 def show(
-    file: options.File,
+    file: File,
     /,
     *,
     figure: options.Figure = None,
@@ -51,7 +63,7 @@ def show(
 
 
 def compare(
-    file: options.File,
+    file: File,
     /,
     *,
     out: options.Out = None,
@@ -74,10 +86,10 @@ def compare(
 
 
 def verify(
-    file: options.File,
+    file: File,
     /,
     *,
-    method: options.Witness = None,
+    method: Witness = None,
     workers: options.Workers = None,
     as_json: options.AsJson = False,
 ) -> Report:
@@ -102,7 +114,7 @@ def verify(
     )
 
 
-def status(folder: options.Folder, /, *, as_json: options.AsJson = False) -> Report:
+def status(folder: Folder, /, *, as_json: options.AsJson = False) -> Report:
     """Show the progress of a study: points done, failed and left, and the time left.
 
     The study of the example of basin-fractions, even while it runs:
@@ -127,7 +139,7 @@ def status(folder: options.Folder, /, *, as_json: options.AsJson = False) -> Rep
 
 
 def resume(
-    folder: options.Folder,
+    folder: Folder,
     /,
     *,
     jobs: options.JobOptions = options.JobOptions(),
@@ -156,6 +168,6 @@ def _panels(folder: Path) -> int:
     axes = (design.get(name) for name in ALL_PARAMETERS[over_speed:])
     points = math.prod(len(axis) for axis in axes if isinstance(axis, list))
     if design.get("kind") == "continue_attractors":
-        options.check_varies(points)
+        check_varies(points)
         return 1
     return points

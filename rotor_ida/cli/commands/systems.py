@@ -2,21 +2,89 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
+
+from cyclopts import Parameter
 
 import rotor_ida
+from rotor_ida.checks import MOST_NUMBERS
 from rotor_ida.cli import options
+from rotor_ida.cli.option_types import (
+    IN_ROTOR,
+    count_option,
+    flag_option,
+    number_option,
+    numbers_option,
+    quantity_option,
+    several_numbers_option,
+)
 from rotor_ida.cli.output import Output, answer
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.systems import case_of, linear_system, weighed
+
+SpeedsOfSystem = Annotated[
+    list[float],
+    numbers_option("Spin speeds, or START:STOP:COUNT (SI: rad/s, or as 3000rpm).", "rad s-1"),
+    IN_ROTOR,
+]
+LimitsOfSpeed = Annotated[
+    tuple[float, float],
+    several_numbers_option(
+        "Lowest and highest speed (SI: rad/s, or as 3000rpm).", "LOW HIGH", "rad s-1", "rad s-1"
+    ),
+]
+PointsBetween = Annotated[
+    int, count_option("Number of speeds at which changes are noticed.", 2, MOST_NUMBERS)
+]
+ClosedStiffnesses = Annotated[
+    list[float],
+    numbers_option(
+        "Stiffnesses of springs at the contacts, from open to closed (SI: N/m).", "N m-1"
+    ),
+]
+ModesShown = Annotated[
+    int | None, count_option("Number of eigenvalues, the slowest first.", 1, MOST_NUMBERS)
+]
+RunningSpeeds = Annotated[
+    list[float],
+    numbers_option(
+        "Minimum and maximum continuous speed, and the trip speed (SI: rad/s, or as 3000rpm).",
+        "rad s-1",
+    ),
+    IN_ROTOR,
+]
+Probes = Annotated[
+    list[str] | None,
+    Parameter(
+        help="Nodes at which vibration is measured. Default: those of the contacts.",
+        metavar="NAME",
+        consume_multiple=True,
+        negative=(),
+    ),
+]
+OwnUnbalance = Annotated[
+    bool, flag_option("Take the unbalance of the file as residual, instead of that of the formula.")
+]
+Multiple = Annotated[float, number_option("How many times the residual unbalance is applied.")]
+VibrationLimit = Annotated[
+    float | None,
+    quantity_option("Vibration limit, from peak to peak (SI: m). Default: by the speed.", "m"),
+]
+RotorMass = Annotated[
+    float | None,
+    quantity_option(
+        "Mass of the rotor, for its residual unbalance. Default: by the matrices.", "kg"
+    ),
+]
+PointsOfResponse = Annotated[int, count_option("Number of speeds.", 2, MOST_NUMBERS)]
 
 
 def special_speeds(
     system: options.SystemFile,
     /,
     *,
-    limits: options.LimitsOfSpeed,
-    points: options.PointsBetween = 200,
+    limits: LimitsOfSpeed,
+    points: PointsBetween = 200,
     without_gravity: options.WithoutGravity = False,
     output: Output = Output(),
 ) -> Report:
@@ -39,9 +107,9 @@ def campbell(
     system: options.SystemFile,
     /,
     *,
-    speed: options.SpeedsOfSystem,
-    contact_stiffness: options.ClosedStiffnesses = [0.0],  # noqa: B006 - never changed
-    modes: options.ModesShown = None,
+    speed: SpeedsOfSystem,
+    contact_stiffness: ClosedStiffnesses = [0.0],  # noqa: B006 - never changed
+    modes: ModesShown = None,
     output: Output = Output(),
 ) -> Report:
     r"""Compute whirl speeds and damping ratios over the speed: a Campbell diagram.
@@ -65,13 +133,13 @@ def clearance_report(
     system: options.SystemFile,
     /,
     *,
-    speed: options.RunningSpeeds,
-    probes: options.Probes = None,
-    own_unbalance: options.OwnUnbalance = False,
-    multiple: options.Multiple = 2.0,
-    vibration_limit: options.VibrationLimit = None,
-    mass: options.RotorMass = None,
-    points: options.PointsOfResponse = 300,
+    speed: RunningSpeeds,
+    probes: Probes = None,
+    own_unbalance: OwnUnbalance = False,
+    multiple: Multiple = 2.0,
+    vibration_limit: VibrationLimit = None,
+    mass: RotorMass = None,
+    points: PointsOfResponse = 300,
     without_gravity: options.WithoutGravity = False,
     output: Output = Output(),
 ) -> Report:

@@ -2,30 +2,85 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.cli import options
+from rotor_ida.checks import check_axis
+from rotor_ida.cli import machines, options
+from rotor_ida.cli.machines import Units
+from rotor_ida.cli.option_types import ROTOR, flag_option
 from rotor_ida.cli.output import Output, answer
 from rotor_ida.cli.parsing import check_points
 from rotor_ida.cli.report import Report
+from rotor_ida.cli.rotor_options import (
+    ANY_SPEED,
+    SEVERAL,
+    RotorOptions,
+    RotorsOptions,
+    with_parameters,
+)
 from rotor_ida.cli.systems import whirls_file
 from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import OPTIONAL
 
 if TYPE_CHECKING:
     import xarray as xr
 
 # More rows are for programs, with --json or --out.
 MOST_ROWS = 1000
+# The speed of a rotor, without dimensions and in SI units.
+SPEEDS = ("omega", "speed")
+WithFolds = Annotated[bool, flag_option("List the folds too.")]
+
+
+@Parameter(name="*", group=ROTOR)
+@dataclass(frozen=True, kw_only=True)
+class WhirlsOptions(RotorsOptions):
+    """Rotors for lists of whirls."""
+
+    def without_load(self, known: Mapping[str, list[float]] = {}) -> tuple[dict[str, Any], Units]:
+        """Return the given parameters that affect exact whirls, and their units."""
+        given, units = self.given_and_units(known)
+        if given.pop("load", 0.0) != 0.0:
+            raise InputError("load must be 0 for exact whirls: under a load there are none")
+        radii = given.pop("disc_radius", None)  # it moves no whirl
+        if radii is not None:
+            check_axis("disc_radius", radii)
+        return given, units
+
+
+@Parameter(name="*", group=ROTOR)
+@dataclass(frozen=True, kw_only=True)
+@with_parameters(
+    {name: Annotated[SEVERAL[name], Parameter(show=False)] for name in SPEEDS},
+    dict.fromkeys(SPEEDS),
+)
+class AllSpeedsOptions(WhirlsOptions):
+    """Rotors for lists of folds or Hopf points, which are found at all speeds."""
+
+    def without_speed(self) -> tuple[dict[str, Any], Units]:
+        """Return the given parameters that affect these points, and their units."""
+        for name in SPEEDS:
+            if name in self.values:
+                raise InputError(f"{name} must be left out: all speeds are searched")
+        speed = "speed" if self.in_si else "omega"
+        if self.machine is None:
+            machines.check_complete(self.values, OPTIONAL, known=(speed,))
+        given, units = self.without_load({speed: [ANY_SPEED]} if self.machine is None else {})
+        del given["omega"]
+        return given, units
 
 
 def synchronous_response(
     system: options.System = None,
     /,
     *,
-    rotors: options.WhirlsOptions = options.WhirlsOptions(),
-    folds: options.WithFolds = False,
+    rotors: WhirlsOptions = WhirlsOptions(),
+    folds: WithFolds = False,
     without_gravity: options.WithoutGravity = False,
     output: Output = Output(),
 ) -> Report:
@@ -62,9 +117,7 @@ def synchronous_response(
     return answer(units.shown(whirls), output, most=MOST_ROWS)
 
 
-def folds(
-    *, rotors: options.AllSpeedsOptions = options.AllSpeedsOptions(), output: Output = Output()
-) -> Report:
+def folds(*, rotors: AllSpeedsOptions = AllSpeedsOptions(), output: Output = Output()) -> Report:
     r"""Compute all folds: speeds at which a synchronous whirl in contact vanishes.
 
     The rotor jumps there. At two clearances; then drawn on the response curve:
@@ -77,7 +130,7 @@ def folds(
 
 
 def hopf_points(
-    *, rotors: options.AllSpeedsOptions = options.AllSpeedsOptions(), output: Output = Output()
+    *, rotors: AllSpeedsOptions = AllSpeedsOptions(), output: Output = Output()
 ) -> Report:
     r"""Compute all Hopf points: speeds at which a whirl in contact begins to oscillate.
 
@@ -90,7 +143,7 @@ def hopf_points(
 
 
 def _at_all_speeds(
-    compute: Callable[..., xr.Dataset], rotors: options.AllSpeedsOptions, output: Output
+    compute: Callable[..., xr.Dataset], rotors: AllSpeedsOptions, output: Output
 ) -> Report:
     """Return the answer with the special points of whirls, which are at any speeds."""
     check_points(*rotors.axes())
@@ -99,9 +152,7 @@ def _at_all_speeds(
     return answer(units.shown(compute(**given)), output, most=MOST_ROWS)
 
 
-def backward_whirl(
-    *, rotor: options.RotorOptions = options.RotorOptions(), output: Output = Output()
-) -> Report:
+def backward_whirl(*, rotor: RotorOptions = RotorOptions(), output: Output = Output()) -> Report:
     r"""Compute the backward whirls that friction sustains: dry whirl and dry whip.
 
     Without unbalance; both exist above the speed `birth omega`:

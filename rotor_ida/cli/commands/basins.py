@@ -1,0 +1,220 @@
+"""The commands for basins of attraction: of one rotor, over parameters, and what they mean."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+import rotor_ida
+from rotor_ida.checks import COMPONENTS, MOST_SHOCKS
+from rotor_ida.cli import options, parsing
+from rotor_ida.cli.machines import Units
+from rotor_ida.cli.option_types import STUDY, count_option
+from rotor_ida.cli.output import Output, answer, answer_whole, check_varies, working
+from rotor_ida.cli.parsing import MOST_POINTS, check_points
+from rotor_ida.cli.report import Report
+from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
+from rotor_ida.errors import InputError
+
+Component = Annotated[
+    float | list[float],
+    Parameter(
+        help="Component of the initial states: a number or a range.",
+        metavar="FLOAT|START:STOP:COUNT",
+        converter=parsing.converter(parsing.component_or_range),
+        negative=(),
+    ),
+]
+Range = Annotated[
+    float | tuple[float, float],
+    Parameter(
+        help="Component of the initial states, or the range from which it is drawn.",
+        metavar="FLOAT|LOW:HIGH",
+        converter=parsing.converter(parsing.component_or_ends),
+        negative=(),
+    ),
+]
+ShockCount = Annotated[
+    int,
+    count_option("Number of shocks of each kind to apply to each attractor.", 0, MOST_SHOCKS),
+]
+ShocksOrNone = Annotated[
+    int | None,
+    count_option(
+        "Number of shocks of each kind to apply to each attractor. Default: 4096; under a load 0.",
+        0, MOST_SHOCKS,
+    ),
+]  # fmt: skip
+
+
+@Parameter(name="*", group=STUDY)
+@dataclass(frozen=True, kw_only=True)
+class DrawnOptions:
+    """Options for random starts and their labels."""
+
+    x: Range = 0.0
+    y: Range = 0.0
+    vx: Range = 0.0
+    vy: Range = 0.0
+    starts: options.StartCount = 1000
+    seed: options.Seed = 0
+    rtol: options.RtolOrNone = None
+
+    def of(self, units: Units) -> dict[str, Any]:
+        """Return it without dimensions."""
+        given = asdict(self)
+        return given | {name: units.component(name, given[name]) for name in COMPONENTS}
+
+
+def basin(
+    *,
+    rotor: RotorOptions = RotorOptions(),
+    x: Component,
+    y: Component,
+    vx: Component = 0.0,
+    vy: Component = 0.0,
+    rtol: options.RtolOrNone = None,
+    jobs: options.JobOptions = options.JobOptions(),
+    study: options.Study = None,
+    output: Output = Output(),
+) -> Report:
+    r"""Compute basins of attraction on a plane of initial states.
+
+    Two components of the initial state are ranges; here the velocities are 0:
+
+        rotor-ida basin --omega 1.7 --zeta 0.07 --delta0 0 \
+            --x=-15:15:64 --y=-15:15:64 --out basin.nc
+
+    After an interrupt (exit status 130) the rest of the result is marked as not computed.
+    """
+    axes = [part for part in (x, y, vx, vy) if isinstance(part, list)]
+    check_points(*axes, in_study=study is not None)
+    output.check()
+    chosen, units = rotor.rotor_and_units()
+    units.keep(study)
+    with working("basin", study) as progress:
+        dataset = rotor_ida.basin(
+            chosen,
+            x=units.component("x", x),
+            y=units.component("y", y),
+            vx=units.component("vx", vx),
+            vy=units.component("vy", vy),
+            rtol=rtol,
+            **asdict(jobs),
+            study=study,
+            progress=progress,
+        )
+        return answer_whole(units.shown(dataset), output, study)
+
+
+def basin_fractions(
+    *,
+    rotor: RotorOptions = RotorOptions(),
+    x: Range,
+    y: Range,
+    vx: Range = 0.0,
+    vy: Range = 0.0,
+    starts: options.StartCount = 10_000,
+    seed: options.Seed = 0,
+    rtol: options.RtolOrNone = None,
+    jobs: options.JobOptions = options.JobOptions(),
+    study: options.Study = None,
+    out: options.Out = None,
+    csv: options.Csv = None,
+    as_json: options.AsJson = False,
+    force: options.Force = False,
+) -> Report:
+    r"""Estimate basin fractions from random initial states.
+
+    From a square of initial states, saved in a folder as they are computed:
+
+        rotor-ida basin-fractions --omega 2 --zeta 0.07 --delta0 2 \
+            --x=-15:15 --y=-15:15 --starts 2000 --study study
+    """
+    output = Output(out=out, csv=csv, as_json=as_json, force=force)
+    output.check()
+    if study is None and starts > MOST_POINTS:
+        raise InputError(f"starts must be at most {MOST_POINTS} without --study, got {starts}")
+    chosen, units = rotor.rotor_and_units()
+    units.keep(study)
+    with working("fractions", study) as progress:
+        dataset = rotor_ida.basin_fractions(
+            chosen,
+            x=units.component("x", x),
+            y=units.component("y", y),
+            vx=units.component("vx", vx),
+            vy=units.component("vy", vy),
+            starts=starts,
+            seed=seed,
+            rtol=rtol,
+            **asdict(jobs),
+            study=study,
+            progress=progress,
+        )
+        return answer_whole(units.shown(dataset), output, study)
+
+
+def continue_attractors(
+    *,
+    rotors: RotorsOptions = RotorsOptions(),
+    drawn: DrawnOptions = DrawnOptions(),
+    shocks: ShockCount = 0,
+    jobs: options.JobOptions = options.JobOptions(),
+    study: options.Study = None,
+    output: Output = Output(),
+) -> Report:
+    r"""Continue all attractors over speed, damping or clearance, with their basin fractions.
+
+    Over 15 speeds, drawn as basin fractions:
+
+        rotor-ida continue-attractors --omega 0.2:3:8 --zeta 0.07 --delta0 2 \
+            --x=-15:15 --y=-15:15 --starts 200 --out atlas.nc --figure atlas
+    """
+    output.check()
+    if output.figure is not None:
+        check_varies(rotors.panels())
+    given, units = rotors.given_and_units()
+    units.keep(study)
+    with working("atlas", study) as progress:
+        dataset = rotor_ida.continue_attractors(
+            **given,
+            **drawn.of(units),
+            shocks=shocks,
+            **asdict(jobs),
+            study=study,
+            progress=progress,
+        )
+        return answer_whole(units.shown(dataset), output, study)
+
+
+def touchdown_report(
+    *,
+    rotor: RotorOptions = RotorOptions(),
+    drawn: DrawnOptions = DrawnOptions(),
+    shocks: ShocksOrNone = None,
+    output: Output = Output(),
+) -> Report:
+    r"""Report the loads, basin fraction and shock resistance of each attractor.
+
+    In SI units, from initial displacements within 15 um:
+
+        rotor-ida touchdown-report --mass 4kg --contact-stiffness 1e9 \
+            --damping 280 --eccentricity 1um --clearance 2um --speed 1000 \
+            --x=-15um:15um --y=-15um:15um
+
+    Dimensionless, without shocks:
+
+        rotor-ida touchdown-report --omega 2 --zeta 0.07 --delta0 2 \
+            --x=-15:15 --y=-15:15 --shocks 0 --json
+
+    Drops of a horizontal rotor, whose starts are followed one by one:
+
+        rotor-ida touchdown-report --omega 2 --zeta 0.05 --delta0 1 \
+            --shaft-stiffness 0.25 --load 0.6 --x=-1:1 --y=-1:1 --starts 50
+    """
+    chosen = rotor.chosen()
+    output.check()
+    report = rotor_ida.touchdown_report(chosen, **asdict(drawn), shocks=shocks)
+    return answer(report, output)

@@ -1,0 +1,161 @@
+"""Options for a rotor or for several: dimensionless, in SI units, or of a file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+
+from cyclopts import Parameter
+
+from rotor_ida.cli import machines
+from rotor_ida.cli.machines import Units
+from rotor_ida.cli.option_types import (
+    IN_ROTOR,
+    ROTOR,
+    number_option,
+    numbers_option,
+    path_option,
+    quantity_option,
+)
+from rotor_ida.model.data_sheet import units_of
+from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, TABLE
+from rotor_ida.model.parameters import Parameter as Quantity
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+
+# Placeholder where a speed is required but not used.
+ANY_SPEED = 1.0
+MachineFile = Annotated[
+    Path | None,
+    path_option("Machine in SI units, as written by rotor-ida machine; other options override it."),
+    IN_ROTOR,
+]
+
+
+def _units_of(parameter: Quantity) -> tuple[str, ...]:
+    """Return the allowed units of an option for a parameter of a machine."""
+    if parameter.unit == "1":
+        return ()
+    return units_of(parameter.name)
+
+
+# For one rotor or several, dimensionless or in SI units, or in an archive.
+ONE = {
+    each.name: Annotated[
+        float | None,
+        quantity_option(each.either_help, *_units_of(each))
+        if _units_of(each)
+        else number_option(each.either_help),
+    ]
+    for each in TABLE
+}
+SEVERAL = {
+    each.name: Annotated[
+        list[float] | None, numbers_option(each.either_axis_help, *_units_of(each))
+    ]
+    for each in TABLE
+}
+Fields = TypeVar("Fields", bound=type)
+
+
+def with_parameters(
+    options: Mapping[str, Any], defaults: Mapping[str, float | None]
+) -> Callable[[Fields], Fields]:
+    """Return a decorator that puts parameters before the fields of a dataclass.
+
+    Parameters
+    ----------
+    options : mapping of str to type
+        The type of each parameter, with its option.
+    defaults : mapping of str to float or None
+        Default values of optional parameters.
+    """
+
+    def add(group: Fields) -> Fields:
+        group.__annotations__ = {**options, **group.__annotations__}
+        for name, value in defaults.items():
+            setattr(group, name, value)
+        return group
+
+    return add
+
+
+@Parameter(name="*", group=ROTOR)
+@dataclass(frozen=True, kw_only=True)
+@with_parameters({**ONE, "machine": MachineFile}, dict.fromkeys([*ONE, "machine"]))
+class RotorOptions:
+    """One rotor, without dimensions or in SI units."""
+
+    if TYPE_CHECKING:
+        machine: Path | None = None
+
+    @property
+    def in_si(self) -> bool:
+        """Whether it is in SI units."""
+        return self.machine is not None or bool(self.given.keys() & set(MACHINE_PARAMETERS))
+
+    @property
+    def given(self) -> dict[str, float]:
+        """The given quantities."""
+        return {name: getattr(self, name) for name in ONE if getattr(self, name) is not None}
+
+    def chosen(self, known: Mapping[str, float] = {}) -> Rotor | DimensionalRotor:
+        """Return the rotor, dimensionless or in SI units, from the given and `known` quantities."""
+        return machines.chosen({**self.given, **known}, self.machine, OPTIONAL)
+
+    def rotor_and_units(self) -> tuple[Rotor, Units]:
+        """Return the dimensionless rotor, and the units of the command."""
+        chosen = self.chosen()
+        return chosen if isinstance(chosen, Rotor) else chosen.rotor(), Units.of(chosen)
+
+
+@Parameter(name="*", group=ROTOR)
+@dataclass(frozen=True, kw_only=True)
+@with_parameters({**SEVERAL, "machine": MachineFile}, dict.fromkeys([*SEVERAL, "machine"]))
+class RotorsOptions:
+    """The rotors of a study; without an optional parameter, all have its default."""
+
+    if TYPE_CHECKING:
+        machine: Path | None = None
+
+    @property
+    def in_si(self) -> bool:
+        """Whether they are in SI units."""
+        return self.machine is not None or bool(self.values.keys() & set(MACHINE_PARAMETERS))
+
+    @property
+    def values(self) -> dict[str, list[float]]:
+        """The values of each quantity that is given."""
+        return {name: getattr(self, name) for name in SEVERAL if getattr(self, name) is not None}
+
+    def given_and_units(
+        self, known: Mapping[str, list[float]] = {}
+    ) -> tuple[dict[str, Any], Units]:
+        """Return the given parameters without dimensions, and the units of the command.
+
+        One value of an optional parameter does not make an axis.
+        """
+        values, units = {**self.values, **known}, Units()
+        if self.machine is None:
+            machines.check_complete(values, OPTIONAL)
+        if self.in_si:
+            values, machine = machines.axes_of(values, self.machine)
+            units = Units(machine)
+        return {
+            name: each[0] if name in OPTIONAL and len(each) == 1 else each
+            for name, each in values.items()
+        }, units
+
+    def axes(self) -> list[list[float]]:
+        """Return the values of each given parameter."""
+        return list(self.values.values())
+
+    def panels(self, over: str = "") -> int:
+        """Return the number of panels of a figure over one of the parameters."""
+        return math.prod(
+            len(each)
+            for name, each in self.values.items()
+            if machines.BECOMES.get(name, name) != over
+        )
