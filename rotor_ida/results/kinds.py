@@ -85,7 +85,7 @@ KINDS = {
             name="drop", meaning="drop of a rotor system",
             variables=("whirl_turns", "standstill_time", "event_contact"), dims=("t", "node"),
             shown="rotor_ida.cli.describe_systems:show_drop",
-            drawn="rotor_ida.plot:drop_figure", verified=f"{_VERIFIED}:SYSTEM_RUN",
+            drawn="rotor_ida.plot:drop_figure", verified=f"{_VERIFIED}_systems:SYSTEM_RUN",
         ),
         Kind(
             name="drop_ensemble", meaning="many drops of a rotor system",
@@ -97,14 +97,15 @@ KINDS = {
         Kind(
             name="system_run", meaning="run of a rotor system", variables=("x", "event_contact"),
             dims=("t", "node"), shown="rotor_ida.cli.describe_systems:show_system_run",
-            drawn="rotor_ida.plot:system_figure", verified=f"{_VERIFIED}:SYSTEM_RUN",
+            drawn="rotor_ida.plot:system_figure", verified=f"{_VERIFIED}_systems:SYSTEM_RUN",
         ),
         Kind(
             name="system_sweep", meaning="sweep of a rotor system",
             variables=("response", "touched", "node_amplitude"),
             dims=("speed", "start", "direction"),
             shown="rotor_ida.cli.describe_systems:show_system_sweep",
-            drawn="rotor_ida.plot:system_sweep_figure", verified=f"{_VERIFIED}:SYSTEM_SWEEP",
+            drawn="rotor_ida.plot:system_sweep_figure",
+            verified=f"{_VERIFIED}_systems:SYSTEM_SWEEP",
             study="sweep_system", resumed=f"{_RESUMED}:resume_system_sweep",
         ),
         Kind(
@@ -152,18 +153,19 @@ KINDS = {
         Kind(
             name="basin", meaning="basin", variables=("label",), dims=("attractor",),
             shown=f"{_SHOWN}:show_attractors", drawn="rotor_ida.plot:plot_basin",
-            verified=f"{_VERIFIED}:BASIN", study="basin", resumed=f"{_RESUMED}:resume_basin",
+            verified=f"{_VERIFIED}_motions:BASIN",
+            study="basin", resumed=f"{_RESUMED}:resume_basin",
         ),
         Kind(
             name="basin_fractions", meaning="basin fractions", variables=("response_fraction",),
             shown=f"{_SHOWN}:show_attractors", drawn=f"{_DRAWN}:figure_of_fractions",
-            verified=f"{_VERIFIED}:FRACTIONS",
+            verified=f"{_VERIFIED}_motions:FRACTIONS",
             study="basin_fractions", resumed=f"{_RESUMED}:resume_fractions",
         ),
         Kind(
             name="atlas", meaning="atlas", variables=("missed_fraction",), dims=PARAMETERS,
             shown=f"{_SHOWN}:show_atlas", drawn=f"{_DRAWN}:figure_of_atlas",
-            verified=f"{_VERIFIED}:ATLAS",
+            verified=f"{_VERIFIED}_motions:ATLAS",
             study="continue_attractors", resumed=f"{_RESUMED}:resume_atlas",
         ),
         Kind(
@@ -178,18 +180,20 @@ KINDS = {
         Kind(
             name="run_ups", meaning="run-ups", variables=("ending", "rate", "to"),
             shown=f"{_SHOWN}:show_run_ups", drawn="rotor_ida.plot:run_ups_figure",
-            verified=f"{_VERIFIED}:RUN_UPS", study="run_ups", resumed=f"{_RESUMED}:resume_run_ups",
+            verified=f"{_VERIFIED}_motions:RUN_UPS",
+            study="run_ups", resumed=f"{_RESUMED}:resume_run_ups",
         ),
         Kind(
             name="sweep", meaning="sweep", variables=("response",), dims=PARAMETERS,
             shown=f"{_SHOWN}:show_sweep", drawn=_WHIRLS,
-            verified=f"{_VERIFIED}:SWEEP", study="sweep", resumed=f"{_RESUMED}:resume_sweep",
+            verified=f"{_VERIFIED}_motions:SWEEP",
+            study="sweep", resumed=f"{_RESUMED}:resume_sweep",
         ),
         Kind(
             name="run", meaning="run",
             variables=("event_time",), dims=("t",), along=("event",),
             shown=f"{_SHOWN}:show_run", drawn="rotor_ida.plot:plot_run",
-            verified=f"{_VERIFIED}:RUN",
+            verified=f"{_VERIFIED}_motions:RUN",
         ),
         Kind(
             name="whirls", meaning="exact whirls", variables=("amplitude",), dims=("branch",),
@@ -211,7 +215,7 @@ KINDS = {
         Kind(
             name="curve", meaning="bifurcation curve", variables=("special_second_value",),
             shown=f"{_SHOWN}:show_curve", drawn=f"{_DRAWN}:figure_of_curve",
-            verified=f"{_VERIFIED}:CURVE",
+            verified=f"{_VERIFIED}_cycles:CURVE",
         ),
         Kind(
             name="fit", meaning="fit", variables=("estimate", "covariance"),
@@ -220,12 +224,13 @@ KINDS = {
         Kind(
             name="branch", meaning="branch", variables=("special_value",), dims=("special",),
             shown=f"{_SHOWN}:show_branch", drawn=f"{_DRAWN}:figure_of_branch",
-            verified=f"{_VERIFIED}:BRANCH", study="branch", resumed=f"{_RESUMED}:resume_branch",
+            verified=f"{_VERIFIED}_cycles:BRANCH",
+            study="branch", resumed=f"{_RESUMED}:resume_branch",
         ),
         Kind(
             name="cycle", meaning="limit cycle", variables=("period_error", "multiplier_error"),
             shown=f"{_SHOWN}:show_cycle", drawn="rotor_ida.plot:cycle_figure",
-            verified=f"{_VERIFIED}:CYCLE",
+            verified=f"{_VERIFIED}_cycles:CYCLE",
         ),
         Kind(
             name="orders", meaning="orders", variables=("forward_whirl_amplitude",),

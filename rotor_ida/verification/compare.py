@@ -102,23 +102,11 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     _check_is_sweep(dataset)
     dims = dataset["response"].dims
     exact = _exact_whirls(dataset)
-    amplitude, lag = dataset["amplitude"], dataset["phase_lag"]
-    difference = _relative_distance(amplitude, lag, exact)
-    allowed = exact["in_contact"] == (dataset["response"] == RESPONSE["synchronous"])
-    could_lie = dataset["response"].isin([RESPONSE["synchronous"], RESPONSE["contact_free"]])
-    candidates = difference.where(allowed & could_lie)
-    nearest = candidates.fillna(np.inf).reduce(np.argmin, "branch")
-    distance = candidates.isel(branch=nearest).drop_vars("branch")
+    nearest, distance = _nearest_whirl(dataset, exact)
     matched = distance < ON_BRANCH
-
-    amplitude_error = (amplitude - exact["amplitude"]) / exact["amplitude"]
-    # from -pi to pi
-    phase_error = (lag - exact["phase_lag"] + np.pi) % (2.0 * np.pi) - np.pi
-    columns = {
-        "matched_branch": nearest.where(matched, -1).astype(np.int8),
-        "amplitude_error": amplitude_error.isel(branch=nearest).where(matched),
-        "phase_error": phase_error.isel(branch=nearest).where(matched),
-    }
+    errors = _errors_on_branches(dataset, exact)
+    columns = {"matched_branch": nearest.where(matched, -1).astype(np.int8)}
+    columns |= {name: each.isel(branch=nearest).where(matched) for name, each in errors.items()}
     variables = {
         name: labelled(name, dims, column.transpose(*dims).values)
         for name, column in columns.items()
@@ -132,11 +120,9 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     variables["digits"] = labelled("digits", dims, digits)
     variables |= {name: labelled(name, dims, column) for name, column in cycles.items()}
     with_branch = (*dims, "branch")
-    for name, error in (
-        ("branch_amplitude_error", amplitude_error),
-        ("branch_phase_error", phase_error),
-    ):
-        variables[name] = labelled(name, with_branch, error.transpose(*with_branch).values)
+    for name, error in errors.items():
+        values = error.transpose(*with_branch).values
+        variables[f"branch_{name}"] = labelled(f"branch_{name}", with_branch, values)
     variables |= _exact_variables(exact)
     given = [name for name in (*NEEDED, *OF_CYCLES, *ENDS) if name in dataset]
     variables |= {name: dataset[name].variable for name in given}
@@ -148,6 +134,27 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     comment = {"comment": UNDER_LOAD} if "exact_offset" in exact else {}
     attributes = origin_of(dataset) | comment
     return labelled_dataset(title, variables, coordinates, attributes, kind="comparison")
+
+
+def _nearest_whirl(dataset: xr.Dataset, exact: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+    """Return the number of the nearest branch on which a response may lie, and its distance."""
+    difference = _relative_distance(dataset["amplitude"], dataset["phase_lag"], exact)
+    allowed = exact["in_contact"] == (dataset["response"] == RESPONSE["synchronous"])
+    could_lie = dataset["response"].isin([RESPONSE["synchronous"], RESPONSE["contact_free"]])
+    candidates = difference.where(allowed & could_lie)
+    nearest = candidates.fillna(np.inf).reduce(np.argmin, "branch")
+    return nearest, candidates.isel(branch=nearest).drop_vars("branch")
+
+
+def _errors_on_branches(dataset: xr.Dataset, exact: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Return the errors of amplitude and phase, were a response on each of the branches."""
+    amplitude, lag = dataset["amplitude"], dataset["phase_lag"]
+    # from -pi to pi
+    phase_error = (lag - exact["phase_lag"] + np.pi) % (2.0 * np.pi) - np.pi
+    return {
+        "amplitude_error": (amplitude - exact["amplitude"]) / exact["amplitude"],
+        "phase_error": phase_error,
+    }
 
 
 def summarise(compared: xr.Dataset) -> list[dict[str, object]]:

@@ -1,4 +1,4 @@
-"""Compute results of rotor systems over the speed again, from what their datasets hold."""
+"""How results of rotor systems are verified: runs, sweeps, and those over the speed."""
 
 from __future__ import annotations
 
@@ -17,12 +17,21 @@ from rotor_ida.cycles.system_guess import CycleProblem
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress
-from rotor_ida.systems.archived import PROBLEM, problem_of
+from rotor_ida.steady.system_sweep import sweep_system
+from rotor_ida.systems.archived import NEEDED, PROBLEM, problem_of
 from rotor_ida.systems.campbell import campbell
 from rotor_ida.systems.clearances.report import clearance_report
+from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.systems.special_speeds import special_speeds
 from rotor_ida.systems.synchronous import synchronous_response_system
-from rotor_ida.verification.verify import Verdict, Verification
+from rotor_ida.verification.verify import Verdict, Verification, counts_of
+from rotor_ida.verification.verify_motions import (
+    NUMBERS,
+    change_in,
+    compare_events,
+    compare_points,
+    direction_of,
+)
 
 # What else a cycle may be computed from, and is within the system here.
 NOTHING_ELSE: dict[str, Any] = {"static_force": None, "start": None}
@@ -30,16 +39,57 @@ NOTHING_ELSE: dict[str, Any] = {"static_force": None, "start": None}
 CLOSE = 1e-8
 
 
+def _archived(dataset: xr.Dataset, what: str) -> tuple[RotorSystem, dict[str, Any]]:
+    """Return the system of a result, and what stands around it."""
+    try:
+        return problem_of(dataset)
+    except (IndexError, ValueError) as error:
+        raise InputError(f"this {what} of a system cannot be verified: {error}") from error
+
+
 def problem_in(dataset: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
     """Return the system of a result, with its constant force, and what stands around it."""
-    try:
-        system, around = problem_of(dataset)
-    except (IndexError, ValueError) as error:
-        raise InputError(f"this result of a system cannot be verified: {error}") from error
+    system, around = _archived(dataset, "result")
     force = around.pop("static_force")
     if np.any(force):
         system = replace(system, static_force=force[: system.size])
     return system, around
+
+
+def _run(dataset: xr.Dataset, _workers: int | None, progress: Progress | None) -> xr.Dataset:
+    system, around = _archived(dataset, "run")
+    given = dataset.attrs
+    how: dict[str, Any] = {name: given[name] for name in ("duration", "rtol", "method")}
+    how |= around | {"samples": dataset["t"].values, "progress": progress}
+    if "event_speed" not in dataset:
+        return simulate_system(system, **how, speed=given.get("speed"))  # type: ignore[arg-type]
+    changes = change_in(dataset)
+    if "speeds" not in changes:
+        changes["speed"] = given.get("start_speed")
+    return run_up_system(system, **how, **changes)
+
+
+def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+    system, around = _archived(dataset, "sweep")
+    return sweep_system(
+        system, **around, speed=dataset["speed"].values, direction=direction_of(dataset),
+        rtol=dataset.attrs["rtol"], workers=workers, progress=progress,
+    )  # fmt: skip
+
+
+def _events_of_contacts(again: xr.Dataset, archived: xr.Dataset) -> Verdict:
+    """Compare the events of two runs of a rotor system, those of each contact apart.
+
+    Events of several contacts at one instant have no order.
+    """
+    counts: dict[str, object] = dict(compare_events(again, archived)[0])
+    troubles, largest = [], 0.0
+    for number in range(archived.sizes["contact"]):
+        own = [run.isel(event=run["event_contact"].values == number) for run in (again, archived)]
+        found, trouble = compare_events(*own)
+        largest = max(largest, float(str(found["largest_difference"])))
+        troubles += [f"contact {number}: {trouble}"] if trouble else []
+    return counts | {"largest_difference": largest}, "; ".join(troubles)
 
 
 def _whirls(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
@@ -104,12 +154,7 @@ def _numbers(names: Mapping[str, str], again: xr.Dataset, archived: xr.Dataset) 
         differing += int((apart > CLOSE).sum())
         if not trouble and (apart > CLOSE).any():
             trouble = f"{words} differ by up to {apart.max():.3g} of the largest"
-    counts: dict[str, object] = {
-        "compared": compared,
-        "differing": differing,
-        "largest_difference": largest,
-    }
-    return counts, trouble
+    return counts_of(compared, differing, largest), trouble
 
 
 def _apart(here: Values, there: Values) -> Values:
@@ -131,6 +176,18 @@ def _of(
     return Verification(needed, attributes, again, partial(_numbers, names))
 
 
+SYSTEM_RUN = Verification(
+    ("event_time", "event_time_error", "event_contact", "t", *NEEDED),
+    ("duration", "rtol", "method"),
+    _run,
+    _events_of_contacts,
+)
+SYSTEM_SWEEP = Verification(
+    ("response", "direction", "touched", "period", *NUMBERS, *NEEDED),
+    ("rtol",),
+    _sweep,
+    partial(compare_points, "response"),
+)
 WHIRLS = _of(
     _whirls,
     {"amplitude": "amplitudes", "normal_force": "forces", "growth_rate": "growth rates",

@@ -61,7 +61,7 @@ def test_a_run_is_made_again_of_the_whole_rotor(tmp_path, monkeypatch):
         asked.append(rotor)
         return simulate(rotor, **given)
 
-    monkeypatch.setattr("rotor_ida.verification.verify.simulate", spy)
+    monkeypatch.setattr("rotor_ida.verification.verify_motions.simulate", spy)
     archived = load(save(run, tmp_path / "run.nc"))
     assert differences(rerun(archived), archived)["agrees"] is True
     assert asked == [rotor]
