@@ -22,21 +22,18 @@ from __future__ import annotations
 
 import math
 import os
-import tomllib
 from pathlib import Path
 
 import numpy as np
 
-from rotor_ida.checks import check_instance, shown
+from rotor_ida.checks import check_instance
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import MILLIMETRE, check_keys, machine_from_data_sheet
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor
-from rotor_ida.results.files import check_path, check_target, file_to_write
+from rotor_ida.results.files import check_target, file_to_write
+from rotor_ida.results.toml_files import read_toml
 from rotor_ida.units import SPEED_UNITS
-
-# A machine file has some twenty lines.
-MOST_BYTES = 1_000_000
 
 
 def load_machine(path: str | os.PathLike[str]) -> DimensionalRotor:
@@ -79,22 +76,6 @@ def load_machine(path: str | os.PathLike[str]) -> DimensionalRotor:
 def read_data_sheet(path: str | os.PathLike[str]) -> dict[str, object]:
     """Return the quantities in a machine file as they are written there."""
     return read_toml("machine", path)
-
-
-def read_toml(name: str, path: str | os.PathLike[str]) -> dict[str, object]:
-    """Return what a small TOML file, given as the argument `name`, contains."""
-    place = check_path(name, path)
-    try:
-        with place.open("rb") as file:
-            text = file.read(MOST_BYTES + 1)
-        if len(text) > MOST_BYTES:
-            raise InputError(f"{name} must be a small TOML file, got {shown(place)}")
-        return tomllib.loads(text.decode())
-    except OSError as error:
-        raise InputError(f"cannot read {shown(place)}: {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        first, *_ = str(error).splitlines()
-        raise InputError(f"{name} must be a TOML file, got {shown(place)}: {first}") from error
 
 
 def save_machine(

@@ -38,7 +38,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -46,9 +45,9 @@ from typing import Any
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_array, check_choice, check_count, did_you_mean, listed, shown
+from rotor_ida.checks import check_array, check_choice, check_count, did_you_mean, shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, in_si, units_of
+from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, units_of
 from rotor_ida.model.rotor_system import UNITS, RotorSystem
 from rotor_ida.model.system_files import read_system
 from rotor_ida.model.system_parts import (
@@ -60,7 +59,7 @@ from rotor_ida.model.system_parts import (
     Unbalance,
     check_contacts,
 )
-from rotor_ida.results.machine_file import read_toml
+from rotor_ida.results.toml_files import Table, naming, read_toml
 
 MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate")
 # What may stand in each table of a file; with units where it is a number.
@@ -71,16 +70,14 @@ OF_CONTACT = {"clearance": "m", "damping": "s m-1", "friction": "1", "radius": "
 KEYS_OF_CONTACT = (
     "node", "stiffness", *OF_CONTACT, "exponent", "centre", "stator", "race",
 )  # fmt: skip
-OF_STATOR = {"mass": "kg", "stiffness": OF_LINEAR, "damping": "N s m-1"}
+OF_SUPPORT = {"stiffness": OF_LINEAR, "damping": "N s m-1"}
+OF_STATOR = {"mass": "kg", **OF_SUPPORT}
 OF_RACE = {"radius": "m", "inertia": "kg m2", "drag": "N m s", "speed": "rad s-1"}
 OF_UNBALANCE = {"moment": "kg m", "phase": "rad"}
 OF_RUN_UP = {
     "from": "rad s-1", "to": "rad s-1", "rate": "rad s-2", "ramp_time": "s", "inertia": "kg m2",
     "duration": "s",
 }  # fmt: skip
-
-
-OF_SUPPORT = {"stiffness": OF_LINEAR, "damping": "N s m-1"}
 OF_DROP = {"duration": "s", "inertia": "kg m2", "drag": "N m s", "phase": "rad"}
 # What varies over many drops, each a range of two numbers.
 OF_DROPS = {
@@ -199,7 +196,7 @@ def load_system(path: str | os.PathLike[str]) -> SystemFile:
 def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:
     units = entries.get("units", UNITS[0])
     check_choice("units", units, UNITS)
-    file = _Table("", entries, units == UNITS[0])
+    file = Table("", entries, units == UNITS[0])
     if "system" not in entries and entries and entries.keys() <= KEYS.keys():
         raise InputError("system must be given, got the file of a machine: give it with --machine")
     file.check(TOP, needed=("system",))
@@ -225,84 +222,7 @@ def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Table:
-    """A table of a file: its place there, its entries, and whether they are in SI units."""
-
-    place: str
-    entries: Mapping[str, object]
-    si: bool
-
-    def name(self, key: str) -> str:
-        """Return the name of an entry in the whole file."""
-        return f"{self.place}.{key}" if self.place else key
-
-    def check(self, allowed: tuple[str, ...], needed: tuple[str, ...] = ()) -> None:
-        """Refuse an unknown key, or a missing one."""
-        for key in self.entries:
-            if key not in allowed:
-                where = self.place or "a system file"
-                hint = did_you_mean(key, allowed)
-                raise InputError(
-                    f"{where} must have entries named {listed(allowed, 'or')}, got {shown(key)}"
-                    f"{hint}"
-                )
-        missing = [self.name(key) for key in needed if key not in self.entries]
-        if missing:
-            raise InputError(f"{listed(missing)} must be given")
-
-    def number(self, key: str, *units: str) -> float:
-        """Return an entry in SI units."""
-        return self.one(self.name(key), self.entries[key], *units)
-
-    def one(self, name: str, value: object, *units: str) -> float:
-        """Return a value in SI units."""
-        return in_si(name, value, *(units if self.si else ("1",)))
-
-    def numbers(self, units: Mapping[str, str]) -> dict[str, float]:
-        """Return the entries that are there, in SI units."""
-        return {key: self.number(key, unit) for key, unit in units.items() if key in self.entries}
-
-    def pair(self, key: str, *units: str) -> tuple[float, float]:
-        """Return an entry of two numbers in SI units."""
-        return self.two(self.name(key), self.entries[key], *units)
-
-    def two(self, name: str, value: object, unit: str, other: str = "") -> tuple[float, float]:
-        """Return two numbers in SI units, the second by another unit if one is named."""
-        if not isinstance(value, list) or len(value) != 2:
-            raise InputError(f"{name} must be two numbers, got {shown(value)}")
-        return self.one(name, value[0], unit), self.one(name, value[1], other or unit)
-
-    def one_or_pair(self, key: str, unit: str) -> float | tuple[float, float]:
-        """Return an entry of one number, or of two along x and y, in SI units."""
-        both = isinstance(self.entries[key], list)
-        return self.pair(key, unit) if both else self.number(key, unit)
-
-    def table(self, key: str) -> _Table:
-        """Return a table within it; an empty one if it is not there."""
-        value = self.entries.get(key, {})
-        if not isinstance(value, Mapping):
-            raise InputError(f"{self.name(key)} must be a table, got {shown(value)}")
-        return _Table(self.name(key), value, self.si)
-
-    def tables(self, key: str) -> list[_Table]:
-        """Return the tables of a list."""
-        value = self.entries.get(key, [])
-        if not isinstance(value, list) or not all(isinstance(each, Mapping) for each in value):
-            raise InputError(f"{self.name(key)} must be tables [[{key}]], got {shown(value)}")
-        return [_Table(f"{key}[{place}]", each, self.si) for place, each in enumerate(value)]
-
-
-@contextmanager
-def _naming(place: str) -> Iterator[None]:
-    """Name the table in the message of an error."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(f"{place}: {error}") from error
-
-
-def _system(file: _Table, folder: Path) -> RotorSystem:
+def _system(file: Table, folder: Path) -> RotorSystem:
     """Return the rotor: from another file, or from matrices."""
     given = file.table("system")
     nodes = given.table("nodes").entries
@@ -311,7 +231,7 @@ def _system(file: _Table, folder: Path) -> RotorSystem:
         place = given.entries["file"]
         if not isinstance(place, str) or not place:
             raise InputError(f"system.file must be the path of a file, got {shown(place)}")
-        with _naming("system.file"):
+        with naming("system.file"):
             found = read_system(folder / place)
         twice = sorted(set(nodes) & set(found["nodes"]))
         if twice:
@@ -327,7 +247,7 @@ def _system(file: _Table, folder: Path) -> RotorSystem:
     if "positions" in given.entries:
         places = given.table("positions")
         arguments["positions"] = {node: places.number(node, "m") for node in places.entries}
-    with _naming("system"):
+    with naming("system"):
         return RotorSystem(**arguments, units="SI" if file.si else "1")
 
 
@@ -337,7 +257,7 @@ def _matrix(name: str, given: object) -> Values:
     return np.diag(values) if values.ndim == 1 else values
 
 
-def _loaded(system: RotorSystem, file: _Table) -> RotorSystem:
+def _loaded(system: RotorSystem, file: Table) -> RotorSystem:
     """Return the system with the static force of a file, given by coordinates or by nodes."""
     given = file.entries.get("static_force")
     if given is None:
@@ -346,7 +266,7 @@ def _loaded(system: RotorSystem, file: _Table) -> RotorSystem:
     if isinstance(given, Mapping):
         table = file.table("static_force")
         for node in given:
-            with _naming("static_force"):
+            with naming("static_force"):
                 rows = system.rows(node)
             force += np.array(table.pair(node, "N")) @ rows
     else:
@@ -357,38 +277,32 @@ def _loaded(system: RotorSystem, file: _Table) -> RotorSystem:
     return replace(system, static_force=force)
 
 
-def _stators(file: _Table) -> dict[str, Stator]:
+def _stators(file: Table) -> dict[str, Stator]:
     """Return the stators that contacts share, by name."""
     given = file.table("stators")
     return {name: _stator(given.table(name)) for name in given.entries}
 
 
-def _stator(table: _Table) -> Stator:
+def _stator(table: Table) -> Stator:
     table.check((*OF_STATOR, "weight", "race"), needed=("mass", "stiffness"))
-    found: dict[str, Any] = {
-        key: table.number(key, unit) if key == "mass" else table.one_or_pair(key, unit)
-        for key, unit in OF_STATOR.items()
-        if key in table.entries
-    }
+    found: dict[str, Any] = {"mass": table.number("mass", "kg"), **table.ones_or_pairs(OF_SUPPORT)}
     if "weight" in table.entries:
         found["weight"] = table.entries["weight"]
-    with _naming(table.place):
+    with naming(table.place):
         return Stator(**found, race=_race(table))
 
 
-def _race(table: _Table) -> Race | None:
+def _race(table: Table) -> Race | None:
     """Return the race of a contact or a stator."""
     if "race" not in table.entries:
         return None
     race = table.table("race")
     race.check(tuple(OF_RACE), needed=("radius", "inertia"))
-    with _naming(race.place):
+    with naming(race.place):
         return Race(**race.numbers(OF_RACE))
 
 
-def _contacts(
-    file: _Table, stators: Mapping[str, Stator], system: RotorSystem
-) -> Iterator[Contact]:
+def _contacts(file: Table, stators: Mapping[str, Stator], system: RotorSystem) -> Iterator[Contact]:
     """Yield the contacts, whose nodes and stators must be known."""
     used: set[str] = set()
     for table in file.tables("contacts"):
@@ -407,14 +321,14 @@ def _contacts(
             found["stator"] = _named_stator(table.name("stator"), stator, stators, system)
             used.add(str(stator))
         race = _race(table)
-        with _naming(table.place):
+        with naming(table.place):
             yield Contact(node=_node(table, system), **found, race=race)
     unused = [name for name in stators if name not in used]
     if unused:
         raise InputError(f"stators.{unused[0]} must be the stator of a contact, got none")
 
 
-def _node(table: _Table, system: RotorSystem) -> str:
+def _node(table: Table, system: RotorSystem) -> str:
     """Return the name of a node of the system."""
     node = table.entries["node"]
     if not isinstance(node, str):
@@ -439,15 +353,15 @@ def _named_stator(
     return stators.get(given, given)
 
 
-def _unbalance(file: _Table, system: RotorSystem) -> Iterator[Unbalance]:
+def _unbalance(file: Table, system: RotorSystem) -> Iterator[Unbalance]:
     for table in file.tables("unbalance"):
         table.check(("node", *OF_UNBALANCE), needed=("node", "moment"))
         numbers = table.numbers(OF_UNBALANCE)
-        with _naming(table.place):
+        with naming(table.place):
             yield Unbalance(node=_node(table, system), **numbers)
 
 
-def _start(file: _Table) -> Any:
+def _start(file: Table) -> Any:
     """Return the start: settled, at rest, or displacement and velocity of all coordinates."""
     given = file.entries.get("start")
     if isinstance(given, Mapping):
@@ -461,7 +375,7 @@ def _start(file: _Table) -> Any:
     return given
 
 
-def _change(table: _Table) -> dict[str, Any]:
+def _change(table: Table) -> dict[str, Any]:
     """Return the arguments of `run_up` for a change of speed; it begins at 0 unless stated."""
     table.check((*OF_RUN_UP, "speeds", "torque"))
     found: dict[str, Any] = dict(table.numbers(OF_RUN_UP))
@@ -480,16 +394,15 @@ def _change(table: _Table) -> dict[str, Any]:
     return found
 
 
-def _supports(file: _Table, system: RotorSystem) -> Iterator[Support]:
+def _supports(file: Table, system: RotorSystem) -> Iterator[Support]:
     for table in file.tables("supports"):
         table.check(("node", *OF_SUPPORT), needed=("node", "stiffness"))
-        found = {key: table.one_or_pair(key, unit) for key, unit in OF_SUPPORT.items()
-                 if key in table.entries}  # fmt: skip
-        with _naming(table.place):
+        found: dict[str, Any] = dict(table.ones_or_pairs(OF_SUPPORT))
+        with naming(table.place):
             yield Support(node=_node(table, system), **found)
 
 
-def _fall(table: _Table) -> dict[str, Any]:
+def _fall(table: Table) -> dict[str, Any]:
     """Return the arguments of `drop` alone."""
     table.check((*OF_DROP, "failing", "clearances", "vary"))
     found: dict[str, Any] = dict(table.numbers(OF_DROP))
@@ -501,7 +414,7 @@ def _fall(table: _Table) -> dict[str, Any]:
     return found
 
 
-def _vary(table: _Table) -> dict[str, Any]:
+def _vary(table: Table) -> dict[str, Any]:
     """Return the arguments of `drop_ensemble` alone."""
     table.check((*OF_DROPS, "drops", "seed"))
     found: dict[str, Any] = {
