@@ -13,6 +13,7 @@ from rotor_ida.arrays import Arrays, Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import Answer, Measurement
+from rotor_ida.signals.files.columns import Table
 from rotor_ida.signals.guessing import columns_of, rate_in
 from rotor_ida.signals.orders import orders
 from rotor_ida.signals.reading import read_signals, read_table
@@ -46,13 +47,7 @@ def show_measured(measurement: Measurement) -> Iterator[Answer]:
     }
     try:
         columns = columns_of(table, measurement.columns, timed=rate_in(table) is not None)
-        signals = read_signals(
-            table,
-            columns=measurement.columns,
-            units=measurement.units,
-            probe_angles=measurement.probe_angles,
-            gains=measurement.gains,
-        )
+        signals = _signals(table, measurement)
         record = record_of(signals)
     except InputError as error:  # the user may choose other columns
         facts |= {
@@ -61,24 +56,42 @@ def show_measured(measurement: Measurement) -> Iterator[Answer]:
         }
         yield Answer("measured", facts, {})
         return
-    speed = one_speed(record)
-    arrays: Arrays = {}
     notes = str(signals.attrs["notes"]).split("; ") if "notes" in signals.attrs else []
-    notes += [] if record.angles is not None else [NO_ANGLE]
-    if record.angles is not None:
-        arrays |= unless_impossible(order_rows, signals, record, notes)
-    varies = record.angles is not None and speed is None
-    arrays |= unless_impossible(cascade_rows if varies else full_lines, signals, record, notes)
+    arrays = _panels(signals, record, notes)
     facts |= {
         "columns": columns,
         "samples": signals.sizes["t"],
         "time": record.time,
         "length": record.length,
         "by": next((name for name in ("keyphasor", "angle", "speed") if name in columns), ""),
-        "speed": speed,
+        "speed": one_speed(record),
         "notes": notes,
     }
     yield Answer("measured", facts, arrays)
+
+
+def _signals(table: Table, measurement: Measurement) -> xr.Dataset:
+    """Return the signals in a table, as the user says it is to be read."""
+    return read_signals(
+        table,
+        columns=measurement.columns,
+        units=measurement.units,
+        probe_angles=measurement.probe_angles,
+        gains=measurement.gains,
+    )
+
+
+def _panels(signals: xr.Dataset, record: Record, notes: list[str]) -> Arrays:
+    """Return the numbers of the panels, and add a note for each that is impossible."""
+    arrays: Arrays = {}
+    if record.angles is None:
+        notes.append(NO_ANGLE)
+    else:
+        arrays |= unless_impossible(order_rows, signals, record, notes)
+    varies = record.angles is not None and one_speed(record) is None
+    return arrays | unless_impossible(
+        cascade_rows if varies else full_lines, signals, record, notes
+    )
 
 
 def _renamed(message: str, measurement: Measurement) -> str:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -11,12 +13,21 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_array, check_count, shown
 from rotor_ida.errors import InputError
+from rotor_ida.signals.files.columns import unit_called
+from rotor_ida.signals.files.text import number_in
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.windows import Complex, fit_orders, windows_of
 
 # Sine of the smallest angle between two probes.
 NEARLY_ALONG = 1e-3
 MOST_HARMONICS = 50
+# Volts or millivolts over a unit of length.
+SENSITIVITIES = (1e-12, 1e12)
+# Samples at the largest or smallest reading by which a probe counts as clipped.
+CLIPPED = 4
+# A clipped reading jumps to its limit by more than this many of its smallest steps.
+LEAP = 1.5
+_SENSITIVITY = re.compile(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(m?V)\s*/\s*(\S+)\s*")
 
 
 def correct_probes(
@@ -178,3 +189,60 @@ def _pair(name: str, values: npt.ArrayLike) -> Values:
             f"{name} must be two numbers, one for each probe, got {shown(pair.tolist())}"
         )
     return pair
+
+
+def displaced(name: str, values: Values, unit: str, sensitivity: str) -> tuple[Values, str]:
+    """Return displacements of readings in V or mV."""
+    if unit not in ("V", "mV"):
+        raise InputError(f"sensitivity must be of readings in V or mV, got {name} in {unit}")
+    found = _SENSITIVITY.fullmatch(sensitivity) if isinstance(sensitivity, str) else None
+    length = unit_called(found[3]) if found else None
+    height = number_in(found[1]) if found else math.nan
+    is_length = length is not None and length.kind == "length"
+    if (
+        found is None
+        or length is None
+        or not (is_length and SENSITIVITIES[0] <= height <= SENSITIVITIES[1])
+    ):
+        raise InputError(
+            f"sensitivity must be such as '200 mV/mil' or '7.87 V/mm', got {shown(sensitivity)}"
+        )
+    volts = {"V": 1.0, "mV": 1e-3}
+    per_length = height * volts[found[2]] / length.factor
+    return values * volts[unit] / per_length, length.plain
+
+
+def check_probes(
+    found: Mapping[str, tuple[Values, str]], times: Values, accept_clipped: bool
+) -> str:
+    """Return the unit of both probes; raise `InputError` if they differ or one is clipped."""
+    (x, length), (y, other) = found["x"], found["y"]
+    if length != other:
+        raise InputError(f"x and y must be in one unit, got {length} and {other}")
+    if x.size != y.size:
+        raise InputError(f"t, x and y must be of one length, got {times.size}, {x.size}, {y.size}")
+    for name, values in () if accept_clipped else (("x", x), ("y", y)):
+        where = _clipped_at(values)
+        if where is not None:
+            raise InputError(
+                f"{name} must not be clipped, but stays at {values[where]:.6g} from t "
+                f"{times[where]:.6g} on; accept_clipped=True accepts it"
+            )
+    return length
+
+
+def _clipped_at(values: Values) -> int | None:
+    """Return where a reading first stays at its largest or smallest value, after a jump to it."""
+    leaps = np.abs(np.diff(values))
+    moving = leaps[leaps > 0.0]
+    if not moving.size:
+        return None
+    # a smooth peak is reached in steps of one digit, a clipped one in a step of many
+    finest = float(moving.min())
+    for extreme in (values.max(), values.min()):
+        at = np.concatenate([[0], (values == extreme).astype(np.int8), [0]])
+        starts, ends = np.flatnonzero(np.diff(at) == 1), np.flatnonzero(np.diff(at) == -1)
+        for start in starts[ends - starts >= CLIPPED]:
+            if start > 0 and leaps[start - 1] > LEAP * finest:
+                return int(start)
+    return None

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 import os
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -30,7 +28,7 @@ from rotor_ida.signals.files.arrays import read_hdf5, read_matlab, read_npz
 from rotor_ida.signals.files.columns import ENDINGS, Table, Unit, known_units, unit_called
 from rotor_ida.signals.files.labview import read_labview
 from rotor_ida.signals.files.recorders import read_comtrade, read_tdms, read_uff, read_wav
-from rotor_ida.signals.files.text import number_in, read_text
+from rotor_ida.signals.files.text import read_text
 from rotor_ida.signals.guessing import (
     KIND,
     columns_of,
@@ -46,26 +44,14 @@ from rotor_ida.signals.keyphasor import (
     pulses_in,
     with_lost_pulses,
 )
-from rotor_ida.signals.probes import displacements
-from rotor_ida.signals.record import FEWEST_SAMPLES
+from rotor_ida.signals.probes import check_probes, displaced, displacements
+from rotor_ida.signals.sample_times import times_of
 
 Keyphasor = Literal["auto", "signal", "times"]
 
 # Samples per second, and the part by which a rate and times may differ.
 RATES = (1e-9, 1e12)
 DIFFERENT_RATE = 0.01
-# Volts or millivolts over a unit of length.
-SENSITIVITIES = (1e-12, 1e12)
-# A step this much longer than the usual one is a gap.
-GAP = 1.5
-# Samples at the largest or smallest reading by which a probe counts as clipped.
-CLIPPED = 4
-# Times count as evenly spaced within this much of their last written digit, or within this part of
-# a step.
-ROUNDED, EVEN = 0.6, 1e-3
-# The step of a shorter record, in last digits, is wrong by more than half a percent.
-FEWEST_DIGITS = 100
-MOST_DECIMALS = 12
 INTEGRATED = (
     "the angle is integrated from the speed: phase lags have no known origin, and drift with the "
     "error of the speed"
@@ -82,7 +68,6 @@ READERS: Mapping[str, Callable[[Path], Table]] = {
     "labview": read_labview,
     "comtrade": read_comtrade,
 }
-_SENSITIVITY = re.compile(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(m?V)\s*/\s*(\S+)\s*")
 
 
 def read_signals(
@@ -175,22 +160,13 @@ def read_signals(
     if rate is not None:
         rate = check_between("rate", rate, *RATES)
     table = path if isinstance(path, Table) else read_table(check_path("path", path))
-    own_rate = rate_in(table)
-    names = columns_of(table, told, timed=rate is not None or own_rate is not None)
-    notes = []
-    if rate is not None and "t" in names:
-        notes.append(_not_used(names.pop("t"), rate, table, given))
-    if rate is None and "t" not in names and own_rate is not None:
-        rate = check_between(own_rate[0], own_rate[1], *RATES)
-        notes.append(f"times follow from the {rate:g} samples a second in {own_rate[0]}")
-    if count := count_left_out(table, names):
-        notes.append(f"column {count} counts samples and is left out")
+    names, rate, notes = _columns_in(table, told, given, rate)
     found = {each: _converted(each, names, table, given) for each in names}
     if sensitivity is not None:
         for each in ("x", "y"):
-            found[each] = _displaced(each, *found[each], sensitivity)
-    times, time = _times(found, rate, table, names)
-    length = _check_probes(found, times, accept_clipped)
+            found[each] = displaced(each, *found[each], sensitivity)
+    times, time = times_of(found, rate, table, names)
+    length = check_probes(found, times, accept_clipped)
     if probe_angles is None:
         notes.append("probes are taken to be at 0 and 90 degrees, as no probe_angles are given")
         probe_angles = (0.0, 90.0)
@@ -220,6 +196,23 @@ def read_signals(
     return labelled_dataset(
         "Signals of two probes", variables, coordinates, attributes, kind="signals"
     )
+
+
+def _columns_in(
+    table: Table, told: Mapping[str, str], units: Mapping[str, str], rate: float | None
+) -> tuple[dict[str, str], float | None, list[str]]:
+    """Return the column of each signal, the sampling rate where times are not used, and notes."""
+    own_rate = rate_in(table)
+    names = columns_of(table, told, timed=rate is not None or own_rate is not None)
+    notes = []
+    if rate is not None and "t" in names:
+        notes.append(_not_used(names.pop("t"), rate, table, units))
+    if rate is None and "t" not in names and own_rate is not None:
+        rate = check_between(own_rate[0], own_rate[1], *RATES)
+        notes.append(f"times follow from the {rate:g} samples a second in {own_rate[0]}")
+    if count := count_left_out(table, names):
+        notes.append(f"column {count} counts samples and is left out")
+    return names, rate, notes
 
 
 def _not_used(column: str, rate: float, table: Table, units: Mapping[str, str]) -> str:
@@ -324,131 +317,6 @@ def _unit_of(name: str, columns: Mapping[str, str], table: Table, units: Mapping
             f"{shown(units.get(name, written))}{place}"
         )
     return unit
-
-
-def _displaced(name: str, values: Values, unit: str, sensitivity: str) -> tuple[Values, str]:
-    """Return displacements of readings in V or mV."""
-    if unit not in ("V", "mV"):
-        raise InputError(f"sensitivity must be of readings in V or mV, got {name} in {unit}")
-    found = _SENSITIVITY.fullmatch(sensitivity) if isinstance(sensitivity, str) else None
-    length = unit_called(found[3]) if found else None
-    height = number_in(found[1]) if found else math.nan
-    is_length = length is not None and length.kind == "length"
-    if (
-        found is None
-        or length is None
-        or not (is_length and SENSITIVITIES[0] <= height <= SENSITIVITIES[1])
-    ):
-        raise InputError(
-            f"sensitivity must be such as '200 mV/mil' or '7.87 V/mm', got {shown(sensitivity)}"
-        )
-    volts = {"V": 1.0, "mV": 1e-3}
-    per_length = height * volts[found[2]] / length.factor
-    return values * volts[unit] / per_length, length.plain
-
-
-def _times(
-    found: Mapping[str, tuple[Values, str]],
-    rate: float | None,
-    table: Table,
-    names: Mapping[str, str],
-) -> tuple[Values, str]:
-    """Return the times of the samples, and their unit."""
-    size = found["x"][0].size
-    if size < FEWEST_SAMPLES:
-        raise InputError(f"the file must have at least {FEWEST_SAMPLES} samples, got {size}")
-    if rate is not None:
-        return np.arange(size) / rate, "s"
-    if "t" not in found:
-        raise InputError("the file must have a column for t, or rate must be given, got neither")
-    times, unit = found["t"]
-    if times.size != size or found["y"][0].size != size:
-        raise InputError(
-            f"t, x and y must be of one length, got {times.size}, {size}, {found['y'][0].size}"
-        )
-    written = table.columns[names["t"]].values
-    largest = int(np.abs(written).argmax())
-    scale = times[largest] / written[largest] if written[largest] else 1.0
-    times = _evenly_spaced(times, scale * _last_digit(written))
-    steps = np.diff(times)
-    if not (steps > 0.0).all():
-        at = int(np.flatnonzero(~(steps > 0.0))[0])
-        raise InputError(
-            f"t must increase, got {table.cell(names['t'], at + 1)} after "
-            f"{table.cell(names['t'], at)}"
-        )
-    usual = float(np.median(steps))
-    gaps = np.flatnonzero(steps > GAP * usual)
-    if gaps.size:
-        more = f" and {gaps.size - 1} more" if gaps.size > 1 else ""
-        raise InputError(
-            f"t must have no gaps, got one of {steps[gaps[0]]:.6g} after "
-            f"{table.cell(names['t'], int(gaps[0]))}{more}; the usual step is {usual:.6g}"
-        )
-    return times, unit
-
-
-def _evenly_spaced(times: Values, digit: float) -> Values:
-    """Return times evenly spaced, if they are so to within their last written digit."""
-    number = np.arange(times.size) - 0.5 * (times.size - 1)
-    mean = float(times.mean())
-    step = float(number @ (times - mean) / (number @ number))
-    off = float(np.abs(times - mean - step * number).max())
-    is_long = float(np.ptp(times)) >= FEWEST_DIGITS * digit
-    if step > 0.0 and is_long and EVEN * step < off <= ROUNDED * digit:
-        return np.asarray(mean + step * number, dtype=np.float64)
-    return times
-
-
-def _last_digit(values: Values) -> float:
-    """Return the value of the last decimal place of numbers with few digits, otherwise 0.
-
-    For numbers of single precision, return the value of their last bit.
-    """
-    size = float(np.abs(values).max())
-    for decimals in range(MOST_DECIMALS + 1):
-        scaled = values * 10.0**decimals
-        if np.abs(scaled - np.rint(scaled)).max() <= 4.0 * np.spacing(size * 10.0**decimals):
-            return 10.0**-decimals
-    if (values.astype(np.float32) == values).all():
-        return float(np.spacing(np.float32(size)))
-    return 0.0
-
-
-def _check_probes(
-    found: Mapping[str, tuple[Values, str]], times: Values, accept_clipped: bool
-) -> str:
-    """Return the unit of both probes; raise `InputError` if they differ or one is clipped."""
-    (x, length), (y, other) = found["x"], found["y"]
-    if length != other:
-        raise InputError(f"x and y must be in one unit, got {length} and {other}")
-    if x.size != y.size:
-        raise InputError(f"t, x and y must be of one length, got {times.size}, {x.size}, {y.size}")
-    for name, values in () if accept_clipped else (("x", x), ("y", y)):
-        where = _clipped_at(values)
-        if where is not None:
-            raise InputError(
-                f"{name} must not be clipped, but stays at {values[where]:.6g} from t "
-                f"{times[where]:.6g} on; accept_clipped=True accepts it"
-            )
-    return length
-
-
-def _clipped_at(values: Values) -> int | None:
-    """Return where a reading first stays at its largest or smallest value, after a jump to it."""
-    leaps = np.abs(np.diff(values))
-    moving = leaps[leaps > 0.0]
-    if not moving.size:
-        return None
-    # a smooth peak is reached in steps of one digit, a clipped one in a step of many
-    finest = float(moving.min())
-    for extreme in (values.max(), values.min()):
-        at = np.concatenate([[0], (values == extreme).astype(np.int8), [0]])
-        starts, ends = np.flatnonzero(np.diff(at) == 1), np.flatnonzero(np.diff(at) == -1)
-        for start in starts[ends - starts >= CLIPPED]:
-            if start > 0 and leaps[start - 1] > GAP * finest:
-                return int(start)
-    return None
 
 
 def _angle(column: tuple[Values, str], times: Values) -> Values:

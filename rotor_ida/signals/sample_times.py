@@ -1,0 +1,89 @@
+"""Times of the samples in a measured file: by a rate, or of a column whose digits are few."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from rotor_ida.arrays import Values
+from rotor_ida.errors import InputError
+from rotor_ida.signals.files.columns import Table
+from rotor_ida.signals.record import FEWEST_SAMPLES
+
+# A step this much longer than the usual one is a gap.
+GAP = 1.5
+# Times count as evenly spaced within this much of their last written digit, or within this part of
+# a step.
+ROUNDED, EVEN = 0.6, 1e-3
+# The step of a shorter record, in last digits, is wrong by more than half a percent.
+FEWEST_DIGITS = 100
+MOST_DECIMALS = 12
+
+
+def times_of(
+    found: Mapping[str, tuple[Values, str]],
+    rate: float | None,
+    table: Table,
+    names: Mapping[str, str],
+) -> tuple[Values, str]:
+    """Return the times of the samples, and their unit; raise `InputError` for a gap."""
+    size = found["x"][0].size
+    if size < FEWEST_SAMPLES:
+        raise InputError(f"the file must have at least {FEWEST_SAMPLES} samples, got {size}")
+    if rate is not None:
+        return np.arange(size) / rate, "s"
+    if "t" not in found:
+        raise InputError("the file must have a column for t, or rate must be given, got neither")
+    times, unit = found["t"]
+    if times.size != size or found["y"][0].size != size:
+        raise InputError(
+            f"t, x and y must be of one length, got {times.size}, {size}, {found['y'][0].size}"
+        )
+    written = table.columns[names["t"]].values
+    largest = int(np.abs(written).argmax())
+    scale = times[largest] / written[largest] if written[largest] else 1.0
+    times = _evenly_spaced(times, scale * _last_digit(written))
+    steps = np.diff(times)
+    if not (steps > 0.0).all():
+        at = int(np.flatnonzero(~(steps > 0.0))[0])
+        raise InputError(
+            f"t must increase, got {table.cell(names['t'], at + 1)} after "
+            f"{table.cell(names['t'], at)}"
+        )
+    usual = float(np.median(steps))
+    gaps = np.flatnonzero(steps > GAP * usual)
+    if gaps.size:
+        more = f" and {gaps.size - 1} more" if gaps.size > 1 else ""
+        raise InputError(
+            f"t must have no gaps, got one of {steps[gaps[0]]:.6g} after "
+            f"{table.cell(names['t'], int(gaps[0]))}{more}; the usual step is {usual:.6g}"
+        )
+    return times, unit
+
+
+def _evenly_spaced(times: Values, digit: float) -> Values:
+    """Return times evenly spaced, if they are so to within their last written digit."""
+    number = np.arange(times.size) - 0.5 * (times.size - 1)
+    mean = float(times.mean())
+    step = float(number @ (times - mean) / (number @ number))
+    off = float(np.abs(times - mean - step * number).max())
+    is_long = float(np.ptp(times)) >= FEWEST_DIGITS * digit
+    if step > 0.0 and is_long and EVEN * step < off <= ROUNDED * digit:
+        return np.asarray(mean + step * number, dtype=np.float64)
+    return times
+
+
+def _last_digit(values: Values) -> float:
+    """Return the value of the last decimal place of numbers with few digits, otherwise 0.
+
+    For numbers of single precision, return the value of their last bit.
+    """
+    size = float(np.abs(values).max())
+    for decimals in range(MOST_DECIMALS + 1):
+        scaled = values * 10.0**decimals
+        if np.abs(scaled - np.rint(scaled)).max() <= 4.0 * np.spacing(size * 10.0**decimals):
+            return 10.0**-decimals
+    if (values.astype(np.float32) == values).all():
+        return float(np.spacing(np.float32(size)))
+    return 0.0
