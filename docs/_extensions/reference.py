@@ -6,8 +6,8 @@ from pathlib import Path
 
 from notation import public_names
 
-from rotor_ida import schema
 from rotor_ida.cli.program import COMMANDS, application
+from rotor_ida.schema import flags as categories
 
 HERE = Path(__file__).parents[1]
 # The main functions by task. A public name that is in no list is shown under the last title.
@@ -102,7 +102,7 @@ def write(path, text):
 def write_categories():
     """Write the list of the words of categories, which the page on datasets includes."""
     lines = []
-    for name, flags in vars(schema).items():
+    for name, flags in vars(categories).items():
         if name.isupper() and isinstance(flags, dict) and set(map(type, flags.values())) == {int}:
             words = ", ".join(f"{word} {number}" for word, number in flags.items())
             lines.append(f"- `{name}`: {words}")

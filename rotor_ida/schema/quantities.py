@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
 
 import numpy as np
-import numpy.typing as npt
-import xarray as xr
-from xarray.indexes import Index, PandasIndex
 
-from rotor_ida.arrays import Column as Column  # noqa: PLC0414 - a part of the schema
-from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_ROTOR
-
-CONVENTIONS = "CF-1.11"
-# Attribute with the kind of result of a dataset, a row of `rotor_ida.results.kinds`.
-RESULT_KIND = "result_kind"
-# Attributes of flag numbers, which their words do not need.
-OF_FLAGS = ("flag_values", "flag_meanings", "units")
-Labelled = TypeVar("Labelled", xr.Dataset, xr.DataArray)
+from rotor_ida.schema.flags import (
+    DIRECTION,
+    END,
+    ENDING,
+    ENDS_IN_WORDS,
+    EVENT_KIND,
+    EXACT,
+    EXTREMUM,
+    LINE_KIND,
+    MODE,
+    NO_YES,
+    PASSAGE,
+    RESPONSE,
+    SPECIAL,
+    STABILITY,
+    STATUS,
+    TRAPPING,
+    VERDICT,
+    WHIRL_DIRECTION,
+    WHIRL_KIND,
+)
 
 
 @dataclass(frozen=True)
@@ -45,63 +53,8 @@ class Quantity:
         return attributes
 
 
-STABILITY = {"absent": -1, "stable": 0, "unstable": 1, "neutral": 2}
-RESPONSE = {
-    "unresolved": 0,
-    "contact_free": 1,
-    "synchronous": 2,
-    "bouncing": 3,
-    "full_contact": 4,
-    "touching": 5,
-    "chaotic": 6,
-    "not_found": 7,
-    "quasi_periodic": 8,
-    "rolling": 9,
-    "failed": -1,
-}
-EVENT_KIND = {"exit": -1, "entry": 1}
-# Added by contact damping: the force falls to zero while surfaces overlap, or rises from zero.
-DAMPED_EVENT_KIND = EVENT_KIND | {"press": 4, "release": -4}
-# Added by friction: the disc begins to roll or to slip, or reverses its sliding.
-OF_FRICTION_EVENT_KIND = {"roll": 2, "slip": -2, "reverse": 3}
-MODE = {"flight": 0, "slipping_forward": 1, "slipping_backward": -1, "rolling": 2, "loose": 3}
-# Labels of a start besides the numbers of the attractors and the kinds of response.
-FATE = {"not_computed": -2, "undecided": -1}
-# Evidence for the trapping region of an attractor: a proof that no orbit leaves it, orbits that
-# were simulated from it, or no region.
-TRAPPING = {"none": 0, "estimated": 1, "proven": 2}
-STATUS = {"done": 0, "failed": 1}
-# How a run-up ends, after a time at the last speed.
-ENDING = {"failed": -1, "unresolved": 0, "contact_free": 1, "rub": 2, "whip": 3}
-ENDS_IN_WORDS = {
-    "contact_free": "contact-free", "rub": "in a rub", "whip": "in dry whip",
-    "unresolved": "undecided",
-}  # fmt: skip
-DIRECTION = {"down": -1, "from_start": 0, "up": 1}
-PASSAGE = {"down": -1, "none": 0, "up": 1}
-NO_YES = {"no": 0, "yes": 1}
-VERDICT = {"passes": 0, "fails": 1, "touches": 2}
-WHIRL_KIND = {"slipping": 0, "rolling": 1}
-WHIRL_DIRECTION = {"backward": -1, "none": 0, "forward": 1}
-EXACT = {"nothing": 0, "whirl": 1, "cycle": 2}
-LINE_KIND = {"backward": -1, "spin": 0, "forward": 1, "static": 2}
-SPECIAL = {
-    "fold": 1,
-    "period_doubling": 2,
-    "graze": 3,
-    "cusp": 4,
-    "torus": 5,
-    "sliding": 6,
-    "hopf": 7,
-    "discontinuous": 8,
-}
-END = {
-    "not_found": -1, "none": 0, "fold": 1, "period_doubling": 2, "touch": 3, "hopf": 4, "torus": 5,
-    "discontinuous": 6,
-}  # fmt: skip
 # Parameters whose range of existence is computed for attractors, where they are not 0.
 WITH_EXTENTS = ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "friction")
-EXTREMUM = {"minimum": -1, "constant": 0, "maximum": 1}
 
 
 def _states(words: str, axes: Mapping[str, str], where: Mapping[str, str]) -> dict[str, Quantity]:
@@ -700,179 +653,3 @@ QUANTITIES |= {
         "quantile_high": "upper end of a quantile over drops",
     }.items()
 }  # fmt: skip
-
-
-def labelled(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike) -> xr.Variable:
-    """Return `values` as a variable with the long name and units of `name`.
-
-    Examples
-    --------
-    >>> labelled("omega", "omega", [1.7]).attrs["units"]
-    '1'
-    """
-    # fastpath: an array needs no further checks
-    return xr.Variable(dims, np.asarray(values), QUANTITIES[name].attributes(), fastpath=True)
-
-
-def labelled_dataset(
-    title: str,
-    variables: Mapping[str, Column | xr.Variable],
-    coordinates: Mapping[str, Column | xr.Variable],
-    attributes: Mapping[str, object] | None = None,
-    *,
-    kind: str = "",
-) -> xr.Dataset:
-    """Return a dataset whose variables have their long names and units.
-
-    Variables are given by their names in `QUANTITIES`: as dimensions and values, or as labelled
-    variables. Other attributes may describe, for example, the origin of the result. The kind is a
-    row of `rotor_ida.results.kinds`; results of this package always have one.
-
-    Examples
-    --------
-    >>> whirls = labelled_dataset(
-    ...     "whirls", {"amplitude": ("omega", [2.0, 3.0])}, {"omega": ("omega", [1.7, 1.8])}
-    ... )
-    >>> whirls.attrs
-    {'Conventions': 'CF-1.11', 'title': 'whirls'}
-    >>> whirls.sel(omega=1.8).amplitude.item()
-    3.0
-    >>> whirls.identical(xr.Dataset(whirls.data_vars, whirls.coords, whirls.attrs))
-    True
-    """
-    held: dict[Hashable, xr.Variable] = {
-        name: column.to_base_variable()
-        if isinstance(column, xr.Variable)
-        else labelled(name, *column)
-        for name, column in (*variables.items(), *coordinates.items())
-    }
-    indexes: dict[Hashable, Index] = {}
-    for name, variable in tuple(held.items()):
-        if variable.dims == (name,):
-            indexes[name] = index = PandasIndex(variable.values, name, variable.dtype)
-            held.update(index.create_variables({name: variable}))
-    told = {"Conventions": CONVENTIONS, "title": title, **(attributes or {})}
-    if kind:
-        told[RESULT_KIND] = kind
-    # The public constructor compares, aligns and copies variables that are known to match. That
-    # takes 0.3 ms, as long as simulating a hundred contacts; xarray's internal one skips it.
-    names = {*coordinates, *indexes}
-    dims: dict[Hashable, int] = {}
-    for name, variable in held.items():
-        for dim, size in zip(variable.dims, variable.shape, strict=True):
-            if dims.setdefault(dim, size) != size:
-                raise ValueError(f"{name} must be of size {dims[dim]} along {dim}, got {size}")
-    try:
-        return xr.Dataset._construct_direct(held, names, dims, told, indexes)
-    except (AttributeError, TypeError):  # another version of xarray
-        plain = {name: variable for name, variable in held.items() if name not in names}
-        return xr.Dataset(plain, {name: held[name] for name in names}, told)
-
-
-def origin_of(dataset: xr.Dataset) -> dict[str, object]:
-    """Return the attributes that derived results inherit: all but title and kind."""
-    own = {"title", RESULT_KIND}
-    return {str(name): value for name, value in dataset.attrs.items() if name not in own}
-
-
-def check_dimensionless(name: str, dataset: xr.Dataset) -> None:
-    """Raise `InputError` for a result in SI units, as its attributes are dimensionless."""
-    if "length_scale" in dataset.attrs:
-        raise InputError(
-            f"{name} must be dimensionless, got one in SI units: convert the result instead"
-        )
-
-
-def by_number(flags: Mapping[str, int]) -> dict[int, str]:
-    """Return the words of a table of flags by their numbers.
-
-    Examples
-    --------
-    >>> by_number(FATE)[-1]
-    'undecided'
-    """
-    return {number: word for word, number in flags.items()}
-
-
-def flags_of(variable: xr.DataArray | xr.Variable) -> dict[str, int]:
-    """Return the words and numbers of a flag variable from its attributes.
-
-    Examples
-    --------
-    >>> flags_of(xr.DataArray(labelled("event_kind", "event", [1])))
-    {'exit': -1, 'entry': 1}
-    """
-    if "flag_meanings" not in variable.attrs:
-        raise InputError(f"a flag variable must have flag_meanings, got one with {variable.attrs}")
-    words = str(variable.attrs["flag_meanings"]).split()
-    numbers = np.atleast_1d(variable.attrs["flag_values"]).tolist()
-    return dict(zip(words, numbers, strict=True))
-
-
-def words_of(variable: xr.DataArray) -> list[str]:
-    """Return the values of a flag variable as a flat list of words.
-
-    Examples
-    --------
-    >>> words_of(xr.DataArray(labelled("event_kind", "event", [1, -1])))
-    ['entry', 'exit']
-    """
-    words = by_number(flags_of(variable))
-    return [words[number] for number in variable.values.ravel().tolist()]
-
-
-def decode_flags(data: Labelled) -> Labelled:
-    """Return a result with its flags as words instead of numbers.
-
-    Parameters
-    ----------
-    data : Dataset or DataArray
-        A result, or one of its flag variables, such as ``stability`` or ``response``.
-
-    Returns
-    -------
-    Dataset or DataArray
-        The same with strings, for tables, ``sel`` and ``where``; ``""`` where a value is missing.
-        Other functions of this package need the numbers.
-
-    Raises
-    ------
-    InputError
-        If a DataArray has no ``flag_meanings``, or a number is none of its flags.
-
-    Examples
-    --------
-    >>> from rotor_ida import synchronous_response
-    >>> whirls = synchronous_response(omega=1.7, zeta=0.07, delta0=0.0).squeeze()
-    >>> decode_flags(whirls.stability).values.tolist()
-    ['stable', 'unstable', 'stable']
-    >>> stable = decode_flags(whirls.stability) == "stable"
-    >>> whirls.amplitude.where(stable, drop=True).values.round(4)
-    array([1.8796, 9.4872])
-    >>> decode_flags(whirls)[["amplitude", "stability"]].to_dataframe().stability.tolist()
-    ['stable', 'unstable', 'stable']
-    """
-    if isinstance(data, xr.DataArray):
-        decoded = _decoded(data.variable)
-        return xr.DataArray(decoded.values, data.coords, data.dims, data.name, decoded.attrs)
-    if not isinstance(data, xr.Dataset):
-        raise InputError(f"data must be a Dataset or DataArray, got {type(data).__name__}")
-    words = {
-        name: _decoded(variable)
-        for name, variable in data.variables.items()
-        if "flag_meanings" in variable.attrs
-    }
-    on_axes = {name: variable for name, variable in words.items() if name in data.coords}
-    others = {name: variable for name, variable in words.items() if name not in on_axes}
-    return data.assign(others).assign_coords(on_axes)
-
-
-def _decoded(variable: xr.Variable) -> xr.Variable:
-    """Return a flag variable as words; empty where its number is NaN."""
-    words = by_number(flags_of(variable))
-    unknown = sorted(set(np.unique(variable.values[~np.isnan(variable.values)])) - set(words))
-    if unknown:
-        raise InputError(f"flags must be one of {', '.join(map(str, words))}, got {unknown[0]}")
-    texts = [words.get(number, "") for number in variable.values.ravel().tolist()]
-    told = {name: value for name, value in variable.attrs.items() if name not in OF_FLAGS}
-    return xr.Variable(variable.dims, np.reshape(np.array(texts, dtype=str), variable.shape), told)

@@ -1,0 +1,55 @@
+"""What every dataset of the package says of itself: names, units, and words of categories.
+
+`quantities` is the one table of variables, `flags` the words and numbers of categories, `datasets`
+makes what is labelled by both.
+"""
+
+from rotor_ida.arrays import Column
+from rotor_ida.schema.datasets import (
+    CONVENTIONS,
+    RESULT_KIND,
+    check_dimensionless,
+    labelled,
+    labelled_dataset,
+    origin_of,
+)  # fmt: skip
+from rotor_ida.schema.flags import (
+    DAMPED_EVENT_KIND,
+    END,
+    ENDING,
+    ENDS_IN_WORDS,
+    EVENT_KIND,
+    EXACT,
+    FATE,
+    LINE_KIND,
+    MODE,
+    NO_YES,
+    OF_FRICTION_EVENT_KIND,
+    RESPONSE,
+    SPECIAL,
+    STABILITY,
+    STATUS,
+    TRAPPING,
+    VERDICT,
+    WHIRL_DIRECTION,
+    WHIRL_KIND,
+    by_number,
+    decode_flags,
+    flags_of,
+    words_of,
+)  # fmt: skip
+from rotor_ida.schema.quantities import (
+    OF_BEARING,
+    QUANTITIES,
+    WITH_EXTENTS,
+    Quantity,
+)  # fmt: skip
+
+__all__ = [
+    "CONVENTIONS", "DAMPED_EVENT_KIND", "END", "ENDING", "ENDS_IN_WORDS", "EVENT_KIND",
+    "EXACT", "FATE", "LINE_KIND", "MODE", "NO_YES", "OF_BEARING", "OF_FRICTION_EVENT_KIND",
+    "QUANTITIES", "RESPONSE", "RESULT_KIND", "SPECIAL", "STABILITY", "STATUS", "TRAPPING",
+    "VERDICT", "WHIRL_DIRECTION", "WHIRL_KIND", "WITH_EXTENTS", "Column", "Quantity",
+    "by_number", "check_dimensionless", "decode_flags", "flags_of", "labelled",
+    "labelled_dataset", "origin_of", "words_of",
+]  # fmt: skip
