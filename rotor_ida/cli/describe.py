@@ -1,25 +1,21 @@
-"""Describe a dataset: its kind, a record for programs and tables for people."""
+"""Describe runs, sweeps and limit cycles: a record for programs and tables for people."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import product
 
 import numpy as np
 import xarray as xr
 from rich.console import RenderableType
 
-from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.cli.variables import (
     Description,
     Record,
     Rows,
-    Sheet,
     attributes_of,
     headed,
-    names_on,
     parameters_in,
     rows_of,
     rows_table,
@@ -27,12 +23,11 @@ from rotor_ida.cli.variables import (
     span,
     spread_on,
     tabled,
-    value_of,
     with_unit,
     with_units,
 )
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
-from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.results.si_units import in_rpm, in_suitable_units, si_of
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, by_number, flags_of
@@ -46,15 +41,6 @@ CONTACTS = Rows(
     title="Contacts", key="contacts", lead="entry_time",
     names=("entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force", "heat",
            "slip_distance", "rolling_time"),
-)  # fmt: skip
-ATTRACTORS = Rows(
-    title="Attractors", key="attractors", lead="kind", digits=6,
-    names=("kind", "attractor", "amplitude", "phase_lag", "radius_min", "radius_max", "trapping",
-           "confirmed", "count", "fraction", "fraction_error"),
-)  # fmt: skip
-SHARES = Rows(
-    title="Kinds of response", key="responses", lead="response_fraction", digits=6,
-    names=("response", "response_count", "response_fraction", "response_fraction_error"),
 )  # fmt: skip
 POINTS = Rows(
     title="Responses", key="responses", lead="response", digits=6, telling=True, on_request=True,
@@ -89,44 +75,6 @@ FITTED = Rows(
     title="Unknown", key="unknown", lead="estimate",
     names=("unknown", "estimate", "standard_error", "lower", "upper", "first_guess", "unit"),
 )  # fmt: skip
-FOUND_FOLDS = Rows(
-    title="Folds", key="folds", lead="fold_omega", gaps=True,
-    names=(*ALL_PARAMETERS[1:], "fold_omega", "fold_amplitude", "rate", "jump_omega"),
-)  # fmt: skip
-FOLDS = Sheet("Rotor", (FOUND_FOLDS,))
-WHIRLS = Sheet("Rotor", (Rows(
-    title="Synchronous whirls", key="whirls", lead="amplitude", gaps=True,
-    names=(*ALL_PARAMETERS, "amplitude", "phase_lag", "stability", "growth_rate", "in_contact"),
-), FOUND_FOLDS))  # fmt: skip
-HOPF_POINTS = Sheet("Rotor", (Rows(
-    title="Hopf points", key="hopf_points", lead="hopf_omega", gaps=True,
-    names=(*ALL_PARAMETERS[1:], "hopf_omega", "hopf_amplitude", "hopf_frequency"),
-),))  # fmt: skip
-BACKWARD_WHIRL = Sheet("Rotor", (Rows(
-    title="Backward whirls without unbalance", key="whirls", lead="amplitude", gaps=True,
-    names=("kind", "amplitude", "whirl_speed", "stability", "growth_rate", "normal_force",
-           "tangential_force"),
-),))  # fmt: skip
-SPECTRAL_LINES = Sheet("Lines by least squares", (Rows(
-    title="Lines", key="lines", lead="whirl_amplitude", gaps=True, falling=True,
-    names=("frequency", "frequency_over_omega", "whirl_amplitude", "whirl_phase"),
-),))  # fmt: skip
-# Loads on each attractor, a line for each.
-DONE_TO_MACHINE = (
-    *("fraction", "fraction_error", "settling_median", "settling_95"),
-    *("largest_force", "mean_force", "contacts_per_revolution", "contact_fraction"),
-    *("dissipation_per_revolution", "contact_loss_per_revolution"),
-    *("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction"),
-    *("whirl_over_spin", "whirl_sense", "side_line_over_spin", "whirl_ratio", "whirl_direction"),
-    *("radius_min", "radius_max", "excursion", "period", "lifetime", "trapping"),
-    *("velocity_shock_bound", "displacement_shock_bound"),
-)
-OF_MACHINE = (
-    *(*ALL_PARAMETERS, "undecided_fraction", "missed_fraction", "basin_entropy"),
-    *("agreement", "agreement_count"),
-)
-SHOCK = ("velocity_shock", "displacement_shock")
-ENDS = {"low": "from", "high": "to"}
 STARTS = ("start_x", "start_y", "start_vx", "start_vy")
 # Dimensions over which the endings of run-ups are counted.
 COUNTED = ("phase", "start")
@@ -269,116 +217,17 @@ def count_of_kinds(dataset: xr.Dataset, ranges: Sequence[str] = RANGES) -> Rende
         here = response == kind
         row: Record = {"response": words[kind], "points": int(here.sum())}
         rows.append(row | {units.get(name, name): each
-                           for name, each in _ranges(dataset, names, here).items()})  # fmt: skip
+                           for name, each in ranges_of(dataset, names, here).items()})  # fmt: skip
     return table("Responses by kind", rows, list(rows[0]))
 
 
-def _ranges(dataset: xr.Dataset, names: Sequence[str], here: xr.DataArray) -> Record:
+def ranges_of(dataset: xr.Dataset, names: Sequence[str], here: xr.DataArray) -> Record:
     """Return the range of each variable over the points of a mask."""
     found: Record = {}
     for name in names:
         label, factor = si_of(dataset, name) or (name, 1.0)
         found[label] = span(factor * spread_on(dataset, name, here).values[here.values], 6)
     return found
-
-
-def show_attractors(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the attractors of a basin or of fractions, with the ends of the starts."""
-    record, parts = tabled(dataset, most, ATTRACTORS, SHARES)
-    if "label" in dataset:
-        record["grid"] = {
-            name: dataset.sizes[name] for name in COMPONENTS if name in dataset["label"].dims
-        }
-    return record, [*parts, pairs("Starts", scalars_of(dataset))]
-
-
-def show_atlas(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return each attractor with its range of existence and its basin fraction."""
-    words = by_number(flags_of(dataset["kind"]))
-    varied = [name for name in parameters_in(dataset) if dataset[name].size > 1]
-    rows: list[Record] = []
-    for number in range(dataset.sizes["attractor"]):
-        own = dataset.isel(attractor=number)
-        here = own["fraction"].notnull()
-        kinds = sorted({words[kind] for kind in own["kind"].values[here].tolist()})
-        row: Record = {"attractor": number, "kind": ", ".join(kinds), "points": int(here.sum())}
-        row |= _ranges(own, varied, here)
-        row["fraction"] = span(own["fraction"].values, 3)
-        row |= _ranges(own, ["radius_max"], here)
-        if SHOCK[0] in own:
-            row[SHOCK[0]] = span(own[SHOCK[0]].values, 4)
-        rows.append(row)
-    scalars: Record = {
-        "missed_fraction": float(dataset["missed_fraction"]),
-        "largest_undecided_fraction": float(dataset["undecided_fraction"].max()),
-    }
-    if "agreement" in dataset:
-        scalars |= _agreement(dataset)
-    record, _ = tabled(dataset, most)
-    if isinstance(given := record.get("starts"), list):  # the archive contains them, row by row
-        record["starts"] = len(given) // len(COMPONENTS)
-    parts = rows_table("Attractors", rows, list(rows[0]) if rows else [], most, digits=6)
-    return record | scalars | {"attractors": rows}, [*parts, pairs("Starts", scalars)]
-
-
-def _agreement(dataset: xr.Dataset) -> Record:
-    """Return the number of recomputed labels of all rotors, and the fraction that agree."""
-    count = int(dataset["agreement_count"].sum())
-    alike = float((dataset["agreement"] * dataset["agreement_count"]).sum())
-    return {"agreement": alike / count if count else math.nan, "agreement_count": count}
-
-
-def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the properties of each attractor, a column for each, and the smallest shocks."""
-    rows = rows_of(dataset, names_on(dataset, "attractor"))
-    scalars = parameters_in(dataset) | scalars_of(dataset)
-    record: Record = tabled(dataset, most)[0] | scalars | {"attractors": rows}
-    heads = [f"{number} {row['kind']}" for number, row in enumerate(rows)]
-    lines: list[Record] = [
-        {"": with_unit(dataset, name)} | dict(zip(heads, [row[name] for row in rows], strict=True))
-        for name in DONE_TO_MACHINE
-        if rows and name in rows[0]
-    ]
-    if rows and f"{PARAMETERS[0]}_low" in rows[0]:
-        names = [name for name in ALL_PARAMETERS if f"{name}_low" in rows[0]]
-        for name, word in product(names, ENDS):
-            ends = [_end(row, f"{name}_{word}") for row in rows]
-            lines.append({"": f"{name} {ENDS[word]}", **dict(zip(heads, ends, strict=True))})
-    counted = f"Attractors: {len(rows) or 'none'}"
-    parts: list[RenderableType] = [
-        table(counted, lines, list(lines[0]), digits=5) if lines else counted
-    ]
-    if SHOCK[0] in dataset:
-        shocks = _shocks(dataset)
-        told: list[Record] = [
-            {"from": heads[one], "to": heads[to]}
-            | with_units(dataset, {name: each[name] for name in SHOCK})
-            for (one, to), each in shocks.items()
-            if "touching" not in {rows[one]["kind"], rows[to]["kind"]}  # as the contact-free
-        ]
-        record["smallest_shocks"] = list(shocks.values())
-        parts += rows_table("Smallest shocks", told, list(told[0]) if told else [], most, digits=5)
-    machine = {name: scalars[name] for name in OF_MACHINE if name in scalars}
-    return record, [*parts, pairs("Machine", with_units(dataset, machine))]
-
-
-def _shocks(dataset: xr.Dataset) -> dict[tuple[int, int], Record]:
-    """Return the smallest shocks by their initial and final attractors."""
-    found = np.isfinite(dataset[SHOCK[0]].values) | np.isfinite(dataset[SHOCK[1]].values)
-    shocks: dict[tuple[int, int], Record] = {}
-    for one, to in np.argwhere(found).tolist():
-        here = dataset.isel(attractor=one, target=to)
-        told = {name: value_of(here, name) for name in names_on(dataset, "attractor", "target")}
-        shocks[one, to] = {"from": one, "to": to, **told}
-    return shocks
-
-
-def _end(row: Record, name: str) -> str:
-    """Return an end of the values of a parameter at which an attractor exists, and its kind."""
-    kind = str(row[f"{name}_end"]).replace("_", " ")
-    if kind == "not found":
-        return "?"
-    return f"{row[name]:.5g}" if kind == "none" else f"{row[name]:.5g} {kind}"
 
 
 def show_comparison(dataset: xr.Dataset, most: int | None) -> Description:

@@ -15,6 +15,7 @@ from rotor_ida.cli.variables import (
     Description,
     Record,
     Rows,
+    Sheet,
     parameters_in,
     rows_of,
     rows_table,
@@ -36,6 +37,10 @@ PEAKS = Rows(
     title=f"Peaks above {CLEAR:g} times the noise floor", key="peaks", lead="whirl_amplitude",
     digits=6, falling=True, names=("frequency", "frequency_over_omega", "whirl_amplitude"),
 )  # fmt: skip
+SPECTRAL_LINES = Sheet("Lines by least squares", (Rows(
+    title="Lines", key="lines", lead="whirl_amplitude", gaps=True, falling=True,
+    names=("frequency", "frequency_over_omega", "whirl_amplitude", "whirl_phase"),
+),))  # fmt: skip
 # For programs only; people read a summary of them.
 ORDERS = Rows(title="Orders", key="orders", lead="forward_whirl_amplitude", names=PLACE)
 MEAN_POSITIONS = Rows(title="Windows", key="windows", lead="offset_x", names=PLACE)

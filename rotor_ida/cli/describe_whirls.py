@@ -1,12 +1,32 @@
-"""Describe results of rotor systems over the speed: whirls, eigenvalues, reports."""
+"""Describe exact whirls of one disc, and results of rotor systems over the speed."""
 
 from __future__ import annotations
 
 import xarray as xr
 
+from rotor_ida.cli.describe import MULTIPLIERS
 from rotor_ida.cli.report import pairs
 from rotor_ida.cli.variables import Description, Rows, Sheet, scalars_of, tabled, with_units
+from rotor_ida.model.parameters import ALL_PARAMETERS
 
+FOUND_FOLDS = Rows(
+    title="Folds", key="folds", lead="fold_omega", gaps=True,
+    names=(*ALL_PARAMETERS[1:], "fold_omega", "fold_amplitude", "rate", "jump_omega"),
+)  # fmt: skip
+FOLDS = Sheet("Rotor", (FOUND_FOLDS,))
+WHIRLS = Sheet("Rotor", (Rows(
+    title="Synchronous whirls", key="whirls", lead="amplitude", gaps=True,
+    names=(*ALL_PARAMETERS, "amplitude", "phase_lag", "stability", "growth_rate", "in_contact"),
+), FOUND_FOLDS))  # fmt: skip
+HOPF_POINTS = Sheet("Rotor", (Rows(
+    title="Hopf points", key="hopf_points", lead="hopf_omega", gaps=True,
+    names=(*ALL_PARAMETERS[1:], "hopf_omega", "hopf_amplitude", "hopf_frequency"),
+),))  # fmt: skip
+BACKWARD_WHIRL = Sheet("Rotor", (Rows(
+    title="Backward whirls without unbalance", key="whirls", lead="amplitude", gaps=True,
+    names=("kind", "amplitude", "whirl_speed", "stability", "growth_rate", "normal_force",
+           "tangential_force"),
+),))  # fmt: skip
 _OF_WHIRL = ("stability", "growth_rate")
 WHIRLS_OF_SYSTEM = Sheet(
     "Whirls",
@@ -51,10 +71,7 @@ _OF_CYCLE = ("period", "response", "stability", "residual")
 SYSTEM_CYCLE = Sheet(
     "Limit cycle",
     (
-        Rows(
-            title="Multipliers", key="multipliers", lead="multiplier_real",
-            names=("multiplier_real", "multiplier_imag", "multiplier_error"),
-        ),
+        MULTIPLIERS,
         Rows(
             title="Contacts", key="contacts", lead="radius_max",
             names=("contact", "contact_node", "clearance", *_OF_CONTACT),

@@ -152,25 +152,25 @@ KINDS = {
         ),
         Kind(
             name="basin", meaning="basin", variables=("label",), dims=("attractor",),
-            shown=f"{_SHOWN}:show_attractors", drawn="rotor_ida.plot:plot_basin",
+            shown=f"{_SHOWN}_basins:show_attractors", drawn="rotor_ida.plot:plot_basin",
             verified=f"{_VERIFIED}_motions:BASIN",
             study="basin", resumed=f"{_RESUMED}:resume_basin",
         ),
         Kind(
             name="basin_fractions", meaning="basin fractions", variables=("response_fraction",),
-            shown=f"{_SHOWN}:show_attractors", drawn=f"{_DRAWN}:figure_of_fractions",
+            shown=f"{_SHOWN}_basins:show_attractors", drawn=f"{_DRAWN}:figure_of_fractions",
             verified=f"{_VERIFIED}_motions:FRACTIONS",
             study="basin_fractions", resumed=f"{_RESUMED}:resume_fractions",
         ),
         Kind(
             name="atlas", meaning="atlas", variables=("missed_fraction",), dims=PARAMETERS,
-            shown=f"{_SHOWN}:show_atlas", drawn=f"{_DRAWN}:figure_of_atlas",
+            shown=f"{_SHOWN}_basins:show_atlas", drawn=f"{_DRAWN}:figure_of_atlas",
             verified=f"{_VERIFIED}_motions:ATLAS",
             study="continue_attractors", resumed=f"{_RESUMED}:resume_atlas",
         ),
         Kind(
             name="touchdown", meaning="report on touching",
-            variables=("missed_fraction", "excursion"), shown=f"{_SHOWN}:show_touchdown",
+            variables=("missed_fraction", "excursion"), shown=f"{_SHOWN}_basins:show_touchdown",
         ),
         Kind(
             name="bifurcation_diagram", meaning="bifurcation diagram",
@@ -197,20 +197,20 @@ KINDS = {
         ),
         Kind(
             name="whirls", meaning="exact whirls", variables=("amplitude",), dims=("branch",),
-            shown=f"{_SHOWN}:WHIRLS", drawn=_WHIRLS,
+            shown=f"{_SHOWN}_whirls:WHIRLS", drawn=_WHIRLS,
         ),
         Kind(
             name="folds", meaning="folds", variables=("fold_omega",),
-            shown=f"{_SHOWN}:FOLDS", drawn=_WHIRLS,
+            shown=f"{_SHOWN}_whirls:FOLDS", drawn=_WHIRLS,
         ),
         Kind(
             name="hopf_points", meaning="Hopf points", variables=("hopf_omega",),
-            shown=f"{_SHOWN}:HOPF_POINTS", drawn=_WHIRLS,
+            shown=f"{_SHOWN}_whirls:HOPF_POINTS", drawn=_WHIRLS,
         ),
         Kind(
             name="backward_whirl", meaning="backward whirls",
             variables=("birth_omega",), dims=("whirl",),
-            shown=f"{_SHOWN}:BACKWARD_WHIRL", drawn="rotor_ida.plot:plot_backward_whirl",
+            shown=f"{_SHOWN}_whirls:BACKWARD_WHIRL", drawn="rotor_ida.plot:plot_backward_whirl",
         ),
         Kind(
             name="curve", meaning="bifurcation curve", variables=("special_second_value",),
@@ -255,14 +255,14 @@ KINDS = {
         Kind(
             name="spectral_lines", meaning="lines of the spectrum",
             variables=("window_residual",), dims=("line",),
-            shown=f"{_SHOWN}:SPECTRAL_LINES",
+            shown=f"{_SIGNALS}:SPECTRAL_LINES",
         ),
         Kind(
             name="signals", meaning="signals", variables=("x", "y"), dims=("t",),
             shown=f"{_SIGNALS}:show_signals", drawn=f"{_DRAWN}:figure_of_signals",
         ),
         Kind(
-            name="late_jumps", meaning="late jumps", shown=f"{_SHOWN}:FOLDS", drawn=_WHIRLS,
+            name="late_jumps", meaning="late jumps", shown=f"{_SHOWN}_whirls:FOLDS", drawn=_WHIRLS,
         ),
         Kind(
             name="run_up_summary", meaning="summary of a run-up",

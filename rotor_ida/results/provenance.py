@@ -96,7 +96,7 @@ def computing_sources() -> dict[str, Path]:
 
     Examples
     --------
-    >>> {"core/events.c", "simulation/run.py", "schema.py"} <= computing_sources().keys()
+    >>> {"core/events.c", "simulation/run.py", "schema/flags.py"} <= computing_sources().keys()
     True
     >>> [name for name in computing_sources() if name.startswith(("cli", "plot"))]
     []

@@ -1,4 +1,4 @@
-"""The commands for basins of attraction: of one rotor, over parameters, and what they mean."""
+"""The commands for basins of attraction: of one rotor, over parameters, and as a report."""
 
 from __future__ import annotations
 
