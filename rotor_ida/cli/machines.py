@@ -58,6 +58,10 @@ class Units:
             return (value[0] / scale, value[1] / scale)
         return value / scale
 
+    def components(self, given: Mapping[str, Component]) -> dict[str, Component]:
+        """Return components of starts by name, without dimensions."""
+        return {name: self.component(name, value) for name, value in given.items()}
+
     def time(self, time: float) -> float:
         """Return a time in s without dimensions."""
         return time if self.machine is None else time / self.machine.time_scale

@@ -65,7 +65,7 @@ class DrawnOptions:
     def of(self, units: Units) -> dict[str, Any]:
         """Return it without dimensions."""
         given = asdict(self)
-        return given | {name: units.component(name, given[name]) for name in COMPONENTS}
+        return given | units.components({name: given[name] for name in COMPONENTS})
 
 
 def basin(
@@ -97,10 +97,7 @@ def basin(
     with working("basin", study) as progress:
         dataset = rotor_ida.basin(
             chosen,
-            x=units.component("x", x),
-            y=units.component("y", y),
-            vx=units.component("vx", vx),
-            vy=units.component("vy", vy),
+            **units.components({"x": x, "y": y, "vx": vx, "vy": vy}),
             rtol=rtol,
             **asdict(jobs),
             study=study,
@@ -142,10 +139,7 @@ def basin_fractions(
     with working("fractions", study) as progress:
         dataset = rotor_ida.basin_fractions(
             chosen,
-            x=units.component("x", x),
-            y=units.component("y", y),
-            vx=units.component("vx", vx),
-            vy=units.component("vy", vy),
+            **units.components({"x": x, "y": y, "vx": vx, "vy": vy}),
             starts=starts,
             seed=seed,
             rtol=rtol,
