@@ -58,7 +58,7 @@ class Units:
             return (value[0] / scale, value[1] / scale)
         return value / scale
 
-    def components(self, given: Mapping[str, Component]) -> dict[str, Component]:
+    def components(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Return components of starts by name, without dimensions."""
         return {name: self.component(name, value) for name, value in given.items()}
 
