@@ -16,6 +16,7 @@ from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.core.interface import DONE, STOPPED
 from rotor_ida.core.systems import EPISODE, FORCES, LEDGER, TOUCH, SystemRequest, SystemResult
 from rotor_ida.errors import SimulationError
+from rotor_ida.simulation.integration import Function, Integration
 from rotor_ida.simulation.orbit import (
     ENTRY,
     EXIT,
@@ -28,7 +29,6 @@ from rotor_ida.simulation.orbit import (
     ROLLS,
     SLIP,
 )
-from rotor_ida.simulation.reference import Function, Integration
 from rotor_ida.simulation.spin import SpeedProfile
 from rotor_ida.systems.following import Followed, check_status, errors_of, follow_system_again
 
