@@ -35,7 +35,7 @@ from rotor_ida.plot.system_whirls import (
 )
 from rotor_ida.schema import STABILITY
 from rotor_ida.systems.archived import problem_of
-from rotor_ida.systems.synchronous import synchronous_response_system
+from rotor_ida.systems.whirls.synchronous import synchronous_response_system
 
 SWEEP = (
     "speed", "response", "direction", "amplitude", "phase_lag", "radius_min", "radius_max",
