@@ -22,9 +22,9 @@ from rotor_ida import Contact, Unbalance, synchronous_response
 from rotor_ida.closed_forms.exact_polynomials import Polynomial, constant, positive_roots
 from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.axisymmetric import forward_motions
-from rotor_ida.systems.double_rubs import Pairs, balance, double_rubs
-from rotor_ida.systems.single_rubs import single_rubs
-from rotor_ida.systems.turning_axes import eigenvalues_without_contact
+from rotor_ida.systems.whirls.double_rubs import Pairs, balance, double_rubs
+from rotor_ida.systems.whirls.single_rubs import single_rubs
+from rotor_ida.systems.whirls.turning_axes import eigenvalues_without_contact
 from tests.systems.axisymmetric_systems import beam
 
 

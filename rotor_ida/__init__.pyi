@@ -72,7 +72,7 @@ from .systems.dispatch import synchronous_response as synchronous_response
 from .systems.drop import drop as drop
 from .systems.simulate import run_up_system as run_up_system
 from .systems.simulate import simulate_system as simulate_system
-from .systems.special_speeds import special_speeds as special_speeds
-from .systems.synchronous import synchronous_response_system as synchronous_response_system
+from .systems.whirls.special_speeds import special_speeds as special_speeds
+from .systems.whirls.synchronous import synchronous_response_system as synchronous_response_system
 from .verification.compare import compare as compare
 from .verification.resume import resume as resume

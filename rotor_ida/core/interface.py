@@ -41,25 +41,6 @@ MESSAGES = {
     -4: "Convergence tests failed too many times, or reached min step size.",
 }
 
-# Contradictions of a run to the mechanics, by the names of `enum fault` and in its order.
-MESSAGE_OF_FAULT = {
-    "SOUND": "",
-    "EVENT_NOT_FINITE": "the state is not finite",
-    "BACKWARDS": "event times do not increase",
-    "NOT_IN_TURN": "entry and exit, or press and release, do not alternate",
-    "OFF_THE_RING": "an event does not lie at |z| = delta0, or lies off the stator",
-    "SAMPLE_NOT_FINITE": "the state is not finite",
-    "WRONG_SIDE_OF_THE_RING": "a sample lies on the wrong side of the stator",
-    "TENSILE": "the normal force of a sample is below 0, or missing where it is not",
-    "SLIDES_ASTRAY": "surfaces slide in a sense that contradicts the events",
-    "SLIPS_WHILE_ROLLING": "the disc slips, or lacks grip, where it should roll",
-    "PEAKS_OUTSIDE": "a contact peaks outside its own span",
-}
-FAULTS = tuple(MESSAGE_OF_FAULT.values())
-# The first fault of samples, after those of events; and the first of contacts.
-FIRST_OF_SAMPLES = [*MESSAGE_OF_FAULT].index("SAMPLE_NOT_FINITE")
-OF_CONTACTS = [*MESSAGE_OF_FAULT].index("PEAKS_OUTSIDE")
-
 METHODS = {"taylor": 0, "adams": 1, "bdf": 2}
 UNDECIDED, IN_FLIGHT, IN_CONTACT = -1, 0, 1
 # Columns of what `stretch` returns.

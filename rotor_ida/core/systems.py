@@ -18,6 +18,7 @@ from rotor_ida.core.interface import DONE, FULL, pointer
 from rotor_ida.core.runs import NO_STOP, PIECE, Rows
 
 FIRST_ROOM = 256
+LANES_A_VECTOR = 4
 # A skew part of a stiffness below this part of it is rounding.
 SYMMETRIC = 1e-12
 # Numbers of a contact at a sample: normal and tangential force, slip speed, mode.
@@ -278,11 +279,113 @@ class _Tables:
         run.event_room = run.episode_room = self.room
 
 
+def _padded_to_vectors(count: int) -> int:
+    return -(-count // LANES_A_VECTOR) * LANES_A_VECTOR
+
+
 def _skew_part(stiffness: Values) -> Values | None:
     """Return the part of a stiffness that has no potential; None where there is none."""
     skew = 0.5 * (stiffness - stiffness.T)
     rounded = SYMMETRIC * float(np.abs(stiffness).max(initial=0.0))
     return skew if np.abs(skew).max(initial=0.0) > rounded else None
+
+
+class _Run:
+    """A run in the form that the core expects, with the arrays that it reads and fills.
+
+    Those of coordinates are padded to a whole number of vectors.
+    """
+
+    def __init__(self, core: ctypes.CDLL, request: SystemRequest, stop: Stop) -> None:
+        self.size, count = len(request.force), len(request.laws)
+        self.stride = _padded_to_vectors(self.size)
+        self.kept: list[npt.NDArray[Any]] = []  # must live as long as the run
+        sampled, room = request.times.size, core.core_system_room(self.size, count)
+        self.touches, self.opened = np.zeros(count, TOUCH), np.zeros(count, EPISODE)
+        self.touches["race"] = request.races
+        self.state = self.wide(request.start)
+        self.samples = np.zeros((sampled, 2, self.stride))
+        self.forces, self.turns = np.zeros((sampled, count, FORCES)), np.zeros((sampled, 2))
+        self.tables = _Tables(2 * self.stride + count, max(FIRST_ROOM, 4 * count + 4))
+        of_same_name = (
+            "massless", "inertia", "rtol", "displacement", "velocity", "fastest", "order",
+            "only_events", "duration", "speed",
+        )  # fmt: skip
+        self.struct = SystemRunStruct(
+            **{name: getattr(request, name) for name in of_same_name},
+            size=self.size, stride=self.stride, contact_count=count, **self.matrices(request),
+            unbalance=self.read(self.wide(request.unbalance)),
+            force=self.read(self.wide(request.force)), rows=self.read(self.wide(request.rows)),
+            laws=self.read(request.laws), touches=self.filled(self.touches),
+            pieces=self.read(np.ascontiguousarray(request.pieces, PIECE)),
+            piece_count=len(request.pieces), stop=self.read(stop), state=self.filled(self.state),
+            sample_times=self.read(np.ascontiguousarray(request.times)), sample_count=sampled,
+            samples=self.filled(self.samples), sample_forces=self.filled(self.forces),
+            sample_turns=self.filled(self.turns), open=self.filled(self.opened),
+            room=self.filled(np.zeros(room)),
+        )  # fmt: skip
+        self.columns = self.changes(core, request)
+        self.tables.put(self.struct)
+
+    def read(self, values: npt.NDArray[Any]) -> c_void_p:
+        """Keep an array that the core reads, and return its address."""
+        self.kept.append(values)
+        return pointer(values, values.dtype)
+
+    def filled(self, values: npt.NDArray[Any]) -> c_void_p:
+        """Keep an array that the core fills, and return its address."""
+        self.kept.append(values)
+        return pointer(values, values.dtype, writeable=True)
+
+    def wide(self, values: Values) -> Values:
+        """Return rows of coordinates, padded."""
+        wide = np.zeros((*values.shape[:-1], self.stride))
+        wide[..., : self.size] = values
+        return wide
+
+    def matrices(self, request: SystemRequest) -> dict[str, c_void_p | None]:
+        """Return the addresses of the matrices, column by column."""
+        matrices = {
+            "stiffness": request.stiffness,
+            "damping": request.damping,
+            "gyroscopic": request.gyroscopic,
+            "stiffness_rate": request.stiffness_rate,
+            "circulation": _skew_part(request.stiffness),
+        }
+        return {
+            name: None if matrix is None else self.read(self.wide(matrix.T))
+            for name, matrix in matrices.items()
+        }
+
+    def changes(self, core: ctypes.CDLL, request: SystemRequest) -> Values:
+        """Give small changes of the start to the run; return what they become, column by column."""
+        long, count = 2 * self.size + len(request.laws), len(request.laws)
+        changes = np.empty((0, long)) if request.columns is None else request.columns
+        beside = np.zeros((long, _padded_to_vectors(len(changes))))
+        beside[:, : len(changes)] = changes.T
+        if len(changes):
+            wanted = core.core_system_column_room(self.size, count, beside.shape[1])
+            self.struct.column_count, self.struct.columns = beside.shape[1], self.filled(beside)
+            self.struct.column_room = self.filled(np.zeros(wanted))
+        return beside[:, : len(changes)]
+
+    def result(self, status: int) -> SystemResult:
+        """Return the result of the run."""
+        run, held, size = self.struct, self.tables.arrays, self.size
+        events, ledger = run.events, dict(zip(LEDGER, run.ledger, strict=True))
+        lasting = self.opened[self.touches["way"] != 0] if status == DONE else self.opened[:0]
+        states, races = np.split(held["event_states"][:events], [2 * self.stride], axis=1)
+        return SystemResult(
+            status=status, time=run.time, state=self.state[:, :size], touches=self.touches,
+            samples=self.samples[:, :, :size], forces=self.forces, turns=self.turns,
+            event_times=held["event_times"][:events].copy(),
+            event_kinds=held["event_kinds"][:events],
+            event_contacts=held["event_contacts"][:events],
+            event_turns=held["event_turns"][:events],
+            event_states=states.reshape(events, 2, self.stride)[:, :, :size], event_races=races,
+            episodes=np.concatenate([held["episodes"][: run.episode_count], lasting]),
+            ledger=ledger, steps=run.steps, turn=(run.angle, run.speed), columns=self.columns.T,
+        )  # fmt: skip
 
 
 def follow_system(
@@ -295,80 +398,13 @@ def follow_system(
 
     A run ends early where `is_enough` says so, which is asked after each few hundred events.
     """
-    core, size = _library(), len(request.force)
-    stride, count = -(-size // 4) * 4, len(request.laws)
-    keep: list[npt.NDArray[Any]] = []
-
-    def given(values: npt.NDArray[Any] | None, *, writeable: bool = False) -> c_void_p | None:
-        if values is None:
-            return None
-        keep.append(values)
-        return pointer(values, values.dtype, writeable=writeable)
-
-    def padded(values: Values | None, shape: tuple[int, ...] = ()) -> Values | None:
-        if values is None:
-            return None
-        wide = np.zeros((*(shape or values.shape[:-1]), stride))
-        wide[..., :size] = values
-        return wide
-
-    def by_columns(matrix: Values | None) -> Values | None:
-        return None if matrix is None else padded(np.ascontiguousarray(matrix.T))
-
-    touches, opened = np.zeros(count, TOUCH), np.zeros(count, EPISODE)
-    touches["race"] = request.races
-    state = padded(request.start)
-    assert state is not None
-    samples = np.zeros((request.times.size, 2, stride))
-    forces, turns = np.zeros((request.times.size, count, FORCES)), np.zeros((request.times.size, 2))
-    tables = _Tables(2 * stride + count, max(FIRST_ROOM, 4 * count + 4))
-    run = SystemRunStruct(
-        size=size, stride=stride, contact_count=count, massless=request.massless,
-        stiffness=given(by_columns(request.stiffness)), damping=given(by_columns(request.damping)),
-        gyroscopic=given(by_columns(request.gyroscopic)),
-        stiffness_rate=given(by_columns(request.stiffness_rate)),
-        circulation=given(by_columns(_skew_part(request.stiffness))),
-        unbalance=given(padded(request.unbalance)), force=given(padded(request.force)),
-        rows=given(padded(request.rows)), laws=given(request.laws),
-        touches=given(touches, writeable=True),
-        pieces=given(np.ascontiguousarray(request.pieces, PIECE)), piece_count=len(request.pieces),
-        inertia=request.inertia, rtol=request.rtol, displacement=request.displacement,
-        velocity=request.velocity, fastest=request.fastest, order=request.order,
-        only_events=request.only_events,
-        duration=request.duration, stop=given(stop), speed=request.speed,
-        state=given(state, writeable=True),
-        sample_times=given(np.ascontiguousarray(request.times)),
-        samples=given(samples, writeable=True), sample_forces=given(forces, writeable=True),
-        sample_turns=given(turns, writeable=True), sample_count=request.times.size,
-        open=given(opened, writeable=True),
-        room=given(np.zeros(core.core_system_room(size, count)), writeable=True),
-    )  # fmt: skip
-    changes = np.empty((0, 2 * size + count)) if request.columns is None else request.columns
-    beside = np.zeros((2 * size + count, -(-len(changes) // 4) * 4))
-    beside[:, : len(changes)] = changes.T
-    if len(changes):
-        run.column_count, run.columns = beside.shape[1], given(beside, writeable=True)
-        wanted = core.core_system_column_room(size, count, beside.shape[1])
-        run.column_room = given(np.zeros(wanted), writeable=True)
-    tables.put(run)
+    core = _library()
+    run = _Run(core, request, stop)
     if watch is not None:
-        watch.append(lambda: run.time)  # which the core updates
-    while (status := core.core_system_run(byref(run))) == FULL:
-        if is_enough is not None and is_enough(tables.events(run)):
+        watch.append(lambda: run.struct.time)  # which the core updates
+    while (status := core.core_system_run(byref(run.struct))) == FULL:
+        if is_enough is not None and is_enough(run.tables.events(run.struct)):
             status = DONE
             break
-        tables.grow(run)
-    events, held = run.events, tables.arrays
-    lasting = opened[touches["way"] != 0] if status == DONE else opened[:0]
-    states = held["event_states"][:events]
-    return SystemResult(
-        status=status, time=run.time, state=state[:, :size], touches=touches,
-        samples=samples[:, :, :size], forces=forces, turns=turns,
-        event_times=held["event_times"][:events].copy(), event_kinds=held["event_kinds"][:events],
-        event_contacts=held["event_contacts"][:events], event_turns=held["event_turns"][:events],
-        event_states=states[:, : 2 * stride].reshape(events, 2, stride)[:, :, :size],
-        event_races=states[:, 2 * stride :],
-        episodes=np.concatenate([held["episodes"][: run.episode_count], lasting]),
-        ledger=dict(zip(LEDGER, run.ledger, strict=True)), steps=run.steps,
-        turn=(run.angle, run.speed), columns=beside[:, : len(changes)].T,
-    )  # fmt: skip
+        run.tables.grow(run.struct)
+    return run.result(status)

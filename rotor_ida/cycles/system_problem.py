@@ -29,9 +29,9 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.steady.system_flow import SystemFlow
 from rotor_ida.systems.axisymmetric import forward_motions
 from rotor_ida.systems.receptances import solved_motions
-from rotor_ida.systems.special_speeds import RubProblem, Touching
-from rotor_ida.systems.turning_axes import normal_forces
-from rotor_ida.systems.whirls import sliding
+from rotor_ida.systems.whirls.at_speeds import sliding
+from rotor_ida.systems.whirls.special_speeds import RubProblem, Touching
+from rotor_ida.systems.whirls.turning_axes import normal_forces
 
 # Largest relative gap of a closed orbit, times the size of M.
 LARGEST_MISS = 1e-11

@@ -37,8 +37,8 @@ from rotor_ida.systems.archived import problem_of
 from rotor_ida.systems.campbell import campbell
 from rotor_ida.systems.drop import drop
 from rotor_ida.systems.simulate import run_up_system, simulate_system
-from rotor_ida.systems.special_speeds import special_speeds
-from rotor_ida.systems.synchronous import synchronous_response_system
+from rotor_ida.systems.whirls.special_speeds import special_speeds
+from rotor_ida.systems.whirls.synchronous import synchronous_response_system
 
 # Samples that are sent of a run, and speeds of the exact response and of the Campbell diagram.
 MOST_SAMPLES, SPEEDS, FEW_SPEEDS = 6000, 160, 60

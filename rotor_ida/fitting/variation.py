@@ -29,13 +29,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.fitting.identifiability import ANGLE
-from rotor_ida.model.modes import (
-    Moment,
-    accelerations,
-    damped,
-    slope_of_root,
-    spring_of_root,
-)
+from rotor_ida.model.forces import Moment, accelerations, damped, slope_of_root, spring_of_root
 from rotor_ida.model.parameters import OF_MACHINE, OF_ROTOR
 from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.model.symbols import Dual, variables

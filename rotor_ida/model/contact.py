@@ -6,7 +6,7 @@ of ``sqrt(r - delta0)``, and says so: the polynomials of the whirls and the locu
 folds, the periods of free vibration, the variables of the contact phase, and the lanes of the
 basins.
 
-The core integrates the law in these smooth variables: see `rotor_ida.model.modes.spring_of_root`
+The core integrates the law in these smooth variables: see `rotor_ida.model.forces.spring_of_root`
 and, for code that is not derived from the model, ``core/contact_law.h``. A new law must be added to
 all three.
 

@@ -12,10 +12,13 @@ from pathlib import Path
 from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
-from rotor_ida.model.modes import Mode, Model, turned_rates
+from rotor_ida.model.forces import turned_rates
+from rotor_ida.model.modes import Mode, Model
 from rotor_ida.model.symbols import Dual, Graph, Symbol, named_as_in, split, variables
 
 Matrix = list[list[Symbol]]
+# Modules whose variables give symbols their names.
+SOURCES = ("forces", "modes", "spinning")
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +74,7 @@ def derive(mode: Mode, model: Model, fixed: Mapping[str, float] = MappingProxyTy
     rotor = SimpleNamespace(**{**parameters, **model.constants, **fixed})
     state = [graph.of(fixed[n]) if n in fixed else graph.state(n) for n in mode.state]
     pace = graph.of(mode.pace(state))
-    with named_as_in(*(str(Path(__file__).with_name(name)) for name in ("modes", "spinning"))):
+    with named_as_in(*(str(Path(__file__).with_name(name)) for name in SOURCES)):
         rates = [graph.of(rate) for rate in mode.rates(state, rotor)]
         drawn_rates = [graph.of(rate) for rate in mode.drawn_rates(state, rotor)]
         growth = _growth(graph, mode, state, rotor) if mode.neighbour else []

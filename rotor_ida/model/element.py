@@ -2,8 +2,8 @@
 
 The rotor system itself is linear; all that is not linear happens in its contacts. Each sees the
 displacement u of its node from its centre, the velocity u', and the speeds of the rotor and of the
-race, and answers with the force on the rotor. The law is that of one disc (`rotor_ida.model.modes`)
-in dimensional form:
+race, and answers with the force on the rotor. The law is that of one disc
+(`rotor_ida.model.forces`) in dimensional form:
 
 ``d = |u| - delta``, ``N = k d**n max(0, 1 + lambda d')``, ``T = mu N sigma``,
 ``v_s = u'.t + R Omega - R_b Omega_b``, and the force on the rotor is ``-(N + i T) u/|u|``.
@@ -32,7 +32,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rotor_ida.model.modes import Number, Numbers, damped, slope_of_root, spring_of_root
+from rotor_ida.model.forces import Number, Numbers, damped, slope_of_root, spring_of_root
 
 # What an element is given: the root of its indentation, displacement and velocity, and the speeds
 # of rotor and race.

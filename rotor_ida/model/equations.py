@@ -29,7 +29,7 @@ from rotor_ida.model.contact import (
     force_over_radius,
     stiffness,
 )
-from rotor_ida.model.modes import Moment, accelerations, turned_rates
+from rotor_ida.model.forces import Moment, accelerations, turned_rates
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.symbols import Dual, variables
 

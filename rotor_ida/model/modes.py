@@ -6,10 +6,7 @@ constant powers. Run over numbers they are the model itself. Run once over symbo
 the compiled core needs (`rotor_ida.model.writing`): fields and Jacobians, Taylor series, the growth
 of small differences, and the derivatives by the parameters.
 
-The forces are stated once, in `accelerations`, by components along any two directions: the same
-lines serve on fixed axes, on the rotating ones and in the polar basis of a contact. Flight in
-closed form, the lanes of basins, the energy check and the closed forms restate them by hand:
-CONTRIBUTING.md lists the places ("A force").
+The forces are those of `rotor_ida.model.forces`.
 
 The core is derived for three models. In the paper's rotor shaft, contact damping and load are the
 number 0 and vanish. In the general model (`whole`) the states include the direction of the load and
@@ -20,51 +17,32 @@ force is 3/2 where `rotor.hertz` is 1, or 1 where `rotor.linear` is.
 
 Friction has separate modes, so that a contact without friction is unchanged: in one the surfaces
 slide, forwards or backwards as `rotor.sigma` is 1 or -1; in the other the disc rolls on the stator.
-
-References
-----------
-.. [1] "Analytical Nonlinear Response for a Rotor with the Hertz Contact and Clearance",
-   Mechanika 25(6), 2019, eq. (10).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
-from rotor_ida.model.contact import HERTZ_EXPONENT, secant_of_square
+from rotor_ida.model.forces import (
+    Moment,
+    Number,
+    Numbers,
+    accelerations,
+    damped,
+    hold_of_rolling,
+    resistance,
+    secant,
+    slope_of_root,
+    spring_of_root,
+    turned_rates,
+)
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 
 # Rate at which a direction is returned to the unit circle, relative to the spin. A rate as fast as
 # the motion cost Adams a sixth more steps; this one cost none.
 PULL = 0.1
-# A number, or any object with sums, products, quotients and constant powers.
-Number = Any
-Numbers = Sequence[Number]
-Pair = tuple[Number, Number]
-
-
-class Moment(NamedTuple):
-    """A rotor at one time, by components along two directions; the second is to the left.
-
-    Parameters
-    ----------
-    position, velocity : tuple of number
-        Displacement and velocity of the disc's centre [1].
-    normal : tuple of number
-        Direction from the bearing axis to the disc's centre [1].
-    unbalance : tuple of number
-        Direction of the unbalance [1].
-    down : tuple of number
-        Direction of the load [1].
-    """
-
-    position: Pair
-    velocity: Pair
-    normal: Pair
-    unbalance: Pair = (0.0, 0.0)
-    down: Pair = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,72 +109,6 @@ class Neighbour(NamedTuple):
     turning: Number
 
 
-def accelerations(at: Moment, push: Number, rotor: Any, drag: Number = 0.0) -> Pair:
-    """Return both components of z'' [1]: the one statement of all forces.
-
-    ``z'' = omega**2 e - 2 zeta z' - kappa z - (N + i T) z/|z| + gamma g``, with the directions e
-    and g of unbalance and load. `push` is the normal force N, `drag` the tangential force T, and
-    ``at.normal`` is ``z/|z|``. Where |z| may vanish they are N/|z|, T/|z| and z.
-    """
-    return (
-        _along(0, at, push, rotor) + drag * at.normal[1],
-        _along(1, at, push, rotor) - drag * at.normal[0],
-    )
-
-
-def resistance(velocity: Pair, rotor: Any) -> Number:
-    """Return the resistance of the surroundings, as force over velocity [1].
-
-    It enters the accelerations, the energy that a contact dissipates, and the net torque of a
-    drive. `velocity` has components along any two directions.
-    """
-    del velocity  # linear damping does not depend on it
-    return 2.0 * rotor.zeta
-
-
-def _along(i: int, at: Moment, push: Number, rotor: Any) -> Number:
-    """Return a component of the acceleration without friction."""
-    return (
-        rotor.omega * rotor.omega * at.unbalance[i]
-        - resistance(at.velocity, rotor) * at.velocity[i]
-        - push * at.normal[i]
-        - rotor.shaft_stiffness * at.position[i]
-        + rotor.load * at.down[i]
-    )
-
-
-def spring_of_root(q: Number, rotor: Any) -> Number:
-    """Return ``(|z| - delta0)**n``: analytic in ``q = sqrt(|z| - delta0)`` through q = 0 [1]."""
-    return q * q * (rotor.hertz * q + rotor.linear)
-
-
-def slope_of_root(q: Number, rotor: Any) -> Number:
-    """Return the slope of the spring's force, by q [1]."""
-    return HERTZ_EXPONENT * rotor.hertz * q + rotor.linear
-
-
-def damped(push: Number, approach: Number, rotor: Any) -> Number:
-    """Return the normal force ``d**n (1 + c d')``, or 0 where the contact is loose [1]."""
-    return rotor.pressed * push * (1.0 + rotor.contact_damping * approach)
-
-
-def secant(square: Number, rotor: Any) -> Number:
-    """Return force over distance without clearance, as a function of ``|z|**2`` [1]."""
-    return rotor.felt * (rotor.hertz * secant_of_square(square) + rotor.linear)
-
-
-def turned_rates(
-    position: Numbers, velocity: Numbers, force: Numbers, turning: Number
-) -> list[Number]:
-    """Return the rates of position and velocity whose components rotate with their basis."""
-    return [
-        velocity[0] + turning * position[1],
-        velocity[1] - turning * position[0],
-        force[0] + turning * velocity[1],
-        force[1] - turning * velocity[0],
-    ]
-
-
 def contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
     """Return the rates of a contact by a fictitious time u, with ``dt = q du``.
 
@@ -253,41 +165,30 @@ def drawn_contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) 
     scales the unbalance. The remaining ``c**2 + s**2 - 1`` falls like ``exp(-0.2 omega t)``.
     The general model includes `spent_rate`.
     """
-    rates = contact_rates(state, rotor, more)
-    firsts = (3, 5) if len(state) > len(CONTACT_STATE) else (3,)
-    for first in firsts:
-        c, s = state[first : first + 2]
-        pull = PULL * rotor.omega * state[0] * (1.0 - (c * c + s * s))
-        rates[first] = rates[first] + pull * c
-        rates[first + 1] = rates[first + 1] + pull * s
+    rates = to_unit_circle(contact_rates(state, rotor, more), state, rotor)
     if len(state) > len(CONTACT_STATE):
         rates[-1] = spent_rate(state, rotor)
     return rates
 
 
+def to_unit_circle(rates: list[Number], state: Numbers, rotor: Any) -> list[Number]:
+    """Add to rates of a contact what returns its directions to the unit circle."""
+    for first in (3, 5) if len(state) > len(CONTACT_STATE) else (3,):
+        c, s = state[first : first + 2]
+        pull = PULL * rotor.omega * state[0] * (1.0 - (c * c + s * s))
+        rates[first] = rates[first] + pull * c
+        rates[first + 1] = rates[first + 1] + pull * s
+    return rates
+
+
 def contact_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) -> Neighbour:
     """Return a neighbour of a rotor in contact, in the polar basis of the latter."""
-    q, p, h, c, s, *rest = state
-    down_r, down_t = rest[:2] if len(state) > len(CONTACT_STATE) else (0.0, 0.0)
+    q, _, h, *_ = state
     r = rotor.delta0 + q * q
     around = h / r
+    near, push = _apart(state, around, apart, deeper, rotor)
     spin = around / r
-    position = (r + apart[0], apart[1])
-    velocity = (p + apart[2], around + apart[3])
-    aside = apart[1] / r
-    push = spring_of_root(q, rotor) + slope_of_root(q, rotor) * deeper
-    push = damped(push, velocity[0] + around * aside, rotor)
-    near = Moment(position, velocity, (1.0, aside), (c, -s), (down_r, down_t))
-    return Neighbour(position, velocity, accelerations(near, push, rotor), spin)
-
-
-def hold_of_rolling(at: Moment, r: Number, rotor: Any) -> Number:
-    """Return the tangential force F that rolling needs, from components with the radius first [1].
-
-    While the disc rolls, ``r phi' = -V`` with ``V = rho omega``, so that the angular momentum
-    ``h = -V r`` changes at the rate ``-V r'``; F is the force for this rate.
-    """
-    return accelerations(at, 0.0, rotor)[1] + rotor.rim * at.velocity[0] / r
+    return Neighbour(near.position, near.velocity, accelerations(near, push, rotor), spin)
 
 
 def rub_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Number]:
@@ -377,11 +278,7 @@ def drawn_back(
     rates: list[Number], state: Numbers, spent: tuple[Number, Number], rotor: Any
 ) -> list[Number]:
     """Return rates of a contact with friction, corrected as in `drawn_contact_rates`."""
-    for first in (3, 5):
-        c, s = state[first : first + 2]
-        pull = PULL * rotor.omega * state[0] * (1.0 - (c * c + s * s))
-        rates[first] = rates[first] + pull * c
-        rates[first + 1] = rates[first + 1] + pull * s
+    rates = to_unit_circle(rates, state, rotor)
     rates[-2:] = spent
     return rates
 
@@ -424,8 +321,9 @@ def rolling_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any
 def _apart(
     state: Numbers, around: Number, apart: Numbers, deeper: Number, rotor: Any
 ) -> tuple[Moment, Number]:
-    """Return a neighbour of a contact with friction, and its normal force."""
-    q, p, _, c, s, down_r, down_t, *_ = state
+    """Return a neighbour of a contact, and its normal force."""
+    q, p, _, c, s, *rest = state
+    down_r, down_t = rest[:2] if len(state) > len(CONTACT_STATE) else (0.0, 0.0)
     r = rotor.delta0 + q * q
     position, velocity = (r + apart[0], apart[1]), (p + apart[2], around + apart[3])
     aside = apart[1] / r

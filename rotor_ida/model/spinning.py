@@ -12,6 +12,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+from rotor_ida.model.forces import Number, Numbers, damped, resistance, secant, spring_of_root
 from rotor_ida.model.modes import (
     OF_FORCES,
     ROLLING,
@@ -21,20 +22,14 @@ from rotor_ida.model.modes import (
     WHOLE_CONTACT,
     Mode,
     Model,
-    Number,
-    Numbers,
     cartesian_rates,
     contact_rates,
-    damped,
     drawn_contact_rates,
     drawn_rolling_rates,
     drawn_rub_rates,
     grip_and_hold,
-    resistance,
     rolling_rates,
     rub_rates,
-    secant,
-    spring_of_root,
 )
 
 # In a contact the speed precedes the time, which does not affect the choice of a step, and the

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import cast
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rotor_ida.checks import check_panels
 from rotor_ida.plot.appearance import (
     DASHES,
     GREY,
@@ -20,8 +17,7 @@ from rotor_ida.plot.appearance import (
     look,
 )
 from rotor_ida.plot.datasets import check_dataset, units_in
-from rotor_ida.plot.system_whirls import at_contact, panels_of_contacts
-from rotor_ida.results.si_units import in_rpm
+from rotor_ida.plot.system_whirls import at_contact, label_speed, panels_of_contacts
 from rotor_ida.schema import words_of
 from rotor_ida.signals.nodes import Ring
 
@@ -65,11 +61,9 @@ def plot_clearance(report: xr.Dataset, *, contact: int = 0, ax: Axes | None = No
     own = at_contact(report, contact)
     diameter = 2.0 * own["clearance"].item()
     scaled = (own["major_axis"] * own["scale_factor"]).transpose("case", "speed").values
-    turns = in_rpm(report["speed"])
-    factor = 1.0 if turns is None else float(turns[-1] / report["speed"].values[-1])
-    speeds = factor * report["speed"].values
     with drawing(ax) as ax:
-        ax.set_xlabel(r"spin speed $\Omega$" if turns is None else "spin speed [rpm]")
+        speeds = label_speed(ax, report)
+        factor = float(speeds[-1] / report["speed"].values[-1])
         unit = units_in(report["major_axis"])
         ax.set_ylabel("scaled orbit, peak to peak" + ("" if unit == "1" else f" [{unit}]".replace(
             "um]", "µm]")))  # fmt: skip
@@ -114,9 +108,7 @@ def clearance_report_figure(report: xr.Dataset) -> Figure:
     1
     """
     report = check_dataset("report", report, NEEDED)
-    count = check_panels(report.sizes["contact"])
-    if count == 1:
-        return cast(Figure, plot_clearance(report).figure)
     return panels_of_contacts(
-        count, lambda number, ax: plot_clearance(report, contact=number, ax=ax)
+        report.sizes["contact"],
+        lambda number, ax: plot_clearance(report, contact=number, ax=ax),
     )

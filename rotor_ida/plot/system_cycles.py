@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import cast
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_panels
 from rotor_ida.cycles.branch_course import runs_of
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
@@ -113,8 +110,6 @@ def system_cycle_figure(cycle: xr.Dataset) -> Figure:
     """
     check_dataset("cycle", cycle, CYCLE)
     nodes = list(dict.fromkeys(map(str, cycle["contact_node"].values)))
-    if check_panels(len(nodes)) < 2:
-        return cast(Figure, plot_system_cycle(cycle).figure)
     return panels_of_contacts(
         len(nodes), lambda number, ax: plot_system_cycle(cycle, node=nodes[number], ax=ax)
     )
@@ -215,8 +210,6 @@ def system_branch_figure(branch: xr.Dataset) -> Figure:
     1
     """
     check_dataset("branch", branch, BRANCH)
-    if check_panels(branch.sizes["contact"]) < 2:
-        return cast(Figure, plot_system_branch(branch).figure)
     return panels_of_contacts(
         branch.sizes["contact"],
         lambda number, ax: plot_system_branch(branch, contact=number, ax=ax),

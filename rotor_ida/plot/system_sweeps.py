@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import cast
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_panels
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     GREY,
@@ -35,7 +32,7 @@ from rotor_ida.plot.system_whirls import (
 )
 from rotor_ida.schema import STABILITY
 from rotor_ida.systems.archived import problem_of
-from rotor_ida.systems.synchronous import synchronous_response_system
+from rotor_ida.systems.whirls.synchronous import synchronous_response_system
 
 SWEEP = (
     "speed", "response", "direction", "amplitude", "phase_lag", "radius_min", "radius_max",
@@ -137,12 +134,10 @@ def system_sweep_figure(sweep: xr.Dataset) -> Figure:
     1
     """
     check_dataset("sweep", sweep, SWEEP)
-    count = check_panels(sweep.sizes["contact"]) if sweep.sizes["contact"] else 0
     whirls = _exact_beneath(sweep)
-    if count < 2:
-        return cast(Figure, plot_system_sweep(sweep, whirls=whirls).figure)
     return panels_of_contacts(
-        count, lambda number, ax: plot_system_sweep(sweep, contact=number, whirls=whirls, ax=ax)
+        sweep.sizes["contact"],
+        lambda number, ax: plot_system_sweep(sweep, contact=number, whirls=whirls, ax=ax),
     )
 
 

@@ -284,17 +284,18 @@ def system_whirls_figure(whirls: xr.Dataset) -> Figure:
     1
     """
     whirls = check_dataset("whirls", whirls, WHIRLS)
-    count = check_panels(whirls.sizes["contact"]) if whirls.sizes["contact"] else 0
-    if count < 2:
-        ax = plot_system_whirls(whirls) if count else plot_unbalance_response(whirls)
-        return cast(Figure, ax.figure)
+    if not whirls.sizes["contact"]:
+        return cast(Figure, plot_unbalance_response(whirls).figure)
     return panels_of_contacts(
-        count, lambda number, ax: plot_system_whirls(whirls, contact=number, ax=ax)
+        whirls.sizes["contact"],
+        lambda number, ax: plot_system_whirls(whirls, contact=number, ax=ax),
     )
 
 
-def panels_of_contacts(count: int, draw: Callable[[int, Axes], object]) -> Figure:
-    """Draw a panel for each contact, with one legend."""
+def panels_of_contacts(count: int, draw: Callable[[int, Axes | None], Axes]) -> Figure:
+    """Draw a panel for each contact, with one legend; one alone has a figure of its own."""
+    if check_panels(count) < 2:
+        return cast(Figure, draw(0, None).figure)
     columns = math.ceil(math.sqrt(count))
     rows = math.ceil(count / columns)
     figure, axes = mixed_panels(rows, columns, width=2.0 + 2.8 * columns, height=1.6 + 2.2 * rows)
@@ -356,13 +357,11 @@ def special_speeds_figure(special: xr.Dataset) -> Figure:
     1
     """
     check_dataset("special", special, tuple(BRANCHES))
-    count = check_panels(special.sizes["contact"])
-    if not count:
+    if not special.sizes["contact"]:
         raise InputError("special must be of a system with contacts, got one without")
-    if count == 1:
-        return cast(Figure, plot_special_speeds(special).figure)
     return panels_of_contacts(
-        count, lambda number, ax: plot_special_speeds(special, contact=number, ax=ax)
+        special.sizes["contact"],
+        lambda number, ax: plot_special_speeds(special, contact=number, ax=ax),
     )
 
 

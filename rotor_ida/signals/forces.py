@@ -11,7 +11,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.model.contact import contact_force, damping_factor, secant_stiffness
-from rotor_ida.model.modes import Moment, hold_of_rolling
+from rotor_ida.model.forces import Moment, hold_of_rolling
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.run import check_one_speed, check_run, parameter_coordinates, rotor_of
 from rotor_ida.schema import MODE, Column, labelled_dataset, origin_of

@@ -30,7 +30,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import ROUNDING, Stop, Values, Watch
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.modes import Moment, accelerations
+from rotor_ida.model.forces import Moment, accelerations
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
 from rotor_ida.simulation.orbit import ENTRY, OF_FRICTION, PRESS, ROLLS, SLIP, Orbit

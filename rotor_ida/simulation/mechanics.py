@@ -22,7 +22,7 @@ import numpy as np
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
 from rotor_ida.model.contact import contact_potential, force_over_radius
-from rotor_ida.model.modes import Moment, accelerations
+from rotor_ida.model.forces import Moment, accelerations
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.orbit import (
     FLIES,

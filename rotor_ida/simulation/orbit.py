@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.core.interface import FAULTS, FIRST_OF_SAMPLES, OF_CONTACTS
-from rotor_ida.core.runs import CONTACT, Events, Rows, Samples, fault_of
+from rotor_ida.core.faults import FAULTS, FIRST_OF_SAMPLES, OF_CONTACTS, Events, Samples, fault_of
+from rotor_ida.core.runs import CONTACT, Rows
 from rotor_ida.errors import InvariantError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.options import Options

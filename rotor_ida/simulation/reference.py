@@ -20,25 +20,17 @@ extrema in one step, or where the touch is too slight for the tolerance.
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
-from sksundae.cvode import CVODE
-from sksundae.ida import IDA
+from scipy.optimize import minimize_scalar
 
-from rotor_ida.arrays import ROUNDING, Stop, Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import State
-from rotor_ida.core.interface import MESSAGES, RUNAWAY, STALLED
 from rotor_ida.core.runs import EXTREMUM
-from rotor_ida.errors import SimulationError
-from rotor_ida.model.contact import force_over_radius
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.simulation.integration import Integration
 from rotor_ida.simulation.mechanics import (
     BACKWARDS,
     FLIGHT,
@@ -50,19 +42,14 @@ from rotor_ida.simulation.mechanics import (
     LOST,
     ROLLING,
     SLID,
-    SLIDING,
     VX,
     VY,
-    Rates,
     SpinningRotor,
     X,
     Y,
     energy_of,
     first_state,
     force_of,
-    hidden_hold,
-    hidden_slip,
-    hold_of,
     hold_of_rolling,
     mode_of_start,
     pressed_mode,
@@ -70,9 +57,8 @@ from rotor_ida.simulation.mechanics import (
     radius_of,
     rates_of,
     rolled,
-    slip_of,
 )
-from rotor_ida.simulation.options import LARGEST, Options
+from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import (
     ENTRY,
     EXIT,
@@ -85,121 +71,15 @@ from rotor_ida.simulation.orbit import (
     Orbit,
     SpeedRecord,
 )
+from rotor_ida.simulation.reference_events import (
+    LOOKS,
+    change_in,
+    check_speed,
+    crossing_in,
+    next_time,
+    turns_in,
+)
 from rotor_ida.simulation.spin import GAINED, SPEED, SpeedProfile, steady
-
-Function = Callable[[float, Values], float]
-
-# Fractions of a step checked for a release, a press, the largest force, and a speed below 0.
-LOOKS = 4
-# SUNDIALS may need a few calls for a step: after a reading the first one only returns to its end.
-MOST_IDLE_STEPS = 100
-
-
-# ---- The solver ----
-
-
-class Integration:
-    """A solver of scikit-sundae: one internal step at a time, and any time inside the last.
-
-    Its `step` takes one internal step with ``"onestep"``, and reads the solver's own interpolant
-    with ``"normal"`` at a time inside that step. After such a reading the next ``"onestep"``
-    returns the end of the step once more, which `advance` passes over.
-
-    Parameters
-    ----------
-    method : {"adams", "bdf", "ida"}
-        CVODE with Adams or BDF, or IDA.
-    rates : callable
-        ``rates(time, state, rate)`` writes the rate of change.
-    tolerances : tuple of float
-        Relative and absolute tolerance of one step.
-    time, state : float and ndarray
-        Where it begins.
-    goal : float
-        A time to step towards, which limits only the first step.
-
-    Attributes
-    ----------
-    low, high : float
-        The times at both ends of the last step.
-    before, after : ndarray
-        The states there.
-    """
-
-    def __init__(
-        self,
-        method: str,
-        rates: Rates,
-        tolerances: tuple[float, float],
-        time: float,
-        state: Values,
-        *,
-        goal: float,
-    ) -> None:
-        # SUNDIALS would write its warnings to standard output.
-        os.environ.setdefault("SUNLOGGER_WARNING_FILENAME", os.devnull)
-        settings = {"rtol": tolerances[0], "atol": tolerances[1]}
-        rate = np.empty_like(state)
-        self._solver: Any
-        if method == "ida":
-
-            def residual(time: float, state: Values, slope: Values, out: Values) -> None:
-                rates(time, state, rate)
-                np.subtract(slope, rate, out=out)
-
-            self._solver = IDA(residual, **settings)
-            rates(time, state, rate)
-            self._solver.init_step(time, state, rate.copy())
-        else:
-            name = {"adams": "Adams", "bdf": "BDF"}[method]
-            self._solver = CVODE(rates, method=name, **settings)
-            self._solver.init_step(time, state)
-        self._goal = goal
-        self.low = self.high = time
-        self.before = self.after = state
-        self.evaluations = 0
-
-    def advance(self) -> None:
-        """Take one internal step, or raise `SimulationError`."""
-        self.low, self.before = self.high, self.after
-        for _ in range(MOST_IDLE_STEPS):
-            found = self._solver.step(self._goal, "onestep")
-            if not found.success:
-                raise self.failure(str(found.message).strip())
-            if not np.isfinite(found.y).all():
-                raise self.failure("the state is no longer finite")
-            self.high, self.after, self.evaluations = float(found.t), found.y, int(found.nfev)
-            if self.high > self.low:
-                return
-        raise self.failure("time no longer advances")
-
-    def at(self, time: float) -> Values:
-        """Return the state at a time of the last step."""
-        if time <= self.low or time >= self.high:
-            return self.before if time <= self.low else self.after
-        found = self._solver.step(time, "normal")
-        if not found.success:
-            raise self.failure(str(found.message).strip())
-        state: Values = found.y
-        return state
-
-    def root(self, function: Function, low: float, high: float) -> float:
-        """Return the zero, in the last step, of a function of time and state that changes sign."""
-        spacing = 4.0 * ROUNDING
-        return float(
-            brentq(
-                lambda time: function(time, self.at(time)), low, high, xtol=spacing, rtol=spacing
-            )
-        )
-
-    def failure(self, message: str, time: float | None = None) -> SimulationError:
-        """Return the error that ends the run, at a time of the last step or at its beginning."""
-        ended = self.low if time is None else time
-        x, y, vx, vy = self.at(ended)[:IMPULSE].tolist()
-        return SimulationError(message, time=ended, state=(x, y, vx, vy))
-
-
-# ---- The run ----
 
 
 @dataclass(slots=True)
@@ -335,16 +215,16 @@ def _follow_piece(
         if run.stop is not None and run.stop[0]:
             raise motion.failure("interrupted")
         motion.advance()
-        turns = _turns_in(motion, LOOKS if mode == FLIGHT else 1)
-        crossing = _crossing_in(motion, turns, run.rotor.delta0, in_contact=mode != FLIGHT)
-        change, kind = _change_in(motion, spinning, mode)
+        turns = turns_in(motion, LOOKS if mode == FLIGHT else 1)
+        crossing = crossing_in(motion, turns, run.rotor.delta0, in_contact=mode != FLIGHT)
+        change, kind = change_in(motion, spinning, mode)
         first = min(crossing, change)
         if first <= until + slack:
             ends = EXIT if mode != FLIGHT else ENTRY
             event = ends if crossing <= change else kind
         end = first if event else min(motion.high, until)
         if state.size > SPEED:
-            _check_speed(motion, rates, end)
+            check_speed(motion, rates, end)
         for candidate in (*turns, end):
             if candidate <= end:
                 contact.pass_by(candidate, motion.at(candidate))
@@ -384,152 +264,12 @@ def _record_event(run: _Run, time: float, event: int, state: Values) -> int:
             event = 0 if mode == run.ways[-1] else REVERSE if turned else ROLL
         if not event:
             run.ways[-1] = mode
-    elif event in {ROLL, SLIP, REVERSE} and not last and time <= _next(0.0):
+    elif event in {ROLL, SLIP, REVERSE} and not last and time <= next_time(0.0):
         event, run.ways[-1] = 0, mode  # so it began
     if event:
         run.events.append((time, event, state))
         run.ways.append(mode)
     return mode
-
-
-def _change_in(motion: Integration, spinning: SpinningRotor, mode: int) -> tuple[float, int]:
-    """Return when in the last step the contact changes its mode, or infinity; and its event.
-
-    It comes loose, or presses again; surfaces stop sliding; or the disc begins to slip.
-    """
-    first = (math.inf, 0)
-    for within, event, hidden in _guards(motion, spinning, mode):
-        time = _first_below(motion, within, hidden)
-        if event == ROLL and time == _next(motion.low) and _drives_on(motion, spinning, mode):
-            continue
-        if time < first[0]:
-            first = (time, event)
-    return first
-
-
-def _drives_on(motion: Integration, spinning: SpinningRotor, mode: int) -> bool:
-    """Return whether surfaces without slip at the start of a step continue to slide as before.
-
-    After a slip their speed grows like the square of time: the error of a step may exceed it.
-    """
-    return pressed_mode(spinning, motion.low, motion.before, 0.0) == mode
-
-
-def _next(time: float) -> float:
-    """Return the next time: that of an event where a mode ends as soon as it begins."""
-    return math.nextafter(time, math.inf)
-
-
-def _guards(
-    motion: Integration, spinning: SpinningRotor, mode: int
-) -> list[tuple[Function, int, float]]:
-    """Return the guards of a mode, which stay positive in it, their events and rounding levels."""
-    rotor = spinning.rotor
-    guards: list[tuple[Function, int, float]] = []
-    if mode == FLIGHT:
-        return guards
-    if rotor.contact_damping > 0.0:
-        side = -1.0 if mode == LOOSE else 1.0
-        event = PRESS if mode == LOOSE else RELEASE
-        guards.append((lambda _, state: side * hold_of(rotor, state), event, 0.0))
-    if mode in SLIDING:
-        hidden = hidden_slip(spinning, motion.low, motion.before)
-        guards.append((lambda time, state: mode * slip_of(spinning, time, state), ROLL, hidden))
-    if mode == ROLLING:
-        hidden = hidden_hold(spinning, motion.low, motion.before)
-        ends = ((motion.low, motion.before), (motion.high, motion.after))
-        holds = [
-            hold_of_rolling(spinning, time, rolled(spinning, time, state)) for time, state in ends
-        ]
-        if max(map(abs, holds)) > hidden:
-            guards += [(_grip(spinning, sense), SLIP, hidden) for sense in SLIDING]
-    return guards
-
-
-def _grip(spinning: SpinningRotor, sense: int) -> Function:
-    """Return the grip remaining against sliding in a sense, as a function."""
-    rotor = spinning.rotor
-
-    def left(time: float, state: Values) -> float:
-        seen = rolled(spinning, time, state)
-        push = force_over_radius(radius_of(seen), rotor.delta0, rotor.contact_exponent)
-        force = push * radius_of(seen) * hold_of(rotor, seen)
-        return rotor.friction * force - sense * hold_of_rolling(spinning, time, seen)
-
-    return left
-
-
-def _first_below(motion: Integration, within: Function, hidden: float) -> float:
-    """Return when in the last step a function first falls below 0; infinity if never."""
-    places = np.linspace(motion.low, motion.high, LOOKS + 1).tolist()
-    for low, high in pairwise(places):
-        if within(high, motion.at(high)) < -hidden:
-            point, reach = low, high - low
-            while within(point, motion.at(point)) <= 0.0 and reach > HIDDEN * high:
-                reach *= 0.125
-                point = low + reach
-            if within(point, motion.at(point)) > 0.0:
-                return motion.root(within, point, high)
-            return _next(low)
-    return math.inf
-
-
-def _check_speed(motion: Integration, rates: Rates, end: float) -> None:
-    """Raise `SimulationError` where a driven speed leaves 0 to `LARGEST` in the last step."""
-    rate = np.empty_like(motion.before)
-
-    def growth(time: float, state: Values) -> float:
-        rates(time, state, rate)
-        return float(rate[SPEED])
-
-    low = motion.low
-    for to in np.linspace(motion.low, end, LOOKS + 1)[1:].tolist():
-        turns = growth(low, motion.at(low)) * growth(to, motion.at(to)) < 0.0
-        for point in (motion.root(growth, low, to), to) if turns else (to,):
-            if motion.at(point)[SPEED] < 0.0:
-                still = motion.at(low)[SPEED] <= 0.0
-                stall = low if still else motion.root(lambda _, state: state[SPEED], low, point)
-                raise motion.failure(MESSAGES[STALLED], stall)
-            low = point
-    if motion.at(end)[SPEED] > LARGEST:
-        raise motion.failure(MESSAGES[RUNAWAY], end)
-
-
-def _turns_in(motion: Integration, looks: int) -> list[float]:
-    """Return when in the last step the radius has extrema, one at most between two looks.
-
-    A step of a drop through the centre may be as long as the drop.
-    """
-    places = np.linspace(motion.low, motion.high, looks + 1).tolist()
-    rates = [radial_rate_of(motion.at(place)) for place in places]
-    return [
-        motion.root(lambda _, state: radial_rate_of(state), low, high)
-        for (low, high), (rate, next_rate) in zip(pairwise(places), pairwise(rates), strict=True)
-        if rate * next_rate < 0.0
-    ]
-
-
-def _crossing_in(
-    motion: Integration, turns: list[float], delta0: float, *, in_contact: bool
-) -> float:
-    """Return when in the last step the rotor first leaves its mode; infinity if never.
-
-    A mode begins on the stator, up to rounding on either side: only a passage out of it counts.
-    """
-    if delta0 == 0.0:
-        return math.inf
-    side = 1.0 if in_contact else -1.0
-
-    def within(_: float, state: Values) -> float:
-        return side * (radius_of(state) - delta0)
-
-    hidden = HIDDEN * delta0  # below this it is rounding, as for a rotor at rest on the stator
-    for low, high in pairwise((motion.low, *turns, motion.high)):
-        if within(high, motion.at(high)) < -hidden:
-            if within(low, motion.at(low)) > 0.0:
-                return motion.root(within, low, high)
-            return _next(low)  # it left as soon as it entered
-    return math.inf
 
 
 def _record_step(

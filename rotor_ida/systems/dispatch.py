@@ -14,7 +14,7 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.simulation.run_up import run_up as run_up_disc
 from rotor_ida.simulation.simulate import simulate as simulate_disc
 from rotor_ida.systems.simulate import run_up_system, simulate_system
-from rotor_ida.systems.synchronous import synchronous_response_system
+from rotor_ida.systems.whirls.synchronous import synchronous_response_system
 
 OfDisc = ParamSpec("OfDisc")
 OfSystem = ParamSpec("OfSystem")

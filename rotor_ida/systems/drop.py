@@ -23,12 +23,8 @@ from rotor_ida.systems.assembly import assemble, check_parts
 from rotor_ida.systems.drop_figures import figures_of_drop
 from rotor_ida.systems.levitation import Levitated, check_supports, levitated, with_supports
 from rotor_ida.systems.modes import check_modes, in_modes
-from rotor_ida.systems.simulate import (
-    MOST_RADIANS,
-    SystemMethod,
-    profile_of,
-    run_of_cases,
-)
+from rotor_ida.systems.simulate import SystemMethod, run_of_cases
+from rotor_ida.systems.speed_changes import MOST_RADIANS, profile_of
 from rotor_ida.systems.units import with_system_units
 
 TITLE = "Rotor system: drop on its touchdown bearings"

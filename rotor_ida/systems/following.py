@@ -222,18 +222,3 @@ def errors_of(
             horizon = min(horizon, float(other.event_times[others[own.size]]))
     errors[result.event_times > horizon] = np.inf
     return errors, horizon
-
-
-def energy_of(found: Canonical, state: Values) -> float:
-    """Return the energy of a state: kinetic, elastic and of the constant force."""
-    y, v = state
-    moving = v[: len(v) - found.massless]
-    return float(0.5 * (moving @ moving) + 0.5 * (y @ (found.stiffness @ y)) - found.force @ y)
-
-
-def size_of_energy(found: Canonical, states: Values) -> float:
-    """Return the largest sum of the sizes of all parts of the energy over some states."""
-    y, v = states[:, 0], states[:, 1]
-    bent = np.abs(np.einsum("ij,ij->i", y, y @ found.stiffness.T))
-    sizes = 0.5 * (v**2).sum(axis=1) + 0.5 * bent + np.abs(y @ found.force)
-    return float(sizes.max(initial=0.0))

@@ -22,8 +22,8 @@ from rotor_ida.systems.archived import NEEDED, PROBLEM, problem_of
 from rotor_ida.systems.campbell import campbell
 from rotor_ida.systems.clearances.report import clearance_report
 from rotor_ida.systems.simulate import run_up_system, simulate_system
-from rotor_ida.systems.special_speeds import special_speeds
-from rotor_ida.systems.synchronous import synchronous_response_system
+from rotor_ida.systems.whirls.special_speeds import special_speeds
+from rotor_ida.systems.whirls.synchronous import synchronous_response_system
 from rotor_ida.verification.verify import Verdict, Verification, counts_of
 from rotor_ida.verification.verify_motions import (
     NUMBERS,

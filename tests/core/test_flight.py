@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.core import runs
+from rotor_ida.core import flight, runs
 from rotor_ida.core.interface import DONE
 
 NEVER = math.inf
@@ -64,7 +64,7 @@ class Exact:
 
 def errors(rotor, z0, w0, tau):
     """Return the errors of displacement and velocity, of what they come to about then."""
-    x, y, vx, vy = runs.fly(rotor, row(z0, w0), tau)[0].tolist()
+    x, y, vx, vy = flight.fly(rotor, row(z0, w0), tau)[0].tolist()
     exact, found = Exact(rotor, z0, w0), (complex(x, y), complex(vx, vy))
     reached = [exact(tau * part) for part in (1.0, 0.8, 0.63)]
     with mpmath.workdps(60):
@@ -126,7 +126,7 @@ def test_a_long_flight_comes_to_its_whirl(tau):
         rotor = sprung(omega, zeta, kappa, 0.4)
         whirl = omega**2 / complex(kappa - omega**2, 2.0 * zeta * omega)
         rest = -0.4j / kappa * np.exp(-1j * omega * tau)
-        x, y, vx, vy = runs.fly(rotor, (0.3, 0.1, 0.5, -2.0), tau)[0]
+        x, y, vx, vy = flight.fly(rotor, (0.3, 0.1, 0.5, -2.0), tau)[0]
         assert complex(x, y) == pytest.approx(whirl + rest, abs=1e-11)
         assert complex(vx, vy) == pytest.approx(1j * omega * whirl, abs=1e-11)
 
@@ -138,8 +138,8 @@ def test_differences_fly_as_what_lies_between_two_flights():
         bundle = np.eye(4)
         asked = runs.RunRequest(rotor=rotor, start=tuple(start), duration=3.0, bundle=bundle, **HOW)
         assert runs.follow_run(asked).status == DONE
-        apart = [runs.fly(rotor, start + unit, 3.0)[0] for unit in np.eye(4)]
-        expected = np.array(apart) - runs.fly(rotor, start, 3.0)
+        apart = [flight.fly(rotor, start + unit, 3.0)[0] for unit in np.eye(4)]
+        expected = np.array(apart) - flight.fly(rotor, start, 3.0)
         np.testing.assert_allclose(bundle, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
 
 
@@ -160,9 +160,9 @@ def test_the_first_touch_is_the_first_of_a_fine_search():
     for place in range(60):
         parameters, z0, w0 = random_flight(rng, place)
         rotor = sprung(*parameters, delta0=abs(z0) * rng.uniform(1.01, 6.0))
-        x, y, *_ = runs.fly(rotor, row(z0, w0), times).T
+        x, y, *_ = flight.fly(rotor, row(z0, w0), times).T
         outside = np.hypot(x, y) > rotor.delta0
-        found = runs.first_touch(rotor, row(z0, w0), 20.0)
+        found = flight.first_touch(rotor, row(z0, w0), 20.0)
         if not outside.any():
             assert found == NEVER
             missed += 1
@@ -170,7 +170,7 @@ def test_the_first_touch_is_the_first_of_a_fine_search():
         touched += 1
         last = int(outside.argmax())
         assert times[last - 1] <= found <= times[last]
-        x, y, *_ = runs.fly(rotor, row(z0, w0), found)[0]
+        x, y, *_ = flight.fly(rotor, row(z0, w0), found)[0]
         assert math.hypot(x, y) == pytest.approx(rotor.delta0, rel=1e-14)
     assert touched > 30
     assert missed > 5
@@ -180,7 +180,7 @@ def graze(rng, place, penetration):
     """Return a flight whose |z| peaks at delta0 + penetration, from an inner point, and when."""
     parameters, z0, w0 = random_flight(rng, place)
     times = np.linspace(0.0, 12.0, 4001)
-    x, y, *_ = runs.fly(sprung(*parameters), row(z0, w0), times).T
+    x, y, *_ = flight.fly(sprung(*parameters), row(z0, w0), times).T
     radius = np.hypot(x, y)
     peak = next((k for k in range(1, 4000) if radius[k - 1] < radius[k] > radius[k + 1]), None)
     if peak is None or radius[peak] <= max(radius[: peak - 1]) or radius[peak] < 0.2:
@@ -203,12 +203,12 @@ def test_no_graze_is_missed_and_none_invented(size):
         seen += 1
         parameters, z0, w0, summit, inside = case
         rotor = sprung(*parameters, delta0=inside)
-        touch = runs.first_touch(rotor, row(z0, w0), 2.0 * summit)
+        touch = flight.first_touch(rotor, row(z0, w0), 2.0 * summit)
         assert touch < summit
-        x, y, *_ = runs.fly(rotor, row(z0, w0), touch)[0]
+        x, y, *_ = flight.fly(rotor, row(z0, w0), touch)[0]
         assert math.hypot(x, y) == pytest.approx(inside, abs=4e-15)
         wider = sprung(*parameters, delta0=inside + 2.0 * size)
-        assert runs.first_touch(wider, row(z0, w0), summit + 1e-3) == NEVER
+        assert flight.first_touch(wider, row(z0, w0), summit + 1e-3) == NEVER
 
 
 @pytest.mark.parametrize("kappa", [0.0, 1.3, 6.0])
@@ -220,13 +220,13 @@ def test_a_whirl_on_the_ring_or_just_inside_it_is_decided_at_once(kappa):
         for room in (0.0, 1e-15, 1e-12, 1e-6):
             delta0 = (abs(whirl) + abs(rest)) * (1.0 + room)
             rotor = sprung(1.7, 0.07, kappa, load, delta0)
-            touch = runs.first_touch(rotor, row(whirl + rest, 1.7j * whirl), 1e9 if room else 1e3)
+            touch = flight.first_touch(rotor, row(whirl + rest, 1.7j * whirl), 1e9 if room else 1e3)
             assert touch == NEVER or (load and not room)
 
 
 def radial_rates(rotor, start, times):
     """``r r'`` of a flight."""
-    x, y, vx, vy = runs.fly(rotor, start, times).T
+    x, y, vx, vy = flight.fly(rotor, start, times).T
     return x * vx + y * vy
 
 
@@ -239,7 +239,7 @@ def test_every_extremum_of_a_flight_is_found_and_none_invented(delta0):
         parameters, z0, w0 = random_flight(rng, place)
         rotor = sprung(*parameters, delta0=delta0)
 
-        end = min(10.0, 0.99 * runs.first_touch(rotor, row(z0, w0), 10.0))
+        end = min(10.0, 0.99 * flight.first_touch(rotor, row(z0, w0), 10.0))
         asked = runs.RunRequest(
             rotor=rotor, start=row(z0, w0), duration=end, extrema=True, events=True, **HOW
         )
@@ -266,7 +266,7 @@ def test_two_extrema_of_a_flight_close_together_are_found():
             runs.RunRequest(rotor=rotor, start=start, duration=15.0, extrema=True, **HOW)
         )
         times = np.linspace(0.0, 15.0, 60_001)
-        x, y, vx, vy = runs.fly(rotor, start, times).T
+        x, y, vx, vy = flight.fly(rotor, start, times).T
         rate = x * vx + y * vy
         turns = np.flatnonzero(rate[1:] * rate[:-1] < 0.0)
         assert len(seen.extrema) == turns.size
@@ -289,6 +289,6 @@ def test_maxima_and_minima_of_the_radius_alternate_across_contacts():
 def test_a_start_may_be_given_once_for_many_flights():
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
     start, spans = (0.3, 0.2, 0.1, -0.4), [0.5, 1.0, 2.0]
-    together = runs.fly(rotor, start, spans)
-    apart = [runs.fly(rotor, start, span)[0] for span in spans]
+    together = flight.fly(rotor, start, spans)
+    apart = [flight.fly(rotor, start, span)[0] for span in spans]
     np.testing.assert_array_equal(together, apart)

@@ -4,7 +4,8 @@ import ast
 import re
 from pathlib import Path
 
-from rotor_ida.core.interface import FAULTS, MESSAGES
+from rotor_ida.core.faults import FAULTS
+from rotor_ida.core.interface import MESSAGES
 
 ROOT = Path(__file__).resolve().parents[2]
 ROW = re.compile(r"^\| (?P<messages>`.*?`) \| (?P<cause>.*?) \| (?P<cure>.*?) \|$", re.MULTILINE)

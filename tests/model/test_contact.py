@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rotor_ida.model import contact
-from rotor_ida.model.modes import slope_of_root, spring_of_root
+from rotor_ida.model.forces import slope_of_root, spring_of_root
 
 lengths = st.floats(0.0, 50.0)
 

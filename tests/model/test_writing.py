@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from rotor_ida.model.derivation import derive
+from rotor_ida.model.mode_functions import write_series, write_spent, write_values
 from rotor_ida.model.modes import Mode, Model
 from rotor_ida.model.symbols import Symbol
-from rotor_ida.model.writing import FOLDER, write_series, write_spent, write_values
+from rotor_ida.model.writing import FOLDER
 
 ROOT = Path(__file__).parents[2]
 STATE = ("x", "y", "x_", "spent")

@@ -87,7 +87,8 @@ def test_without_scikit_sundae_the_reference_says_so(monkeypatch, asked_anew):
     for name in [name for name in sys.modules if name.startswith("sksundae")]:
         monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.setitem(sys.modules, "sksundae", None)
-    monkeypatch.delitem(sys.modules, "rotor_ida.simulation.reference", raising=False)
+    for name in ("reference", "reference_events", "integration"):
+        monkeypatch.delitem(sys.modules, f"rotor_ida.simulation.{name}", raising=False)
     with pytest.raises(InstallationError, match=r"^backend 'python' needs scikit-sundae: pip inst"):
         simulate(BOUNCING, start=REST, duration=1.0, backend="python")
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.core import runs
+from rotor_ida.core import flight, runs
 from rotor_ida.model.equations import rotated
 from rotor_ida.simulation import mechanics
 from rotor_ida.simulation.spin import Steady
@@ -27,7 +27,7 @@ def numbers(state):
 
 def fly(z0, w0, tau, omega, zeta):
     rotor = Rotor(omega=omega, zeta=zeta, delta0=1.0)
-    return numbers(runs.fly(rotor, row(z0, w0), tau)[0])
+    return numbers(flight.fly(rotor, row(z0, w0), tau)[0])
 
 
 def fly_by_parameters(z0, w0, tau, omega, zeta):
@@ -43,7 +43,7 @@ def fly_by_parameters(z0, w0, tau, omega, zeta):
 
 
 def first_touch(z0, w0, omega, zeta, delta0, limit):
-    return runs.first_touch(Rotor(omega=omega, zeta=zeta, delta0=delta0), row(z0, w0), limit)
+    return flight.first_touch(Rotor(omega=omega, zeta=zeta, delta0=delta0), row(z0, w0), limit)
 
 
 def unbalance_whirl(omega, zeta):
@@ -245,13 +245,13 @@ def test_core_and_reference_agree_on_starts_at_the_ring(ulps, outwards, angle):
                 rotor = Rotor(omega=omega, zeta=0.07, delta0=0.7)
                 machine, start = mechanics.SpinningRotor(rotor, Steady(omega)), row(z0, w0)
                 answer = mechanics.starts_in_contact(machine, start)
-                assert answer == runs.starts_in_contact(rotor, start), (sign, around, omega)
+                assert answer == flight.starts_in_contact(rotor, start), (sign, around, omega)
 
 
 def test_rotation_is_that_of_the_model():
     states, times = np.random.default_rng(5).normal(size=(40, 4)), np.linspace(-3.0, 9.0, 40)
     turned = states.copy()
-    runs.rotate(turned, times, 1.3)
+    flight.rotate(turned, times, 1.3)
     np.testing.assert_allclose(turned, rotated(states, 1.3 * times), rtol=0, atol=4e-15)
 
 

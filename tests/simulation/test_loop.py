@@ -7,7 +7,8 @@ import pytest
 from scipy.special import beta
 
 from rotor_ida import InputError, Rotor, simulate
-from rotor_ida.core.runs import RunRequest, follow_run, starts_in_contact
+from rotor_ida.core.flight import starts_in_contact
+from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.model.equations import angular_momentum, energy
 from rotor_ida.model.parameters import OF_ROTOR
 

@@ -8,7 +8,7 @@ from rotor_ida.closed_forms import late_jumps
 from rotor_ida.plot import plot_extrema
 from rotor_ida.schema import RESPONSE, STATUS
 from rotor_ida.steady import bifurcation_diagram as diagram_module
-from rotor_ida.steady.bifurcation_diagram import ramp_extrema
+from rotor_ida.steady.ramp_extrema import ramp_extrema
 
 GO_ON = np.zeros(1, np.uint8)
 REST = (0.0, 0.0, 0.0, 0.0)

@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 from rotor_ida import Contact, Rotor, RotorSystem, backward_whirl, simulate
 from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.axisymmetric import forward_motions
-from rotor_ida.systems.dry_whip import _edges, dry_whips
+from rotor_ida.systems.whirls.dry_whip import _edges, dry_whips
 from tests.systems.axisymmetric_systems import QUARTER, random_axisymmetric
 
 

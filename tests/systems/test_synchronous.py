@@ -16,7 +16,7 @@ from rotor_ida import (
     simulate,
     synchronous_response,
 )
-from rotor_ida.systems.double_rubs import Pairs, double_rubs
+from rotor_ida.systems.whirls.double_rubs import Pairs, double_rubs
 from tests.systems.axisymmetric_systems import beam, random_axisymmetric
 
 

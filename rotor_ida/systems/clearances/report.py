@@ -46,8 +46,8 @@ from rotor_ida.systems.clearances.response import (
 )
 from rotor_ida.systems.clearances.rubs import Rubs, Touching, touching_of
 from rotor_ida.systems.clearances.words import sentences
-from rotor_ida.systems.dry_whip import Whip
 from rotor_ida.systems.units import with_system_units
+from rotor_ida.systems.whirls.dry_whip import Whip
 from rotor_ida.units import SPEED_UNITS
 
 # Largest share of the diametral clearance.
@@ -144,8 +144,8 @@ def clearance_report(
     twice is what public discussions say of the 9th edition.
 
     *Touches.* Rubs are those of `synchronous_response`, of one contact or two at a time; for dry
-    whip see `rotor_ida.systems.dry_whip`. Both need an axisymmetric rotor and stators; otherwise
-    the attribute ``not_exact`` says why they are left out.
+    whip see `rotor_ida.systems.whirls.dry_whip`. Both need an axisymmetric rotor and stators;
+    otherwise the attribute ``not_exact`` says why they are left out.
 
     References
     ----------

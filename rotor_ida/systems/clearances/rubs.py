@@ -15,8 +15,8 @@ from rotor_ida.schema import STABILITY
 from rotor_ida.systems.axisymmetric import forward_motions
 from rotor_ida.systems.clearances.critical_speeds import Mode
 from rotor_ida.systems.clearances.response import Cases, Response, about, scaled
-from rotor_ida.systems.dry_whip import Whip, dry_whips
-from rotor_ida.systems.synchronous import synchronous_response_system
+from rotor_ida.systems.whirls.dry_whip import Whip, dry_whips
+from rotor_ida.systems.whirls.synchronous import synchronous_response_system
 
 # Continuous speeds at which rubs are sought, and as many from rest to the trip speed.
 RUB_SPEEDS = 41

@@ -34,17 +34,23 @@ from rotor_ida.systems.axisymmetric import (
     check_no_races,
     forward_motions,
 )
-from rotor_ida.systems.double_rubs import balance
 from rotor_ida.systems.receptances import Receptances, receptances
-from rotor_ida.systems.synchronous import synchronous_response_system
-from rotor_ida.systems.turning_axes import (
+from rotor_ida.systems.units import with_system_units
+from rotor_ida.systems.whirls.at_speeds import (
+    MOST_TOUCHING,
+    effects,
+    rubbing_whirls,
+    rubs,
+    touching_sets,
+)
+from rotor_ida.systems.whirls.double_rubs import balance
+from rotor_ida.systems.whirls.synchronous import synchronous_response_system
+from rotor_ida.systems.whirls.turning_axes import (
     NEUTRAL,
     Whirls,
     eigenvalues_in_contact,
     eigenvalues_without_contact,
 )
-from rotor_ida.systems.units import with_system_units
-from rotor_ida.systems.whirls import MOST_TOUCHING, effects, rubbing_whirls, rubs, touching_sets
 
 MOST_POINTS = 100_000
 # Variables of whirls that a result of special speeds has by another name, or not at all.

@@ -22,8 +22,10 @@ from rotor_ida.systems.axisymmetric import (
     forward_motions,
 )
 from rotor_ida.systems.receptances import Receptances, checked_speeds, receptances
-from rotor_ida.systems.refined import refined_growth
-from rotor_ida.systems.turning_axes import (
+from rotor_ida.systems.units import with_system_units
+from rotor_ida.systems.whirls.at_speeds import MOST_TOUCHING, sliding, whirls_of
+from rotor_ida.systems.whirls.refined import refined_growth
+from rotor_ida.systems.whirls.turning_axes import (
     NEUTRAL,
     Whirls,
     eigenvalues_in_contact,
@@ -31,8 +33,6 @@ from rotor_ida.systems.turning_axes import (
     normal_forces,
     springs_of,
 )
-from rotor_ida.systems.units import with_system_units
-from rotor_ida.systems.whirls import MOST_TOUCHING, sliding, whirls_of
 
 _REFERENCES = (
     "The forces of a whirl are constant on axes that turn with it: exact for any number of degrees "

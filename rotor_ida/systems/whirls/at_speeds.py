@@ -12,10 +12,10 @@ from rotor_ida.closed_forms.contacting_whirls import Rows
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.model.system_parts import Contact
 from rotor_ida.systems.assembly import Assembly
-from rotor_ida.systems.double_rubs import Pairs, double_rubs
 from rotor_ida.systems.receptances import Receptances
-from rotor_ida.systems.single_rubs import single_rubs
-from rotor_ida.systems.turning_axes import Whirls, normal_forces
+from rotor_ida.systems.whirls.double_rubs import Pairs, double_rubs
+from rotor_ida.systems.whirls.single_rubs import single_rubs
+from rotor_ida.systems.whirls.turning_axes import Whirls, normal_forces
 
 MOST_TOUCHING = 2
 _PAIRS_AT_A_TIME = 2000

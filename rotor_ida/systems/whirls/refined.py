@@ -24,7 +24,7 @@ import numpy as np
 from rotor_ida.arrays import ROUNDING, ComplexValues, Values
 from rotor_ida.systems.assembly import Assembly
 from rotor_ida.systems.axisymmetric import ForwardMotions
-from rotor_ida.systems.turning_axes import Springs
+from rotor_ida.systems.whirls.turning_axes import Springs
 
 # Corrections above this part of the largest eigenvalue are no rounding, and are left out.
 LARGEST_STEP = 1e-12

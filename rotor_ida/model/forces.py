@@ -1,0 +1,121 @@
+"""The forces on a rotor, over numbers or symbols.
+
+They are stated once, in `accelerations`, by components along any two directions: the same lines
+serve on fixed axes, on the rotating ones and in the polar basis of a contact. Flight in
+closed form, the lanes of basins, the energy check and the closed forms restate them by hand:
+CONTRIBUTING.md lists the places ("A force").
+
+References
+----------
+.. [1] "Analytical Nonlinear Response for a Rotor with the Hertz Contact and Clearance",
+   Mechanika 25(6), 2019, eq. (10).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from rotor_ida.model.contact import HERTZ_EXPONENT, secant_of_square
+
+# A number, or any object with sums, products, quotients and constant powers.
+Number = Any
+Numbers = Sequence[Number]
+Pair = tuple[Number, Number]
+
+
+class Moment(NamedTuple):
+    """A rotor at one time, by components along two directions; the second is to the left.
+
+    Parameters
+    ----------
+    position, velocity : tuple of number
+        Displacement and velocity of the disc's centre [1].
+    normal : tuple of number
+        Direction from the bearing axis to the disc's centre [1].
+    unbalance : tuple of number
+        Direction of the unbalance [1].
+    down : tuple of number
+        Direction of the load [1].
+    """
+
+    position: Pair
+    velocity: Pair
+    normal: Pair
+    unbalance: Pair = (0.0, 0.0)
+    down: Pair = (0.0, 0.0)
+
+
+def accelerations(at: Moment, push: Number, rotor: Any, drag: Number = 0.0) -> Pair:
+    """Return both components of z'' [1]: the one statement of all forces.
+
+    ``z'' = omega**2 e - 2 zeta z' - kappa z - (N + i T) z/|z| + gamma g``, with the directions e
+    and g of unbalance and load. `push` is the normal force N, `drag` the tangential force T, and
+    ``at.normal`` is ``z/|z|``. Where |z| may vanish they are N/|z|, T/|z| and z.
+    """
+    return (
+        _along(0, at, push, rotor) + drag * at.normal[1],
+        _along(1, at, push, rotor) - drag * at.normal[0],
+    )
+
+
+def resistance(velocity: Pair, rotor: Any) -> Number:
+    """Return the resistance of the surroundings, as force over velocity [1].
+
+    It enters the accelerations, the energy that a contact dissipates, and the net torque of a
+    drive. `velocity` has components along any two directions.
+    """
+    del velocity  # linear damping does not depend on it
+    return 2.0 * rotor.zeta
+
+
+def _along(i: int, at: Moment, push: Number, rotor: Any) -> Number:
+    """Return a component of the acceleration without friction."""
+    return (
+        rotor.omega * rotor.omega * at.unbalance[i]
+        - resistance(at.velocity, rotor) * at.velocity[i]
+        - push * at.normal[i]
+        - rotor.shaft_stiffness * at.position[i]
+        + rotor.load * at.down[i]
+    )
+
+
+def spring_of_root(q: Number, rotor: Any) -> Number:
+    """Return ``(|z| - delta0)**n``: analytic in ``q = sqrt(|z| - delta0)`` through q = 0 [1]."""
+    return q * q * (rotor.hertz * q + rotor.linear)
+
+
+def slope_of_root(q: Number, rotor: Any) -> Number:
+    """Return the slope of the spring's force, by q [1]."""
+    return HERTZ_EXPONENT * rotor.hertz * q + rotor.linear
+
+
+def damped(push: Number, approach: Number, rotor: Any) -> Number:
+    """Return the normal force ``d**n (1 + c d')``, or 0 where the contact is loose [1]."""
+    return rotor.pressed * push * (1.0 + rotor.contact_damping * approach)
+
+
+def secant(square: Number, rotor: Any) -> Number:
+    """Return force over distance without clearance, as a function of ``|z|**2`` [1]."""
+    return rotor.felt * (rotor.hertz * secant_of_square(square) + rotor.linear)
+
+
+def turned_rates(
+    position: Numbers, velocity: Numbers, force: Numbers, turning: Number
+) -> list[Number]:
+    """Return the rates of position and velocity whose components rotate with their basis."""
+    return [
+        velocity[0] + turning * position[1],
+        velocity[1] - turning * position[0],
+        force[0] + turning * velocity[1],
+        force[1] - turning * velocity[0],
+    ]
+
+
+def hold_of_rolling(at: Moment, r: Number, rotor: Any) -> Number:
+    """Return the tangential force F that rolling needs, from components with the radius first [1].
+
+    While the disc rolls, ``r phi' = -V`` with ``V = rho omega``, so that the angular momentum
+    ``h = -V r`` changes at the rate ``-V r'``; F is the force for this rate.
+    """
+    return accelerations(at, 0.0, rotor)[1] + rotor.rim * at.velocity[0] / r

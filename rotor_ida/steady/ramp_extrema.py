@@ -1,0 +1,113 @@
+"""The extrema of the radius near each speed of a run-up or run-down at a rate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import Stop, Values
+from rotor_ida.checks import State
+from rotor_ida.core.interface import DONE, message_of
+from rotor_ida.core.runs import RunRequest, follow_run
+from rotor_ida.errors import SimulationError
+from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema import RESPONSE
+from rotor_ida.simulation.extrema import CONSTANT
+from rotor_ida.simulation.neighbours import ATOL
+from rotor_ida.simulation.spin import through
+
+# On a run-up the radius of a whirl drifts; oscillations below this fraction of it are ignored.
+TREMBLES_WITHIN = 1e-6
+NO_VALUES, NO_KINDS = np.empty(0), np.empty(0, np.int8)
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedBand:
+    """The motion of a run-up near one speed: up to halfway to its neighbours.
+
+    Parameters
+    ----------
+    speed : float
+        The speed [1].
+    speeds, radii : ndarray, shape (n,)
+        Speeds and distances from the bearing axis at the extrema [1], in order of time; without
+        extrema, the speed itself and the radius there.
+    kinds : ndarray of int8, shape (n,)
+        -1 minimum, 1 maximum, 0 where the radius has no extremum.
+    smallest, largest : float
+        Range of the radius [1].
+    response : int
+        A flag of `schema.RESPONSE`: whether the rotor touches, and whether its radius oscillates.
+    """
+
+    speed: float = np.nan
+    speeds: Values = field(default_factory=lambda: NO_VALUES)
+    radii: Values = field(default_factory=lambda: NO_VALUES)
+    kinds: npt.NDArray[np.int8] = field(default_factory=lambda: NO_KINDS)
+    smallest: float = np.nan
+    largest: float = np.nan
+    response: int = RESPONSE["failed"]
+
+
+def ramp_extrema(
+    rotor: Rotor, start: State, speeds: Values, rate: float, rtol: float, stop: Stop
+) -> list[SpeedBand]:
+    """Return the motion near each speed of a run from the first speed to the last.
+
+    The speeds increase or decrease, and `rotor` has the first. Raise `SimulationError` if the
+    integration is stuck, or stopped.
+    """
+    way = 1.0 if speeds[-1] > speeds[0] else -1.0
+    middles = 0.5 * (speeds[1:] + speeds[:-1])
+    edges = np.concatenate([speeds[:1], middles, speeds[-1:]])
+    marks = np.unique(np.concatenate([edges, speeds]))[:: int(way)]
+    times = np.abs(marks - speeds[0]) / rate
+    course = through([(0.0, float(speeds[0])), (float(times[-1]), float(speeds[-1]))], times[-1])
+    seen = follow_run(
+        RunRequest(
+            rotor=rotor, start=start, duration=float(times[-1]), rtol=rtol, atol=ATOL * rtol,
+            sample_times=times, extrema=True, pieces=course.pieces(), stop=stop,
+        )
+    )  # fmt: skip
+    if seen.status != DONE:
+        raise SimulationError(
+            f"the run-up could not be followed: {message_of(seen.status)}",
+            time=seen.time, state=seen.state,
+        )  # fmt: skip
+    radii_at_marks = np.hypot(seen.samples[:, 0], seen.samples[:, 1])
+    speeds_at_extrema = speeds[0] + way * rate * seen.extrema["time"]
+    radii, kinds = seen.extrema["radius"], seen.extrema["kind"].astype(np.int8)
+    bands = []
+    for speed, ends in zip(speeds, np.stack([edges[:-1], edges[1:]], axis=1), strict=True):
+        low, high = np.sort(ends)
+        here = (speeds_at_extrema >= low) & (speeds_at_extrema <= high)
+        band = SpeedBand(float(speed), speeds_at_extrema[here], radii[here], kinds[here])
+        beside = radii_at_marks[(marks >= low) & (marks <= high)]
+        radius = float(radii_at_marks[np.argmin(np.abs(marks - speed))])
+        bands.append(_classified(band, radius, beside, rotor.delta0))
+    return bands
+
+
+def _classified(band: SpeedBand, radius: float, beside: Values, delta0: float) -> SpeedBand:
+    """Return a band of speeds with its response, without extrema of negligible oscillations.
+
+    `radius` is that at its speed, and `beside` are those at its ends too.
+    """
+    everywhere = np.concatenate([beside, band.radii])
+    smallest, largest = float(everywhere.min()), float(everywhere.max())
+    around = np.concatenate([band.radii[:1], band.radii, band.radii[-1:]])
+    swings = np.maximum(np.abs(band.radii - around[:-2]), np.abs(band.radii - around[2:]))
+    wide = swings > TREMBLES_WITHIN * largest
+    if largest < delta0:
+        word = "contact_free"
+    elif not wide.any():
+        word = "synchronous"
+    else:
+        word = "bouncing" if smallest < delta0 else "full_contact"
+    speeds, radii, kinds = band.speeds[wide], band.radii[wide], band.kinds[wide]
+    if not wide.any():
+        speeds, radii = np.array([band.speed]), np.array([radius])
+        kinds = np.array([CONSTANT], dtype=np.int8)
+    return SpeedBand(band.speed, speeds, radii, kinds, smallest, largest, RESPONSE[word])
