@@ -50,6 +50,10 @@ EPISODE = np.dtype(
         )
     ]
 )  # fmt: skip
+# The extreme speeds of a race, and their times.
+RACE = np.dtype(
+    [(name, np.float64) for name in ("largest", "largest_time", "smallest", "smallest_time")]
+)
 LEDGER = ("unbalance", "damping", "stiffness_rate", "normal", "tangential")
 
 
@@ -79,7 +83,7 @@ class SystemRunStruct(Structure):
             "event_times", "event_states", "event_turns", "event_kinds", "event_contacts",
         )),
         *((name, c_int64) for name in ("event_room", "events")),
-        *((name, c_void_p) for name in ("episodes", "open")),
+        *((name, c_void_p) for name in ("episodes", "open", "races")),
         *((name, c_int64) for name in ("episode_room", "episode_count", "steps")),
         ("room", c_void_p),
         ("column_count", c_int64),
@@ -183,6 +187,8 @@ class SystemResult:
         Displacement and velocity at events.
     event_races : ndarray, shape (event, contact)
         Speeds of races.
+    races : ndarray of RACE, shape (contact,)
+        The extreme speeds of races.
     episodes : ndarray of EPISODE
         Contacts that ended, in the order of their ends; then those that last.
     ledger : dict
@@ -208,6 +214,7 @@ class SystemResult:
     event_turns: Values
     event_states: Values
     event_races: Values
+    races: Rows
     episodes: Rows
     ledger: dict[str, float]
     steps: int
@@ -316,6 +323,7 @@ def follow_system(
         return None if matrix is None else padded(np.ascontiguousarray(matrix.T))
 
     touches, opened = np.zeros(count, TOUCH), np.zeros(count, EPISODE)
+    races = np.zeros(count, RACE)
     touches["race"] = request.races
     state = padded(request.start)
     assert state is not None
@@ -340,7 +348,7 @@ def follow_system(
         sample_times=given(np.ascontiguousarray(request.times)),
         samples=given(samples, writeable=True), sample_forces=given(forces, writeable=True),
         sample_turns=given(turns, writeable=True), sample_count=request.times.size,
-        open=given(opened, writeable=True),
+        open=given(opened, writeable=True), races=given(races, writeable=True),
         room=given(np.zeros(core.core_system_room(size, count)), writeable=True),
     )  # fmt: skip
     changes = np.empty((0, 2 * size + count)) if request.columns is None else request.columns
@@ -367,7 +375,7 @@ def follow_system(
         event_times=held["event_times"][:events].copy(), event_kinds=held["event_kinds"][:events],
         event_contacts=held["event_contacts"][:events], event_turns=held["event_turns"][:events],
         event_states=states[:, : 2 * stride].reshape(events, 2, stride)[:, :, :size],
-        event_races=states[:, 2 * stride :],
+        event_races=states[:, 2 * stride :], races=races,
         episodes=np.concatenate([held["episodes"][: run.episode_count], lasting]),
         ledger=dict(zip(LEDGER, run.ledger, strict=True)), steps=run.steps,
         turn=(run.angle, run.speed), columns=beside[:, : len(changes)].T,

@@ -14,7 +14,16 @@ import numpy as np
 
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.core.interface import DONE, STOPPED
-from rotor_ida.core.systems import EPISODE, FORCES, LEDGER, TOUCH, SystemRequest, SystemResult
+from rotor_ida.core.runs import Rows
+from rotor_ida.core.systems import (
+    EPISODE,
+    FORCES,
+    LEDGER,
+    RACE,
+    TOUCH,
+    SystemRequest,
+    SystemResult,
+)
 from rotor_ida.errors import SimulationError
 from rotor_ida.simulation.orbit import (
     ENTRY,
@@ -470,6 +479,14 @@ class _Scaled(Integration):
         return np.asarray(super().at(time) * self._scale)
 
 
+def _extremes(speeds: Values, times: Values) -> Rows:
+    """Return the extreme speeds of races, a column each, among those at some times."""
+    races = np.zeros(speeds.shape[1], RACE)
+    for name, places in (("largest", speeds.argmax(axis=0)), ("smallest", speeds.argmin(axis=0))):
+        races[name], races[f"{name}_time"] = speeds[places, np.arange(places.size)], times[places]
+    return races
+
+
 def _result(run: _Run, status: int, time: float, state: Values) -> SystemResult:
     """Return a run in the form of the core's."""
     n, count = run.size, len(run.ways)
@@ -482,6 +499,10 @@ def _result(run: _Run, status: int, time: float, state: Values) -> SystemResult:
     table = np.full(len(episodes), np.nan, EPISODE)
     for row, each in zip(table, episodes, strict=True):
         row["contact"], row["entry"], row["exit"] = each
+    of_races = slice(2 * n, 2 * n + count)
+    speeds = np.vstack([run.request.races, samples[:, of_races], events[:, of_races],
+                        state[of_races]])  # fmt: skip
+    seen = np.concatenate([[0.0], run.request.times[: len(samples)], run.times, [time]])
     turns = [run.spin(t, s) for t, s in zip(run.request.times, samples, strict=False)]
     of_events = [run.spin(t, s) for t, s in zip(run.times, events, strict=True)]
     return SystemResult(
@@ -491,7 +512,7 @@ def _result(run: _Run, status: int, time: float, state: Values) -> SystemResult:
         event_kinds=np.array(run.kinds, np.int32), event_contacts=np.array(run.numbers, np.int32),
         event_turns=np.array(of_events).reshape(-1, 2),
         event_states=events[:, : 2 * n].reshape(-1, 2, n),
-        event_races=events[:, 2 * n : 2 * n + count], episodes=table,
+        event_races=events[:, of_races], races=_extremes(speeds, seen), episodes=table,
         ledger=dict.fromkeys(LEDGER, np.nan), steps=0, turn=run.spin(time, state),
     )  # fmt: skip
 
