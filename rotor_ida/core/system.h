@@ -35,6 +35,16 @@ struct episode {
     double heat, slip_distance, rolling_time;
 };
 
+/* The largest or smallest value so far, and its time. */
+struct extreme {
+    double value, time;
+};
+
+/* The speed of a race so far. */
+struct race {
+    struct extreme largest, smallest;
+};
+
 /* What a run has gained and lost so far: by the unbalance, to damping (with what gyroscopic
  * matrices that are not skew do, and the part of the stiffness that is skew), to the stiffness that
  * a changing speed adds, and to the contacts, normally and tangentially. */
@@ -81,6 +91,7 @@ struct system_run {
     int64_t event_room, events;
     struct episode *episodes; /* with those that go on in the first rows of `open` */
     struct episode *open;     /* one a contact */
+    struct race *races;       /* one a contact */
     int64_t episode_room, episode_count;
     int64_t steps;
     double *room; /* to work in */

@@ -71,9 +71,22 @@ static double zero_between(const double *terms, int order, double low, double hi
     return high;
 }
 
-/* Where a polynomial first falls through 0, by its Bernstein coefficients on [low, high]. */
-static double fall_within(const double *terms, const double *bernstein, int order, double low,
-                          double high, double shortest)
+/* Write the Bernstein coefficients of a polynomial on [0, step]. */
+static void write_bernstein(const double *terms, int order, double step, double *bernstein)
+{
+    for (int j = 0; j <= order; j++) {
+        double share = 1.0, power = 1.0;
+        bernstein[j] = 0.0;
+        for (int k = 0; k <= j; k++) { /* binomial(j, k)/binomial(order, k) */
+            bernstein[j] += terms[k] * power * share;
+            share *= (double)(j - k) / (order > k ? order - k : 1);
+            power *= step;
+        }
+    }
+}
+
+/* How often the sign changes: no less often than a polynomial with these coefficients is 0. */
+static int changes_of(const double *bernstein, int order)
 {
     int changes = 0;
     double last = bernstein[0];
@@ -81,6 +94,26 @@ static double fall_within(const double *terms, const double *bernstein, int orde
         changes += bernstein[j] * last < 0.0;
         last = bernstein[j] != 0.0 ? bernstein[j] : last;
     }
+    return changes;
+}
+
+/* Write the coefficients on the left half of an interval, and on the right in place of its own: de
+ * Casteljau, row k of means from 0 to order - k. */
+static void halve(double *right, int order, double *left)
+{
+    for (int k = 0; k <= order; k++) {
+        left[k] = right[0];
+        for (int j = 0; j < order - k; j++)
+            right[j] = 0.5 * (right[j] + right[j + 1]);
+        /* right[order - k] keeps the last of row k: coefficient order - k of the right half */
+    }
+}
+
+/* Where a polynomial first falls through 0, by its Bernstein coefficients on [low, high]. */
+static double fall_within(const double *terms, const double *bernstein, int order, double low,
+                          double high, double shortest)
+{
+    const int changes = changes_of(bernstein, order);
     if (changes == 0)
         return bernstein[0] < 0.0 ? low : INFINITY;
     if (changes == 1 && bernstein[0] > 0.0 && bernstein[order] < 0.0)
@@ -89,12 +122,7 @@ static double fall_within(const double *terms, const double *bernstein, int orde
         return bernstein[order] < 0.0 ? high : INFINITY;
     double left[GAP_TERMS], right[GAP_TERMS];
     memcpy(right, bernstein, sizeof(double) * (size_t)(order + 1));
-    for (int k = 0; k <= order; k++) { /* de Casteljau: row k of means, from 0 to order - k */
-        left[k] = right[0];
-        for (int j = 0; j < order - k; j++)
-            right[j] = 0.5 * (right[j] + right[j + 1]);
-        /* right[order - k] keeps the last of row k: coefficient order - k of the right half */
-    }
+    halve(right, order, left);
     const double middle = 0.5 * (low + high);
     const double first = fall_within(terms, left, order, low, middle, shortest);
     return first < INFINITY ? first : fall_within(terms, right, order, middle, high, shortest);
@@ -115,15 +143,8 @@ double first_fall(const double *terms, int apart, int order, double step, int ze
         return 0.0;
     if (own[0] > size || last == 0)
         return INFINITY;
-    double bernstein[GAP_TERMS] = {0.0};
-    for (int j = 0; j <= last; j++) {
-        double share = 1.0, power = 1.0;
-        for (int k = 0; k <= j; k++) { /* binomial(j, k)/binomial(order, k) */
-            bernstein[j] += own[k] * power * share;
-            share *= (double)(j - k) / (last > k ? last - k : 1);
-            power *= step;
-        }
-    }
+    double bernstein[GAP_TERMS];
+    write_bernstein(own, last, step, bernstein);
     return fall_within(own, bernstein, last, 0.0, step, SHORTEST * step);
 }
 
@@ -649,13 +670,84 @@ static double largest_of(const double *terms, int apart, int order, double point
     return largest;
 }
 
-void keep_peaks(struct work *work, double point)
+/* The series of a value of which the largest is wanted, its slope, and the largest so far. */
+struct climb {
+    double terms[ORDERS], slope[ORDERS];
+    int order;
+    double largest, where;
+};
+
+static void reach(struct climb *climb, double point)
+{
+    const double value = polynomial(climb->terms, 1, climb->order, point);
+    if (value > climb->largest) {
+        climb->largest = value;
+        climb->where = point;
+    }
+}
+
+/* Reach every maximum between two points, where the slope has these Bernstein coefficients. */
+static void climb_within(struct climb *climb, const double *bernstein, double low, double high,
+                         double shortest)
+{
+    const int order = climb->order - 1, changes = changes_of(bernstein, order);
+    const int ends_differ = bernstein[0] * bernstein[order] < 0.0;
+    if (changes == 0 || (changes == 1 && ends_differ && bernstein[0] < 0.0)
+        || high - low <= shortest)
+        return;
+    if (changes == 1 && ends_differ) {
+        reach(climb, zero_between(climb->slope, order, low, high));
+        return;
+    }
+    double left[ORDERS], right[ORDERS];
+    memcpy(right, bernstein, sizeof(double) * (size_t)(order + 1));
+    halve(right, order, left);
+    const double middle = 0.5 * (low + high);
+    climb_within(climb, left, low, middle, shortest);
+    climb_within(climb, right, middle, high, shortest);
+}
+
+/* Keep the largest value, by its sign, of a series up to a point, which is at a time. */
+static void keep_extreme(const struct work *work, const double *terms, int apart, double sign,
+                         double point, double until, struct extreme *most)
+{
+    struct climb climb = {.order = work->order, .largest = sign * most->value, .where = -1.0};
+    double power = 1.0, steepest = 0.0, bound = sign * terms[0];
+    climb.largest += ROUNDED * fabs(most->value); /* else rounding decides when it is reached */
+    climb.terms[0] = bound;
+    for (int n = 1; n <= work->order; n++) {
+        climb.terms[n] = sign * terms[n * apart];
+        climb.slope[n - 1] = n * climb.terms[n];
+        steepest += n > 1 ? fabs(climb.slope[n - 1]) * power : 0.0;
+        power *= point;
+        bound += fabs(climb.terms[n]) * power;
+    }
+    if (bound <= climb.largest)
+        return;
+    reach(&climb, point);
+    if (fabs(climb.slope[0]) <= steepest) {
+        double bernstein[ORDERS];
+        write_bernstein(climb.slope, work->order - 1, point, bernstein);
+        climb_within(&climb, bernstein, 0.0, point, SHORTEST * point);
+    }
+    if (climb.where >= 0.0)
+        *most = (struct extreme){
+            sign * climb.largest,
+            climb.where < point ? polynomial(work->time, 1, work->order, climb.where) : until};
+}
+
+void keep_peaks(struct work *work, double point, double until)
 {
     struct system_run *run = work->run;
     for (int i = 0; i < (int)run->contact_count; i++) {
         struct touching *each = &work->touching[i];
         struct episode *episode = &run->open[i];
         double where = 0.0;
+        if (each->law->inverse_race_inertia > 0.0) {
+            const double *race = &each->series.terms[0][ELEMENT_RACE];
+            keep_extreme(work, race, WIDTH, 1.0, point, until, &run->races[i].largest);
+            keep_extreme(work, race, WIDTH, -1.0, point, until, &run->races[i].smallest);
+        }
         if (!is_touching(each))
             continue;
         const double root = largest_of(&each->series.terms[0][ELEMENT_ROOT], WIDTH, work->order,

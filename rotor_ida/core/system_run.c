@@ -98,7 +98,7 @@ static void observe(struct work *work, double point, double until)
         sample(work, low);
     }
     if (!run->only_events)
-        keep_peaks(work, point);
+        keep_peaks(work, point, until);
 }
 
 /* Go on with the next piece of a speed: the rate of the spin jumps, and with it what holds. */
@@ -180,6 +180,14 @@ static int take_step(struct work *work, int *is_idle)
     return ends && run->time < run->duration ? pass_system_piece(work) : DONE;
 }
 
+static void begin_races(struct system_run *run)
+{
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        const struct extreme now = {run->touches[i].race, run->time};
+        run->races[i] = (struct race){now, now};
+    }
+}
+
 int core_system_run(struct system_run *run)
 {
     struct work *work = open_work(run);
@@ -191,6 +199,7 @@ int core_system_run(struct system_run *run)
             return FULL;
         if (!work->has_torque)
             turn_as_prescribed(run);
+        begin_races(run);
         status = begin_contacts(work);
         run->began = 1;
     }

@@ -51,6 +51,10 @@ EPISODE = np.dtype(
         )
     ]
 )  # fmt: skip
+# The extreme speeds of a race, and their times.
+RACE = np.dtype(
+    [(name, np.float64) for name in ("largest", "largest_time", "smallest", "smallest_time")]
+)
 LEDGER = ("unbalance", "damping", "stiffness_rate", "normal", "tangential")
 
 
@@ -80,7 +84,7 @@ class SystemRunStruct(Structure):
             "event_times", "event_states", "event_turns", "event_kinds", "event_contacts",
         )),
         *((name, c_int64) for name in ("event_room", "events")),
-        *((name, c_void_p) for name in ("episodes", "open")),
+        *((name, c_void_p) for name in ("episodes", "open", "races")),
         *((name, c_int64) for name in ("episode_room", "episode_count", "steps")),
         ("room", c_void_p),
         ("column_count", c_int64),
@@ -184,6 +188,8 @@ class SystemResult:
         Displacement and velocity at events.
     event_races : ndarray, shape (event, contact)
         Speeds of races.
+    races : ndarray of RACE, shape (contact,)
+        The extreme speeds of races.
     episodes : ndarray of EPISODE
         Contacts that ended, in the order of their ends; then those that last.
     ledger : dict
@@ -209,6 +215,7 @@ class SystemResult:
     event_turns: Values
     event_states: Values
     event_races: Values
+    races: Rows
     episodes: Rows
     ledger: dict[str, float]
     steps: int
@@ -303,6 +310,7 @@ class _Run:
         sampled, room = request.times.size, core.core_system_room(self.size, count)
         self.touches, self.opened = np.zeros(count, TOUCH), np.zeros(count, EPISODE)
         self.touches["race"] = request.races
+        self.races = np.zeros(count, RACE)
         self.state = self.wide(request.start)
         self.samples = np.zeros((sampled, 2, self.stride))
         self.forces, self.turns = np.zeros((sampled, count, FORCES)), np.zeros((sampled, 2))
@@ -322,7 +330,7 @@ class _Run:
             sample_times=self.read(np.ascontiguousarray(request.times)), sample_count=sampled,
             samples=self.filled(self.samples), sample_forces=self.filled(self.forces),
             sample_turns=self.filled(self.turns), open=self.filled(self.opened),
-            room=self.filled(np.zeros(room)),
+            races=self.filled(self.races), room=self.filled(np.zeros(room)),
         )  # fmt: skip
         self.columns = self.changes(core, request)
         self.tables.put(self.struct)
@@ -383,6 +391,7 @@ class _Run:
             event_contacts=held["event_contacts"][:events],
             event_turns=held["event_turns"][:events],
             event_states=states.reshape(events, 2, self.stride)[:, :, :size], event_races=races,
+            races=self.races,
             episodes=np.concatenate([held["episodes"][: run.episode_count], lasting]),
             ledger=ledger, steps=run.steps, turn=(run.angle, run.speed), columns=self.columns.T,
         )  # fmt: skip

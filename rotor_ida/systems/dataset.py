@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Column, Values
+from rotor_ida.arrays import Column, Flags, Values
+from rotor_ida.core.runs import Rows
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import (
     DAMPED_EVENT_KIND,
@@ -60,6 +61,7 @@ def system_dataset(
     }  # fmt: skip
     if any(with_race):
         variables["event_race_speed"] = (("event", "contact"), result.event_races)
+        variables |= _extremes_of_races(result.races, np.array(with_race))
     if change_speed:
         variables["angle"] = ("t", result.turns[:, 0])
         variables["speed"] = ("t", result.turns[:, 1])
@@ -79,6 +81,15 @@ def system_dataset(
     kind = Quantity(QUANTITIES["event_kind"].long_name, flags=flags)
     dataset["event_kind"].attrs = kind.attributes()
     return with_system_units(dataset, system)
+
+
+def _extremes_of_races(races: Rows, with_race: Flags) -> dict[str, Column]:
+    """Return the extreme speeds of races, and their times."""
+    columns = {
+        "race_speed_max": races["largest"], "race_speed_max_time": races["largest_time"],
+        "race_speed_min": races["smallest"], "race_speed_min_time": races["smallest_time"],
+    }  # fmt: skip
+    return {name: ("contact", np.where(with_race, each, np.nan)) for name, each in columns.items()}
 
 
 def _relative(

@@ -84,18 +84,13 @@ def _of_contact(run: xr.Dataset, number: int) -> dict[str, float]:
 
 
 def _race(run: xr.Dataset, number: int) -> tuple[float, float]:
-    """Return the largest speed of the race of a contact at events and the end, and its time."""
-    with_race = np.flatnonzero(~np.isnan(run["race_radius"].values))
-    if number not in with_race:
+    """Return the largest speed of the race of a contact in size, and its time after the start."""
+    if "race_speed_max" not in run:
         return math.nan, math.nan
-    last = run["final_state"].values[run.sizes["component"] - with_race.size :]
-    speeds = np.append(
-        run["event_race_speed"].values[:, number], last[with_race.tolist().index(number)]
-    )
-    times = np.append(run["event_time"].values, run["t"].values[-1])
-    place = int(np.abs(speeds).argmax())
-    began = float(run["race_speed"][number])
-    return float(speeds[place]), math.nan if speeds[place] == began else float(times[place])
+    found = [(float(run[name][number]), float(run[f"{name}_time"][number]))
+             for name in ("race_speed_max", "race_speed_min")]  # fmt: skip
+    speed, time = max(found, key=lambda each: abs(each[0]))
+    return speed, time if time > 0.0 else math.nan
 
 
 def _whirl(run: xr.Dataset, number: int) -> tuple[float, float]:

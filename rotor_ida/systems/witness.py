@@ -13,7 +13,16 @@ import numpy as np
 
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.core.interface import DONE, STOPPED
-from rotor_ida.core.systems import EPISODE, FORCES, LEDGER, TOUCH, SystemRequest, SystemResult
+from rotor_ida.core.runs import Rows
+from rotor_ida.core.systems import (
+    EPISODE,
+    FORCES,
+    LEDGER,
+    RACE,
+    TOUCH,
+    SystemRequest,
+    SystemResult,
+)
 from rotor_ida.simulation.integration import Integration
 from rotor_ida.simulation.orbit import (
     ENTRY,
@@ -214,6 +223,14 @@ class _Scaled(Integration):
         return np.asarray(super().at(time) * self._scale)
 
 
+def _extremes(speeds: Values, times: Values) -> Rows:
+    """Return the extreme speeds of races, a column each, among those at some times."""
+    races = np.zeros(speeds.shape[1], RACE)
+    for name, places in (("largest", speeds.argmax(axis=0)), ("smallest", speeds.argmin(axis=0))):
+        races[name], races[f"{name}_time"] = speeds[places, np.arange(places.size)], times[places]
+    return races
+
+
 def _result(
     run: SystemInMotion, records: _Records, status: int, time: float, state: Values
 ) -> SystemResult:
@@ -228,6 +245,10 @@ def _result(
     table = np.full(len(episodes), np.nan, EPISODE)
     for row, each in zip(table, episodes, strict=True):
         row["contact"], row["entry"], row["exit"] = each
+    of_races = slice(2 * n, 2 * n + count)
+    speeds = np.vstack([run.request.races, samples[:, of_races], events[:, of_races],
+                        state[of_races]])  # fmt: skip
+    seen = np.concatenate([[0.0], run.request.times[: len(samples)], records.times, [time]])
     turns = [run.spin(t, s) for t, s in zip(run.request.times, samples, strict=False)]
     of_events = [run.spin(t, s) for t, s in zip(records.times, events, strict=True)]
     return SystemResult(
@@ -238,7 +259,7 @@ def _result(
         event_contacts=np.array(records.numbers, np.int32),
         event_turns=np.array(of_events).reshape(-1, 2),
         event_states=events[:, : 2 * n].reshape(-1, 2, n),
-        event_races=events[:, 2 * n : 2 * n + count], episodes=table,
+        event_races=events[:, of_races], races=_extremes(speeds, seen), episodes=table,
         ledger=dict.fromkeys(LEDGER, np.nan), steps=0, turn=run.spin(time, state),
     )  # fmt: skip
 

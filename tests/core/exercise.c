@@ -697,6 +697,7 @@ static void systems(void)
             vectors[i] = i % stride < size ? uniform() : 0.0;
         struct system_law laws[MOST] = {0};
         struct system_touch touches[MOST] = {0};
+        struct race races[MOST] = {0};
         struct episode open[MOST] = {0}, *episodes = room_for(ROWS, sizeof(struct episode));
         for (int64_t i = 0; i < contacts; i++)
             laws[i] = (struct system_law){.clearance = 0.1 + 0.2 * uniform(),
@@ -755,6 +756,7 @@ static void systems(void)
                                  .event_room = ROWS,
                                  .episodes = episodes,
                                  .open = open,
+                                 .races = races,
                                  .episode_room = ROWS,
                                  .room = room};
         stop_after(50000);

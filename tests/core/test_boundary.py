@@ -35,7 +35,7 @@ from rotor_ida.core.interface import (
     RunStruct,
 )
 from rotor_ida.core.runs import RunRequest
-from rotor_ida.core.systems import EPISODE, LAW, TOUCH, SystemRunStruct
+from rotor_ida.core.systems import EPISODE, LAW, RACE, TOUCH, SystemRunStruct
 from rotor_ida.errors import BudgetError
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
@@ -442,8 +442,9 @@ def test_structures_are_those_of_the_header(tmp_path):
 
 
 def test_rows_of_systems_have_no_gaps():
-    """Those of ``struct system_law``, ``system_touch`` and ``episode`` are read as they are."""
-    assert [each.itemsize for each in (LAW, TOUCH, EPISODE)] == [11 * 8, 3 * 8 + 4 * 4, 11 * 8]
+    """Rows of laws, touches, episodes and races are read as they are."""
+    sizes = [each.itemsize for each in (LAW, TOUCH, EPISODE, RACE)]
+    assert sizes == [11 * 8, 3 * 8 + 4 * 4, 11 * 8, 4 * 8]
 
 
 def members(enum):
