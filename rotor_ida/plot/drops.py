@@ -39,6 +39,7 @@ WORDS = {
     "total_heat": "heat of friction", "largest_race_speed": "largest speed of the race",
 }  # fmt: skip
 TRAIL, MOST_FRAMES = 60, 5000
+EXTREMES = ("min", "max")
 RPM = 60.0 / math.tau
 ENDINGS = (".gif", ".mp4")
 
@@ -109,7 +110,7 @@ def _draw_bearing(above: Axes, below: Axes, run: xr.Dataset, number: int) -> Non
 
 
 def _draw_speeds(ax: Axes, run: xr.Dataset) -> None:
-    """Draw the speeds of the rotor and of the races, these at events."""
+    """Draw the speeds of the rotor and of the races, these at events and extremes."""
     unit = str(run["event_speed"].attrs.get("units", "1")) if "event_speed" in run else "1"
     parts = RPM if unit == "s-1" else 1.0
     if "speed" in run.variables:
@@ -117,10 +118,14 @@ def _draw_speeds(ax: Axes, run: xr.Dataset) -> None:
     if "event_race_speed" in run.variables:
         for number in np.flatnonzero(~np.isnan(run["race_radius"].values)):
             colour, dashes = look(1 + int(number))
-            times, speeds = run["event_time"].values, run["event_race_speed"].values[:, number]
-            if times.size:
-                kept = kept_in_columns(times, speeds)
-                ax.plot(times[kept], parts * speeds[kept], color=colour, ls=dashes, lw=0.8)
+            most = [run[f"race_speed_{name}"].values[number] for name in EXTREMES]
+            at = [run[f"race_speed_{name}_time"].values[number] for name in EXTREMES]
+            times = np.append(run["event_time"].values, at)
+            order = np.argsort(times, kind="stable")
+            times = times[order]
+            speeds = np.append(run["event_race_speed"].values[:, number], most)[order]
+            kept = kept_in_columns(times, speeds)
+            ax.plot(times[kept], parts * speeds[kept], color=colour, ls=dashes, lw=0.8)
     words = "speeds of rotor, races" if "event_race_speed" in run else "speed of rotor"
     ax.set_ylabel(f"{words} [rpm]" if unit == "s-1" else words, fontsize=9.0)
     ax.axhline(0.0, color=GREY, lw=0.6)

@@ -96,11 +96,12 @@ def drop(
         A run as from `run_up_system`, at time 0 in the state of the drop; and on ``contact``:
         ``largest_force``, ``largest_impulse`` of one contact, ``total_impulse``,
         ``contact_count``, ``excursion`` over the clearance, ``total_heat``,
-        ``total_contact_loss``, ``first_roll_time``, ``largest_race_speed`` (at events) and its
-        ``race_speed_time``, the longest whirl by its ``whirl_turns``, ``whirl_speed`` and
-        ``whirl_sense`` (from three turns on), and ``rest_time``, from which the contact lasts to
-        the end; on ``node`` ``largest_radius`` (at samples); on ``support`` its ``support_load``;
-        and ``standstill_time``, after which the speed stays below one per cent.
+        ``total_contact_loss``, ``first_roll_time``, ``largest_race_speed`` (in size, between
+        events too) and its ``race_speed_time`` (NaN if it is that at the drop), the longest whirl
+        by its ``whirl_turns``, ``whirl_speed`` and ``whirl_sense`` (from three turns on), and
+        ``rest_time``, from which the contact lasts to the end; on ``node`` ``largest_radius`` (at
+        samples); on ``support`` its ``support_load``; and ``standstill_time``, after which the
+        speed stays below one per cent.
 
     Raises
     ------

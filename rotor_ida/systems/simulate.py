@@ -119,7 +119,10 @@ def simulate_system(
     Dataset
         ``x y vx vy`` on ``(t, node)``; ``event_time event_kind event_contact event_time_error`` on
         ``event`` and ``event_state`` (q, velocity); ``normal_force tangential_force slip_speed
-        mode`` on ``(t, contact)``; on ``episode`` the table of contacts; ``final_state``.
+        mode`` on ``(t, contact)``; on ``episode`` the table of contacts; ``final_state``. With
+        races ``event_race_speed`` on ``(event, contact)``, and on ``contact`` their largest and
+        smallest speeds, also between events, and when: ``race_speed_max race_speed_max_time
+        race_speed_min race_speed_min_time``. CVODE knows these only at samples and events.
 
     Raises
     ------

@@ -126,6 +126,66 @@ def test_a_race_spins_up_and_the_rotor_slows_down_under_constant_sliding():
     assert np.isnan(run.standstill_time)
 
 
+def test_races_are_fastest_and_slowest_where_friction_and_drag_balance():
+    """Discs held along x hop on springs, in contact: J w' = R_b mu (m g + k A cos) - c w."""
+    stiff, friction, weight, duration = np.array([1e7, 3e7]), 0.2, MASS * GRAVITY, 0.3
+    amplitude, phase = 0.9 * weight / stiff, np.array([0.3, 2.0])
+    rate, sag = np.sqrt(stiff / MASS), weight / stiff + amplitude * np.cos(phase)
+    system = RotorSystem(
+        mass=MASS * np.eye(2), stiffness=np.zeros((2, 2)),
+        nodes={"a": np.array([[0.0, 0.0], [1.0, 0.0]]), "b": np.array([[0.0, 0.0], [0.0, 1.0]])},
+    )  # fmt: skip
+    races = [Race(radius=0.025, inertia=2e-4, drag=1e-3, speed=speed) for speed in (900.0, 985.0)]
+    touches = [
+        Contact(node=node, clearance=2e-4, stiffness=each, exponent=1.0, friction=friction,
+                radius=0.03, race=race)
+        for node, each, race in zip("ab", stiff, races, strict=True)
+    ]  # fmt: skip
+    run = rotor_ida.simulate_system(
+        system, contacts=touches, speed=1500.0, static_force=[-weight, -weight], samples=2,
+        start=(-2e-4 - sag, amplitude * rate * np.sin(phase)), duration=duration,
+    )  # fmt: skip
+    for i, race in enumerate(races):
+        turning = race.drag + 1j * rate[i] * race.inertia
+
+        def speed(time, i=i, race=race, turning=turning):
+            decay = np.exp(-race.drag * time / race.inertia)
+            hop = np.exp(1j * phase[i]) * (np.exp(1j * rate[i] * time) - decay) / turning
+            driven = weight * (1.0 - decay) / race.drag + stiff[i] * amplitude[i] * hop.real
+            return race.speed * decay + race.radius * friction * driven
+
+        def excess(time, i=i, race=race, speed=speed):
+            force = weight + stiff[i] * amplitude[i] * np.cos(rate[i] * time + phase[i])
+            return race.radius * friction * force - race.drag * speed(time)
+
+        times = np.linspace(0.0, duration, 4001)
+        signs = np.sign(excess(times))
+        turns = [brentq(excess, times[n], times[n + 1], xtol=1e-15, rtol=1e-14)
+                 for n in np.flatnonzero(signs[1:] != signs[:-1])]  # fmt: skip
+        assert len(turns) > 50
+        places = np.array([0.0, *turns, duration])
+        speeds = speed(places)
+        for name, best in (("max", speeds.argmax()), ("min", speeds.argmin())):
+            assert 0 < best < len(turns) + 1
+            np.testing.assert_allclose(run[f"race_speed_{name}"][i], speeds[best], rtol=1e-10)
+            np.testing.assert_allclose(run[f"race_speed_{name}_time"][i], places[best], rtol=1e-8)
+
+
+def test_the_largest_speed_of_a_race_in_an_impact_lies_between_its_events():
+    """CVODE in plain Python passes it at the same time, and is slower before and after."""
+    races = [Race(radius=0.03, inertia=2e-5, drag=drag) for drag in (0.1, 0.05)]
+    touches = [bearing(node, friction=0.2, race=race)
+               for node, race in zip("ab", races, strict=True)]  # fmt: skip
+    given = {"bearings": touches, "speed": 600.0, "duration": 0.009, "supports": SUPPORTS,
+             "inertia": POLAR, "unbalance": [Unbalance(node="disc", moment=8e-5)]}  # fmt: skip
+    run = drop(rigid(), **given, samples=2)
+    assert (run.largest_race_speed > 1.1 * run.event_race_speed.max("event")).all()
+    beside = run.race_speed_time.values + 1e-6 * np.arange(-1, 2)[:, np.newaxis]
+    witness = drop(rigid(), **given, samples=np.sort(beside, axis=None), method="adams")
+    np.testing.assert_allclose(witness.largest_race_speed, run.largest_race_speed, rtol=1e-8)
+    np.testing.assert_array_equal(witness.race_speed_time, run.race_speed_time)
+
+
 def test_dry_whip_has_the_frequency_of_the_rotor_with_its_contact_closed():
     """Two discs in steady rolling: the contact is a spring (N + i T)/A, the eigenvalue i omega."""
     chain, masses, damping = np.array([[8e6, -4e6], [-4e6, 6e6]]), np.diag([12.0, 8.0]), 2e-5
