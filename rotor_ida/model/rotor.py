@@ -5,20 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypedDict
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.checks import (
-    check_array,
-    check_choice,
-    check_nonnegative,
-    check_positive,
-    check_real,
-    shown,
-)
 from rotor_ida.errors import InputError
+from rotor_ida.model.change_of_speed import ChangeOfSpeed, dimensionless_change
 from rotor_ida.model.parameters import (
     DEFAULTS,
     MACHINE_PARAMETERS,
@@ -29,7 +22,7 @@ from rotor_ida.model.parameters import (
     check_parameter,
     check_together,
 )
-from rotor_ida.units import SPEED_UNITS, SpeedUnit
+from rotor_ida.units import SpeedUnit
 
 if TYPE_CHECKING:
     from rotor_ida.model.rotor_system import RotorSystem
@@ -223,18 +216,6 @@ def check_papers(rotor: Rotor, what: str) -> None:
     if rotor.beyond:
         given = ", ".join(f"{name} {value!r}" for name, value in rotor.beyond.items())
         raise InputError(f"the rotor of {what} must be the paper's, got {given}")
-
-
-class ChangeOfSpeed(TypedDict, total=False):
-    """A change of speed, dimensionless: arguments of `rotor_ida.run_up`."""
-
-    to: float
-    rate: float
-    ramp_time: float
-    speeds: npt.NDArray[np.float64]
-    torque: npt.NDArray[np.float64]
-    inertia: float
-    duration: float
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -474,42 +455,7 @@ class DimensionalRotor:
         >>> round(float(run.speed[-1]) * machine.reference_frequency * 30 / math.pi, 6)
         3000.0
         """
-        check_choice("unit", unit, tuple(SPEED_UNITS))
-        a_second = SPEED_UNITS[unit]
-        speed, time = a_second / self.reference_frequency, self.time_scale
-        found: ChangeOfSpeed = {}
-        if to is not None:
-            found["to"] = check_nonnegative("to", to) * speed
-        if rate is not None:
-            found["rate"] = check_real("rate", rate) * speed * time
-            if to is not None:
-                _check_way(self.speed / a_second, to, rate, unit)
-        if ramp_time is not None:
-            found["ramp_time"] = check_positive("ramp_time", ramp_time) / time
-        if speeds is not None:
-            table = check_array("speeds", speeds)
-            if table.ndim != 2 or table.shape[1] != 2:
-                raise InputError(f"speeds must be pairs of time and speed, got {shown(speeds)}")
-            for each in table[:, 1].tolist():
-                check_nonnegative("a speed of speeds", each)
-            found["speeds"] = table * [1.0 / time, speed]
-        if torque is not None:
-            pair = check_array("torque", torque)
-            if pair.shape != (2,):
-                raise InputError(f"torque must be two numbers (stall, slope), got {shown(torque)}")
-            found["torque"] = pair / self.torque_scale * [1.0, self.reference_frequency]
-        if inertia is not None:
-            found["inertia"] = check_positive("inertia", inertia) / self.inertia_scale
-        if duration is not None:
-            found["duration"] = check_nonnegative("duration", duration) / time
-        return found
-
-
-def _check_way(speed: float, to: float, rate: float, unit: str) -> None:
-    """Raise `InputError` for a rate that does not lead from `speed` to `to`, in their unit."""
-    if rate == 0.0 or to == speed or (rate > 0.0) != (to > speed):
-        way = "positive" if to > speed else "negative"
-        wanted = f"rate must be {way} to change the speed from {speed:g} to {to:g} {unit}"
-        if to == speed:
-            wanted = f"to must differ from the speed of the machine, {speed:g} {unit}"
-        raise InputError(f"{wanted}, got {to if to == speed else rate!r}")
+        return dimensionless_change(
+            self, to=to, rate=rate, ramp_time=ramp_time, speeds=speeds, torque=torque,
+            inertia=inertia, duration=duration, unit=unit,
+        )  # fmt: skip
