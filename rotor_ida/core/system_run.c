@@ -202,6 +202,8 @@ int core_system_run(struct system_run *run)
         begin_races(run);
         status = begin_contacts(work);
         run->began = 1;
+        if (status == DONE)
+            begin_columns(work);
     }
     while (status == DONE && run->time < run->duration) {
         int is_idle = 0;

@@ -441,3 +441,34 @@ int change_with_columns(struct work *work, struct happening what)
         add_scaled(before[i] - after[i], later, &races[i * count], count);
     return DONE;
 }
+
+void begin_columns(struct work *work)
+{
+    struct system_run *run = work->run;
+    if (run->column_count == 0)
+        return;
+    begin_terms(work);
+    expand_system(work, 1);
+    const int64_t count = run->column_count, size = run->size;
+    double *y = run->columns, *v = y + size * count, *races = v + size * count;
+    for (int64_t c = 0; c < count && work->rolls > 0; c++) {
+        double held[MOST_CONTACTS + 1];
+        for (int j = 0; j < work->rolls; j++) {
+            const int contact = work->rolling[j];
+            held[j] = change_of_slip(work, contact, y + c, v + c, races[contact * count + c],
+                                     count);
+        }
+        solve_implicit(work, work->rolls, held);
+        for (int j = 0; j < work->rolls; j++) {
+            const struct touching *each = &work->touching[work->rolling[j]];
+            const struct system_law *law = each->law;
+            const double *answers = each->answers[0];
+            for (int64_t i = 0; i < size; i++)
+                v[i * count + c] += held[j]
+                                    * (each->rows[i] * answers[ELEMENT_NORMAL_Y]
+                                       - each->rows[work->stride + i] * answers[ELEMENT_NORMAL_X]);
+            races[work->rolling[j] * count + c] += held[j] * law->race_radius
+                                                   * law->inverse_race_inertia;
+        }
+    }
+}

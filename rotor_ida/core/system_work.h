@@ -164,6 +164,9 @@ void keep_peaks(struct work *work, double point, double until);
 
 /* system_tangent.c: small changes of the motion */
 void open_columns(struct work *work);
+/* A change of the start is a state beside it, which slides where the run itself begins to roll:
+ * take away its slip, as friction does at once. */
+void begin_columns(struct work *work);
 /* Move them to a point of the step, before the motion itself; and through an event, with it. */
 void move_columns(struct work *work, double point);
 int change_with_columns(struct work *work, struct happening what);

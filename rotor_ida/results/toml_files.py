@@ -25,7 +25,7 @@ def read_toml(name: str, path: str | os.PathLike[str]) -> dict[str, object]:
             text = file.read(MOST_BYTES + 1)
         if len(text) > MOST_BYTES:
             raise InputError(f"{name} must be a small TOML file, got {shown(place)}")
-        return tomllib.loads(text.decode())
+        return tomllib.loads(text.decode("utf-8-sig"))  # some editors begin with a mark
     except OSError as error:
         raise InputError(f"cannot read {shown(place)}: {error.strerror or error}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

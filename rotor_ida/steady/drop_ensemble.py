@@ -53,6 +53,8 @@ VARIED = {
     "clearance_factor": (1e-3, 1e3),
 }
 MOST_DROPS = 100_000
+# Drops of which one must be possible.
+MOST_TRIED = 20
 FIGURES = {**NUMBERS, "excursion": np.float64}
 OF_DROP = ("first_touch_time", "standstill_time", "horizon")
 
@@ -173,7 +175,7 @@ def drop_ensemble(
         "rtol": rtol,
     }  # fmt: skip
     plan = Drops(case, varied)
-    example = drop(**_arguments(plan.job(0)), samples=2, progress=None)
+    example = _example(plan)
     chosen = choose(executor, workers, compiled=True)
     point = _point(example.sizes["contact"])
     ways = {name: check_axis(name, each).tolist() for name, each in given.items()
@@ -186,7 +188,21 @@ def drop_ensemble(
     told |= {} if drops is None else {"seed": seed}
     told |= {name: example.attrs[name] for name in ("speed", "start_speed", "inertia", "torque")
              if name in example.attrs}  # fmt: skip
-    return _dataset(system, example, varied, columns.points, told, is_random=drops is not None)
+    gaps = np.array([each.clearance for each in bearings])
+    return _dataset(system, example, varied, gaps, columns.points, told,
+                    is_random=drops is not None)  # fmt: skip
+
+
+def _example(plan: Drops) -> xr.Dataset:
+    """Return the first drop that can be computed: one that touches at once is lost, not all."""
+    refused: Exception | None = None
+    for number in range(min(plan.points, MOST_TRIED)):
+        try:
+            return drop(**_arguments(plan.job(number)), samples=2, progress=None)
+        except (InputError, *EXPECTED) as error:
+            refused = refused or error
+    assert refused is not None
+    raise refused
 
 
 def _varied(given: Mapping[str, object], drops: int | None, seed: object) -> dict[str, Values]:
@@ -334,7 +350,7 @@ def _rows(outcome: Outcome) -> Rows:
 
 
 def _dataset(
-    system: RotorSystem, example: xr.Dataset, varied: Mapping[str, Values],
+    system: RotorSystem, example: xr.Dataset, varied: Mapping[str, Values], clearances: Values,
     columns: Mapping[str, npt.NDArray[Any]], told: Mapping[str, object], *, is_random: bool,
 ) -> xr.Dataset:  # fmt: skip
     """Return drops as a labelled dataset, with statistics if they are a random sample."""
@@ -342,7 +358,8 @@ def _dataset(
     variables: dict[str, Column] = {name: (both, columns[name]) for name in FIGURES}
     variables |= {name: ("drop", columns[name]) for name in (*OF_DROP, "status", "message")}
     variables |= {f"drop_{name}": ("drop", values) for name, values in varied.items()}
-    variables |= {name: ("contact", example[name].values) for name in ("contact_node", "clearance")}
+    variables |= {"contact_node": ("contact", example["contact_node"].values),
+                  "clearance": ("contact", clearances)}  # fmt: skip
     coordinates: dict[str, Column] = {"drop": ("drop", np.arange(len(columns["status"])))}
     if is_random:
         done = columns["status"] == STATUS["done"]

@@ -143,6 +143,11 @@ def assemble(
         rows[number, :, : system.size] = system.rows(each.node)
         if isinstance(each.stator, str):
             rows[number, :, : system.size] -= system.rows(each.stator)
+            if not rows[number].any():
+                raise InputError(
+                    f"stator of the contact at {shown(each.node)} must be another node, "
+                    f"got {shown(each.stator)}"
+                )
         elif each.stator is not None:
             place = system.size + 2 * stators.index(each.stator)
             rows[number, :, place : place + 2] = -np.eye(2)

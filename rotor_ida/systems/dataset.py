@@ -23,6 +23,9 @@ from rotor_ida.systems.assembly import Assembly, Canonical
 from rotor_ida.systems.following import Followed
 from rotor_ida.systems.units import with_system_units
 
+# Part of the clearance beyond which a rotor goes round a stator.
+AROUND = 0.5
+
 
 def system_dataset(
     assembly: Assembly,
@@ -104,6 +107,17 @@ def _relative(
         "contact_x": (along, places[0]), "contact_y": (along, places[1]),
         "event_contact_x": ("event", at_events[0]), "event_contact_y": ("event", at_events[1]),
     }  # fmt: skip
+
+
+def fastest_whirl(assembly: Assembly, q: Values, v: Values) -> float:
+    """Return the largest angular speed about a stator, at samples beyond half of the clearance."""
+    rates = [0.0]
+    for contact, rows in zip(assembly.contacts, assembly.rows, strict=True):
+        (x, y), (vx, vy) = (q @ rows.T - contact.centre).T, (v @ rows.T).T
+        far = np.hypot(x, y) > AROUND * contact.clearance
+        turning = np.abs(x * vy - y * vx)[far] / (x * x + y * y)[far]
+        rates.append(float(turning.max(initial=0.0)))
+    return max(rates)
 
 
 def _forces(followed: Followed) -> dict[str, Column]:

@@ -88,7 +88,8 @@ def drop(
     start : (q, velocity), optional
         State at the drop. Default: the levitated steady state.
     samples, modes, more_modes, rtol, method, progress : optional
-        As in `simulate_system`.
+        As in `simulate_system`. By default the samples resolve the whirls in the bearings too; of
+        given ones, a whirl that turns by half a turn between two shows the wrong sense.
 
     Returns
     -------
@@ -164,6 +165,7 @@ def drop(
         [case.around for case in cases], profile, samples=samples, rtol=rtol,
         method=method, progress=progress, speed=omega,
         change=change | {name: each for name, each in numbers.items() if each is not None},
+        whirls=True,
     )  # fmt: skip
     columns = figures_of_drop(run, checked) | cases[0].told
     return _dataset(system, run, columns, {"phase": turned})

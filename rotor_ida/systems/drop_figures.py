@@ -10,10 +10,10 @@ import xarray as xr
 
 from rotor_ida.arrays import Column, Values
 from rotor_ida.schema import EVENT_KIND, OF_BEARING, OF_FRICTION_EVENT_KIND
+from rotor_ida.systems.dataset import AROUND
 
-# Part of the clearance beyond which a rotor goes round a bearing, and turns in one sense without a
-# return below it that make a whirl.
-AROUND, FEWEST_TURNS = 0.5, 3.0
+# Turns in one sense, without a return below half of the clearance, that make a whirl.
+FEWEST_TURNS = 3.0
 # Part of the speed at the drop below which the rotor counts as standing.
 STANDING = 0.01
 # Part of the end of a run for which a contact must last to be at rest in its bearing.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
 
@@ -25,7 +25,7 @@ from rotor_ida.checks import (
     check_real,
     is_scalar,
 )
-from rotor_ida.core.systems import SystemRequest
+from rotor_ida.core.systems import SystemRequest, SystemResult
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
@@ -33,9 +33,10 @@ from rotor_ida.parallel import Progress, interruptible
 from rotor_ida.simulation.spin import SpeedProfile, steady
 from rotor_ida.systems.archived import problem_variables
 from rotor_ida.systems.assembly import Assembly, Canonical, assemble, canonical
-from rotor_ida.systems.dataset import system_dataset
+from rotor_ida.systems.dataset import fastest_whirl, system_dataset
 from rotor_ida.systems.following import (
     Followed,
+    follow_system_again,
     follow_twice,
     growth_of,
     request_of,
@@ -51,13 +52,15 @@ from rotor_ida.systems.speed_changes import (
     rate_of,
 )
 from rotor_ida.systems.starts import Start, start_of
-from rotor_ida.systems.witness import follow_by_cvode
+from rotor_ida.systems.witness import follow_by_cvode, run_by_cvode
 
 SystemMethod = Literal["taylor", "adams", "bdf"]
 METHODS = ("taylor", "adams", "bdf")
 TIGHTEST_RTOL, LOOSEST_RTOL = 1e-14, 1e-4
 FEWEST_SAMPLES = 1001
 MOST_SAMPLES = 200_000
+# Radians by which a whirl in a contact turns from a sample to the next, in a drop: its sense shows.
+MOST_TURNED = 0.8
 
 
 def simulate_system(
@@ -316,6 +319,7 @@ def run_of_cases(
     progress: Progress | None,
     speed: float,
     change: dict[str, object],
+    whirls: bool = False,
 ) -> xr.Dataset:
     """Return the run of a system in its surroundings, and the shifts of its events in a second.
 
@@ -331,6 +335,8 @@ def run_of_cases(
         Speed at time 0.
     change : dict
         Attributes of the run: its speed or what changes it.
+    whirls : bool
+        Whether samples by default must resolve whirls in the contacts too, however fast.
     """
     check_choice("method", method, METHODS)
     check_progress(progress)
@@ -350,7 +356,10 @@ def run_of_cases(
         for each in cases
     ]
     followed, moved = _followed(first, second, profile, tolerance, method, progress)
-    check_run(first.assembly, first.found, first.request.start, followed.result, tolerance)
+    if whirls and samples is None and (finer := _finer(first, followed.result, times)) is not None:
+        times = finer
+        followed = _sampled_at(times, first.request, followed, profile, tolerance, method)
+    check_run(first.assembly, first.found, first.request, followed.result, tolerance)
     more = problem_variables(first.assembly, cases[0]["unbalance"], first.begun)
     if growth := growth_of(first.found, fastest):
         told["growth_rate_without_contact"] = growth
@@ -401,3 +410,27 @@ def _times(samples: object, end: float, fastest: float) -> Values:
             f"samples must lie from 0 to the duration {end!r}, got {float(times[-1])!r}"
         )
     return times
+
+
+def _finer(prepared: _Prepared, result: SystemResult, times: Values) -> Values | None:
+    """Return times that resolve the whirls in the contacts; None where the samples do."""
+    rate = fastest_whirl(
+        prepared.assembly, *map(prepared.found.to_q, np.moveaxis(result.samples, 1, 0))
+    )
+    count = min(math.ceil(rate * times[-1] / MOST_TURNED) + 1, MOST_SAMPLES)
+    return np.linspace(0.0, times[-1], count) if count > times.size else None
+
+
+def _sampled_at(
+    times: Values, request: SystemRequest, followed: Followed, profile: SpeedProfile, rtol: float,
+    method: SystemMethod,
+) -> Followed:  # fmt: skip
+    """Return the same run with its samples at other times."""
+    request = replace(request, times=times)
+
+    def follow(stop: Stop) -> SystemResult:
+        if method == "taylor":
+            return follow_system_again(request, stop)
+        return run_by_cvode(request, profile, rtol, method, stop, [])
+
+    return replace(followed, result=interruptible(follow))

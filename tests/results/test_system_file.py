@@ -65,6 +65,10 @@ def test_the_documented_file_runs_as_in_python_to_the_bit(load):
     assert one.equals(other)
 
 
+def test_a_file_may_begin_with_the_mark_of_some_editors(load):
+    assert load("\ufeffspeed = 3\n" + SMALL + TOUCH).speed == 3.0
+
+
 def test_matrices_are_read_from_the_folder_of_the_file(load, tmp_path):
     np.savez(tmp_path / "rotor.npz", M=np.eye(4), K=CHAIN[0, 0] * np.eye(4), node_disc=[0, 1])
     case = load(

@@ -38,6 +38,17 @@ def test_a_grid_holds_the_drops_themselves():
     assert "largest_force_mean" not in many
 
 
+def test_a_drop_that_touches_at_once_is_lost_alone_wherever_it_stands():
+    for factors in ([0.001, 0.5], [0.5, 0.001]):
+        many = drop_ensemble(DISC, **GIVEN, clearance_factor=factors, workers=1)
+        lost = np.array(factors) == 0.001
+        assert many.status.values.tolist() == lost.astype(int).tolist()
+        assert ["must be clear" in str(each) for each in many.message.values] == lost.tolist()
+        assert many.clearance.values.tolist() == [2e-4]  # as given: the factors stand beside it
+    with pytest.raises(InputError, match="must be clear of the levitated rotor"):
+        drop_ensemble(DISC, **GIVEN, clearance_factor=[0.001, 0.002], workers=1)
+
+
 def test_drops_are_the_same_with_every_executor_and_after_a_break(tmp_path):
     varied = {"drops": 5, "seed": 3, "friction": (0.05, 0.2), "clearance_factor": (0.9, 1.1)}
     alone = drop_ensemble(DISC, **GIVEN, **varied, executor="serial")

@@ -350,3 +350,18 @@ def test_a_drop_is_verified_and_loaded_as_it_was(tmp_path):
     assert loaded.equals(run)
     assert loaded.attrs["result_kind"] == "drop"
     assert rotor_ida.signals_of(loaded, node="disc").sizes["t"] == run.sizes["t"]
+
+
+def test_samples_by_default_resolve_a_whirl_that_is_much_faster_than_the_spin():
+    """Friction drives the disc backwards: where it rolls, by the speed of its surface."""
+    system = RotorSystem(mass=MASS * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
+    touch = Contact(node="disc", clearance=2e-4, stiffness=2e8, exponent=1.0, damping=1.0,
+                    friction=0.3, radius=0.03)  # fmt: skip
+    run = drop(system, bearings=[touch], speed=20.0, gravity=(0.0, 0.0), duration=2.0,
+               start=([1.9e-4, 0.0], [0.05, -1.0]))  # fmt: skip
+    late = run.isel(t=slice(-400, None), contact=0)
+    assert (late["mode"] == MODE["rolling"]).all()
+    rates = -touch.radius * 20.0 / np.hypot(late.contact_x, late.contact_y)
+    angle = np.unwrap(np.arctan2(late.contact_y, late.contact_x))
+    np.testing.assert_allclose(angle[-1] - angle[0], np.trapezoid(rates, late.t), rtol=1e-3)
+    assert run.whirl_sense == -1

@@ -125,6 +125,10 @@ def test_a_stator_without_mass_and_damping_is_refused():
             "contacts 0 and 1 at node 'disc' must leave it room, got centres 0.3 apart",
         ),
         ({"contacts": Contact(**TOUCH)}, "contacts must be a list"),
+        (
+            {"contacts": [Contact(**TOUCH | {"stator": "disc"})]},
+            "stator of the contact at 'disc' must be another node, got 'disc'",
+        ),
         ({"unbalance": [3]}, "unbalance must be"),
         ({"start": "resting"}, "start must be"),
         ({"start": ([1.0], [0.0])}, "displacement of the start must have the shape"),
@@ -393,6 +397,19 @@ def test_without_contacts_the_motion_is_exact_at_any_scale(scale):
     now = run.sel(t=0.01)
     exact = whirl * np.exp(4.5j) + left[:2]
     np.testing.assert_allclose(now.x + 1j * now.y, exact, rtol=0, atol=1e-9 * np.abs(whirl).max())
+
+
+@pytest.mark.parametrize(("clearance", "moment"), [(1.0, 1e-3), (1e-4, 1e-7), (1e-4, 1e-15)])
+def test_a_motion_far_smaller_than_the_clearance_is_that_without_contact(clearance, moment):
+    """The errors of its energy are measured by the clearance too."""
+    system = RotorSystem(mass=12.0 * np.eye(2), stiffness=2e6 * np.eye(2),
+                         damping=400.0 * np.eye(2), nodes={"disc": (0, 1)})  # fmt: skip
+    case = {"unbalance": [Unbalance(node="disc", moment=moment)], "speed": 300.0, "duration": 0.2}
+    far = Contact(node="disc", clearance=clearance, stiffness=5e7)
+    run, alone = simulate(system, contacts=[far], **case), simulate(system, **case)
+    assert run.sizes["event"] == 0
+    size = float(np.abs(alone.x).max())
+    np.testing.assert_allclose(run.x, alone.x, rtol=0, atol=1e-8 * size)
 
 
 def test_a_run_computed_again_has_the_same_axial_positions():

@@ -5,9 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, Rotor, RotorSystem, lyapunov_exponent, simulate
+from rotor_ida import (
+    Contact,
+    InputError,
+    Race,
+    Rotor,
+    RotorSystem,
+    Unbalance,
+    lyapunov_exponent,
+    simulate,
+)
 from rotor_ida.core.interface import DONE
 from rotor_ida.core.systems import follow_system
+from rotor_ida.schema import MODE
 from rotor_ida.simulation.spin import steady
 from rotor_ida.systems.assembly import assemble, canonical
 from rotor_ida.systems.following import request_of
@@ -60,6 +70,63 @@ def test_small_changes_are_differences_of_runs(seed):
             ends.append(end)
         apart = (ends[0] - ends[1]) / 2e-6
         np.testing.assert_allclose(moved, apart, rtol=0.0, atol=2e-7 * np.abs(moved).max())
+
+
+def rolling_request():
+    """Return a run that rolls in its race from start to end: a whirl at the spin speed."""
+    system = RotorSystem(mass=20.0 * np.eye(2), stiffness=2e6 * np.eye(2),
+                         damping=4e3 * np.eye(2), nodes={"disc": (0, 1)})  # fmt: skip
+    race = Race(radius=0.03, inertia=2e-3, drag=1e-3, speed=250.0)
+    touch = Contact(node="disc", clearance=3e-4, stiffness=5e7, exponent=1.0, friction=0.1,
+                    radius=0.03, race=race)  # fmt: skip
+    whole = assemble(system, [touch], [Unbalance(node="disc", moment=8e-3)], None, None)
+    request = request_of(
+        whole, canonical(whole), steady(250.0, 2.0), np.zeros((2, 2)), np.array([2.0]), 2.0,
+        rtol=1e-12, speed=250.0, fastest_speed=250.0, inertia=0.0,
+    )  # fmt: skip
+    settled = follow_system(request)
+    turned = settled.turn[0]
+    back = np.array([[np.cos(turned), np.sin(turned)], [-np.sin(turned), np.cos(turned)]])
+    span = 2.0 * np.pi / 250.0
+    return replace(
+        request, start=settled.state @ back.T, races=settled.touches["race"], duration=span,
+        times=np.array([span]), pieces=steady(250.0, span).pieces(),
+    )  # fmt: skip
+
+
+def test_a_change_of_a_start_that_rolls_has_no_slip_left():
+    """A start beside it slides for a moment: by differences of runs."""
+    request = rolling_request()
+    run = follow_system(replace(request, columns=np.eye(5)))
+    assert run.event_kinds.size == 0
+    assert run.touches["way"].tolist() == [MODE["rolling"]]
+    scales = np.array([1e-3, 1e-3, 0.25, 0.25, 250.0])
+    for change, moved in zip(np.diag(scales), run.columns, strict=True):
+        ends = []
+        for step in (1e-6, -1e-6):
+            start = request.start + step * change[:4].reshape(2, 2)
+            ends.append(end_of(replace(request, start=start,
+                                       races=request.races + step * change[4:]))[0])  # fmt: skip
+        apart = (ends[0] - ends[1]) / 2e-6 / scales
+        np.testing.assert_allclose(
+            moved * change.max() / scales, apart, rtol=0.0, atol=1e-3 * np.abs(apart).max()
+        )
+    factors = np.linalg.svd(run.columns / scales * scales[:, np.newaxis])[1]
+    assert factors[-1] < 1e-9 * factors[0]
+
+
+def test_dry_whip_that_rolls_all_along_has_no_exponent_of_slip():
+    system = RotorSystem(mass=20.0 * np.eye(2), stiffness=2e6 * np.eye(2),
+                         damping=800.0 * np.eye(2), nodes={"disc": (0, 1)})  # fmt: skip
+    touch = Contact(node="disc", clearance=3e-4, stiffness=5e7, exponent=1.0, friction=0.3,
+                    radius=0.006)  # fmt: skip
+    found = lyapunov_exponent(
+        system, contacts=[touch], speed=30.0, start=([3.2e-4, 0.0], [0.0, -0.15]),
+        transient=20, revolutions=80, batches=4,
+    )  # fmt: skip
+    assert found.lyapunov_exponent[-1] == -np.inf
+    np.testing.assert_allclose(found.lyapunov_exponent[0], 0.0, atol=1e-6)
+    assert (found.lyapunov_exponent[1:3] < -10.0).all()
 
 
 def test_the_seeds_have_all_kinds_of_events():

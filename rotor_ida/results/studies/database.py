@@ -136,12 +136,34 @@ def refuse_another(folder: str, begun: Mapping[str, Any], wanted: Mapping[str, A
     """
     for name in sorted({*begun, *wanted}):
         before, now = begun.get(name, "nothing"), wanted.get(name, "nothing")
-        # as text, since 0.0 and -0.0 are equal but give other bits
-        if _as_text({name: before}) != _as_text({name: now}):
+        if _differ(before, now):
+            where, before, now = _part_apart(name, before, now)
             raise InputError(
-                f"study {folder!r} was begun with {name} {_shown(before)}, got {_shown(now)}: "
+                f"study {folder!r} was begun with {where} {_shown(before)}, got {_shown(now)}: "
                 "resume it with the same arguments, or begin another in a separate folder"
             )
+
+
+def _differ(one: object, other: object) -> bool:
+    """Return whether values differ as text: 0.0 and -0.0 are equal but give other bits."""
+    return _as_text({"": one}) != _as_text({"": other})
+
+
+def _part_apart(name: str, before: Any, now: Any) -> tuple[str, Any, Any]:
+    """Return the name and the values of the first part that differs, small enough to be shown."""
+    parts: list[tuple[str, Any, Any]] = []
+    if isinstance(before, dict) and isinstance(now, dict):
+        keys = sorted({*before, *now})
+        parts = [(key, before.get(key, "nothing"), now.get(key, "nothing")) for key in keys]
+    elif isinstance(before, list) and isinstance(now, list) and len(before) == len(now):
+        pairs = list(zip(before, now, strict=True))
+        is_long = _shown(before) == _shown(now)
+        if is_long or any(isinstance(each, list | dict) for pair in pairs for each in pair):
+            parts = [(str(place), *pair) for place, pair in enumerate(pairs)]
+    for part, one, other in parts:
+        if _differ(one, other):
+            return _part_apart(f"{name} {part}", one, other)
+    return name, before, now
 
 
 @contextmanager

@@ -24,7 +24,7 @@ from rotor_ida import (
 )
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.results.studies import status
-from rotor_ida.results.studies.database import FILE, _as_text, _digest
+from rotor_ida.results.studies.database import FILE, _as_text, _digest, refuse_another
 from rotor_ida.steady import follow
 from rotor_ida.verification.resume import resume
 
@@ -258,3 +258,20 @@ def test_what_another_program_has_done_is_loaded_and_says_so(tmp_path):
         connection.execute("DELETE FROM pieces WHERE number = 0")
     with pytest.raises(InputError, match=r"was begun with numba_version '0\.64', got 'nothing'"):
         resume(tmp_path / "study")
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "told"),
+    [
+        ([{"clearance": 1e-4, "friction": 0.1, "node": "a", "radius": 0.1, "stator": None}],
+         [{"clearance": 1e-4, "friction": 0.2, "node": "a", "radius": 0.1, "stator": None}],
+         r"given 0 friction 0\.1, got 0\.2"),
+        ({"mass": [[1.0] * 9, [0.0] * 9]}, {"mass": [[1.0] * 9, [0.0] * 8 + [2.0]]},
+         r"given mass 1 8 0\.0, got 2\.0"),
+        ({"a": None}, {"b": None}, r"given a None, got 'nothing'"),
+        ([0.0] * 9, [0.0] * 8 + [-0.0], r"given 8 0\.0, got -0\.0"),
+    ],
+)  # fmt: skip
+def test_a_refusal_shows_the_part_of_a_design_that_differs(before, now, told):
+    with pytest.raises(InputError, match=rf"was begun with {told}: resume"):
+        refuse_another("study", {"given": before, "rtol": 1.0}, {"given": now, "rtol": 1.0})
