@@ -39,6 +39,7 @@ from rotor_ida.systems.drop import drop
 from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.systems.special_speeds import special_speeds
 from rotor_ida.systems.synchronous import synchronous_response_system
+from rotor_ida.units import written
 
 # Samples that are sent of a run, and speeds of the exact response and of the Campbell diagram.
 MOST_SAMPLES, SPEEDS, FEW_SPEEDS = 6000, 160, 60
@@ -370,20 +371,37 @@ def lines_of(question: SystemQuestion) -> str:
 
 
 def command_of(question: SystemQuestion) -> str:
-    """Return the command for the run shown, after what must be changed in the file first."""
+    """Return the command for the run shown, after what must be changed in the file first.
+
+    Numbers of a system in SI units have the units of the page.
+    """
     case, path = case_of(question), question.path
     assert path is not None
     if case.run is not None:
         return f"rotor-ida show {path.name}"
+
+    def told(value: float, unit: str) -> str:
+        return written(value, unit) if case.system.units == "SI" and unit else repr(value)
+
     changes = dict(question.changes)
     factor = changes.pop("unbalance_factor", 1.0)
-    first = [f"set {name} = {value!r} in contact {question.contact}"
-             for name, value in changes.items()]  # fmt: skip
+    first = []
+    for name, value in changes.items():
+        number = told(value, _unit(name, case.contacts[question.contact]))
+        quoted = number if number == repr(value) else f'"{number}"'
+        first.append(f"set {name} = {quoted} in contact {question.contact}")
     first += [f"multiply each moment of the unbalance by {factor!r}"] if factor != 1.0 else []
     said = f"# first, in {path.name}: {'; '.join(first)}\n" if first else ""
+    speed = told(case.speed, "rpm")
     if case.drops:
-        return f"{said}rotor-ida drop {path.name} --speed {case.speed!r} --out report"
+        return f"{said}rotor-ida drop {path.name} --speed {speed} --out report"
     return (
-        f"{said}rotor-ida simulate {path.name} --speed {case.speed!r} "
-        f"--duration {_duration(case, question.revolutions)!r} --out run.nc --figure run"
+        f"{said}rotor-ida simulate {path.name} --speed {speed} "
+        f"--duration {told(_duration(case, question.revolutions), 's')} --out run.nc --figure run"
     )
+
+
+def _unit(name: str, contact: Contact) -> str:
+    """Return the unit in which a system file gives a number of a contact; empty if it has none."""
+    stiffness = "N/m" if contact.exponent == 1.0 else "N/m^1.5"
+    return {"clearance": "um", "stiffness": stiffness, "damping": "s/m"}.get(name, "")

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import drop, load, load_system, save, simulate
+from rotor_ida.cli import main
 from rotor_ida.errors import InputError
 from rotor_ida.explorer import systems
 from rotor_ida.explorer.messages import Answer, read_question
@@ -72,8 +73,23 @@ def test_a_run_is_that_of_its_python_lines(path: Path) -> None:
     exec(lines, there)
     np.testing.assert_array_equal(answer.arrays["x"], there["run"]["x"].values.ravel())  # type: ignore[index]
     assert str(answer.facts["command"]).startswith(
-        "# first, in disc.toml: set clearance = 5e-05 in contact 0\nrotor-ida simulate disc.toml "
+        '# first, in disc.toml: set clearance = "50um" in contact 0\n'
+        "rotor-ida simulate disc.toml --speed 2000rpm --duration "
     )
+
+
+def test_the_command_is_in_the_units_of_the_page_and_gives_the_run_shown(path: Path) -> None:
+    asked = question(path, speed=2345.6 * np.pi / 30.0, changes={"clearance": 4.7e-5})
+    said, command = str(run_of(asked).facts["command"]).splitlines()
+    assert said == '# first, in disc.toml: set clearance = "47um" in contact 0'
+    assert "--speed 2345.6rpm" in command
+    path.write_text(DISC.replace("60 um", "47um"))
+    archive = path.with_name("again.nc")
+    words = command.split()[1:-2]
+    words[1], words[-1] = str(path), str(archive)
+    assert main(words) == 0
+    again, shown = load(archive), systems.run_of_system(asked)
+    np.testing.assert_array_equal(again["event_time"], shown["event_time"])
 
 
 def test_an_archive_is_played_as_it_is(path: Path, tmp_path: Path) -> None:
@@ -98,7 +114,9 @@ def test_a_drop_is_that_of_its_file_and_its_archive_the_same(of_drop: Path) -> N
         assert answer.facts["drop"]
         rest = list(systems.show_system_run_up(question(path, about="system_run_up")))
         assert not rest[0].arrays
-    assert str(run_of(question(of_drop)).facts["command"]).startswith("rotor-ida drop drop.toml")
+    assert str(run_of(question(of_drop)).facts["command"]).startswith(
+        "rotor-ida drop drop.toml --speed 4800rpm"
+    )
 
 
 def test_a_drop_is_told_by_its_figures(of_drop: Path) -> None:

@@ -6,7 +6,7 @@ import { Signals, rowsOf } from "./signals.js";
 import { Campbell, Force, Orbit, Shape, Sketch, SpeedMap } from "./system_panels.js";
 import { LARGEST_FILE, SPEED_UNITS, SYSTEM_ENDINGS } from "./tables.js";
 import { keep } from "./tools.js";
-import { told } from "./units.js";
+import { labelled, prefixed, told } from "./units.js";
 
 const $ = (id) => document.getElementById(id);
 const ABOUTS = ["system_run", "system_map", "system_run_up"];
@@ -214,8 +214,8 @@ function buildSliders() {
       if (!isOfAll && !contacts.length) continue;
       if (name === "friction" && !fromFile[asked.contact].rubs) continue;
       const value = isOfAll ? 1 : fromFile[asked.contact][name];
-      const label = `${text}${unit && si ? ` [${unit}]` : ""}`;
-      rows.push(slider(label, name, asked.changes[name] ?? value, value ? [low * value, high * value] : [0, most], (given) => (asked.changes[name] = given)));
+      const { factor: shown, unit: own } = si ? prefixed(unit, value) : { factor: 1, unit: "" };
+      rows.push(slider(labelled(text, own), name, (asked.changes[name] ?? value) * shown, value ? [low * value * shown, high * value * shown] : [0, most], (given) => (asked.changes[name] = given / shown)));
     }
   }
   $("sliders").replaceChildren(...rows);
