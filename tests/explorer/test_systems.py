@@ -12,7 +12,7 @@ import pytest
 from rotor_ida import drop, load, load_system, save, simulate
 from rotor_ida.cli import main
 from rotor_ida.errors import InputError
-from rotor_ida.explorer import systems
+from rotor_ida.explorer import system_files, systems
 from rotor_ida.explorer.messages import Answer, read_question
 from rotor_ida.explorer.system_questions import SystemQuestion
 from rotor_ida.explorer.system_verdicts import verdict
@@ -140,11 +140,18 @@ def test_a_drop_is_told_by_its_figures(of_drop: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("ending", "begin"), [("py", b"from"), ("png", b"\x89PNG"), ("svg", b"<?xml"), ("nc", b"")]
+    ("ending", "begin"),
+    [
+        ("py", b"from"),
+        ("png", b"\x89PNG"),
+        ("svg", b"<?xml"),
+        ("nc", b""),
+        ("html", b"<!doctype html>"),
+    ],
 )
 def test_the_run_shown_is_written_to_a_file(path: Path, ending: str, begin: bytes) -> None:
     asked = question(path, about=f"system_{ending}")
-    (answer,) = systems.show_system_file(asked)
+    (answer,) = system_files.show_system_file(asked)
     contents = answer.arrays["contents"].tobytes()
     assert str(answer.facts["name"]).endswith(f".{ending}")
     assert contents.startswith(begin)
@@ -152,6 +159,14 @@ def test_the_run_shown_is_written_to_a_file(path: Path, ending: str, begin: byte
         again = path.with_suffix(".nc")
         again.write_bytes(contents)
         assert load(again).equals(systems.run_of_system(asked))
+
+
+def test_a_file_without_a_run_up_has_one_over_the_speeds_shown(path: Path) -> None:
+    (answer,) = systems.show_system_run_up(question(path, about="system_run_up"))
+    assert answer.facts["notes"] == []
+    speed = load_system(path).speed
+    assert speed is not None
+    assert answer.arrays["order_speed"].min() < speed < answer.arrays["order_speed"].max()
 
 
 def test_what_the_exact_whirls_leave_out_is_told(path: Path, of_drop: Path) -> None:
