@@ -161,6 +161,17 @@ def test_the_run_shown_is_written_to_a_file(path: Path, ending: str, begin: byte
         assert load(again).equals(systems.run_of_system(asked))
 
 
+def test_the_command_writes_the_page_of_a_system(
+    path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    place = path.with_name("page.html")
+    assert main(["explore", str(path), "--export", str(place)]) == 0
+    assert place.read_text() == system_files.recorded_page(question(path, revolutions=60))
+    assert main(["explore", str(path), "--export", str(place), "--speeds", "1"]) == 2
+    said = capfd.readouterr().err
+    assert said.endswith("rotor-ida: speeds must be left out with a rotor system\n")
+
+
 def test_a_file_without_a_run_up_has_one_over_the_speeds_shown(path: Path) -> None:
     (answer,) = systems.show_system_run_up(question(path, about="system_run_up"))
     assert answer.facts["notes"] == []

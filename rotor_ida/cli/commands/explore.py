@@ -56,7 +56,7 @@ def explore(
 
         rotor-ida explore rotor.toml
 
-    As a page that needs no server, with a slider over the speeds:
+    As a page that needs no server, with a slider over the speeds of one disc:
 
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2 --export page.html \
             --speeds 1.9:2.1:3
