@@ -160,6 +160,25 @@ def unit_of(text: str) -> Unit | None:
     return found
 
 
+def written(value: float, unit: str) -> str:
+    """Return the shortest text with a unit that is read as exactly this value in SI units.
+
+    Examples
+    --------
+    >>> written(4300.0 * SPEED_UNITS["rpm"], "rpm"), written(1.2e-4, "um"), written(0.837, "s")
+    ('4300rpm', '120um', '0.837s')
+    """
+    known = unit_of(unit)
+    assert known is not None
+    quotient = value / known.in_si("1")
+    for digits in range(1, 18):
+        number = f"{quotient:.{digits}g}"
+        plain = repr(float(number)).removesuffix(".0")
+        if known.in_si(plain) == value:
+            return f"{plain}{unit}"
+    return f"{quotient!r}{unit}"
+
+
 def usual(*allowed: str) -> str:
     """Return in words the usual units with the same dimensions as the given ones.
 

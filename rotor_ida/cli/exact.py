@@ -22,6 +22,7 @@ from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.results.si_units import EXACT
 from rotor_ida.schema import LINE_KIND, Column, labelled, labelled_dataset, words_of
 from rotor_ida.signals.record import Record, record_of
 
@@ -223,7 +224,7 @@ def _flight(dataset: xr.Dataset, record: Record, rotor: Rotor) -> xr.Dataset:
         )
     scale = dataset.attrs.get("time_scale", 1.0)
     times = record.times / scale
-    slope = float(rate) * scale**2 if "rate_units" in dataset.attrs else float(rate)
+    slope = float(dataset.attrs.get(f"{EXACT}_rate", rate))
     # starts before the record, which may be a part of a run
     before = np.arange(0.0, times[0], times[1] - times[0])
     whole = np.concatenate([before, times])

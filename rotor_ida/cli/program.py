@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import is_dataclass
 from functools import cache
 from importlib.metadata import version
+from inspect import BoundArguments
 from typing import Literal, TextIO, get_args, get_origin
 
 from cyclopts import (
@@ -54,7 +55,7 @@ from rotor_ida.cli.option_types import OPTIONS, STUDY
 from rotor_ida.cli.parsing import SYSTEM_ENDING, as_given, readable, refuse_units
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
-from rotor_ida.errors import InputError, RotorError
+from rotor_ida.errors import InputError, RotorError, SimulationError
 
 HELP = """Simulate rotors that touch their stators, and compare with exact results.
 
@@ -186,12 +187,24 @@ def _run(words: list[str], results: TextIO) -> int:
     )[:2]
     _refuse_units(bound.arguments)
     with console.capture() as help_text:
-        answer = command(*bound.args, **bound.kwargs)
+        answer = _answer(command, bound)
     if not isinstance(answer, Report):
         _write(help_text.get(), results)
         return answer if isinstance(answer, int) else DONE
     _write(text_of(answer, console), results)
     return _complain(answer.trouble, answer.status) if answer.trouble else DONE
+
+
+def _answer(command: Callable[..., object], bound: BoundArguments) -> object:
+    """Run a command; the message of an error is in the units in which its arguments were given."""
+    try:
+        return command(*bound.args, **bound.kwargs)
+    except (InputError, SimulationError) as error:
+        from rotor_ida.cli.messages import in_given_units  # noqa: PLC0415 - only after an error
+
+        said = in_given_units(bound.arguments, str(error))
+        kind = InputError if isinstance(error, InputError) else RotorError
+        raise kind(said) from error
 
 
 def _refuse_units(arguments: Mapping[str, object]) -> None:

@@ -143,9 +143,10 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
 def _checked(rotor: Rotor) -> float:
     """Return the radius of the disc of a rotor that has friction."""
     check_instance("rotor", rotor, Rotor)
-    if rotor.friction == 0.0 or rotor.disc_radius is None:
-        lacks = "friction" if rotor.friction == 0.0 else "disc_radius"
-        raise InputError(f"the rotor of a backward whirl must have {lacks}, got {rotor!r}")
+    if rotor.friction == 0.0:
+        raise InputError("friction must be above 0 for a backward whirl, got 0.0")
+    if rotor.disc_radius is None:
+        raise InputError("disc_radius must be given for a backward whirl, got None")
     check_no_load(rotor, "a backward whirl")
     for name in ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "friction"):
         check_nonnegative(name, getattr(rotor, name), LARGEST_NUMBER)

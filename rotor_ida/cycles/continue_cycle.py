@@ -172,7 +172,9 @@ def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, f
     """Return the limits of a parameter if they are valid and contain that of the rotor."""
     values = check_vector("limits", limits)
     if values.size != 2 or not 0.0 <= values[0] < values[1]:
-        raise InputError(f"limits must be two increasing numbers from 0 on, got {shown(limits)}")
+        raise InputError(
+            f"limits of {parameter} must be two increasing numbers from 0 on, got {shown(limits)}"
+        )
     low, high = values.tolist()
     if low == 0.0 and parameter in NEVER_ZERO:
         raise InputError(f"limits of {parameter} must be above 0, got {shown(limits)}")
@@ -193,7 +195,7 @@ def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, f
         raise InputError("delta0 must be above 0 to be continued, got 0.0")
     if not low <= here <= high:
         raise InputError(
-            f"limits must contain the {parameter} of the start, {here!r}, got {shown(limits)}"
+            f"limits of {parameter} must contain that of the start, {here!r}, got {shown(limits)}"
         )
     return low, high
 

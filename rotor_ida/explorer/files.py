@@ -54,7 +54,7 @@ SPEEDS: npt.NDArray[np.float64] = np.linspace(0.075, 0.825, 61)
 # Number of last revolutions kept of each run.
 KEPT = 10
 TIMES = ("t", "event_time", "exit_time")
-SCRIPT = '<script type="module" src="main.js"></script>'
+SCRIPT = '<script type="module" src="{}"></script>'
 LINKS = re.compile(r'<link rel="(?:icon|stylesheet)"[^>]*>\n')
 # A page on disk cannot load its scripts: they are modules in the page.
 IMPORTS = re.compile(r'from "\./([\w./]+)"')
@@ -217,7 +217,7 @@ def recording(
             question = replace(beginning, machine=_at(machine, speeds[place]), start=here)
             answers = [*_motion(question), *show_responses(question)]
             own = [each for each in answers if each.part not in {"curve", "branch"}]
-            frames[place] = [_text(_single(each)) for each in own]
+            frames[place] = [as_text(in_single(each)) for each in own]
             common |= {_name(each): packed(each) for each in answers if each not in own}
             if course != "start":
                 here = _end(own)
@@ -230,7 +230,7 @@ def recording(
         "state": {**machine.given, **dict(zip(("x", "y", "vx", "vy"), start, strict=True))},
         "fastest": largest_speed(machine) if isinstance(machine, DimensionalRotor) else None,
     }  # fmt: skip
-    return _page(json.dumps(recorded))
+    return page_with(json.dumps(recorded))
 
 
 def check_speeds(machine: Rotor | DimensionalRotor, speeds: Sequence[float] | None) -> list[float]:
@@ -274,7 +274,7 @@ def _motion(question: Question) -> Iterator[Answer]:
         yield replace(answer, arrays=arrays)
 
 
-def _single(answer: Answer) -> Answer:
+def in_single(answer: Answer) -> Answer:
     """Return an answer in single precision, which is enough for drawing."""
     arrays = {
         name: values if values.dtype == np.int8 else values.astype(np.float32)
@@ -306,12 +306,13 @@ def _name(answer: Answer) -> str:
     return f"{answer.part} {first}"
 
 
-def _text(answer: Answer) -> str:
+def as_text(answer: Answer) -> str:
+    """Return an answer as text for a page."""
     return base64.b64encode(packed(answer)).decode()
 
 
-def _page(recorded: str) -> str:
-    """Return the page with all its files and the recorded results."""
+def page_with(recorded: str, *, page: str = "index.html", script: str = "main.js") -> str:
+    """Return a page with all its files and the recorded results."""
     files = {name: contents.decode() for name, contents in page_files().items()}
     styles = "".join(files[name] for name in ("uplot/uPlot.min.css", "style.css"))
     modules = {
@@ -325,10 +326,9 @@ def _page(recorded: str) -> str:
         f"<style>{styles}</style>",
         f'<script type="importmap">{json.dumps({"imports": modules})}</script>',
         f'<script type="application/json" id="recorded">{recorded}</script>',
-        f'<script type="module">import "{MODULES}main.js";</script>',
+        f'<script type="module">import "{MODULES}{script}";</script>',
     ])  # fmt: skip
-    page = LINKS.sub("", files["index.html"])
-    return page.replace(SCRIPT, head)
+    return LINKS.sub("", files[page]).replace(SCRIPT.format(script), head)
 
 
 def _data(kind: str, text: str) -> str:

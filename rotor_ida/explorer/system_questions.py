@@ -12,10 +12,10 @@ from rotor_ida.errors import InputError
 
 SystemAbout = Literal[
     "system_run", "system_map", "system_run_up",
-    "system_nc", "system_png", "system_svg", "system_py",
+    "system_nc", "system_png", "system_svg", "system_py", "system_html",
 ]  # fmt: skip
 ABOUTS: tuple[SystemAbout, ...] = get_args(SystemAbout)
-# Files of the run shown: the archive, two figures, and the lines of Python.
+# Files of the run shown: the archive, two figures, the lines of Python, and the page.
 SYSTEM_FILES = ABOUTS[3:]
 # What a slider may change: of the chosen contact, and of all unbalance.
 OF_CONTACT = ("clearance", "stiffness", "damping", "friction")

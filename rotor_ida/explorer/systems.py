@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,6 @@ import xarray as xr
 from rotor_ida.arrays import Arrays
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.files import NAME
 from rotor_ida.explorer.measured import cascade_rows, full_lines, order_rows, unless_impossible
 from rotor_ida.explorer.messages import Answer
 from rotor_ida.explorer.system_questions import OF_CONTACT, SYSTEM_RUNS, SystemQuestion
@@ -25,9 +23,7 @@ from rotor_ida.explorer.system_verdicts import verdict
 from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
-from rotor_ida.plot import drop_figure, save_figure, system_figure
-from rotor_ida.plot.appearance import without_pyplot
-from rotor_ida.results.archive import load, save
+from rotor_ida.results.archive import load
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.system_file import SystemFile, load_system
 from rotor_ida.schema import SPECIAL
@@ -39,6 +35,7 @@ from rotor_ida.systems.drop import drop
 from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.systems.whirls.special_speeds import special_speeds
 from rotor_ida.systems.whirls.synchronous import synchronous_response_system
+from rotor_ida.units import written
 
 # Samples that are sent of a run, and speeds of the exact response and of the Campbell diagram.
 MOST_SAMPLES, SPEEDS, FEW_SPEEDS = 6000, 160, 60
@@ -153,8 +150,13 @@ def run_of_system(question: SystemQuestion) -> xr.Dataset:
     """Return the run that a question is about: of its archive, or computed."""
     case_of(question)  # without a file there is none
     assert question.path is not None
+    return _computed(*_of_any_node(question))
+
+
+def _of_any_node(question: SystemQuestion) -> tuple[SystemQuestion, int]:
+    """Return the question whose answer holds for all nodes, and when its file was changed."""
     same = replace(question, about="system_run", number=0, node="")
-    return _computed(same, question.path.stat().st_mtime_ns)
+    return same, 0 if question.path is None else question.path.stat().st_mtime_ns
 
 
 def show_system_run(question: SystemQuestion) -> Iterator[Answer]:
@@ -162,7 +164,7 @@ def show_system_run(question: SystemQuestion) -> Iterator[Answer]:
     case = case_of(question)
     yield Answer("sketch", _sketch(case, question))
     run = run_of_system(question)
-    node = _node(case, question)
+    node = node_of(case, question)
     every = slice(None, None, math.ceil(run.sizes["t"] / MOST_SAMPLES))
     names = ("x", "y", "contact_x", "contact_y", "normal_force", "tangential_force")
     arrays: Arrays = {"t": run["t"].values[every]}
@@ -182,7 +184,8 @@ def show_system_run(question: SystemQuestion) -> Iterator[Answer]:
     yield Answer("run", facts, arrays)
 
 
-def _node(case: Case, question: SystemQuestion) -> str:
+def node_of(case: Case, question: SystemQuestion) -> str:
+    """Return the node of a question: its own, or else that of the first contact."""
     nodes = list(case.system.nodes)
     if question.node and question.node not in nodes:
         raise InputError(f"node must be one of {', '.join(nodes)}, got {shown(question.node)}")
@@ -204,7 +207,7 @@ def _sketch(case: Case, question: SystemQuestion) -> dict[str, object]:
         "has_positions": case.system.positions is not None, "units": case.system.units,
         "contacts": contacts, "supports": [each.node for each in supports],
         "masses": [_mass(case.system, node) for node in case.system.nodes],
-        "unbalance": [each.node for each in case.unbalance], "node": _node(case, question),
+        "unbalance": [each.node for each in case.unbalance], "node": node_of(case, question),
         "speed": case.speed, "file_speed": file.speed, "is_archive": case.run is not None,
         "is_drop": case.drops,
         "from_file": [
@@ -223,38 +226,53 @@ def _mass(system: RotorSystem, node: str) -> float:
 def show_system_map(question: SystemQuestion) -> Iterator[Answer]:
     """Yield the exact whirls over the speed, then the Campbell diagram."""
     case = case_of(question)
-    node = _node(case, question)
-    low, high = LOW * case.speed, HIGH * case.speed
+    node = node_of(case, question)
     place = list(case.system.nodes).index(node)
     facts: dict[str, object] = {"node": node, "notes": _left_out(case)}
     arrays: Arrays = {}
-    around: dict[str, Any] = {"contacts": case.contacts, "unbalance": case.unbalance}
     try:
-        whirls = synchronous_response_system(
-            case.system, **around, speed=np.linspace(low, high, SPEEDS)
-        )
+        whirls, points = _whirls(*_of_any_node(question))
         arrays |= _branches(whirls, place)
-        if case.contacts:
-            points = special_speeds(case.system, **around, limits=(low, high))
+        if points is not None:
             kinds = {number: word for word, number in SPECIAL.items()}
             facts["kinds"] = [kinds[int(each)] for each in points["special_kind"].values]
             arrays["special_speed"] = points["special_speed"].values
     except InputError as error:
         facts["notes"] = [str(error)]
     yield Answer("map", facts, arrays)
+    yield _campbell(case)
+
+
+def _campbell(case: Case) -> Answer:
+    """Return the Campbell diagram."""
+    speeds = np.linspace(LOW * case.speed, HIGH * case.speed, FEW_SPEEDS)
     try:
         found = campbell(
-            case.system, contacts=case.contacts, speed=np.linspace(low, high, FEW_SPEEDS),
+            case.system, contacts=case.contacts, speed=speeds,
             modes=min(MOST_EIGENVALUES, case.system.size),
         ).isel(contact_stiffness=0)  # fmt: skip
     except InputError as error:
-        yield Answer("campbell", {"notes": [str(error)]})
-        return
+        return Answer("campbell", {"notes": [str(error)]})
     rates = found["whirl_speed"].transpose("eigenvalue", "speed").values
     damping = found["damping_ratio"].transpose("eigenvalue", "speed").values
-    yield Answer("campbell", {"notes": []}, {
+    return Answer("campbell", {"notes": []}, {
         "speed": found["speed"].values, "whirl_speed": rates.ravel(), "damping": damping.ravel(),
     })  # fmt: skip
+
+
+@lru_cache(maxsize=2)
+def _whirls(question: SystemQuestion, _changed: int) -> tuple[xr.Dataset, xr.Dataset | None]:
+    """Return the exact whirls at all nodes over the speed, and their special speeds."""
+    case = case_of(question)
+    low, high = LOW * case.speed, HIGH * case.speed
+    around: dict[str, Any] = {"contacts": case.contacts, "unbalance": case.unbalance}
+    whirls = synchronous_response_system(
+        case.system, **around, speed=np.linspace(low, high, SPEEDS)
+    )
+    points = None
+    if case.contacts:
+        points = special_speeds(case.system, **around, limits=(low, high))
+    return whirls, points
 
 
 def _left_out(case: Case) -> list[str]:
@@ -291,43 +309,25 @@ def show_system_run_up(question: SystemQuestion) -> Iterator[Answer]:
     if case.run is not None or case.drops:  # the page has no panel of a run-up then
         yield Answer("run_up", {"notes": []})
         return
-    signals = at_node(_run_up(case), _node(case, question))
+    signals = at_node(_run_up(*_of_any_node(question)), node_of(case, question))
     notes: list[str] = []
     record = record_of(signals)
     arrays = unless_impossible(order_rows, signals, record, notes)
     arrays |= unless_impossible(cascade_rows, signals, record, notes)
-    yield Answer("run_up", {"notes": notes, "node": _node(case, question)}, arrays)
+    yield Answer("run_up", {"notes": notes, "node": node_of(case, question)}, arrays)
 
 
-def _run_up(case: Case) -> xr.Dataset:
+@lru_cache(maxsize=2)
+def _run_up(question: SystemQuestion, _changed: int) -> xr.Dataset:
     """Return the run-up of the file, or else one over the speeds shown."""
+    case = case_of(question)
     assert case.file is not None
     change: Mapping[str, Any] = case.file.change
-    if not change:
+    if not change.keys() - {"speed"}:  # the file has no run-up
         time = 2.0 * math.pi * TURNS / (0.5 * (LOW + HIGH) * case.speed)
         change = {"speed": LOW * case.speed, "to": HIGH * case.speed, "ramp_time": time}
     around = case.file.around | {"contacts": case.contacts, "unbalance": case.unbalance}
     return run_up_system(case.system, **around, **change)
-
-
-def show_system_file(question: SystemQuestion) -> Iterator[Answer]:
-    """Yield a file of the run shown, with its name."""
-    ending = question.about.removeprefix("system_")
-    if ending == "py":
-        contents = lines_of(question).encode()
-    else:
-        run = run_of_system(question)
-        with TemporaryDirectory() as folder:
-            place = Path(folder) / NAME
-            if ending == "nc":
-                save(run, place.with_suffix(".nc"))
-            else:
-                with without_pyplot():
-                    draw = drop_figure if kind_of(run) == "drop" else system_figure
-                    save_figure(draw(run), place)
-            contents = place.with_suffix(f".{ending}").read_bytes()
-    yield Answer("file", {"name": f"{NAME}.{ending}"},
-                 {"contents": np.frombuffer(contents, dtype=np.int8)})  # fmt: skip
 
 
 def lines_of(question: SystemQuestion) -> str:
@@ -370,20 +370,37 @@ def lines_of(question: SystemQuestion) -> str:
 
 
 def command_of(question: SystemQuestion) -> str:
-    """Return the command for the run shown, after what must be changed in the file first."""
+    """Return the command for the run shown, after what must be changed in the file first.
+
+    Numbers of a system in SI units have the units of the page.
+    """
     case, path = case_of(question), question.path
     assert path is not None
     if case.run is not None:
         return f"rotor-ida show {path.name}"
+
+    def told(value: float, unit: str) -> str:
+        return written(value, unit) if case.system.units == "SI" and unit else repr(value)
+
     changes = dict(question.changes)
     factor = changes.pop("unbalance_factor", 1.0)
-    first = [f"set {name} = {value!r} in contact {question.contact}"
-             for name, value in changes.items()]  # fmt: skip
+    first = []
+    for name, value in changes.items():
+        number = told(value, _unit(name, case.contacts[question.contact]))
+        quoted = number if number == repr(value) else f'"{number}"'
+        first.append(f"set {name} = {quoted} in contact {question.contact}")
     first += [f"multiply each moment of the unbalance by {factor!r}"] if factor != 1.0 else []
     said = f"# first, in {path.name}: {'; '.join(first)}\n" if first else ""
+    speed = told(case.speed, "rpm")
     if case.drops:
-        return f"{said}rotor-ida drop {path.name} --speed {case.speed!r} --out report"
+        return f"{said}rotor-ida drop {path.name} --speed {speed} --out report"
     return (
-        f"{said}rotor-ida simulate {path.name} --speed {case.speed!r} "
-        f"--duration {_duration(case, question.revolutions)!r} --out run.nc --figure run"
+        f"{said}rotor-ida simulate {path.name} --speed {speed} "
+        f"--duration {told(_duration(case, question.revolutions), 's')} --out run.nc --figure run"
     )
+
+
+def _unit(name: str, contact: Contact) -> str:
+    """Return the unit in which a system file gives a number of a contact; empty if it has none."""
+    stiffness = "N/m" if contact.exponent == 1.0 else "N/m^1.5"
+    return {"clearance": "um", "stiffness": stiffness, "damping": "s/m"}.get(name, "")

@@ -40,8 +40,7 @@ SHOWN_BY = {
     "starts": ("starts", "show_starts"),
 }
 OF_SYSTEMS = {
-    "system_run": "show_system_run", "system_map": "show_system_map",
-    "system_run_up": "show_system_run_up",
+    about: ("systems", f"show_{about}") for about in ("system_run", "system_map", "system_run_up")
 }  # fmt: skip
 # Seconds after which a part is interrupted again.
 SOON = 0.01
@@ -153,10 +152,10 @@ def _show(question: Asked) -> Iterator[Answer]:
 
         return show_measured(question)
     if isinstance(question, SystemQuestion):
-        systems = import_module("rotor_ida.explorer.systems")
-        shown_by = getattr(systems, OF_SYSTEMS.get(question.about, "show_system_file"))
-        return cast(Iterator[Answer], shown_by(question))
-    module, function = SHOWN_BY.get(question.about, ("files", "show_file"))
+        place = OF_SYSTEMS.get(question.about, ("system_files", "show_system_file"))
+    else:
+        place = SHOWN_BY.get(question.about, ("files", "show_file"))
+    module, function = place
     show = getattr(import_module(f"rotor_ida.explorer.{module}"), function)
     return cast(Iterator[Answer], show(question))
 

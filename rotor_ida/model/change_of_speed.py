@@ -56,8 +56,9 @@ def dimensionless_change(
         found["to"] = check_nonnegative("to", to) * speed
     if rate is not None:
         found["rate"] = check_real("rate", rate) * speed * time
-        if to is not None:
-            _check_way(machine.speed / a_second, to, rate, unit)
+    if to is not None and (rate is not None or ramp_time is not None):
+        now = machine.speed / a_second
+        _check_way(now, to, to - now if rate is None else rate, unit)
     if ramp_time is not None:
         found["ramp_time"] = check_positive("ramp_time", ramp_time) / time
     if speeds is not None:

@@ -241,7 +241,7 @@ def _extrema_of(found: xr.Dataset, over: str, delta0: float | None) -> _Extrema:
         for place in places[:3]
     )
     if over == "omega" and "extremum_speed" in found.variables:
-        across = found["extremum_speed"].values
+        across = found["extremum_speed"].values / scale_of(found, "speed")
     here = np.full(clearance.shape, True) if delta0 is None else clearance == delta0
     # the extrema of an unresolved motion may not last
     free = _is_of(response, found["response"], FREE_KINDS)

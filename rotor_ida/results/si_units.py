@@ -66,8 +66,9 @@ def dimensional(
         variable's attribute ``units`` has its unit in the notation of UDUNITS (``um``, ``m s-1``).
         The attributes ``length_scale``, ``time_scale`` and so on are the values of a dimensionless
         1; ``machine_mass`` and so on describe the machine.
-        The attributes ``to``, ``rate``, ``speeds``, ``torque`` and ``inertia`` of a run-up are in
-        SI units too, given by ``to_units`` and so on.
+        The attributes ``to``, ``rate``, ``speeds``, ``torque`` and ``inertia`` of a run-up, and
+        ``rate``, ``extrema_time`` and ``reach`` of a bifurcation diagram, are in SI units too,
+        given by ``to_units`` and so on.
 
     Raises
     ------
@@ -126,8 +127,7 @@ def dimensional(
             converted[name] = xr.Variable(variable.dims, values, attributes)
     told: dict[str, object] = {f"{kind}_scale": value for kind, value in scales.items()}
     told |= {f"{MACHINE}{name}": value for name, value in machine.given.items()}
-    if "event_speed" in dataset.variables:
-        told |= _change_of_speed(dataset, machine, scales, chosen)
+    told |= _attributes_in_si(dataset, machine, scales, chosen)
     return dataset.assign(converted).assign_attrs(told)
 
 
@@ -302,13 +302,13 @@ def in_rpm(speeds: xr.DataArray) -> Values | None:
     return None if factor is None else np.asarray(speeds.values) * (factor / OF_SPEED["rpm"])
 
 
-def _change_of_speed(
-    run: xr.Dataset,
+def _attributes_in_si(
+    dataset: xr.Dataset,
     machine: DimensionalRotor,
     scales: Mapping[str, float],
     units: Mapping[str, str],
 ) -> dict[str, object]:
-    """Return the attributes of the changing speed, with their units; seconds are unchanged."""
+    """Return the attributes that have units, with these and their dimensionless values."""
     speed, time = scales["speed"], scales["time"]
     torque, rate = machine.torque_scale, machine.reference_frequency
     factors: dict[str, tuple[list[float], str]] = {
@@ -317,14 +317,16 @@ def _change_of_speed(
         "speeds": ([time, speed], f"{units['time']}, {units['speed']}"),
         "torque": ([torque, torque / rate], "N m, N m s"),
         "inertia": ([machine.inertia_scale], "kg m2"),
+        "extrema_time": ([time], units["time"]),
+        "reach": ([scales["length"]], units["length"]),
     }
     found: dict[str, object] = {}
     for name, (factor, unit) in factors.items():
-        if name in run.attrs:
-            values = (np.reshape(run.attrs[name], (-1, len(factor))) * factor).ravel()
+        if name in dataset.attrs:
+            values = (np.reshape(dataset.attrs[name], (-1, len(factor))) * factor).ravel()
             found[name] = values if len(factor) > 1 else values.item()
             found[f"{name}_units"] = unit
-            found[f"{EXACT}_{name}"] = run.attrs[name]
+            found[f"{EXACT}_{name}"] = dataset.attrs[name]
     return found
 
 
@@ -337,7 +339,7 @@ def _attributes_before(dataset: xr.Dataset) -> dict[str, object]:
         exact = before.pop(f"{EXACT}_{name}", None)
         if exact is None:
             raise InputError(
-                f"{name} of this run-up has no dimensionless value: it was written before results "
+                f"{name} of this result has no dimensionless value: it was written before results "
                 "in SI units stored it"
             )
         before[name] = exact

@@ -366,7 +366,7 @@ QUANTITIES: dict[str, Quantity] = {
     "extremum_count": Quantity("number of extrema of the distance from the bearing axis"),
     "extremum_radius": Quantity("distance from the bearing axis at its extremum", scale="length"),
     "extremum_kind": Quantity("kind of the extremum", flags=EXTREMUM),
-    "extremum_speed": Quantity("spin speed at the extremum"),
+    "extremum_speed": Quantity("spin speed at the extremum", scale="speed"),
     # closed forms
     "branch": Quantity("number of the synchronous whirl, in order of amplitude"),
     "fold": Quantity("number of the fold, in order of speed"),

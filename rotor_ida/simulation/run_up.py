@@ -297,7 +297,8 @@ def _piece_by_piece(rotor: Rotor, speeds: object, duration: float | None) -> _Sp
     """Return a piecewise linear profile of the speed."""
     table = check_array("speeds", speeds)
     if table.ndim != 2 or table.shape[1] != 2 or len(table) < 2:
-        raise InputError(f"speeds must be two or more pairs of time and speed, got {shown(speeds)}")
+        given = shown(table.tolist())
+        raise InputError(f"speeds must be two or more pairs of time and speed, got {given}")
     times, values = table.T.tolist()
     if times[0] != 0.0:
         raise InputError(f"the first time of speeds must be 0, got {times[0]!r}")

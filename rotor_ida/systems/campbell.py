@@ -25,6 +25,10 @@ from rotor_ida.systems.units import with_system_units
 STILL = 1e-9
 # Forward and backward parts of a motion that differ by less are equal: it is along a line.
 STRAIGHT = 1e-6
+# Singular values below this part of the largest are 0: a motion that no stiffness holds.
+SINGULAR = 1e-11
+# Growth and decay below this part of the largest eigenvalue come from rounding.
+ROUNDING = 100.0 * np.finfo(float).eps
 
 
 class _Motions(NamedTuple):
@@ -154,7 +158,7 @@ def _motions(assembly: Assembly) -> Callable[[float, float], _Motions]:
         rows = axisymmetric.rows
         stiffness = axisymmetric.stiffness + spring * (rows.conj().T @ rows)
         resisted = axisymmetric.damping + omega * axisymmetric.gyroscopic
-        found = np.linalg.eigvals(_first_order(stiffness, resisted))
+        found = _exact(np.linalg.eigvals(_first_order(stiffness, resisted)), stiffness, resisted)
         return _Motions(found, np.sign(found.imag).astype(np.int8))
 
     return circles
@@ -171,7 +175,9 @@ def _ellipses(assembly: Assembly) -> Callable[[float, float], _Motions]:
 
     def ellipses(spring: float, omega: float) -> _Motions:
         stiffness = found.stiffness + spring * (held.T @ held)
-        eigenvalues, vectors = np.linalg.eig(_first_order(stiffness, damping + omega * gyroscopic))
+        resisted = damping + omega * gyroscopic
+        eigenvalues, vectors = np.linalg.eig(_first_order(stiffness, resisted))
+        eigenvalues = _exact(eigenvalues, stiffness, resisted)
         moved = np.einsum("njk,ks->njs", nodes, vectors[: assembly.size])
         size = np.linalg.norm(vectors[: assembly.size], axis=0)
         seen = np.abs(moved).max(axis=(0, 1), initial=0.0) > STILL * size
@@ -184,6 +190,25 @@ def _ellipses(assembly: Assembly) -> Callable[[float, float], _Motions]:
         return _Motions(eigenvalues[seen], senses[seen].astype(np.int8))
 
     return ellipses
+
+
+def _exact(
+    eigenvalues: ComplexValues, stiffness: npt.NDArray[Any], damping: npt.NDArray[Any]
+) -> ComplexValues:
+    """Return eigenvalues without what rounding makes of those at 0 and of undamped motions.
+
+    A free motion p with ``K p = 0`` has the eigenvalue 0, twice if no damping resists it either.
+    Rounding moves such a pair by the square root of its size, half of the pairs to growth.
+    """
+    left, sizes, right = np.linalg.svd(stiffness)
+    free = sizes <= SINGULAR * sizes.max(initial=0.0)
+    resists = left[:, free].conj().T @ damping @ right[free].conj().T
+    scale = np.abs(damping).max(initial=0.0)
+    twice = np.linalg.svd(resists, compute_uv=False) <= SINGULAR * scale
+    found = eigenvalues.astype(complex)
+    found[np.argsort(np.abs(found))[: free.sum() + twice.sum()]] = 0.0
+    rounded = np.abs(found.real) <= ROUNDING * np.abs(found).max(initial=0.0)
+    return np.where(rounded, 1j * found.imag, found)
 
 
 def _first_order(stiffness: npt.NDArray[Any], damping: npt.NDArray[Any]) -> npt.NDArray[Any]:

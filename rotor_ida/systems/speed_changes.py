@@ -73,7 +73,8 @@ def _piece_by_piece(
     """Return a piecewise linear course of the speed."""
     table = check_array("speeds", speeds)
     if table.ndim != 2 or table.shape[1] != 2 or len(table) < 2:
-        raise InputError(f"speeds must be two or more pairs of time and speed, got {shown(speeds)}")
+        given = shown(table.tolist())
+        raise InputError(f"speeds must be two or more pairs of time and speed, got {given}")
     check_increasing("times of speeds", table[:, 0])
     if table[0, 0] != 0.0:
         raise InputError(f"the first time of speeds must be 0, got {float(table[0, 0])!r}")

@@ -252,7 +252,9 @@ def test_options_of_a_diagram_of_a_machine_have_units(program: Program):
     found = rotor_ida.load("si.nc")
     assert found.extremum_radius.attrs["units"] == "m"
     assert found.extremum_radius.values == pytest.approx(1e-6 * same.extremum_radius.values)
-    assert found.extremum_speed.values == pytest.approx(same.extremum_speed.values)
+    assert found.extremum_speed.values == pytest.approx(500.0 * same.extremum_speed.values)
+    attributes = [found.attrs[name] for name in ("rate", "reach", "extrema_time")]
+    assert attributes == pytest.approx([2500.0, 2e-6, 100.0 / 500.0])
 
 
 @pytest.mark.parametrize("workers", [1, 2])

@@ -275,8 +275,8 @@ def test_without_damping_any_touch_is_driven():
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ({"friction": 0.0}, "the rotor of a backward whirl must have friction, got Rotor"),
-        ({"disc_radius": None}, "the rotor of a backward whirl must have disc_radius, got Rotor"),
+        ({"friction": 0.0}, "friction must be above 0 for a backward whirl, got 0.0"),
+        ({"disc_radius": None}, "disc_radius must be given for a backward whirl, got None"),
         ({"load": 1.0}, "load must be 0 for a backward whirl"),
         ({"friction": 1e-30}, "friction must be at least 1e-20 for a backward whirl, got 1e-30"),
         ({"omega": 1e18}, "omega must be"),

@@ -182,7 +182,7 @@ def test_progress_comes_to_its_end():
     ({"limits": {"omega": (2.2, 3.2)}}, "limits must be of omega and delta0, got"),
     ({"limits": ((2.2, 3.2),)}, "limits must be two pairs of numbers"),
     ({"limits": ((0.0, 3.2), (0.4, 0.6))}, "limits of omega must be above 0"),
-    ({"limits": ((2.2, 3.2), (0.6, 0.7))}, "limits must contain the delta0 of the start, 0.5"),
+    ({"limits": ((2.2, 3.2), (0.6, 0.7))}, "limits of delta0 must contain that of the start, 0.5"),
     ({"limits": ((2.9, 3.1), (0.4, 0.6))},
      "limits must contain a fold of the branch through the start, got none"),
     ({"rotor": Rotor(omega=1.0, zeta=0.0, delta0=0.5), "limits": ((0.5, 2.0), (0.4, 0.6))},

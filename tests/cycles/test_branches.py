@@ -60,5 +60,5 @@ def test_what_is_no_comparison_is_refused(compared):
         branches_through(compared.drop_vars("end_x"), limits=LIMITS)
     with pytest.raises(InputError, match="compared must be a Dataset"):
         branches_through("fig11.nc", limits=LIMITS)
-    with pytest.raises(InputError, match="limits must contain the omega"):
+    with pytest.raises(InputError, match="limits of omega must contain"):
         branches_through(compared, limits=(0.3, 1.0))

@@ -408,10 +408,10 @@ def test_points_end_a_branch():
 
 
 @pytest.mark.parametrize(("arguments", "says"), [
-    ({"limits": (2.1, 3.0)}, "limits must contain the omega of the start, 2.0, got"),
-    ({"limits": (3.0, 1.0)}, "limits must be two increasing numbers from 0 on, got"),
-    ({"limits": (2.0,)}, "limits must be two increasing numbers from 0 on, got"),
-    ({"limits": (-1.0, 3.0)}, "limits must be two increasing numbers from 0 on, got"),
+    ({"limits": (2.1, 3.0)}, "limits of omega must contain that of the start, 2.0, got"),
+    ({"limits": (3.0, 1.0)}, "limits of omega must be two increasing numbers from 0 on, got"),
+    ({"limits": (2.0,)}, "limits of omega must be two increasing numbers from 0 on, got"),
+    ({"limits": (-1.0, 3.0)}, "limits of omega must be two increasing numbers from 0 on, got"),
     ({"limits": (0.0, 3.0)}, "limits of omega must be above 0, got"),
     ({"limits": (1.0, np.nan)}, "limits must"),
     ({"parameter": "phase"}, "parameter must be"),

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from rotor_ida import drop, load, load_system, save, simulate
+from rotor_ida.cli import main
 from rotor_ida.errors import InputError
-from rotor_ida.explorer import systems
+from rotor_ida.explorer import system_files, systems
 from rotor_ida.explorer.messages import Answer, read_question
 from rotor_ida.explorer.system_questions import SystemQuestion
 from rotor_ida.explorer.system_verdicts import verdict
@@ -72,8 +73,23 @@ def test_a_run_is_that_of_its_python_lines(path: Path) -> None:
     exec(lines, there)
     np.testing.assert_array_equal(answer.arrays["x"], there["run"]["x"].values.ravel())  # type: ignore[index]
     assert str(answer.facts["command"]).startswith(
-        "# first, in disc.toml: set clearance = 5e-05 in contact 0\nrotor-ida simulate disc.toml "
+        '# first, in disc.toml: set clearance = "50um" in contact 0\n'
+        "rotor-ida simulate disc.toml --speed 2000rpm --duration "
     )
+
+
+def test_the_command_is_in_the_units_of_the_page_and_gives_the_run_shown(path: Path) -> None:
+    asked = question(path, speed=2345.6 * np.pi / 30.0, changes={"clearance": 4.7e-5})
+    said, command = str(run_of(asked).facts["command"]).splitlines()
+    assert said == '# first, in disc.toml: set clearance = "47um" in contact 0'
+    assert "--speed 2345.6rpm" in command
+    path.write_text(DISC.replace("60 um", "47um"))
+    archive = path.with_name("again.nc")
+    words = command.split()[1:-2]
+    words[1], words[-1] = str(path), str(archive)
+    assert main(words) == 0
+    again, shown = load(archive), systems.run_of_system(asked)
+    np.testing.assert_array_equal(again["event_time"], shown["event_time"])
 
 
 def test_an_archive_is_played_as_it_is(path: Path, tmp_path: Path) -> None:
@@ -98,7 +114,9 @@ def test_a_drop_is_that_of_its_file_and_its_archive_the_same(of_drop: Path) -> N
         assert answer.facts["drop"]
         rest = list(systems.show_system_run_up(question(path, about="system_run_up")))
         assert not rest[0].arrays
-    assert str(run_of(question(of_drop)).facts["command"]).startswith("rotor-ida drop drop.toml")
+    assert str(run_of(question(of_drop)).facts["command"]).startswith(
+        "rotor-ida drop drop.toml --speed 4800rpm"
+    )
 
 
 def test_a_drop_is_told_by_its_figures(of_drop: Path) -> None:
@@ -122,11 +140,18 @@ def test_a_drop_is_told_by_its_figures(of_drop: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("ending", "begin"), [("py", b"from"), ("png", b"\x89PNG"), ("svg", b"<?xml"), ("nc", b"")]
+    ("ending", "begin"),
+    [
+        ("py", b"from"),
+        ("png", b"\x89PNG"),
+        ("svg", b"<?xml"),
+        ("nc", b""),
+        ("html", b"<!doctype html>"),
+    ],
 )
 def test_the_run_shown_is_written_to_a_file(path: Path, ending: str, begin: bytes) -> None:
     asked = question(path, about=f"system_{ending}")
-    (answer,) = systems.show_system_file(asked)
+    (answer,) = system_files.show_system_file(asked)
     contents = answer.arrays["contents"].tobytes()
     assert str(answer.facts["name"]).endswith(f".{ending}")
     assert contents.startswith(begin)
@@ -134,6 +159,25 @@ def test_the_run_shown_is_written_to_a_file(path: Path, ending: str, begin: byte
         again = path.with_suffix(".nc")
         again.write_bytes(contents)
         assert load(again).equals(systems.run_of_system(asked))
+
+
+def test_the_command_writes_the_page_of_a_system(
+    path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    place = path.with_name("page.html")
+    assert main(["explore", str(path), "--export", str(place)]) == 0
+    assert place.read_text() == system_files.recorded_page(question(path, revolutions=60))
+    assert main(["explore", str(path), "--export", str(place), "--speeds", "1"]) == 2
+    said = capfd.readouterr().err
+    assert said.endswith("rotor-ida: speeds must be left out with a rotor system\n")
+
+
+def test_a_file_without_a_run_up_has_one_over_the_speeds_shown(path: Path) -> None:
+    (answer,) = systems.show_system_run_up(question(path, about="system_run_up"))
+    assert answer.facts["notes"] == []
+    speed = load_system(path).speed
+    assert speed is not None
+    assert answer.arrays["order_speed"].min() < speed < answer.arrays["order_speed"].max()
 
 
 def test_what_the_exact_whirls_leave_out_is_told(path: Path, of_drop: Path) -> None:

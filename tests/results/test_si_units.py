@@ -1,6 +1,7 @@
 """Units are chosen once; the dataset carries them, and what a dimensionless 1 is in them."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,21 +10,25 @@ from scipy.integrate import solve_ivp
 from rotor_ida import (
     DimensionalRotor,
     InputError,
+    bifurcation_diagram,
     branches_through,
     compare,
     contact_forces,
     contact_summary,
     dimensional,
     limit_cycle,
+    load,
     lyapunov_exponent,
     rotating,
     run_up,
+    save,
     simulate,
     spectrum,
     sweep,
 )
 from rotor_ida.cli.describe import describe
-from rotor_ida.results.si_units import UNITS
+from rotor_ida.plot import plot_extrema
+from rotor_ida.results.si_units import UNITS, dimensionless
 from rotor_ida.schema import QUANTITIES, labelled
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -274,3 +279,28 @@ def test_a_motor_by_hand():
 def test_changes_of_speed_that_cannot_be_are_refused_in_the_units_given(given, message):
     with pytest.raises(InputError, match=message):
         TURNED.change_of_speed(**given)
+
+
+def test_a_bifurcation_diagram_in_si_units_has_its_rate_and_lengths_in_them(tmp_path):
+    """The speeds and rate that went in come out in rpm; its archive is the diagram to the bit."""
+    machine = replace(MACHINE, damping=4e4)
+    rate = machine.reference_frequency
+    plain = bifurcation_diagram(
+        omega=[600.0 * RPM / rate, 900.0 * RPM / rate], zeta=machine.rotor().zeta, delta0=2.0,
+        starts=1, reach=3.0, extrema_time=20.0, direction="up", rate=90.0 * RPM / rate**2,
+    )  # fmt: skip
+    shown = dimensional(plain, machine, units={"length": "um", "time": "ms", "speed": "rpm"})
+    told = {name: shown.attrs[name] for name in ("rate", "reach", "extrema_time")}
+    expected = {"rate": 90.0, "reach": 3.0 * 5.0, "extrema_time": 20.0 * 1e3 / rate}
+    assert told == pytest.approx(expected, rel=1e-12)
+    units = [shown.attrs[f"{name}_units"] for name in told]
+    assert units == ["rpm s-1", "um", "ms"]
+    assert shown.extremum_speed.attrs["units"] == "rpm"
+    assert 600.0 <= shown.extremum_speed.min() < 605.0
+    assert 895.0 < shown.extremum_speed.max() <= 900.0
+    again = dimensionless(load(save(shown, tmp_path / "diagram.nc")))
+    for name in told:
+        assert again.attrs[name] == plain.attrs[name]
+    np.testing.assert_allclose(again.extremum_speed, plain.extremum_speed, rtol=1e-15)
+    drawn, before = (plot_extrema(each).lines[0].get_xdata() for each in (shown, plain))
+    np.testing.assert_allclose(drawn, before, rtol=1e-12)  # its ticks are in rpm

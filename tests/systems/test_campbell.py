@@ -119,3 +119,41 @@ def test_what_moves_no_node_is_left_out():
         campbell(system, speed=1.0, contact_stiffness=2.0)
     with pytest.raises(InputError, match="modes must be at least 1"):
         campbell(system, speed=1.0, modes=0)
+
+
+def free_rotor(damping=0.0, across=4e6):
+    """Return two equal bodies on a shaft without supports, stiffer across if so asked."""
+    spring = np.kron([[1.0, -1.0], [-1.0, 1.0]], np.diag([4e6, across]))
+    return RotorSystem(mass=2.0 * np.eye(4), stiffness=spring, damping=damping * np.eye(4),
+                       nodes={"left": [0, 1], "right": [2, 3]}, units="1")  # fmt: skip
+
+
+@pytest.mark.parametrize("across", [4e6, 9e6])  # circles and ellipses
+def test_a_free_rotor_has_zero_eigenvalues_that_do_not_grow(across):
+    """Both bodies move together: K p = 0, so p may stand or drift; apart, sqrt(2 k/m)."""
+    found = campbell(free_rotor(across=across), speed=[0.0, 50.0, 3000.0])
+    assert (found.damping_ratio.fillna(0.0) == 0.0).all()
+    for rates in np.abs(found.whirl_speed.isel(contact_stiffness=0).values):
+        held = np.unique(rates[np.isfinite(rates)].round(6))
+        expected = {0.0, np.sqrt(2.0 * 4e6 / 2.0), np.sqrt(2.0 * across / 2.0)}
+        assert held == pytest.approx(sorted(expected))
+        assert (rates[rates < 1.0] == 0.0).all()
+
+
+def test_a_damper_brakes_a_free_rotor_but_does_not_hold_it():
+    """Together the bodies stand, or stop with c/m; no other eigenvalue is 0."""
+    found = campbell(free_rotor(damping=3.0), speed=[0.0])
+    stands = np.abs(found.whirl_speed.values.ravel()) == 0.0
+    ratio = found.damping_ratio.values.ravel()
+    assert np.sort(ratio[stands]).tolist() == [0.0, 1.0]
+    assert (ratio >= 0.0).all()
+
+
+def test_gyroscopic_motion_of_a_free_rotor_keeps_its_frequency():
+    """A free disc tilts with Ip/Id times the speed, and stays where it is tilted."""
+    disc = RotorSystem(mass=np.eye(4), stiffness=np.zeros((4, 4)),
+                       gyroscopic=np.diag([0.0, 0, 1.8], 1) - np.diag([0.0, 0, 1.8], -1),
+                       nodes={"disc": [[1, 0, 0.2, 0], [0, 1, 0, 0.2]]}, units="1")  # fmt: skip
+    found = campbell(disc, speed=[100.0])
+    assert np.unique(found.whirl_speed.values.round(9)).tolist() == [0.0, 180.0]
+    assert (found.damping_ratio == 0.0).all()

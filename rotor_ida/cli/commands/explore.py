@@ -78,13 +78,17 @@ def explore(
 
         rotor-ida explore rotor.toml
 
-    As a page that needs no server, with a slider over the speeds:
+    As a page that needs no server, with a slider over the speeds of one disc:
 
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2 --export page.html \
             --speeds 1.9:2.1:3
     """
-    system = _system(file, rotor, start, export)
+    system = _system(file, rotor, start)
     if system is not None:
+        if speeds is not None:
+            raise InputError("speeds must be left out with a rotor system")
+        if export is not None:
+            return _export_system(export, system, force)
         _serve({}, port, not no_browser, system)
         return 0
     chosen, first, revolutions = _beginning(rotor, start, file)
@@ -109,9 +113,7 @@ def _serve(
     serve(state, port=port, browser=browser, report=_say, system=system)
 
 
-def _system(
-    file: Path | None, rotor: RotorOptions, start: State | None, export: Path | None
-) -> Path | None:
+def _system(file: Path | None, rotor: RotorOptions, start: State | None) -> Path | None:
     """Return the file if it is of a rotor system that can be read; None for one disc."""
     from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - heavy, and not for --help
     from rotor_ida.results.system_file import load_system  # noqa: PLC0415
@@ -123,8 +125,6 @@ def _system(
         return None
     if rotor.machine is not None or rotor.given or start is not None:
         raise InputError("file must be given alone: it contains the rotor and the start")
-    if export is not None:
-        raise InputError("export must be left out: a page of a rotor system needs the program")
     if is_toml:
         load_system(file)
     return file.resolve()
@@ -170,14 +170,36 @@ def _export(
     speeds: list[float] | None, force: bool,
 ) -> int:  # fmt: skip
     from rotor_ida.explorer.files import check_speeds, record  # noqa: PLC0415
-    from rotor_ida.results.files import check_target, file_to_write  # noqa: PLC0415
+
+    _check_page(place, force)
+    chosen = check_speeds(machine, speeds)
+    with working("recording") as told:
+        page = record(machine, start=start, revolutions=revolutions, speeds=chosen, progress=told)
+    return _write(place, page, force)
+
+
+def _export_system(place: Path, system: Path, force: bool) -> int:
+    from rotor_ida.explorer.system_files import recorded_page  # noqa: PLC0415 - heavy
+    from rotor_ida.explorer.system_questions import SystemQuestion  # noqa: PLC0415
+
+    _check_page(place, force)
+    with working("recording"):
+        page = recorded_page(SystemQuestion(about="system_html", number=0, path=system))
+    return _write(place, page, force)
+
+
+def _check_page(place: Path, force: bool) -> None:
+    """Refuse a file that cannot be written, before anything is computed."""
+    from rotor_ida.results.files import check_target  # noqa: PLC0415
 
     if place.suffix != PAGE:
         raise InputError(f"export must end in {PAGE}, got {shown(place)}")
     check_target("export", place, overwrite=force, permission=FORCED)
-    chosen = check_speeds(machine, speeds)
-    with working("recording") as told:
-        page = record(machine, start=start, revolutions=revolutions, speeds=chosen, progress=told)
+
+
+def _write(place: Path, page: str, force: bool) -> int:
+    from rotor_ida.results.files import file_to_write  # noqa: PLC0415
+
     with file_to_write("export", place, overwrite=force) as part:
         part.write_text(page, encoding="utf-8")
     _say(f"wrote {place}")

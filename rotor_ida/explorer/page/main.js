@@ -1,5 +1,6 @@
 // The page: changes become questions, answers become plots.
 
+import { Address, keyKept } from "./address.js";
 import { Live, Recorded } from "./connection.js";
 import { Controls, UP_AND_DOWN, onArrows, parameterShown, written } from "./controls.js";
 import { Measured } from "./measured.js";
@@ -14,17 +15,14 @@ import {
   toDimensionless, toSI,
 } from "./state.js";
 import { EVENTS, PARAMETERS, SPEED_UNITS, START } from "./tables.js";
-import { addTools, keep } from "./tools.js";
+import { addTools, copy, keep } from "./tools.js";
 import { prefixed, told, withUnit } from "./units.js";
 
 const $ = (id) => document.getElementById(id);
 const PANELS = ["motion", "responses", "starts"];
 const FILES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python", html: "text/html" };
-const KEY = "rotor-ida-key";
 // No start lies further from the axis.
 const FURTHEST = 1e6;
-// Changes within this many milliseconds are one change, undone together.
-const ONE_MOVEMENT = 1000;
 // Step of an arrow key for a component of the start.
 const STEP_OF_START = 0.05;
 const recorded = $("recorded") && JSON.parse($("recorded").textContent);
@@ -67,6 +65,7 @@ const controls = new Controls((name, event) => ask({ event, name }), () => {
 const signals = new Signals($("signal-panels"), { view: viewOfSignals, told: () => sides.map((_, place) => parametersOf(place)).join("; ") });
 const measured = (page.measured = new Measured({ send: (...given) => connection.send(...given), scales: scalesShown, changed: showMeasured, listens: !recorded }));
 let connection = null;
+const kept = recorded ? null : new Address({ told: () => address(starts), show: goBack, undo: $("undo"), redo: $("redo") });
 // The last run-up: its tracks, kept after other changes, and their rotors.
 let lastTracks = [], lastRotors = "";
 const passage = (page.passage = new Passage({ begin: beginPassage, ask: askPiece, moved: showPiece, rested: restPassage, changed: showPassage }));
@@ -434,62 +433,26 @@ function complain(text) {
 
 // the address, and files
 
-let keeping = null;
-let movedLast = -Infinity, isNew = false;
-const depth = () => history.state?.depth ?? 0;
-let newest = 0;
-
 /** Store the state in the address; the state before a change stays in the history. */
 function keepAddress() {
-  const now = performance.now();
-  if (now - movedLast > ONE_MOVEMENT) isNew = true;
-  movedLast = now;
-  if (recorded || keeping) return;
-  keeping = setTimeout(() => {
-    keeping = null;
-    const next = address(starts);
-    if (next === location.hash) return;
-    if (isNew) history.pushState({ depth: depth() + 1 }, "", next);
-    else history.replaceState({ depth: depth() }, "", next);
-    if (isNew) newest = depth();
-    isNew = false;
-    showUndo();
-  }, 250);
+  if (!recorded) kept.keep();
 }
 
 /** Show the state of the address after the browser went back or forward. */
 function goBack() {
-  if (!tellsOfRotor(location.hash)) return;
+  if (!tellsOfRotor(location.hash)) return false;
   if (running) run(running.direction);
   passage.forget();
-  clearTimeout(keeping);
-  keeping = null;
   readAddress(location.hash);
   response.forgetTrail();
   showState();
   showTheme();
   ask({ again: true });
-  isNew = false;
-  showUndo();
-}
-
-function showUndo() {
-  $("undo").disabled = depth() === 0;
-  $("redo").disabled = depth() >= newest;
+  return true;
 }
 
 // Receiver of a requested text, by its kind.
 const copying = new Map();
-
-/** Copy a local text, or one requested from the program. */
-async function copy(name, text) {
-  try {
-    await navigator.clipboard.write([new ClipboardItem({ "text/plain": text })]);
-    say(`The ${name} is copied.`);
-  } catch (error) {
-    say(`The ${name} could not be copied: ${error.message}`);
-  }
-}
 
 function say(text) {
   $("connection").textContent = text;
@@ -768,15 +731,6 @@ function listen() {
       keepAddress();
     });
   }
-  $("undo").addEventListener("click", () => history.back());
-  $("redo").addEventListener("click", () => history.forward());
-  addEventListener("popstate", goBack);
-  addEventListener("keydown", (event) => {
-    const typing = event.target.matches?.('input[type="number"]');
-    if (typing || event.key.toLowerCase() !== "z" || !(event.ctrlKey || event.metaKey)) return;
-    event.preventDefault();
-    $(event.shiftKey ? "redo" : "undo").click();
-  });
   $("run-up").addEventListener("click", () => passage.press(1, ramp()));
   $("run-down").addEventListener("click", () => passage.press(-1, ramp()));
   $("run-up-0").addEventListener("click", runUpFromStandstill);
@@ -805,12 +759,12 @@ function listen() {
     button.addEventListener("click", () => connection.ask(question(0), [button.dataset.file]));
   }
   $("share").addEventListener("click", () => {
-    copy("address", new Blob([location.origin + location.pathname + address(starts)], { type: "text/plain" }));
+    copy("address", new Blob([location.origin + location.pathname + address(starts)], { type: "text/plain" }), say);
   });
   for (const button of document.querySelectorAll("[data-copy]")) {
     const kind = button.dataset.copy;
     button.addEventListener("click", () => {
-      copy(button.dataset.name, new Promise((resolve) => copying.set(kind, resolve)));
+      copy(button.dataset.name, new Promise((resolve) => copying.set(kind, resolve)), say);
       connection.ask(question(0), [kind]);
     });
   }
@@ -846,16 +800,13 @@ $("theme").addEventListener("click", () => {
 function begin() {
   document.body.classList.toggle("is-recorded", Boolean(recorded));
   const key = readAddress(location.hash);
-  if (key) sessionStorage.setItem(KEY, key);
   listen();
   showState();
   showTheme();
   if (recorded) beginRecorded();
   else {
-    newest = depth();
-    history.replaceState({ depth: newest }, "", address(starts));
-    showUndo();
-    connection = new Live(keyKept(), { answered, opened: () => ask({ again: true }), said });
+    kept.begin();
+    connection = new Live(keyKept(key), { answered, opened: () => ask({ again: true }), said });
   }
 }
 
@@ -932,12 +883,5 @@ function beginRecorded() {
 }
 
 const nearest = (values, value) => values.reduce((best, each, place) => (Math.abs(each - value) < Math.abs(values[best] - value) ? place : best), 0);
-
-/** Return the key of the program: from this tab, or from another one. */
-function keyKept() {
-  const key = sessionStorage.getItem(KEY) ?? localStorage.getItem(KEY) ?? "";
-  localStorage.setItem(KEY, key);
-  return key;
-}
 
 begin();

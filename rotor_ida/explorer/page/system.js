@@ -1,17 +1,19 @@
 // The page of a rotor system: the file is at the program, which computes all that is drawn.
 
-import { Live } from "./connection.js";
+import { Address, keyKept } from "./address.js";
+import { Live, Recorded } from "./connection.js";
 import { colour, forgetColours } from "./plot.js";
 import { Signals, rowsOf } from "./signals.js";
 import { Campbell, Force, Orbit, Shape, Sketch, SpeedMap } from "./system_panels.js";
 import { LARGEST_FILE, SPEED_UNITS, SYSTEM_ENDINGS } from "./tables.js";
-import { keep } from "./tools.js";
-import { told } from "./units.js";
+import { copy, keep } from "./tools.js";
+import { labelled, prefixed, told } from "./units.js";
 
 const $ = (id) => document.getElementById(id);
 const ABOUTS = ["system_run", "system_map", "system_run_up"];
-const TYPES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python" };
-const KEY = "rotor-ida-key";
+const TYPES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python", html: "text/html" };
+const KEY = "rotor-ida-key"; // of the file that the page of one disc hands over
+const REVOLUTIONS = 60;
 // Milliseconds without a newer change before a question is sent.
 const PAUSE = 120;
 // Orbits side by side of a drop.
@@ -25,8 +27,10 @@ const SLIDERS = {
   unbalance_factor: ["unbalance, of the file's", "", [0, 4]],
 };
 
+const recorded = $("recorded") && JSON.parse($("recorded").textContent);
+let motion = {}; // what a recorded run has at all nodes
 const page = (window.rotorIda = { sketch: null, run: null, map: null, campbell: null, runUp: null, time: 1, errors: [] });
-const asked = { node: "", contact: 0, speed: null, revolutions: 60, changes: {} };
+const asked = { node: "", contact: 0, speed: null, revolutions: REVOLUTIONS, changes: {} };
 let number = 0, since = 0, timer = 0, playing = 0, orbits = [];
 const view = { page, get now() { return timeShown(); } };
 
@@ -36,15 +40,35 @@ const force = new Force(document.querySelector('[data-panel="force"]'), view);
 const map = new SpeedMap(document.querySelector('[data-panel="map"]'), view);
 const campbell = new Campbell(document.querySelector('[data-panel="campbell"]'), view);
 const signals = new Signals($("signal-panels"), { view: viewOfSignals, told: words });
-const connection = new Live(keyKept(), { answered, opened, said: (text) => ($("connection").textContent = text) });
+const kept = recorded ? null : new Address({ told: address, show: goBack, undo: $("undo"), redo: $("redo") });
+let connection = null;
 
-/** Return the key of the program: from the address, from this tab, or from another one. */
-function keyKept() {
-  const key = new URLSearchParams(location.hash.replace(/^#/, "")).get("key") ?? sessionStorage.getItem(KEY) ?? localStorage.getItem(KEY) ?? "";
-  sessionStorage.setItem(KEY, key);
-  localStorage.setItem(KEY, key);
-  history.replaceState(null, "", location.pathname);
-  return key;
+// the state in the address
+
+/** Return the address of the state shown. */
+function address() {
+  const { node, contact, speed, revolutions, changes } = asked;
+  const told = new URLSearchParams({ node, contact, revolutions, ...changes });
+  if (speed !== null) told.set("speed", speed);
+  return `#${told}`;
+}
+
+/** Read the state from an address; return its key, if any. Missing entries get defaults. */
+function readAddress(hash) {
+  const given = new URLSearchParams(hash.replace(/^#/, ""));
+  const number = (name) => (given.get(name) && Number(given.get(name)) >= 0 ? Number(given.get(name)) : null);
+  const changes = Object.fromEntries(Object.keys(SLIDERS).map((name) => [name, number(name)]).filter(([, value]) => value !== null));
+  Object.assign(asked, { node: given.get("node") ?? "", contact: number("contact") ?? 0, speed: number("speed"), revolutions: number("revolutions") ?? REVOLUTIONS, changes });
+  return given.get("key");
+}
+
+/** Show the state of the address after the browser went back or forward. */
+function goBack() {
+  if (!/[#&]node=/.test(location.hash)) return false;
+  readAddress(location.hash);
+  if (page.sketch) buildSliders();
+  ask();
+  return true;
 }
 
 // questions
@@ -68,6 +92,8 @@ function open(file) {
 
 /** Ask all panels, or some, after a change. */
 function ask(abouts = ABOUTS) {
+  if (recorded) return connection.ask({ number: (number += 1) }, "nodes", recorded.nodes.indexOf(asked.node));
+  if (ABOUTS.includes(abouts[0])) kept.keep();
   clearTimeout(timer);
   timer = setTimeout(() => connection.ask({ ...asked, number: (number += 1) }, abouts), PAUSE);
 }
@@ -76,10 +102,12 @@ function answered({ about, part, facts, arrays, number: of }) {
   if (part === "mistake") return fail(facts.message);
   if (part === "trouble") return about === "system_run_up" ? showRunUp({ notes: [facts.message] }, {}) : fail(facts.message);
   if (about === "system_file") return begin();
+  if (part === "file") said("");
   if (part === "file") return keep(new Blob([arrays.contents], { type: TYPES[facts.name.split(".").pop()] }), facts.name);
   if (of <= since || (of < number && part === "sketch" && page.sketch)) return; // of another file, or older
   $("trouble").hidden = true;
   document.querySelector(".panels").classList.remove("stale");
+  if (part === "motion") motion = arrays;
   ({ sketch: showSketch, run: showRun, map: showMap, campbell: showCampbell, run_up: showRunUp })[part]?.(facts, arrays);
 }
 
@@ -134,7 +162,7 @@ function showSketch(facts) {
   $("of-contact").hidden = !facts.contacts.length;
   $("node").value = facts.node;
   $("contact").value = asked.contact;
-  const what = facts.is_archive ? "Archive: what is played is in the file" : facts.is_drop ? "A drop, from its system file" : "A system file";
+  const what = recorded ? "A run, recorded at each node" : facts.is_archive ? "Archive: what is played is in the file" : facts.is_drop ? "A drop, from its system file" : "A system file";
   $("about").textContent = `${what}; ${counted(facts.nodes.length, "node")}, ${counted(facts.contacts.length, "contact")}.`;
   sketch.show();
   if (isNew) for (const each of [map, campbell]) each.show(); // whose answers may have come before
@@ -147,7 +175,7 @@ function options(id, pairs) {
 }
 
 function showRun(facts, arrays) {
-  page.run = { facts, ...arrays };
+  page.run = { facts, ...motion, ...arrays };
   const verdict = $("verdict").firstElementChild;
   verdict.textContent = facts.verdict;
   verdict.className = facts.verdict.includes("rubs") || facts.drop ? "rub" : "clear";
@@ -204,7 +232,7 @@ const speedTold = (value, units) => (units === "SI" ? `${told(value * SPEED_UNIT
 function buildSliders() {
   const { contacts, from_file: fromFile, file_speed: speed, is_archive: isArchive, is_drop: isDrop, units } = page.sketch;
   const rows = [];
-  if (!isArchive) {
+  if (!isArchive && !recorded) {
     const si = units === "SI";
     const factor = si ? SPEED_UNITS.rpm : 1;
     rows.push(slider(`speed${si ? " [rpm]" : ""}`, "speed", (asked.speed ?? speed) * factor, [0.1 * speed * factor, 2 * speed * factor], (value) => (asked.speed = value / factor)));
@@ -214,8 +242,8 @@ function buildSliders() {
       if (!isOfAll && !contacts.length) continue;
       if (name === "friction" && !fromFile[asked.contact].rubs) continue;
       const value = isOfAll ? 1 : fromFile[asked.contact][name];
-      const label = `${text}${unit && si ? ` [${unit}]` : ""}`;
-      rows.push(slider(label, name, asked.changes[name] ?? value, value ? [low * value, high * value] : [0, most], (given) => (asked.changes[name] = given)));
+      const { factor: shown, unit: own } = si ? prefixed(unit, value) : { factor: 1, unit: "" };
+      rows.push(slider(labelled(text, own), name, (asked.changes[name] ?? value) * shown, value ? [low * value * shown, high * value * shown] : [0, most], (given) => (asked.changes[name] = given / shown)));
     }
   }
   $("sliders").replaceChildren(...rows);
@@ -309,12 +337,18 @@ $("file").addEventListener("change", () => {
 addEventListener("dragover", (event) => event.preventDefault());
 addEventListener("drop", (event) => {
   event.preventDefault();
-  if (event.dataTransfer.files[0]) open(event.dataTransfer.files[0]);
+  if (!recorded && event.dataTransfer.files[0]) open(event.dataTransfer.files[0]);
 });
 for (const id of ["node", "contact"]) $(id).addEventListener("change", () => choose({ [id]: id === "node" ? $(id).value : Number($(id).value) }));
 for (const button of document.querySelectorAll("[data-file]")) {
-  button.addEventListener("click", () => page.run && ask([`system_${button.dataset.file}`]));
+  button.addEventListener("click", () => {
+    if (!page.run) return;
+    said(`Saving .${button.dataset.file} …`);
+    ask([`system_${button.dataset.file}`]);
+  });
 }
+$("share").addEventListener("click", () => copy("address", new Blob([location.origin + location.pathname + address()], { type: "text/plain" }), said));
+for (const id of ["command", "python"]) $(`copy-${id}`).addEventListener("click", () => copy(id, new Blob([$(id).textContent], { type: "text/plain" }), said));
 $("controls").addEventListener("submit", (event) => event.preventDefault());
 $("play").addEventListener("click", () => play(!playing));
 $("time").addEventListener("input", () => {
@@ -328,3 +362,17 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   signals.show();
 });
 colour("ink");
+document.body.classList.toggle("is-recorded", Boolean(recorded));
+if (recorded) {
+  asked.node = recorded.node;
+  connection = new Recorded(recorded, { answered });
+  ask();
+} else {
+  const key = readAddress(location.hash);
+  kept.begin();
+  connection = new Live(keyKept(key), { answered, opened, said });
+}
+
+function said(text) {
+  $("connection").textContent = text;
+}

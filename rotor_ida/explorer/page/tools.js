@@ -9,6 +9,16 @@ export function keep(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
+/** Copy a text, or one that is promised; `say` tells the user how it ended. */
+export async function copy(name, text, say) {
+  try {
+    await navigator.clipboard.write([new ClipboardItem({ "text/plain": text })]);
+    say(`The ${name} is copied.`);
+  } catch (error) {
+    say(`The ${name} could not be copied: ${error.message}`);
+  }
+}
+
 /**
  * Put the buttons into the head of a panel.
  *

@@ -1,0 +1,124 @@
+"""Every message answers in the unit that was typed, whatever the package calculates in.
+
+The expected numbers are those of the line, or limits of the dimensionless rotor (1e6, 1e-12) times
+its scales: eccentricity 10 um and, for k = 1e7 N/m and m = 10 kg, 1000 rad/s.
+"""
+
+from pathlib import Path
+
+import pytest
+
+from rotor_ida import DimensionalRotor
+from rotor_ida.cli.messages import Given, rewritten
+
+MACHINE = """
+mass = "10 kg"
+contact_stiffness = "1e7 N/m"
+damping = 200.0
+eccentricity = "10 um"
+clearance = "100 um"
+speed = "3000 rpm"
+"""
+SYSTEM = """
+speed = "2000 rpm"
+system = { mass = [4, 4], stiffness = [1e5, 1e5], damping = [90, 90], nodes = { disc = [0, 1] } }
+contacts = [ { node = "disc", clearance = "60 um", stiffness = "1e7 N/m" } ]
+unbalance = [ { node = "disc", moment = "100 g mm" } ]
+"""
+OF_MACHINE = {
+    "simulate --duration -1ms": "duration must be positive, got -1 ms",
+    "simulate --duration 1 --start 30m 0 0 0": "start x must lie within 10 m of zero, got 30 m",
+    "simulate --duration 1 --speed -100rpm":
+        "m.toml: speed must be zero or positive, got -100 rpm",
+    "simulate --duration 1 --clearance 1e9mm":
+        "clearance must be at most 10000 mm to be simulated, got 1e+09 mm",
+    "simulate --duration 1 --damping 1e30":
+        "damping must be at most 2e+10 N s/m to be simulated, got 1e+30 N s/m",
+    "run-up --to 6000rpm --rate -100rpm/s":
+        "rate must be positive to change the speed from 0 to 6000 rpm, got -100 rpm/s",
+    "run-up --to 600 --rate -10":
+        "rate must be positive to change the speed from 0 to 600 rad/s, got -10 rad/s2",
+    "run-up --from 60Hz --to 60Hz --in 1s":
+        "to must differ from the speed of the machine, 60 Hz, got 60 Hz",
+    "run-up --speeds 0s:100rpm 2s:200rpm --duration 1s":
+        "duration must be at least 2 s, the time of the speed change, got 1 s",
+    "run-up --speeds 0ms:100rpm":
+        "speeds must be two or more pairs of time and speed, got [[0 ms, 100 rpm]]",
+    "run-up --speeds 0:30 1:-30": "a speed of speeds must be zero or positive, got -30 rad/s",
+    "run-up --torque -3Nm 0.5 --inertia 1kgm2 --duration 1s":
+        "tau0 of torque must be positive to turn a rotor that is at rest, got -3 Nm",
+    "sweep --speed 2000rpm 1000rpm --direction up":
+        "speed must increase in a sweep up or down, got 1000 rpm after 2000 rpm",
+    "bifurcation-diagram --speed 1000rpm --reach -5um": "reach must be positive, got -5 um",
+    "bifurcation-diagram --speed 1000rpm --damping 0":
+        "damping must be above 0, where nothing settles, got 0 N s/m",
+    "run-ups --speed 1000rpm --to 1000rpm --rate 1rpm/s":
+        "to must differ from the rotor's speed 1000 rpm, got 1000 rpm",
+    "basin --x=300um:-300um:4 --y=0:1um:3": "x must increase, got 100 um after 300 um",
+    "basin-fractions --x=3um:-3um --y=0:1um":
+        "x must be a range (low, high) with low <= high, got (3 um, -3 um)",
+    "limit-cycle --period 100s": "period must lie from 1e-09 s to 10 s, got 100 s",
+    "continue-cycle --parameter clearance --limits 200um 300um":
+        "limits of clearance must contain that of the start, 100 um, got (200 um, 300 um)",
+    "bifurcation-curve --kind fold --parameters speed clearance "
+    "--limits 2000rpm 4000rpm 300um 200um":
+        "limits of clearance must be two increasing numbers from 0 on, got (300 um, 200 um)",
+}  # fmt: skip
+OF_SYSTEM = {
+    "simulate --duration -1ms": "duration must be positive, got -1 ms",
+    "run-up --from 100rpm --to 900rpm --rate -1rpm/s":
+        "rate must lead from speed 100 rpm to 900 rpm, got -1 rpm/s",
+    "run-up --from 100rpm --to 900rpm --in 100ms --duration 50ms":
+        "duration must be at least 100 ms, the time of the speed change, got 50 ms",
+    "sweep --speed 2000rpm 1000rpm --direction up":
+        "speed must increase in a sweep up or down, got 1000 rpm after 2000 rpm",
+    "special-speeds --limits 3000rpm 2000rpm":
+        "limits must be two speeds, the lower one first, got (3000 rpm, 2000 rpm)",
+    "campbell --speed 100rpm --contact-stiffness -1N/mm":
+        "contact_stiffness must be zero or positive, got -1 N/mm",
+    "clearance-report --speed 1rpm 2rpm 3rpm --vibration-limit -5um":
+        "vibration_limit must be positive, got -5 um",
+    "continue-cycle --limits 5000rpm 6000rpm":
+        "limits must contain the speed of the start, 2000 rpm, got (5000 rpm, 6000 rpm)",
+    "limit-cycle --speed 0": "speed must not be 0, and at most 1e+15, for a limit cycle, got 0.0",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("line", "message"), OF_MACHINE.items(), ids=range(len(OF_MACHINE)))
+def test_messages_about_a_machine_have_the_units_of_its_user(program, line, message):
+    Path("m.toml").write_text(MACHINE)
+    command, *words = line.split()
+    answer = program(command, "--machine", "m.toml", *words)
+    assert (answer.status, answer.err) == (2, f"rotor-ida: {message}\n")
+
+
+@pytest.mark.parametrize(("line", "message"), OF_SYSTEM.items(), ids=range(len(OF_SYSTEM)))
+def test_messages_about_a_system_have_the_units_of_its_user(program, line, message):
+    Path("s.toml").write_text(SYSTEM)
+    command, *words = line.split()
+    answer = program(command, "s.toml", *words)
+    assert (answer.status, answer.err) == (2, f"rotor-ida: {message}\n")
+
+
+def test_a_message_about_a_file_has_the_units_of_the_file(program):
+    Path("s.toml").write_text(SYSTEM.replace("60 um", "-60 um"))
+    assert program("simulate", "s.toml", "--duration", "1ms").err == (
+        "rotor-ida: s.toml: contacts[0]: clearance of the contact at 'disc' must be positive, got "
+        "-60 um\n"
+    )
+
+
+def test_a_run_that_fails_tells_its_time_and_state_in_si_units():
+    machine = DimensionalRotor(mass=10.0, contact_stiffness=1e7, damping=200.0, eccentricity=1e-5,
+                               clearance=1e-4, speed=300.0, contact_exponent=1.0)  # fmt: skip
+    said = "too many steps (at t = 50.5, state (x, y, vx, vy) = (1.5, -2, 3, 0.25))"
+    assert rewritten(said, [Given("duration", 2.0, "s")], machine) == (
+        "too many steps (at t = 0.0505 s, state (1.5e-05 m, -2e-05 m, 0.03 m/s, 0.0025 m/s))"
+    )
+
+
+def test_numbers_without_units_stay():
+    for said in ("exactly two of x, y, vx, vy must be arrays and two numbers, got 1 arrays: x",
+                 "samples must be at least 2, got 1", "friction must be zero or positive, got -1.0",
+                 "out must end in .nc, got 'run 3.0'"):  # fmt: skip
+        assert rewritten(said, [Given("duration", 1.0, "s"), Given("speed", 2.0, "rpm")]) == said
