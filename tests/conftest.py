@@ -10,6 +10,19 @@ settings.register_profile("rotor_ida", deadline=None, derandomize=True)
 settings.load_profile("rotor_ida")
 
 
+# What takes long comes first, so that all workers end together; a worker takes over the last tests
+# of another, which here are short, and not those that share a browser or a cluster.
+LONG = (
+    "explorer/test_page.py", "explorer/test_panels.py", "explorer/test_server.py",
+    "explorer/test_queues.py", "explorer/test_command.py", "parallel/test_cluster.py",
+    "core/test_sanitized.py", "core/test_build.py", "paper/test_scenarios.py", "cli/test_help.py",
+)  # fmt: skip
+
+
+def pytest_collection_modifyitems(items):
+    items.sort(key=lambda item: not item.path.as_posix().endswith(LONG))
+
+
 def pytest_collection_finish():
     """Leave what is loaded by now, a million objects, out of every later collection of garbage."""
     gc.collect()

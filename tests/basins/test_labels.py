@@ -83,11 +83,11 @@ def test_starts_end_in_dry_whip_or_on_the_rub_as_a_sweep_from_each_does():
 def test_two_motions_that_bounce_are_told_apart():
     """And each is the limit cycle to which a sweep by CVODE and `limit_cycle` come as well."""
     rotor = Rotor(omega=1.573, zeta=0.045, delta0=3.0, friction=0.124, disc_radius=3.0)
-    found = basin_fractions(rotor, **BOX, starts=16)
+    found = basin_fractions(rotor, **BOX, starts=8)
     bounces = found.isel(attractor=found.kind.values == RESPONSE["bouncing"])
     assert bounces.sizes["attractor"] == 2
     assert bounces.confirmed.values.tolist() == [1, 1]
-    starts = drawn_from(np.array(list(BOX.values()), float), 0, 0, 16).T
+    starts = drawn_from(np.array(list(BOX.values()), float), 0, 0, 8).T
     alone = sweep(**rotor.given, starts=starts).squeeze()
     for number in range(2):
         here = bounces.isel(attractor=number)

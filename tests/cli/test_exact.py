@@ -66,6 +66,11 @@ def run_of(name: str) -> xr.Dataset:
     return run.sel(t=slice(120.0, None))
 
 
+@cache
+def signals_of(name: str) -> xr.Dataset:
+    return rotor_ida.signals_of(run_of(name))
+
+
 @pytest.mark.parametrize(("kind", "name"), list(itertools.product(FUNCTIONS, RUNS)))
 def test_every_kind_of_plot_has_what_is_exact_of_every_rotor(kind: str, name: str):
     run = run_of(name)
@@ -76,7 +81,7 @@ def test_every_kind_of_plot_has_what_is_exact_of_every_rotor(kind: str, name: st
     beneath = exact_beneath(run, kind)
     assert beneath
     draw = getattr(plot, FUNCTIONS[kind])
-    for signals in (run, rotor_ida.signals_of(run)):
+    for signals in (run, signals_of(name)):
         with_it, without = draw(signals, beneath=beneath), draw(signals)
         assert len(artists_of(with_it)) > len(artists_of(without))
 

@@ -463,7 +463,7 @@ def test_extreme_parameters_hold_to_rounding(omega, zeta, delta0):
     assert_matches_reference(omega, zeta, delta0)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(
     omega=st.floats(1e-3, 20.0),
     zeta=st.one_of(st.just(0.0), st.floats(1e-6, 3.0)),

@@ -130,7 +130,7 @@ def core_to_break(tmp_path_factory):
     made = f"CORE_API double broken[{len(terms)}];"
     text = text.replace('#include "motion.h"', f'#include "motion.h"\n{made}')
     derived.write_text(text, encoding="utf-8")
-    flags = [*hatch_build["flags"](compiler, "baseline", model="whole"), "-O1"]
+    flags = [*hatch_build["flags"](compiler, "baseline", model="whole"), "-O0"]
     words = [*compiler, *flags, "-shared", "-Wno-psabi", *map(str, folder.glob("*.c"))]
     subprocess.run([*words, "-lm", "-o", str(folder / "broken.so")], check=True)
     core = ctypes.CDLL(str(folder / "broken.so"))

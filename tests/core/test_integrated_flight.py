@@ -39,7 +39,7 @@ def integrating(tmp_path_factory):
     assert STATED in model
     (folder / "model.h").write_text(model.replace(STATED, "HAS_CLOSED_FLIGHT = 0"), "utf-8")
     words = hatch_build["flags"](compiler, "baseline", model="whole")
-    words += ["-O1", "-Wno-psabi", "-shared"]
+    words += ["-O0", "-Wno-psabi", "-shared"]
     words += [f"-DCORE_{name.upper()}={json.dumps(name)}" for name in SAID]
     sources = [str(path) for path in sorted(folder.glob("*.c"))]
     made = str(folder / "integrating.so")

@@ -121,7 +121,7 @@ def probes(tmp_path_factory):
     for model in (PAPER, WHOLE):
         path = tmp_path_factory.mktemp("probe") / f"{model.name}.so"
         flags = hatch_build["flags"](compiler, "baseline", model=model.name)
-        flags += ["-fvisibility=default", f"-I{CORE}", "-shared", "-Wno-psabi"]
+        flags += ["-fvisibility=default", f"-I{CORE}", "-shared", "-Wno-psabi", "-O0"]
         subprocess.run([*compiler, *flags, *sources, "-lm", "-o", str(path)], check=True)
         library = ctypes.CDLL(str(path))
         library.probe_order.argtypes = [c_double]

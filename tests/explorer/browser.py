@@ -115,13 +115,29 @@ def traffic_of(driver):
     return found
 
 
+# As if the browser went back to an address, which it does only where this differs.
+PUT_BACK = """
+const { asked } = rotorIda;
+document.activeElement.blur();
+for (const each of document.querySelectorAll("details")) each.open = false;
+scrollTo(0, 0);
+location.hash = `${arguments[0]}&after=${asked}`;
+return asked;"""
+
+
 class Page:
     """The page as a person sees it, and as its own record tells it."""
 
-    def __init__(self, driver, address, more=""):
+    def __init__(self, driver, address, more="", *, anew=True):
+        """Load the page; or put one that is there into the state of an address, if not `anew`."""
         self.driver = driver
-        driver.get("about:blank")
-        driver.get(address + more)
+        place, _, state = address.partition("#")
+        if anew or driver.current_url.partition("#")[0] != place:
+            driver.get("about:blank")
+            driver.get(address + more)
+        else:
+            asked = self.run(PUT_BACK, f"{state}{more}")
+            self.until("rotorIda.asked > arguments[0]", asked)
         self.settle()
 
     def run(self, script, *given):

@@ -19,7 +19,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from rotor_ida.explorer.messages import Question
 from rotor_ida.explorer.queues import Queues
-from tests.explorer.asking import Message, unpacked
+from tests.explorer.asking import SLOW, Message, question, unpacked
 
 # How long to wait for what must come: minutes, on a machine that does much else.
 PATIENCE = 200.0
@@ -98,12 +98,26 @@ class Answering:
 
 @pytest.fixture(scope="module")
 def once_ready() -> Iterator[Answering]:
+    """Return queues; closed while they answer, they must leave no process and no thread."""
+    threads = set(threading.enumerate())
     found = Answering()
     try:
         found.open()
         yield found
+        found.ask(1, question("starts", number=1_000_000, machine=SLOW), question())
+        found.wait_for(1, 1_000_000, "basin")
+        pids = [each._worker._process.pid for each in found.queues._queues if each._worker]
+        assert len(pids) == 3
     finally:
         found.close()
+    for pid in pids:
+        with pytest.raises(ProcessLookupError):
+            os.kill(pid, 0)
+    # up to Python 3.11 a thread waits for each process, and ends by itself a moment after it
+    left = set(threading.enumerate()) - threads
+    for thread in left:
+        thread.join(10)
+    assert not [thread for thread in left if thread.is_alive()]
 
 
 @pytest.fixture

@@ -6,7 +6,6 @@ import asyncio
 import os
 import signal
 import sys
-import threading
 import time
 from collections.abc import Iterator
 
@@ -193,24 +192,6 @@ def test_a_process_that_is_deaf_is_ended(answering: Answering, monkeypatch: pyte
     answering.wait_for(1, 2, "basin")
     assert pid_of(answering, 2) != pid
     assert "trouble" not in answering.parts(1, 1)
-
-
-def test_closing_leaves_no_process_and_no_thread():
-    threads = set(threading.enumerate())
-    answering = Answering()
-    answering.open()
-    answering.ask(1, question("starts", machine=SLOW), question())
-    answering.wait_for(1, 1, "basin")
-    pids = [pid_of(answering, queue) for queue in range(3)]
-    answering.close()
-    for pid in pids:
-        with pytest.raises(ProcessLookupError):
-            os.kill(pid, 0)
-    # up to Python 3.11 a thread waits for each process, and ends by itself a moment after it
-    left = set(threading.enumerate()) - threads
-    for thread in left:
-        thread.join(10)
-    assert not [thread for thread in left if thread.is_alive()]
 
 
 def test_processes_that_cannot_start_are_told_of(monkeypatch: pytest.MonkeyPatch):

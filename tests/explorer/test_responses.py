@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -50,9 +52,20 @@ def asking(request: pytest.FixtureRequest) -> Question:
     return ALL[request.param]
 
 
-@pytest.fixture(scope="module")
+@functools.cache
+def first_answer(name: str) -> list[Message]:
+    """Return the parts of one of these answers, of which no branch was known."""
+    before, responses._branches = responses._branches, {}
+    try:
+        return answer_to(ALL[name])
+    finally:
+        responses._branches = before
+
+
+@pytest.fixture
 def parts(asking: Question) -> dict[str, Message]:
-    return {message.part: message for message in answer_to(asking)}
+    (name,) = (each for each in ALL if ALL[each] is asking)
+    return {message.part: message for message in first_answer(name)}
 
 
 def swept(asking: Question) -> xr.Dataset:
@@ -109,13 +122,13 @@ def test_the_section_is_that_of_the_library_bit_for_bit(
 
 
 def test_each_kind_of_response_is_met():
-    found = {name: answer_to(each)[-1] for name, each in ALL.items()}
+    found = {name: first_answer(name)[-1] for name in ALL}
     assert found["bouncing"].part == "branch"
     assert {found[name].part for name in ("whirl", "chaos", "contact-free")} == {"section"}
 
 
 def test_a_whirl_has_its_exact_amplitude():
-    facts = next(each for each in answer_to(WHIRL) if each.part == "settled").facts
+    facts = next(each for each in first_answer("whirl") if each.part == "settled").facts
     exact = rotor_ida.synchronous_response(omega=1.7, zeta=0.07, delta0=0.5)["amplitude"].values
     assert facts["lies_on"] == "whirl"
     assert facts["exact_amplitude"] in exact.ravel().tolist()
@@ -123,7 +136,7 @@ def test_a_whirl_has_its_exact_amplitude():
 
 
 def test_the_branch_is_the_library_s_bit_for_bit():
-    arrays = answer_to(BOUNCING)[-1].arrays
+    arrays = first_answer("bouncing")[-1].arrays
     compared = rotor_ida.compare(swept(BOUNCING))
     (branch,) = branches_through(compared, limits=(0.05, 3.0), points=2000)
     for name in ("omega", "radius_min", "radius_max", "stability"):
@@ -135,7 +148,7 @@ def test_the_branch_is_the_library_s_bit_for_bit():
 
 
 def test_the_branch_bifurcates_where_that_of_continue_cycle_does():
-    arrays = answer_to(BOUNCING)[-1].arrays
+    arrays = first_answer("bouncing")[-1].arrays
     followed = rotor_ida.continue_cycle(BOUNCING.rotor, start=BOUNCING.start, limits=(0.05, 3.0))
     np.testing.assert_array_equal(arrays["special_kind"], followed["special_kind"].values)
     # Newton's method finds them to a residual of some 1e-13 from whatever points it comes

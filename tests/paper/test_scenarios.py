@@ -1,12 +1,15 @@
 """The scenarios run, write what they say, and say something of every figure."""
 
 import re
+from functools import partial
 
 import pytest
 
 from rotor_ida import load
+from rotor_ida.paper import scenario as paper_scenario
 from rotor_ida.paper.gallery import read_entries
 from rotor_ida.paper.scenario import Settings
+from rotor_ida.plot import save_figure
 from tests.scenarios import scenario
 
 # Those with sweeps take longer, and are run by hand and by `rotor-ida reproduce`.
@@ -27,12 +30,13 @@ def run_quickly(name, folder):
 
 
 @pytest.mark.parametrize("name", QUICK)
-def test_scenario_writes_archives_and_figures_with_words(name, tmp_path):
+def test_scenario_writes_archives_and_figures_with_words(name, tmp_path, monkeypatch):
+    # both formats are written below
+    monkeypatch.setattr(paper_scenario, "save_figure", partial(save_figure, formats="svg"))
     module = run_quickly(name, tmp_path / name)
     assert len(module.__doc__.splitlines()) > 2
     entries = read_entries(tmp_path / name)
-    drawn = {path.stem for path in (tmp_path / name).glob("*.png")}
-    assert drawn == {path.stem for path in (tmp_path / name).glob("*.svg")}
+    drawn = {path.stem for path in (tmp_path / name).glob("*.svg")}
     assert drawn == {entry.figure for entry in entries}
     for entry in entries:
         words = " ".join([entry.shows, entry.paper, entry.found, entry.verdict])
@@ -48,7 +52,11 @@ def test_scenario_writes_archives_and_figures_with_words(name, tmp_path):
 def test_scenario_run_twice_gives_the_same_bytes(tmp_path):
     for turn in ("one", "two"):
         run_quickly("fig06_jumps", tmp_path / turn)
-    for path in sorted((tmp_path / "one").glob("*.[ps][nv]g")):
+    drawn = sorted((tmp_path / "one").glob("*.[ps][nv]g"))
+    figures = {entry.figure for entry in read_entries(tmp_path / "one")}
+    assert {path.name for path in drawn} == {f"{figure}.{ending}" for figure in figures
+                                             for ending in ("png", "svg")}  # fmt: skip
+    for path in drawn:
         assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes()
     first, second = (read_entries(tmp_path / turn) for turn in ("one", "two"))
     assert first == second

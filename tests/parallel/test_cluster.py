@@ -142,18 +142,14 @@ def test_a_worker_that_is_killed_costs_nothing_but_time():
     assert set(multiprocessing.active_children()) == others
 
 
-def test_workers_may_join_late():
-    with local_cluster(workers=0) as empty:
-        ended = run_all(square, range(30), workers=None, executor=empty.scheduler_address)
-        later = threading.Timer(0.5, empty.scale, [1])
+def test_workers_may_join_late_and_a_scheduler_that_goes_away_is_told_in_one_line(monkeypatch):
+    with local_cluster(workers=0) as short:
+        ended = run_all(square, range(30), workers=None, executor=short.scheduler_address)
+        later = threading.Timer(0.5, short.scale, [1])
         later.start()
         assert dict(ended) == {number: number**2 for number in range(30)}
         later.join()
-
-
-def test_a_scheduler_that_goes_away_is_told_in_one_line(monkeypatch):
-    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
-    with local_cluster(workers=1) as short:
+        monkeypatch.setattr(cluster, "PATIENCE", 0.5)
         ended = run_all(square, range(1000), workers=None, executor=short.scheduler_address)
         next(ended)
         short.close()

@@ -1,6 +1,6 @@
 """Read damaged copies of a file; run as a script, since a fault of a library would end the process.
 
-    python tests/signals/damaged.py FILE COUNT
+    python tests/signals/damaged.py COUNT FILE...
 
 Each copy is cut, or has other bytes or bits, or parts twice or not at all. It prints each copy that
 is neither read nor refused in one line, and those that take long.
@@ -24,6 +24,7 @@ MEMORY, LONGEST = 4 * 2**30, 30.0
 # Bytes in which formats describe themselves.
 HEAD = 700
 ODD = (0, 1, 2, 127, 128, 255)
+KINDS = 6  # of damage
 
 
 def damaged(whole: bytes, number: int) -> bytes:
@@ -31,7 +32,7 @@ def damaged(whole: bytes, number: int) -> bytes:
     rng = np.random.default_rng([number, len(whole)])
     held, head = bytearray(whole), min(HEAD, len(whole))
     place, near = int(rng.integers(len(held))), int(rng.integers(head))
-    match number % 6:
+    match number % KINDS:
         case 0:
             return whole[:place]
         case 1:
@@ -75,4 +76,7 @@ def read_damaged(path: Path, count: int) -> None:
 if __name__ == "__main__":
     warnings.simplefilter("error")
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    read_damaged(Path(sys.argv[1]), int(sys.argv[2]))
+    for each in map(Path, sys.argv[2:]):
+        print(each.name, file=sys.stderr, flush=True)
+        # an HDF5 file is read by a process of its own, each time
+        read_damaged(each, KINDS if each.suffix == ".h5" else int(sys.argv[1]))

@@ -74,10 +74,9 @@ def random_rotor(draw, number):
     return rotor, tuple((draw.uniform(-2.0, 2.0, 4) * max(delta0, 0.5)).tolist())
 
 
-@pytest.mark.parametrize("part", range(3))
-def test_it_agrees_with_the_core_on_90_random_rotors(part):
+def test_it_agrees_with_the_core_on_30_random_rotors():
     """Within its own error, in as far as its start determines its events at 1e-8."""
-    draw = np.random.default_rng(part)
+    draw = np.random.default_rng(0)
     compared = 0
     for number in range(30):
         rotor, start = random_rotor(draw, number)

@@ -54,14 +54,16 @@ def test_no_edge_of_holding_friction_is_lost():
         turned = speed * motions.gyroscopic
         edges = _edges(motions, row, turned, 0.3, -30.0)
 
-        def flexible(w, motions=motions, row=row, turned=turned):
+        def flexible(speeds, motions=motions, row=row, turned=turned):
+            w = np.asarray(speeds)[..., None, None]
             dynamic = motions.stiffness - w * w * np.eye(motions.size)
             dynamic = dynamic + 1j * w * (motions.damping + turned)
-            return row @ np.linalg.solve(dynamic, row.conj())
+            return np.linalg.solve(dynamic, row.conj()[:, None])[..., 0] @ row
 
         grid = -np.geomspace(0.01, 29.0, 20_000)
+        along = flexible(grid)
         for m in (0.3, -0.3):
-            values = np.array([((1 + 1j * m) * flexible(w)).imag for w in grid])
+            values = ((1 + 1j * m) * along).imag
             for i in np.flatnonzero(values[1:] * values[:-1] < 0.0):
                 root = brentq(lambda w, m=m: ((1 + 1j * m) * flexible(w)).imag,
                               grid[i], grid[i + 1], xtol=1e-14)  # fmt: skip

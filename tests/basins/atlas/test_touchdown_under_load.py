@@ -100,7 +100,7 @@ def test_forces_and_losses_are_those_of_a_long_run(rotor, kind, near):
 
 def test_the_sag_under_a_load_is_no_line_beside_1x():
     """It stands still, and is larger than any line of this torus but 1X."""
-    row = of_kind(touchdown_report(SLIGHT, **WIDE, starts=4), "quasi_periodic")
+    row = of_kind(report_of(SLIGHT), "quasi_periodic")
     assert abs(float(row.side_line_over_spin)) > 0.1
 
 

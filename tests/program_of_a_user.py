@@ -1,0 +1,18 @@
+"""A program of a user, which the types of the package let pass but for what is wrong in it.
+
+mypy reads it with the package, strictly: what is ignored here must be an error.
+"""
+
+import xarray as xr
+
+from rotor_ida import Rotor, load, simulate
+from rotor_ida.closed_forms import cusp_zeta
+from rotor_ida.testing import assert_events_close
+
+
+def program() -> None:
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    run: xr.Dataset = simulate(rotor, start=(0, 0, 0, 0), duration=20.0)
+    assert_events_close(run, load("run.nc"), atol=cusp_zeta(0.0))
+    simulate(rotor, start=(0, 0, 0, 0), duration="long")  # type: ignore[call-overload]
+    simulate(rotor, start=(0, 0, 0, 0), duration=1.0, method="euler")  # type: ignore[call-overload]
