@@ -297,8 +297,24 @@ QUANTITIES: dict[str, Quantity] = {
             ("rest", "at rest in the bearing at the end"),
             ("decided", "whose largest force comes before the horizon"),
         )
-        for end, words in (("", ""), ("_low", "lower end of the "), ("_high", "upper end of the "))
+        for end, words in (
+            ("", ""),
+            ("_low", "lower end of the "),
+            ("_high", "upper end of the "),
+            ("_change", "change on coarser grids of the "),
+        )
     },
+    "cell_friction": Quantity("friction coefficient of all bearings in a cell of the grid"),
+    "cell_contact_damping": Quantity("contact damping of all bearings in a cell of the grid"),
+    "cell_unbalance_factor": Quantity("factor of all unbalance in a cell of the grid"),
+    "cell_clearance_factor": Quantity("factor of all clearances in a cell of the grid"),
+    "cell_largest_force": Quantity(
+        "largest contact force over the phases of a cell", scale="force"
+    ),
+    "cell_excursion": Quantity("largest radius over the clearance over the phases of a cell"),
+    "cell_backward_whirl_fraction": Quantity(
+        "fraction of the phases of a cell with a backward whirl in the bearing"
+    ),
     "support_node": Quantity("node of a support", ""),
     "support_fails": Quantity("whether a support fails", flags=NO_YES),
     "support_stiffness": Quantity("stiffness of a support, by axis"),
@@ -691,15 +707,24 @@ OF_BEARING = (
 )  # fmt: skip
 QUANTITIES |= {
     f"{name}_{end}": replace(QUANTITIES[name], long_name=f"{words}: {QUANTITIES[name].long_name}")
-    for name in OF_BEARING
+    for name in (*OF_BEARING, "node_excursion")
     for end, words in {
         "mean": "mean over drops", "mean_error": "standard error of the mean over drops",
         "mean_low": "lower end of the mean over drops",
         "mean_high": "upper end of the mean over drops",
         "quantile": "quantile over drops", "quantile_low": "lower end of a quantile over drops",
         "quantile_high": "upper end of a quantile over drops",
+        "min": "smallest over drops", "max": "largest over drops",
+        "mean_change": "change on coarser grids of the mean over drops",
     }.items()
 }  # fmt: skip
+QUANTITIES |= {
+    f"{name}_{end}_drop": Quantity(
+        f"number of the drop with the {words} value: {QUANTITIES[name].long_name}"
+    )
+    for name in (*OF_BEARING, "node_excursion")
+    for end, words in (("min", "smallest"), ("max", "largest"))
+}
 
 
 def labelled(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike) -> xr.Variable:
