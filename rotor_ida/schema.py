@@ -271,6 +271,11 @@ QUANTITIES: dict[str, Quantity] = {
     # a drop
     "largest_force_time": Quantity("time of the largest contact force", scale="time"),
     "largest_impulse": Quantity("largest impulse of one complete contact", scale="impulse"),
+    "total_contact_time": Quantity("time in contact", scale="time"),
+    "longest_contact_time": Quantity("duration of the longest contact", scale="time"),
+    "mean_contact_force": Quantity("mean normal force while in contact", scale="force"),
+    "load_capacity": Quantity("load capacity of a bearing, as given", scale="force"),
+    "load_ratio": Quantity("largest contact force over the load capacity"),
     "first_roll_time": Quantity("time at which the surfaces first roll", scale="time"),
     "largest_race_speed": Quantity("largest speed of the race of a contact", scale="speed"),
     "race_speed_time": Quantity("time of the largest speed of the race", scale="time"),
@@ -296,6 +301,7 @@ QUANTITIES: dict[str, Quantity] = {
             ("backward_whirl", "with a backward whirl in the bearing"),
             ("rest", "at rest in the bearing at the end"),
             ("decided", "whose largest force comes before the horizon"),
+            ("overload", "whose largest force is above the load capacity"),
         )
         for end, words in (
             ("", ""),
@@ -701,7 +707,8 @@ QUANTITIES: dict[str, Quantity] = {
 }
 # Figures of a bearing in a drop, of which many drops give statistics.
 OF_BEARING = (
-    "contact_count", "largest_force", "largest_force_time", "largest_impulse", "total_impulse",
+    "contact_count", "total_contact_time", "longest_contact_time",
+    "largest_force", "largest_force_time", "mean_contact_force", "largest_impulse", "total_impulse",
     "total_heat", "total_contact_loss", "first_roll_time", "largest_race_speed", "race_speed_time",
     "whirl_turns", "whirl_speed", "rest_time", "excursion",
 )  # fmt: skip

@@ -28,6 +28,7 @@ from rotor_ida.plot.appearance import (
     style,
 )
 from rotor_ida.plot.decimation import kept_in_columns
+from rotor_ida.plot.drop_grids import grid_figure
 from rotor_ida.plot.labels import label_axis
 from rotor_ida.results.run import check_system_run
 from rotor_ida.results.si_units import in_suitable_units
@@ -127,7 +128,10 @@ def _draw_speeds(ax: Axes, run: xr.Dataset) -> None:
 
 
 def drops_figure(drops: xr.Dataset) -> Figure:
-    """Draw distributions over many drops: the fraction of drops below a value, by bearing.
+    """Draw many drops: the fraction of them below a value, by bearing; or a grid of drops.
+
+    Of a grid: ranges over the axis with most values besides the phase, with means (dots), and the
+    share of drops that whirl backwards, over two axes if another varies.
 
     Parameters
     ----------
@@ -155,6 +159,8 @@ def drops_figure(drops: xr.Dataset) -> Figure:
     if missing:
         raise InputError(f"drops must be a result of drop_ensemble; it lacks {missing[0]}")
     drops = in_suitable_units(drops)
+    if "cell" in drops.sizes:
+        return grid_figure(drops)
     with style():
         figure = new_figure(WIDTH, 5.0)
         axes = figure.subplots(2, 2).ravel().tolist()
@@ -260,7 +266,7 @@ def save_orbit_film(
         writer: AbstractMovieWriter = (
             PillowWriter(fps=speed) if target.suffix == ".gif" else FFMpegWriter(fps=speed)
         )
-        film.save(target, writer=writer, dpi=80)
+        film.save(target, writer=writer, dpi=120)
     return target
 
 

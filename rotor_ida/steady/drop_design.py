@@ -17,7 +17,7 @@ ARRAYS = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate", "trans
 OF_CASE = (
     "system", "stators", "bearings", "supports", "unbalance", "speed", "duration", "failing",
     "gravity", "static_force", "inertia", "drag", "clearances",
-    "modes", "rtol",
+    "capacities", "modes", "rtol",
 )  # fmt: skip
 
 

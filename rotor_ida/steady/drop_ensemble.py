@@ -81,6 +81,7 @@ def drop_ensemble(
     inertia: float | None = None,
     drag: float = 0.0,
     clearances: Mapping[str, float] | None = None,
+    capacities: Mapping[str, float] | None = None,
     modes: int | None = None,
     rtol: float = 1e-10,
     workers: int | None = None,
@@ -94,7 +95,7 @@ def drop_ensemble(
     ----------
     system, bearings, speed, duration, supports, failing, unbalance, gravity, static_force :
         As for `drop`.
-    inertia, drag, clearances, modes, rtol : optional
+    inertia, drag, clearances, capacities, modes, rtol : optional
         As for `drop`.
     phase : array_like, optional
         Angle of the rotor at the drop [rad]. Default: all angles at random; 0 on a grid.
@@ -121,8 +122,8 @@ def drop_ensemble(
         95 % interval, ``largest_force_mean_low`` and ``_high``;
         on ``(quantile, contact)`` ``largest_force_quantile`` and the ends of its 95 % interval,
         ``largest_force_quantile_low`` and ``_high``; and so on. ``backward_whirl_fraction``,
-        ``rest_fraction`` and ``decided_fraction``, each with the ends ``_low`` and ``_high`` of
-        its 95 % interval.
+        ``rest_fraction``, ``decided_fraction`` and, with capacities, ``overload_fraction``, each
+        with the ends ``_low`` and ``_high`` of its 95 % interval.
 
         Of a grid instead: ``largest_force_min`` and ``_max``, with the drops in which they occur,
         ``largest_force_min_drop`` and ``_max_drop``; ``largest_force_mean`` over the grid, and
@@ -189,7 +190,7 @@ def drop_ensemble(
         "failing": failing, "unbalance": unbalance, "gravity": gravity,
         "static_force": static_force, "drag": check_nonnegative("drag", drag),
         "inertia": None if inertia is None else check_positive("inertia", inertia), "modes": modes,
-        "rtol": rtol, "clearances": clearances,
+        "rtol": rtol, "clearances": clearances, "capacities": capacities,
     }  # fmt: skip
     plan = Drops(case, varied)
     example = drop(**_arguments(plan.job(0)), samples=2, progress=None)
@@ -384,13 +385,18 @@ def _dataset(
         variables |= {OF_NODES: (("drop", "node"), columns[OF_NODES]),
                       "node_clearance": ("node", own["node_clearance"].values)}  # fmt: skip
         coordinates["node"] = ("node", own["node"].values)
-    variables |= _statistics(columns, axes)
+    capacities = example["load_capacity"].values if "load_capacity" in example else None
+    if capacities is not None:
+        variables["load_capacity"] = ("contact", capacities)
+    variables |= _statistics(columns, capacities, axes)
     title = "Rotor system: many drops on touchdown bearings"
     return labelled_dataset(title, variables, coordinates, provenance(told), kind="drop_ensemble")
 
 
 def _statistics(
-    columns: Mapping[str, npt.NDArray[Any]], axes: Mapping[str, Values] | None
+    columns: Mapping[str, npt.NDArray[Any]],
+    capacities: Values | None,
+    axes: Mapping[str, Values] | None,
 ) -> dict[str, Column]:
     """Return statistics of a sample, or of a grid by its axes."""
     done = columns["status"] == STATUS["done"]
@@ -402,6 +408,8 @@ def _statistics(
         "rest": ~np.isnan(columns["rest_time"]),
         "decided": columns["largest_force_time"] <= columns["horizon"][:, np.newaxis],
     }
+    if capacities is not None:
+        facts["overload"] = columns["largest_force"] > capacities
     known = {name: np.where(done[:, np.newaxis], each, math.nan) for name, each in facts.items()}
     along = {OF_NODES: "node"}
     if axes is None:

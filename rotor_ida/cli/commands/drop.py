@@ -13,7 +13,7 @@ from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
 
 # What only one drop takes.
-NOT_OF_MANY = {"phase", "clearances", "more_modes"}
+NOT_OF_MANY = {"phase", "more_modes"}
 
 
 def drop(
@@ -33,7 +33,7 @@ def drop(
     r"""Drop a levitated rotor on its touchdown bearings, and write a report.
 
     The system file gives magnetic bearings as [[supports]], touchdown bearings as [[contacts]], and
-    duration, inertia and what varies in [drop]:
+    duration, inertia and what varies in [drop], at random or on a grid:
 
         rotor-ida drop rotor.toml --out report
 
@@ -50,15 +50,19 @@ def drop(
     case = rotor_ida.load_system(system)
     if case.system.units != "SI":
         raise InputError(f"system must be in SI units for a report, got {shown(str(system))}")
-    given, vary = dict(case.drop), dict(case.vary)
+    given, vary = dict(case.drop), dict(case.grid or case.vary)
     given |= {name: each for name, each in (("speed", speed), ("duration", duration))
               if each is not None}  # fmt: skip
     for name in ("speed", "duration"):
         if given.get(name) is None:
             raise InputError(f"{name} must be given with --{name} or in {system}")
-    if drops is not None:
+    if case.grid:
+        if drops is not None:
+            raise InputError(f"drops must be left out with the drop.grid of {system}")
+        vary.setdefault("phase", [given.get("phase", 0.0)])
+    elif drops is not None:
         vary["drops"] = drops
-    many = "drops" in vary
+    many = bool(case.grid) or "drops" in vary
     if study is not None and not many:
         raise InputError("study must be left out without drops")
     if film is not None:
