@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.cli.describe import change_of_speed, count_of_kinds
-from rotor_ida.cli.drop_grids import cells_in, place_of
+from rotor_ida.cli.drop_grids import cells_in, place_of, places_in
 from rotor_ida.cli.report import pairs, shown, table
 from rotor_ida.cli.variables import (
     Description,
@@ -136,6 +136,7 @@ def show_drops(dataset: xr.Dataset, most: int | None) -> Description:
         margin = "its change on coarser grids" if is_grid else "its 95 % interval"
         tables.append(pairs(f"Fraction of drops, with {margin}", facts))
     if is_grid:
+        tables.append(f"Each extreme lies at: {places_in(dataset)}.")
         rows = _cells(dataset)
         record |= {"cells": rows}
         tables += rows_table("Cells of the grid", rows, list(rows[0]), most, digits=4)

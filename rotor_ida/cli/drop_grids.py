@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,7 +27,7 @@ def varying(drops: xr.Dataset, prefix: str = "drop") -> list[str]:
 
 
 def place_of(drops: xr.Dataset, number: int) -> str:
-    """Return where a drop lies on a grid, in words.
+    """Return where a drop lies on a grid, by the values of `places_in`.
 
     Examples
     --------
@@ -34,14 +35,20 @@ def place_of(drops: xr.Dataset, number: int) -> str:
     >>> values = {"phase": [0.0, 1.0], "friction": [0.1, 0.3]}
     >>> drops = xr.Dataset({f"drop_{name}": ("drop", each) for name, each in values.items()})
     >>> place_of(drops, 1), place_of(drops, -1)
-    ('phase 1, friction 0.3', '-')
+    ('57.3 deg, 0.3', '-')
     """
     if number < 0:
         return "-"
+    values = {name: float(drops[f"drop_{name}"][number]) for name in varying(drops)}
     return ", ".join(
-        f"{name.replace('_', ' ')} {float(drops[f'drop_{name}'][number]):.4g}"
-        for name in varying(drops)
+        f"{math.degrees(each):.4g} deg" if name == "phase" else f"{each:.4g}"
+        for name, each in values.items()
     )
+
+
+def places_in(drops: xr.Dataset) -> str:
+    """Return what the numbers of a place are."""
+    return ", ".join(VARIED[name].removesuffix(" [rad]") for name in varying(drops))
 
 
 def cells_in(drops: xr.Dataset) -> list[str]:

@@ -21,12 +21,12 @@ from matplotlib.textpath import TextToPath
 from rotor_ida.cli.drop_tables import Listed
 
 # Size of a page, its margins, and the space between columns [point].
-WIDTH, HEIGHT, MARGIN, BETWEEN = 595.0, 842.0, 50.0, 12.0
+WIDTH, HEIGHT, MARGIN, BETWEEN = 595.0, 842.0, 42.0, 9.0
 ROOM = WIDTH - 2.0 * MARGIN
 # Size of letters, and of a line over it.
-TEXT, HEAD, TITLE, CELL, FILE, SPACING = 8.5, 11.5, 17.0, 7.5, 6.3, 1.45
-# Most letters of the text of a file in a line.
-COLUMNS = 128
+TEXT, HEAD, TITLE, CELL, FILE, SPACING = 8.5, 11.5, 17.0, 7.0, 6.3, 1.5
+# Part of its size to which a picture may shrink, and most letters of the text of a file in a line.
+SMALLEST, COLUMNS = 0.7, 128
 Family = Literal["sans-serif", "monospace"]
 
 
@@ -74,17 +74,21 @@ class Sheets:
     def table(self, table: Listed) -> None:
         """Add a table, on one page if it fits there, and in blocks of the columns that fit."""
         rows = [table.heads, *table.rows]
-        height = CELL * SPACING * (len(rows) + 1)
-        self.heading(table.title, room=min(height + 40.0, HEIGHT - 3.0 * MARGIN))
+        blocks = list(_blocks(rows))
+        height = len(blocks) * CELL * SPACING * (len(rows) + 1)
+        height += TEXT * SPACING * (1 + len(_wrapped(table.note, TEXT, ROOM)))
+        self.heading(table.title, room=height if height < HEIGHT - 4.0 * MARGIN else 100.0)
         if table.note:
             self.paragraph(table.note)
-        for columns in _blocks(rows):
+        for columns in blocks:
             self._block(rows, columns)
 
     def picture(self, title: str, png: bytes) -> None:
         """Add a picture as wide as the text."""
         pixels = image.imread(io.BytesIO(png))
         height = min(ROOM * pixels.shape[0] / pixels.shape[1], HEIGHT - 4.0 * MARGIN)
+        left = HEIGHT - MARGIN - self._top - 3.0 * HEAD * SPACING
+        height = left if SMALLEST * height < left < height else height
         self.heading(title, room=height + 10.0)
         width = height * pixels.shape[1] / pixels.shape[0]
         left, bottom = 0.5 * (WIDTH - width), HEIGHT - self._top - height

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import base64
 import io
-import math
 import shlex
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rotor_ida.cli.drop_grids import place_of
+from rotor_ida.cli.drop_grids import place_of, places_in
 from rotor_ida.cli.drop_tables import (
     Listed,
     acceptance,
@@ -52,7 +52,7 @@ SCOPE = (
     "number of drops that a bearing survives, or measurements. It is no statement of conformity "
     "with any standard.",
 )
-VERSIONS = ("date_created", "rotor_ida_version", "python_version", "numpy_version",
+VERSIONS = ("rotor_ida_version", "python_version", "numpy_version",
             "scipy_version", "xarray_version", "sundials_version", "core_compiler", "core_level",
             "method", "rtol")  # fmt: skip
 # Longest system file that is printed [characters], and resolution of pictures [1/inch].
@@ -91,9 +91,9 @@ def write_report(
 
 def _head(run: xr.Dataset, system: Path) -> str:
     """Return from which file, when and with what the drop was computed."""
-    date = str(run.attrs.get("date_created", ""))[:10]
-    when = f" on {date}" if date else ""
-    return f"{system}, computed{when} with rotor_ida {run.attrs.get('rotor_ida_version', '')}"
+    version = run.attrs.get("rotor_ida_version", "")
+    date = f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
+    return f"{system}, computed with rotor_ida {version}, report of {date}"
 
 
 def _commands(folder: Path, system: Path, options: Sequence[str], *, many: bool) -> list[str]:
@@ -139,14 +139,16 @@ def sentence_of(run: xr.Dataset, drops: xr.Dataset | None) -> str:
 def _of_many(drops: xr.Dataset, parts: float, unit: str) -> list[str]:
     """Return what many drops say in words."""
     count, forces = drops.sizes["drop"], drops["largest_force"].values
-    worst = float(np.nanmax(forces)) if np.isfinite(forces).any() else math.nan
+    if not np.isfinite(forces).any():
+        return [f"All {count} drops failed."]
+    worst = float(np.nanmax(forces))
     most = f"{number(parts * worst)} {unit}".strip()
     shares = [100.0 * float(each) for each in drops["backward_whirl_fraction"].values]
     place = int(np.argmax(shares))
     if "cell" in drops.sizes:
-        at = place_of(drops, int(np.nanargmax(np.nanmax(forces, axis=1))))
-        return [f"Over a grid of {count} drops the largest force is {most}, at {at}; "
-                f"{number(shares[place], 3)} % of the grid whirl backwards."]  # fmt: skip
+        at = place_of(drops, int(np.nanargmax(forces)) // forces.shape[1])
+        return [f"Over a grid of {count} drops the largest force is {most}, at {places_in(drops)} "
+                f"= {at}; {number(shares[place], 3)} % of the grid whirl backwards."]  # fmt: skip
     low, high = (100.0 * float(drops[f"backward_whirl_fraction_{end}"][place])
                  for end in ("low", "high"))  # fmt: skip
     return [
@@ -214,7 +216,7 @@ def _write_pdf(path: Path, parts: dict[str, Any]) -> None:
             sheets.paragraph(words, bullet=name == "assumptions")
     sheets.heading("Compute it again")
     sheets.file("\n".join(parts["commands"]))
-    sheets.table(Listed("Versions", ["", ""], [list(each) for each in parts["versions"]]))
+    sheets.table(Listed("Versions", ["", "version"], [list(each) for each in parts["versions"]]))
     if parts["source"]:
         sheets.heading(f"System file {parts['system']}")
         sheets.file(parts["source"])

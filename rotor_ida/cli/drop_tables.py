@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.cli.drop_grids import VARIED, cells_in, place_of, varying
+from rotor_ida.cli.drop_grids import VARIED, cells_in, place_of, places_in, varying
 from rotor_ida.schema import OF_BEARING, WHIRL_DIRECTION
 
 if TYPE_CHECKING:
@@ -28,13 +28,13 @@ WORDS = {
     "excursion": "largest radius over clearance", "contact_count": "number of contacts",
     "total_contact_time": "time in contact", "longest_contact_time": "longest contact",
     "mean_contact_force": "mean force in contact", "total_impulse": "impulse of all contacts",
-    "largest_impulse": "largest impulse of one complete contact",
+    "largest_impulse": "largest impulse of a contact",
     "node_clearance": "clearance", "node_excursion": "largest radius over clearance",
-    "total_contact_loss": "energy lost by contact damping",
-    "total_heat": "energy lost by friction (heat)",
+    "total_contact_loss": "loss by contact damping",
+    "total_heat": "heat of friction",
     "rest_time": "in contact to the end from", "first_roll_time": "first rolling at",
     "largest_force_time": "largest force at", "race_speed_time": "largest race speed at",
-    "whirl_turns": "turns of the longest whirl (- backward)", "whirl_speed": "whirl frequency",
+    "whirl_turns": "turns of the longest whirl", "whirl_speed": "whirl frequency",
     "load_ratio": "largest force over load capacity",
 }  # fmt: skip
 # Parameters of the bearings and their mounts, with the parts of their units.
@@ -175,7 +175,11 @@ def _varied(drops: xr.Dataset) -> Listed:
         if f"drop_{name}" not in drops.variables:
             continue
         values = np.unique(drops[f"drop_{name}"].values)
-        rows.append([words, number(float(values[0])), number(float(values[-1]))])
+        if name == "phase":
+            values = np.degrees(values)
+        rows.append(
+            [words.replace("[rad]", "[deg]"), number(float(values[0])), number(float(values[-1]))]
+        )
         rows[-1] += [str(values.size)] if is_grid else []
     if is_grid:
         heads.append("values")
@@ -225,13 +229,15 @@ def run_tables(run: xr.Dataset) -> list[Listed]:
     heads = ["", *(str(each) for each in run["contact_node"].values)]
     names = [name for name in (*OF_BEARING, "load_ratio") if name in run.variables]
     rows = [_row(run, name) for name in names]
+    place = names.index("whirl_turns")
     words = {each: word for word, each in WHIRL_DIRECTION.items()}
     senses = ["none" if not each else words[int(each)] for each in run["whirl_sense"].values]
-    rows.append(["whirl of three turns or more", *senses])
+    rows.insert(place, ["whirl of three turns or more", *senses])
     beyond = 1e6 * (run["excursion"].values - 1.0) * run["clearance"].values
     rows.append(["largest radius beyond the clearance [µm]",
                  *(number(max(0.0, float(each)), 3) for each in beyond)])  # fmt: skip
-    found = [_of_rotor(run), Listed("One drop: each bearing", heads, rows)]
+    note = "Turns and frequency of a backward whirl are negative."
+    found = [_of_rotor(run), Listed("One drop: each bearing", heads, rows, note)]
     if "node_excursion" in run.variables:
         own = run.isel(node=np.isfinite(run["node_excursion"].values))
         heads = ["", *(str(each) for each in own["node"].values)]
@@ -291,9 +297,10 @@ def _heads(drops: xr.Dataset) -> list[str]:
 
 def _how(drops: xr.Dataset) -> str:
     if "cell" in drops.sizes:
-        return ("Means and shares are integrals over the grid, not estimates from a sample: no "
-                "sampling error applies. In brackets how much they change when every other value "
-                "of each axis is left out (unknown with too few values).")  # fmt: skip
+        return (f"Extremes with where they lie: {places_in(drops)}. Means and shares are integrals "
+                "over the grid, not estimates from a sample: no sampling error applies. In "
+                "brackets by how much they change when every other value of each axis is left out "
+                "(unknown with too few values).")  # fmt: skip
     return "In brackets 95 % intervals for a sample of this size."
 
 
@@ -306,7 +313,7 @@ def _facts(own: xr.Dataset) -> str:
         share = 100.0 * float(own[f"{name}_fraction"])
         if "cell" in own.sizes:
             change = 100.0 * float(own[f"{name}_fraction_change"])
-            margin = "unknown" if math.isnan(change) else f"± {number(change, 2)} %"
+            margin = "change unknown" if math.isnan(change) else f"change {number(change, 2)} %"
         else:
             low, high = (100.0 * float(own[f"{name}_fraction_{end}"]) for end in ("low", "high"))
             margin = f"{number(low, 3)} to {number(high, 3)} %"

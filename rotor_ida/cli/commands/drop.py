@@ -43,7 +43,7 @@ def drop(
         rotor-ida drop rotor.toml --out report --drops 1000 --study many_drops
     """
     from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.cli.drop_report import report_files, write_report  # noqa: PLC0415
+    from rotor_ida.cli.drop_report import report_files, sentence_of, write_report  # noqa: PLC0415
     from rotor_ida.plot.drops import check_film  # noqa: PLC0415
     from rotor_ida.results.files import check_target  # noqa: PLC0415
 
@@ -87,6 +87,9 @@ def drop(
 
         written.append(save_orbit_film(run, film))
     record, parts = describe(run, most=0)
+    parts = [sentence_of(run, everything), *parts[1:2]]  # the bearings; the rest is in the report
+    if everything is not None:
+        record |= {"drops": describe(everything, most=0)[0]}
     parts += [f"wrote {each}" for each in written]
     return Report(record=record, parts=parts, as_json=as_json)
 
