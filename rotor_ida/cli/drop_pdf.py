@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import accumulate
@@ -24,7 +24,8 @@ from rotor_ida.cli.drop_tables import Listed
 WIDTH, HEIGHT, MARGIN, BETWEEN = 595.0, 842.0, 42.0, 9.0
 ROOM = WIDTH - 2.0 * MARGIN
 # Size of letters, and of a line over it.
-TEXT, HEAD, TITLE, CELL, FILE, SPACING = 8.5, 11.5, 17.0, 7.0, 6.3, 1.5
+TEXT, HEAD, TITLE, FILE, SPACING = 8.5, 11.5, 17.0, 6.3, 1.5
+CELL, SMALLEST_CELL = 7.0, 5.6
 # Part of its size to which a picture may shrink, and most letters of the text of a file in a line.
 SMALLEST, COLUMNS = 0.7, 128
 Family = Literal["sans-serif", "monospace"]
@@ -74,14 +75,14 @@ class Sheets:
     def table(self, table: Listed) -> None:
         """Add a table, on one page if it fits there, and in blocks of the columns that fit."""
         rows = [table.heads, *table.rows]
-        blocks = list(_blocks(rows))
-        height = len(blocks) * CELL * SPACING * (len(rows) + 1)
+        size, blocks = _fitting(rows)
+        height = len(blocks) * size * SPACING * (len(rows) + 1)
         height += TEXT * SPACING * (1 + len(_wrapped(table.note, TEXT, ROOM)))
         self.heading(table.title, room=height if height < HEIGHT - 4.0 * MARGIN else 100.0)
         if table.note:
             self.paragraph(table.note)
         for columns in blocks:
-            self._block(rows, columns)
+            self._block(rows, columns, size)
 
     def picture(self, title: str, png: bytes) -> None:
         """Add a picture as wide as the text."""
@@ -131,26 +132,27 @@ class Sheets:
             weight="bold" if bold else "normal", ha="right" if right else "left",
         )  # fmt: skip
 
-    def _block(self, rows: Sequence[Sequence[str]], columns: Sequence[int]) -> None:
+    def _block(self, rows: Sequence[Sequence[str]], columns: Sequence[int], size: float) -> None:
         """Add some columns of a table, with its head again on each page."""
-        widths = [BETWEEN + _widest(rows, each) for each in columns]
+        widths = [BETWEEN + _widest(rows, each, size) for each in columns]
         ends = [MARGIN - BETWEEN + each for each in accumulate(widths)]
         for number, row in enumerate(rows):
-            if self._top + 2.0 * CELL * SPACING > HEIGHT - MARGIN:
+            if self._top + 2.0 * size * SPACING > HEIGHT - MARGIN:
                 self._need(HEIGHT)
                 if number:
-                    self._row(rows[0], columns, ends, bold=True)
-            self._row(row, columns, ends, bold=not number)
-        self._top += CELL
+                    self._row(rows[0], columns, ends, size, bold=True)
+            self._row(row, columns, ends, size, bold=not number)
+        self._top += size
 
     def _row(
-        self, row: Sequence[str], columns: Sequence[int], ends: Sequence[float], *, bold: bool
-    ) -> None:
+        self, row: Sequence[str], columns: Sequence[int], ends: Sequence[float], size: float, *,
+        bold: bool,
+    ) -> None:  # fmt: skip
         """Add a row, and a line under it."""
         for place, (column, end) in enumerate(zip(columns, ends, strict=True)):
             left = MARGIN if place == 0 else end
-            self._text(left, row[column], CELL, bold=bold, right=place > 0)
-        self._top += CELL * SPACING
+            self._text(left, row[column], size, bold=bold, right=place > 0)
+        self._top += size * SPACING
         low = 1.0 - (self._top - 1.0) / HEIGHT
         rule = Line2D([MARGIN / WIDTH, ends[-1] / WIDTH], [low, low], lw=0.3, color="#b0b0b0")
         self.pages[-1].add_artist(rule)
@@ -163,31 +165,38 @@ def _width(words: str, size: float, *, bold: bool = False) -> float:
     return float(TextToPath().get_text_width_height_descent(words, letters, ismath=False)[0])
 
 
-def _widest(rows: Sequence[Sequence[str]], column: int) -> float:
+def _widest(rows: Sequence[Sequence[str]], column: int, size: float) -> float:
     """Return the width of a column, whose head is bold."""
-    return max(_width(row[column], CELL, bold=not number) for number, row in enumerate(rows))
+    return max(_width(row[column], size, bold=not number) for number, row in enumerate(rows))
 
 
-def _blocks(rows: Sequence[Sequence[str]]) -> Iterator[list[int]]:
-    """Yield the columns that fit beside each other, each time after the first one.
+def _fitting(rows: Sequence[Sequence[str]]) -> tuple[float, list[list[int]]]:
+    """Return the size of letters in a table, and its columns in blocks that fit beside each other.
+
+    Each block begins with the first column.
 
     Examples
     --------
     >>> rows = [["", *(f"bearing {number}" for number in range(20))], ["force", *["1 kN"] * 20]]
-    >>> found = list(_blocks(rows))
-    >>> [each[0] for each in found], sum((each[1:] for each in found), []) == list(range(1, 21))
-    ([0, 0, 0], True)
+    >>> size, blocks = _fitting(rows)
+    >>> size, [each[0] for each in blocks], sum(len(each) - 1 for each in blocks)
+    (7.0, [0, 0, 0], 20)
     """
-    first = _widest(rows, 0)
-    block, used = [0], first
+    between = BETWEEN * (len(rows[0]) - 1)
+    whole = sum(_widest(rows, column, CELL) for column in range(len(rows[0])))
+    size = min(CELL, CELL * (ROOM - between) / whole)
+    if size >= SMALLEST_CELL:
+        return size, [list(range(len(rows[0])))]
+    first = _widest(rows, 0, CELL)
+    blocks, used = [[0]], first
     for column in range(1, len(rows[0])):
-        wide = BETWEEN + _widest(rows, column)
-        if len(block) > 1 and used + wide > ROOM:
-            yield block
-            block, used = [0], first
-        block.append(column)
+        wide = BETWEEN + _widest(rows, column, CELL)
+        if len(blocks[-1]) > 1 and used + wide > ROOM:
+            blocks.append([0])
+            used = first
+        blocks[-1].append(column)
         used += wide
-    yield block
+    return CELL, blocks
 
 
 def _wrapped(words: str, size: float, room: float) -> list[str]:

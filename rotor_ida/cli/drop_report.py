@@ -172,7 +172,11 @@ def _figures(run: xr.Dataset, drops: xr.Dataset | None) -> list[tuple[str, Figur
         found = [("One drop: radius, force and speeds", drop_figure(run)),
                  ("One drop: orbits and forces", system_figure(run))]  # fmt: skip
         if drops is not None:
-            words = "Grid of drops" if "cell" in drops.sizes else "Distributions over many drops"
+            words = (
+                "Grid: ranges (shaded) and means (dots)"
+                if "cell" in drops.sizes
+                else "Distributions over many drops"
+            )
             found.append((words, drops_figure(drops)))
     return found
 

@@ -345,7 +345,7 @@ def _cells(drops: xr.Dataset) -> Listed:
     names, nodes = cells_in(drops), drops["contact_node"].values
     force, parts = _unit(drops["cell_largest_force"], "cell_largest_force")
     heads = [name.removeprefix("cell_").replace("_", " ") for name in names] or ["cell"]
-    heads += [f"{words}, {node!s}" for words in ("backward whirl [%]", f"largest force [{force}]")
+    heads += [f"{words}, {node!s}" for words in ("whirl [%]", f"largest force [{force}]")
               for node in nodes]  # fmt: skip
     whirls = 100.0 * drops["cell_backward_whirl_fraction"].values
     forces = parts * drops["cell_largest_force"].values

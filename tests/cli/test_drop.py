@@ -1,5 +1,6 @@
 """The command drop: a report with archives beside it, and bad input in one line."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -75,6 +76,18 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
     assert "95 % interval" in capfd.readouterr().out
     assert main(words) == 2
     assert "--force" in capfd.readouterr().err
+
+
+@pytest.mark.usefixtures("here")
+def test_the_system_file_of_the_tutorial_is_the_machine_of_the_tutorial():
+    page = Path(__file__).parents[2] / "docs" / "drop_tutorial.md"
+    text = page.read_text("utf-8")
+    Path("machine.toml").write_text(text.split("```toml\n")[1].split("```")[0])
+    case = rotor_ida.load_system("machine.toml")
+    run = rotor_ida.drop(case.system, **{**case.drop, "duration": 0.02})
+    stated = re.search(r"\(array\(\[(\d+)\., (\d+)\.\]\), array\(\[1\.064", text)
+    expected = [float(each) for each in stated.groups()]
+    np.testing.assert_allclose(run.largest_force, expected, rtol=1.5e-3)  # rounded stiffness
 
 
 @pytest.mark.usefixtures("here")

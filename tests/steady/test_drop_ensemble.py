@@ -108,7 +108,10 @@ def test_drops_are_the_same_with_every_executor_and_after_a_break(tmp_path):
 
 
 def test_statistics_are_of_the_drops():
-    many = drop_ensemble(DISC, **GIVEN, drops=9, workers=1)
+    many = drop_ensemble(DISC, **GIVEN, drops=9, workers=1, capacities={"disc": 1600.0})
+    over = float((many.largest_force > 1600.0).mean())
+    assert 0.0 < over < 1.0
+    np.testing.assert_allclose(many.overload_fraction[0], over)
     forces = many.largest_force.values[:, 0]
     np.testing.assert_allclose(many.largest_force_mean[0], forces.mean())
     np.testing.assert_allclose(many.largest_force_mean_error[0], forces.std(ddof=1) / 3.0)
