@@ -120,8 +120,8 @@ def sentence_of(run: xr.Dataset, drops: xr.Dataset | None) -> str:
         f"{float(run['excursion'].max()):.3g} clearances.",
     ]
     if "load_ratio" in run.variables:
-        said.append(f"This is {number(100.0 * float(run['load_ratio'].max()), 3)} % of the load "
-                    "capacity that was given.")  # fmt: skip
+        percent = number(100.0 * float(run["load_ratio"].max()), 3)
+        said.append(f"Loads reach {percent} % of the load capacities that were given.")
     if (run["whirl_sense"].values < 0).any():
         said.append("It whirls backwards for three turns or more.")
     if np.isfinite(run["rest_time"].values).all():
@@ -141,20 +141,28 @@ def _of_many(drops: xr.Dataset, parts: float, unit: str) -> list[str]:
     count, forces = drops.sizes["drop"], drops["largest_force"].values
     if not np.isfinite(forces).any():
         return [f"All {count} drops failed."]
-    worst = float(np.nanmax(forces))
-    most = f"{number(parts * worst)} {unit}".strip()
-    shares = [100.0 * float(each) for each in drops["backward_whirl_fraction"].values]
-    place = int(np.argmax(shares))
+    most = f"{number(parts * float(np.nanmax(forces)))} {unit}".strip()
+    facts = [_share(drops, "backward_whirl", "whirl backwards")]
+    if "overload_fraction" in drops.variables:
+        facts.append(_share(drops, "overload", "exceed the load capacity of a bearing"))
     if "cell" in drops.sizes:
         at = place_of(drops, int(np.nanargmax(forces)) // forces.shape[1])
-        return [f"Over a grid of {count} drops the largest force is {most}, at {places_in(drops)} "
-                f"= {at}; {number(shares[place], 3)} % of the grid whirl backwards."]  # fmt: skip
-    low, high = (100.0 * float(drops[f"backward_whirl_fraction_{end}"][place])
-                 for end in ("low", "high"))  # fmt: skip
-    return [
-        f"Of {count} drops the largest force is {most}, and {number(shares[place], 3)} % "
-        f"whirl backwards (95 % interval {number(low, 3)} to {number(high, 3)} %)."
-    ]
+        where = f", at {places_in(drops)} = {at}" if at else ""
+        return [f"Over a grid of {count} drops the largest force is {most}{where}. "
+                f"Of the grid {' and '.join(facts)}."]  # fmt: skip
+    return [f"Of {count} drops the largest force is {most}; {' and '.join(facts)} "
+            "(95 % intervals)."]  # fmt: skip
+
+
+def _share(drops: xr.Dataset, name: str, words: str) -> str:
+    """Return the share of drops in the bearing where it is largest, in words."""
+    values = drops[f"{name}_fraction"].values
+    own = drops.isel(contact=int(np.nanargmax(values)))
+    share = number(100.0 * float(own[f"{name}_fraction"]), 3)
+    if "cell" in drops.sizes:
+        return f"{share} % {words}"
+    low, high = (100.0 * float(own[f"{name}_fraction_{end}"]) for end in ("low", "high"))
+    return f"{share} % ({number(low, 3)} to {number(high, 3)} %) {words}"
 
 
 def _source(system: Path) -> str:

@@ -144,7 +144,7 @@ unbalance_factor = { from = 1, to = 2, count = 3 }"""
     assert "no sampling error applies" in page
     at = int(many.largest_force_max_drop[0])
     place = f"{float(many.drop_friction[at]):g}, {float(many.drop_unbalance_factor[at]):g}"
-    assert f"= {place};" in page
+    assert f"= {place}. Of the grid" in page
     assert main(["show", "report/drops.nc"]) == 0
     told = capfd.readouterr().out
     assert "Cells of the grid" in told
