@@ -117,7 +117,9 @@ def sentence_of(run: xr.Dataset, drops: xr.Dataset | None) -> str:
     said = [
         f"The largest force of this drop is {number(parts * forces[worst])} {unit}".strip()
         + f", in the bearing at {str(nodes[worst])!r}; the rotor goes as far as "
-        f"{float(run['excursion'].max()):.3g} clearances.",
+        f"{float(run['excursion'].max()):.3g} clearances."
+        if forces[worst] > 0.0
+        else "In this drop the rotor touches no bearing.",
     ]
     if "load_ratio" in run.variables:
         percent = number(100.0 * float(run["load_ratio"].max()), 3)

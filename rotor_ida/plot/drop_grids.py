@@ -26,8 +26,12 @@ RANGES = {
 def grid_figure(drops: xr.Dataset) -> Figure:
     """Draw ranges and means over what varies most, and the share of drops that whirl backwards."""
     drops = drops.isel(drop=drops["status"].values == 0)
-    names = sorted(ACROSS, key=lambda name: (name == "phase", -_values(drops, name).size))
-    name, other = names[:2]
+    # by number of values, the phase last unless it alone varies
+    names = sorted(
+        (name for name in ACROSS if f"drop_{name}" in drops.variables),
+        key=lambda name: (-_values(drops, name).size * (name != "phase"), name != "phase"),
+    )
+    name, other = names[0], names[1] if len(names) > 1 else "phase"
     with style():
         figure = new_figure(WIDTH, HEIGHT)
         axes = figure.subplots(2, 2).ravel().tolist()
@@ -46,15 +50,11 @@ def grid_figure(drops: xr.Dataset) -> Figure:
 
 def _values(drops: xr.Dataset, name: str) -> np.ndarray:
     """Return the values on an axis of the grid, none if it does not vary."""
-    if f"drop_{name}" not in drops.variables:
-        return np.zeros(0)
     found = np.unique(drops[f"drop_{name}"].values)
     return found if found.size > 1 else np.zeros(0)
 
 
 def _label(drops: xr.Dataset, name: str) -> str:
-    if f"drop_{name}" not in drops.variables:
-        return ""
     unit = str(drops[f"drop_{name}"].attrs.get("units", "1"))
     return f"{ACROSS[name]} [s/m]" if unit == "s m-1" else ACROSS[name]
 

@@ -79,6 +79,15 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
 
 
 @pytest.mark.usefixtures("here")
+def test_a_drop_that_ends_before_a_touch_has_a_report_too(capfd):
+    text = FILE.replace("[drop.vary]\nfriction", "[drop.grid]\nphase")
+    Path("rotor.toml").write_text(text.replace('"40 ms"', '"2 ms"'))
+    assert main(["drop", "rotor.toml", "--out", "report", "--executor", "serial"]) == 0
+    assert "In this drop the rotor touches no bearing." in capfd.readouterr().out
+    assert "first touch [ms]</td><td>none" in Path("report/report.html").read_text("utf-8")
+
+
+@pytest.mark.usefixtures("here")
 def test_the_system_file_of_the_tutorial_is_the_machine_of_the_tutorial():
     page = Path(__file__).parents[2] / "docs" / "drop_tutorial.md"
     text = page.read_text("utf-8")

@@ -50,6 +50,10 @@ def test_a_grid_is_drawn_as_ranges_means_and_shares():
     np.testing.assert_allclose([drawn.min(), drawn.max()], [values.min(), values.max()])
     cells = many.cell_backward_whirl_fraction[:, 0]
     np.testing.assert_allclose(share.lines[0].get_ydata(), cells)
+    alone = drops_figure(drop_ensemble(DISC, **GIVEN, friction=[0.1], phase=[0.0, 1.0], workers=1))
+    assert alone.axes[0].get_xlabel() == "angle of the rotor [rad]"
+    one = drops_figure(drop_ensemble(DISC, **GIVEN, friction=[0.1], workers=1))
+    assert one.axes[0].lines[0].get_ydata().size == 1
     both = drop_ensemble(DISC, **GIVEN, **given, unbalance_factor=[1.0, 2.0])
     figure = drops_figure(both)
     shares = figure.axes[3].collections[0].get_array()
