@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.cli.describe import change_of_speed, count_of_kinds
+from rotor_ida.cli.drop_grids import cells_in, place_of, places_in
 from rotor_ida.cli.report import pairs, shown, table
 from rotor_ida.cli.variables import (
     Description,
@@ -48,7 +49,7 @@ DROPS = Rows(
 )  # fmt: skip
 FRACTIONS = {
     "backward whirl of three turns": "backward_whirl", "in contact at the end": "rest",
-    "largest force before the horizon": "decided",
+    "largest force before the horizon": "decided", "largest force above the capacity": "overload",
 }  # fmt: skip
 # The columns of the table of contacts, with the variables whose units they have.
 COLUMNS = {
@@ -96,17 +97,18 @@ def show_system_sweep(dataset: xr.Dataset, most: int | None) -> Description:
 def show_drop(dataset: xr.Dataset, most: int | None) -> Description:
     """Return what is delivered of a drop by bearing, then what is shown of any run."""
     record, parts = show_system_run(dataset, most)
-    if "contact" not in dataset.sizes or not set(OF_BEARING) <= dataset.variables.keys():
+    names = [name for name in (*OF_BEARING, "load_ratio") if name in dataset.variables]
+    if "contact" not in dataset.sizes or not names:
         return record, parts
     bearings = [
         {"node": str(dataset["contact_node"].values[number])}
-        | {name: dataset[name].values[number].item() for name in OF_BEARING}
+        | {name: dataset[name].values[number].item() for name in names}
         for number in range(dataset.sizes["contact"])
     ]
     turned: list[Record] = [
         {"quantity": with_unit(dataset, name)}
         | {f"{number}: {each['node']}": each[name] for number, each in enumerate(bearings)}
-        for name in OF_BEARING
+        for name in names
     ]
     drawn = table("Bearings", turned, list(turned[0]), digits=5)
     sentence, *others = parts
@@ -114,24 +116,34 @@ def show_drop(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def show_drops(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the statistics of many drops by bearing, and the drops."""
-    if not {"drop", "contact", "quantile"} <= dataset.sizes.keys():  # a grid, or a part
+    """Return the statistics of many drops by bearing, the cells of a grid, and the drops."""
+    is_grid = "cell" in dataset.sizes
+    if not {"drop", "contact"} <= dataset.sizes.keys() or (
+        not is_grid and "quantile" not in dataset.sizes
+    ):  # a part
         return show_by_dimension(dataset, most)
+    statistics = _over_grid if is_grid else _statistics
+    names = [name for name in OF_BEARING if name in dataset.variables]
     record, parts = tabled(dataset, most, DROPS)
     tables: list[Any] = []
     for number in range(dataset.sizes["contact"]):
         own, node = dataset.isel(contact=number), str(dataset["contact_node"].values[number])
-        rows: list[Record] = [_statistics(own, name) for name in OF_BEARING]
+        rows: list[Record] = [statistics(own, name) for name in names]
         record |= {f"contact_{number}": rows}
         tables.append(table(f"Bearing {number} at node {node!r}", rows, list(rows[0]), digits=4))
-        facts: Record = {
-            word: _interval(own, name) for word, name in FRACTIONS.items()
-        }  # fmt: skip
-        tables.append(pairs("Fraction of drops, with its 95 % interval", facts))
+        facts: Record = {word: _margins(own, name) for word, name in FRACTIONS.items()
+                         if f"{name}_fraction" in own.variables}  # fmt: skip
+        margin = "its change on coarser grids" if is_grid else "its 95 % interval"
+        tables.append(pairs(f"Fraction of drops, with {margin}", facts))
+    if is_grid:
+        tables.append(f"Each extreme lies at: {places_in(dataset)}.")
+        rows = _cells(dataset)
+        record |= {"cells": rows}
+        tables += rows_table("Cells of the grid", rows, list(rows[0]), most, digits=4)
     failed = int((dataset["status"].values != 0).sum())
-    count = dataset.sizes["drop"]
-    sentence = f"{count} drops" + (f", of which {failed} failed." if failed else ".")
-    return record, [sentence, *tables, *parts]
+    kind = " on a grid" if is_grid else ""
+    sentence = f"{dataset.sizes['drop']} drops{kind}"
+    return record, [sentence + (f", of which {failed} failed." if failed else "."), *tables, *parts]
 
 
 def _statistics(own: xr.Dataset, name: str) -> Record:
@@ -148,9 +160,35 @@ def _statistics(own: xr.Dataset, name: str) -> Record:
     }  # fmt: skip
 
 
-def _interval(own: xr.Dataset, name: str) -> list[float]:
-    """Return a fraction and the ends of its interval."""
-    return [float(own[f"{name}_fraction{end}"]) for end in ("", "_low", "_high")]
+def _over_grid(own: xr.Dataset, name: str) -> Record:
+    """Return range and mean of one figure of a bearing over a grid, and where its ends lie."""
+    found: Record = {"quantity": with_unit(own, name)}
+    for end, word in (("min", "smallest"), ("max", "largest")):
+        at = int(own[f"{name}_{end}_drop"])
+        found |= {word: float(own[f"{name}_{end}"]), f"{word} at": place_of(own, at)}
+    return found | {"mean": float(own[f"{name}_mean"]),
+                    "change": float(own[f"{name}_mean_change"])}  # fmt: skip
+
+
+def _cells(dataset: xr.Dataset) -> list[Record]:
+    """Return the cells of a grid: what varies besides the phase, and what happens there."""
+    names, nodes = cells_in(dataset), dataset["contact_node"].values
+    of_contacts = {"cell_backward_whirl_fraction": "backward whirl",
+                   "cell_largest_force": "largest force"}  # fmt: skip
+    found: list[Record] = []
+    for cell in range(dataset.sizes["cell"]):
+        row: Record = {name.removeprefix("cell_"): float(dataset[name][cell]) for name in names}
+        for name, words in of_contacts.items():
+            row |= {f"{words}, {node}": float(each)
+                    for node, each in zip(nodes, dataset[name][cell], strict=True)}  # fmt: skip
+        found.append(row)
+    return found
+
+
+def _margins(own: xr.Dataset, name: str) -> list[float]:
+    """Return a fraction, and the ends of its interval or its change on coarser grids."""
+    ends = ("", "_change") if "cell" in own.sizes else ("", "_low", "_high")
+    return [float(own[f"{name}_fraction{end}"]) for end in ends]
 
 
 def _of_contact(run: xr.Dataset, number: int) -> dict[str, Any]:

@@ -28,6 +28,7 @@ from rotor_ida.plot.appearance import (
     style,
 )
 from rotor_ida.plot.decimation import kept_in_columns
+from rotor_ida.plot.drop_grids import grid_figure
 from rotor_ida.plot.labels import label_axis
 from rotor_ida.results.run import check_system_run
 from rotor_ida.results.si_units import in_suitable_units
@@ -110,20 +111,23 @@ def _draw_bearing(above: Axes, below: Axes, run: xr.Dataset, number: int) -> Non
 
 
 def _draw_speeds(ax: Axes, run: xr.Dataset) -> None:
-    """Draw the speeds of the rotor and of the races, these at events and extremes."""
+    """Draw the speeds of the rotor and of the races, these at events, extremes and the end."""
     unit = str(run["event_speed"].attrs.get("units", "1")) if "event_speed" in run else "1"
     parts = RPM if unit == "s-1" else 1.0
     if "speed" in run.variables:
         ax.plot(run["t"], parts * run["speed"].values, color=INK, lw=1.2, label="rotor")
     if "event_race_speed" in run.variables:
-        for number in np.flatnonzero(~np.isnan(run["race_radius"].values)):
+        races = np.flatnonzero(~np.isnan(run["race_radius"].values))
+        last = run["final_state"].values[run.sizes["component"] - races.size :]
+        for number, at_end in zip(races, last, strict=True):
             colour, dashes = look(1 + int(number))
             most = [run[f"race_speed_{name}"].values[number] for name in EXTREMES]
             at = [run[f"race_speed_{name}_time"].values[number] for name in EXTREMES]
-            times = np.append(run["event_time"].values, at)
+            times = np.concatenate([run["event_time"].values, at, run["t"].values[-1:]])
             order = np.argsort(times, kind="stable")
             times = times[order]
-            speeds = np.append(run["event_race_speed"].values[:, number], most)[order]
+            speeds = np.concatenate([run["event_race_speed"].values[:, number], most, [at_end]])
+            speeds = speeds[order]
             kept = kept_in_columns(times, speeds)
             ax.plot(times[kept], parts * speeds[kept], color=colour, ls=dashes, lw=0.8)
     words = "speeds of rotor, races" if "event_race_speed" in run else "speed of rotor"
@@ -132,7 +136,10 @@ def _draw_speeds(ax: Axes, run: xr.Dataset) -> None:
 
 
 def drops_figure(drops: xr.Dataset) -> Figure:
-    """Draw distributions over many drops: the fraction of drops below a value, by bearing.
+    """Draw many drops: the fraction of them below a value, by bearing; or a grid of drops.
+
+    Of a grid: ranges over the axis with most values besides the phase, with means (dots), and the
+    share of drops that whirl backwards, over two axes if another varies.
 
     Parameters
     ----------
@@ -160,6 +167,8 @@ def drops_figure(drops: xr.Dataset) -> Figure:
     if missing:
         raise InputError(f"drops must be a result of drop_ensemble; it lacks {missing[0]}")
     drops = in_suitable_units(drops)
+    if "cell" in drops.sizes:
+        return grid_figure(drops)
     with style():
         figure = new_figure(WIDTH, 5.0)
         axes = figure.subplots(2, 2).ravel().tolist()
@@ -265,7 +274,7 @@ def save_orbit_film(
         writer: AbstractMovieWriter = (
             PillowWriter(fps=speed) if target.suffix == ".gif" else FFMpegWriter(fps=speed)
         )
-        film.save(target, writer=writer, dpi=80)
+        film.save(target, writer=writer, dpi=120)
     return target
 
 

@@ -66,7 +66,7 @@ def system_figure(run: xr.Dataset) -> Figure:
     Returns
     -------
     Figure
-        The figure. Of more than 12 nodes it shows those with contacts.
+        The figure. Of more than 12 nodes it shows those with contacts and close clearances.
 
     Examples
     --------
@@ -80,6 +80,8 @@ def system_figure(run: xr.Dataset) -> Figure:
     names = nodes_in(run)
     if len(names) > FEW_NODES:
         touched = set(run["contact_node"].values.tolist())
+        if "node_clearance" in run.variables:
+            touched |= set(run["node"].values[np.isfinite(run["node_clearance"].values)].tolist())
         names = [name for name in names if name in touched] or names[:FEW_NODES]
     rings = rings_of(run, names)
     contacts = list(range(run.sizes["contact"]))
@@ -284,6 +286,9 @@ def _draw_orbits(figure: Figure | SubFigure, run: xr.Dataset, rings: Sequence[Ri
             x, y = circle(float(part["clearance"]))
             x, y = x + float(part["centre_x"]), y + float(part["centre_y"])
             ax.plot(x, y, color=INK, lw=0.9, ls=DASHES, label="clearance", zorder=2.6)
+        if not ring.stator and "node_clearance" in run.variables:  # NaN where none is given
+            other = float(run["node_clearance"].sel(node=ring.node))
+            ax.plot(*circle(other), color=RED, lw=0.9, ls=":", label="close clearance", zorder=2.6)
         draw_motion(ax, path, path.x, path.y, width=_line_width(run))
         ax.set_title(ring.title)
         ax.set_aspect("equal", adjustable="datalim")

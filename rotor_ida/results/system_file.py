@@ -79,11 +79,14 @@ OF_RUN_UP = {
     "duration": "s",
 }  # fmt: skip
 OF_DROP = {"duration": "s", "inertia": "kg m2", "drag": "N m s", "phase": "rad"}
-# What varies over many drops, each a range of two numbers.
+# What varies over many drops: each a range of two numbers, or its values on a grid.
 OF_DROPS = {
     "phase": "rad", "friction": "1", "contact_damping": "s m-1", "unbalance_factor": "1",
     "clearance_factor": "1",
 }  # fmt: skip
+
+
+MOST_VALUES = 100_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,6 +119,8 @@ class SystemFile:
         The arguments of `drop` alone.
     vary : dict
         The arguments of `drop_ensemble` alone: number of drops, seed, and what varies.
+    grid : dict
+        Those of a grid of drops instead: the values of what varies.
     """
 
     system: RotorSystem
@@ -130,6 +135,7 @@ class SystemFile:
     supports: tuple[Support, ...] = ()
     fall: Mapping[str, Any]
     vary: Mapping[str, Any]
+    grid: Mapping[str, Any]
 
     @property
     def drop(self) -> dict[str, Any]:
@@ -219,6 +225,7 @@ def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:
         supports=tuple(_supports(file, system)),
         fall=_fall(file.table("drop")),
         vary=_vary(file.table("drop").table("vary")),
+        grid=_grid(file.table("drop")),
     )
 
 
@@ -404,13 +411,14 @@ def _supports(file: Table, system: RotorSystem) -> Iterator[Support]:
 
 def _fall(table: Table) -> dict[str, Any]:
     """Return the arguments of `drop` alone."""
-    table.check((*OF_DROP, "failing", "clearances", "vary"))
+    table.check((*OF_DROP, "failing", "clearances", "capacities", "vary", "grid"))
     found: dict[str, Any] = dict(table.numbers(OF_DROP))
     if "failing" in table.entries:
         found["failing"] = table.entries["failing"]
-    if "clearances" in table.entries:
-        gaps = table.table("clearances")
-        found["clearances"] = gaps.numbers(dict.fromkeys(gaps.entries, "m"))
+    for key, unit in (("clearances", "m"), ("capacities", "N")):
+        if key in table.entries:
+            by_node = table.table(key)
+            found[key] = by_node.numbers(dict.fromkeys(by_node.entries, unit))
     return found
 
 
@@ -424,3 +432,29 @@ def _vary(table: Table) -> dict[str, Any]:
         if key in table.entries:
             found[key] = check_count(table.name(key), table.entries[key], minimum=least)
     return found
+
+
+def _grid(drop: Table) -> dict[str, Any]:
+    """Return the values of what varies on a grid of drops."""
+    table = drop.table("grid")
+    table.check(tuple(OF_DROPS))
+    if table.entries and "vary" in drop.entries:
+        raise InputError(f"{table.place} must be left out with {drop.name('vary')}")
+    return {key: _values(table, key, unit) for key, unit in OF_DROPS.items()
+            if key in table.entries}  # fmt: skip
+
+
+def _values(table: Table, key: str, unit: str) -> list[float]:
+    """Return a list of numbers, or the numbers of an even division: from, to, count."""
+    name, given = table.name(key), table.entries[key]
+    if isinstance(given, Mapping):
+        ends = table.table(key)
+        ends.check(("from", "to", "count"), needed=("from", "to", "count"))
+        count = check_count(f"{name}.count", given["count"], minimum=2, maximum=MOST_VALUES)
+        first, last = (ends.number(end, unit) for end in ("from", "to"))
+        return [float(each) for each in np.linspace(first, last, count)]
+    if not isinstance(given, list) or not given:
+        raise InputError(
+            f"{name} must be numbers or a table of from, to, count, got {shown(given)}"
+        )
+    return [table.one(f"{name}[{place}]", each, unit) for place, each in enumerate(given)]

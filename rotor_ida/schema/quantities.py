@@ -228,6 +228,11 @@ QUANTITIES: dict[str, Quantity] = {
     # a drop
     "largest_force_time": Quantity("time of the largest contact force", scale="time"),
     "largest_impulse": Quantity("largest impulse of one complete contact", scale="impulse"),
+    "total_contact_time": Quantity("time in contact", scale="time"),
+    "longest_contact_time": Quantity("duration of the longest contact", scale="time"),
+    "mean_contact_force": Quantity("mean normal force while in contact", scale="force"),
+    "load_capacity": Quantity("load capacity of a bearing, as given", scale="force"),
+    "load_ratio": Quantity("largest contact force over the load capacity"),
     "first_roll_time": Quantity("time at which the surfaces first roll", scale="time"),
     "largest_race_speed": Quantity("largest speed of the race of a contact", scale="speed"),
     "race_speed_time": Quantity("time of the largest speed of the race", scale="time"),
@@ -253,9 +258,26 @@ QUANTITIES: dict[str, Quantity] = {
             ("backward_whirl", "with a backward whirl in the bearing"),
             ("rest", "at rest in the bearing at the end"),
             ("decided", "whose largest force comes before the horizon"),
+            ("overload", "whose largest force is above the load capacity"),
         )
-        for end, words in (("", ""), ("_low", "lower end of the "), ("_high", "upper end of the "))
+        for end, words in (
+            ("", ""),
+            ("_low", "lower end of the "),
+            ("_high", "upper end of the "),
+            ("_change", "change on coarser grids of the "),
+        )
     },
+    "cell_friction": Quantity("friction coefficient of all bearings in a cell of the grid"),
+    "cell_contact_damping": Quantity("contact damping of all bearings in a cell of the grid"),
+    "cell_unbalance_factor": Quantity("factor of all unbalance in a cell of the grid"),
+    "cell_clearance_factor": Quantity("factor of all clearances in a cell of the grid"),
+    "cell_largest_force": Quantity(
+        "largest contact force over the phases of a cell", scale="force"
+    ),
+    "cell_excursion": Quantity("largest radius over the clearance over the phases of a cell"),
+    "cell_backward_whirl_fraction": Quantity(
+        "fraction of the phases of a cell with a backward whirl in the bearing"
+    ),
     "support_node": Quantity("node of a support", ""),
     "support_fails": Quantity("whether a support fails", flags=NO_YES),
     "support_stiffness": Quantity("stiffness of a support, by axis"),
@@ -642,18 +664,28 @@ QUANTITIES: dict[str, Quantity] = {
 }
 # Figures of a bearing in a drop, of which many drops give statistics.
 OF_BEARING = (
-    "contact_count", "largest_force", "largest_force_time", "largest_impulse", "total_impulse",
+    "contact_count", "total_contact_time", "longest_contact_time",
+    "largest_force", "largest_force_time", "mean_contact_force", "largest_impulse", "total_impulse",
     "total_heat", "total_contact_loss", "first_roll_time", "largest_race_speed", "race_speed_time",
     "whirl_turns", "whirl_speed", "rest_time", "excursion",
 )  # fmt: skip
 QUANTITIES |= {
     f"{name}_{end}": replace(QUANTITIES[name], long_name=f"{words}: {QUANTITIES[name].long_name}")
-    for name in OF_BEARING
+    for name in (*OF_BEARING, "node_excursion")
     for end, words in {
         "mean": "mean over drops", "mean_error": "standard error of the mean over drops",
         "mean_low": "lower end of the mean over drops",
         "mean_high": "upper end of the mean over drops",
         "quantile": "quantile over drops", "quantile_low": "lower end of a quantile over drops",
         "quantile_high": "upper end of a quantile over drops",
+        "min": "smallest over drops", "max": "largest over drops",
+        "mean_change": "change on coarser grids of the mean over drops",
     }.items()
 }  # fmt: skip
+QUANTITIES |= {
+    f"{name}_{end}_drop": Quantity(
+        f"number of the drop with the {words} value: {QUANTITIES[name].long_name}"
+    )
+    for name in (*OF_BEARING, "node_excursion")
+    for end, words in (("min", "smallest"), ("max", "largest"))
+}

@@ -16,7 +16,8 @@ ARRAYS = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate", "trans
 # What a design holds of a drop.
 OF_CASE = (
     "system", "stators", "bearings", "supports", "unbalance", "speed", "duration", "failing",
-    "gravity", "static_force", "inertia", "drag", "modes", "rtol",
+    "gravity", "static_force", "inertia", "drag", "clearances",
+    "capacities", "modes", "rtol",
 )  # fmt: skip
 
 
@@ -91,6 +92,8 @@ def _plain(value: Any) -> Any:
     """Return an array or sequence of numbers as a list, and a number as it is."""
     if value is None or isinstance(value, str):
         return value
+    if isinstance(value, Mapping):
+        return {name: _plain(each) for name, each in value.items()}
     if isinstance(value, list | tuple) and all(isinstance(each, str) for each in value):
         return list(value)
     return np.asarray(value).tolist()

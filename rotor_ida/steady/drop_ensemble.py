@@ -3,8 +3,9 @@
 draw each drop: phase, friction, damping, unbalance and clearance, at random or on a grid;
 follow each drop twice, to its horizon;
 keep what each bearing suffered;
-summarise: means, quantiles and fractions, each with its sampling error, and how many of the drops
-reached each figure before their horizon.
+summarise random drops: means, quantiles and fractions, each with its sampling error, and how many
+of the drops reached each figure before their horizon;
+summarise a grid: ranges and where their ends lie, means by quadrature, and what the grid resolves.
 """
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled_dataset
 from rotor_ida.steady.drop_design import plain_case
-from rotor_ida.steady.drop_statistics import statistics_of
+from rotor_ida.steady.drop_grid import cells_of, grid_statistics_of
+from rotor_ida.steady.drop_statistics import QUANTILES, statistics_of
 from rotor_ida.steady.grid import EXPECTED, Places, Rows, Task, form_of, reason_of, run_study
 from rotor_ida.systems.assembly import check_parts
 from rotor_ida.systems.drop import drop
@@ -56,6 +58,7 @@ MOST_DROPS = 100_000
 # Drops of which one must be possible.
 MOST_TRIED = 20
 FIGURES = {**NUMBERS, "excursion": np.float64}
+OF_NODES = "node_excursion"
 OF_DROP = ("first_touch_time", "standstill_time", "horizon")
 
 
@@ -79,6 +82,8 @@ def drop_ensemble(
     static_force: npt.ArrayLike | None = None,
     inertia: float | None = None,
     drag: float = 0.0,
+    clearances: Mapping[str, float] | None = None,
+    capacities: Mapping[str, float] | None = None,
     modes: int | None = None,
     rtol: float = 1e-10,
     workers: int | None = None,
@@ -92,7 +97,7 @@ def drop_ensemble(
     ----------
     system, bearings, speed, duration, supports, failing, unbalance, gravity, static_force :
         As for `drop`.
-    inertia, drag, modes, rtol : optional
+    inertia, drag, clearances, capacities, modes, rtol : optional
         As for `drop`.
     phase : array_like, optional
         Angle of the rotor at the drop [rad]. Default: all angles at random; 0 on a grid.
@@ -112,14 +117,22 @@ def drop_ensemble(
     -------
     Dataset
         On ``drop`` what was varied, ``first_touch_time``, ``standstill_time``, ``horizon``,
-        ``status`` and ``message``; on ``(drop, contact)`` what `drop` delivers by bearing. For
-        each figure on ``contact``, of the drops in which it is known, as a random sample:
+        ``status`` and ``message``; on ``(drop, contact)`` what `drop` delivers by bearing, and on
+        ``(drop, node)`` the ``node_excursion`` over each other clearance. For each figure on
+        ``contact`` or ``node``, of the drops in which it is known, of a random sample:
         ``largest_force_mean``, ``largest_force_mean_error`` (standard error), and the ends of its
         95 % interval, ``largest_force_mean_low`` and ``_high``;
         on ``(quantile, contact)`` ``largest_force_quantile`` and the ends of its 95 % interval,
         ``largest_force_quantile_low`` and ``_high``; and so on. ``backward_whirl_fraction``,
-        ``rest_fraction`` and ``decided_fraction``, each with the ends ``_low`` and ``_high`` of
-        its 95 % interval.
+        ``rest_fraction``, ``decided_fraction`` and, with capacities, ``overload_fraction``, each
+        with the ends ``_low`` and ``_high`` of its 95 % interval.
+
+        Of a grid instead: ``largest_force_min`` and ``_max``, with the drops in which they occur,
+        ``largest_force_min_drop`` and ``_max_drop``; ``largest_force_mean`` over the grid, and
+        ``largest_force_mean_change``, by how much it changes on coarser grids; and the fractions,
+        each with ``_change``. On ``cell``, the combinations of all but the phase:
+        ``cell_friction`` and so on, and over the phases ``cell_largest_force`` and
+        ``cell_excursion``, the largest, and ``cell_backward_whirl_fraction``.
 
     Raises
     ------
@@ -138,6 +151,12 @@ def drop_ensemble(
     one drop in 20 needs some 100 drops. ``backward_whirl_fraction``
     counts drops with a backward whirl of three turns or more, ``rest_fraction`` those that stay in
     contact at the end.
+
+    A mean over a grid is the integral over its ranges by the trapezoidal rule, over their size;
+    angles that go round count by the arcs around them. It is no estimate from a sample, so no
+    sampling error applies. Its change is the sum of those as every other value of each axis is left
+    out: NaN where an axis has too few values. Where motions are chaotic, figures jump between
+    neighbours, and means converge slowly.
 
     Up to its horizon a drop is determined by its parameters. ``decided_fraction`` is the fraction
     of the drops whose largest force comes before: where it is 1, the largest forces do not depend
@@ -165,19 +184,20 @@ def drop_ensemble(
         "phase": phase, "friction": friction, "contact_damping": contact_damping,
         "unbalance_factor": unbalance_factor, "clearance_factor": clearance_factor,
     }  # fmt: skip
-    varied = _varied(given, drops, seed)
+    axes = _axes(given)
+    varied = _grid(axes) if drops is None else _random(axes, given, drops, seed)
     case: dict[str, Any] = {
         "system": system, "bearings": bearings, "speed": check_real("speed", speed),
         "duration": check_positive("duration", duration), "supports": supports,
         "failing": failing, "unbalance": unbalance, "gravity": gravity,
         "static_force": static_force, "drag": check_nonnegative("drag", drag),
         "inertia": None if inertia is None else check_positive("inertia", inertia), "modes": modes,
-        "rtol": rtol,
+        "rtol": rtol, "clearances": clearances, "capacities": capacities,
     }  # fmt: skip
     plan = Drops(case, varied)
     example = _example(plan)
     chosen = choose(executor, workers, compiled=True)
-    point = _point(example.sizes["contact"])
+    point = _point(example.sizes["contact"], len(clearances or ()))
     ways = {name: check_axis(name, each).tolist() for name, each in given.items()
             if each is not None}  # fmt: skip
     design = {"kind": "drop_ensemble", **plain_case(case), "varied": ways,
@@ -189,8 +209,9 @@ def drop_ensemble(
     told |= {name: example.attrs[name] for name in ("speed", "start_speed", "inertia", "torque")
              if name in example.attrs}  # fmt: skip
     gaps = np.array([each.clearance for each in bearings])
-    return _dataset(system, example, varied, gaps, columns.points, told,
-                    is_random=drops is not None)  # fmt: skip
+    dataset = _dataset(example, varied, gaps, columns.points, told,
+                       None if drops is not None else axes)  # fmt: skip
+    return with_system_units(dataset, system)
 
 
 def _example(plan: Drops) -> xr.Dataset:
@@ -205,8 +226,8 @@ def _example(plan: Drops) -> xr.Dataset:
     raise refused
 
 
-def _varied(given: Mapping[str, object], drops: int | None, seed: object) -> dict[str, Values]:
-    """Return the value of what varies in each drop."""
+def _axes(given: Mapping[str, object]) -> dict[str, Values]:
+    """Return the values of what varies."""
     found: dict[str, Values] = {}
     for name, values in given.items():
         if values is None:
@@ -216,17 +237,28 @@ def _varied(given: Mapping[str, object], drops: int | None, seed: object) -> dic
         if not (axis.min() >= low and axis.max() <= high):
             raise InputError(f"{name} must lie from {low:.4g} to {high:.4g}, got {shown(values)}")
         found[name] = axis
-    if drops is None:
-        found.setdefault("phase", np.zeros(1))
-        count = math.prod(each.size for each in found.values())
-        if count > MOST_DROPS:
-            raise InputError(f"drops must be at most {MOST_DROPS} on the grid, got {count}")
-        rows = np.array(list(product(*found.values())))
-        return dict(zip(found, rows.T, strict=True))
+    return found
+
+
+def _grid(axes: dict[str, Values]) -> dict[str, Values]:
+    """Return the value of what varies in each drop of a grid."""
+    axes.setdefault("phase", np.zeros(1))
+    count = math.prod(each.size for each in axes.values())
+    if count > MOST_DROPS:
+        raise InputError(f"drops must be at most {MOST_DROPS} on the grid, got {count}")
+    rows = np.array(list(product(*axes.values())))
+    return dict(zip(axes, rows.T, strict=True))
+
+
+def _random(
+    axes: dict[str, Values], given: Mapping[str, object], drops: int, seed: object
+) -> dict[str, Values]:
+    """Return the value of what varies in each drop at random."""
     count = check_count("drops", drops, minimum=2, maximum=MOST_DROPS)
     draw = np.random.default_rng(check_count("seed", seed, minimum=0))
-    found.setdefault("phase", np.array([0.0, math.tau]))
-    for name, axis in found.items():
+    axes.setdefault("phase", np.array([0.0, math.tau]))
+    found: dict[str, Values] = {}
+    for name, axis in axes.items():
         if axis.size != 2 or not axis[0] <= axis[1]:
             raise InputError(
                 f"{name} must be a range of two numbers, the lower first, got {shown(given[name])}"
@@ -253,10 +285,10 @@ class Drop:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What a drop delivers, or why it failed."""
+    """What a drop delivers, or why it failed; and the numbers of its contacts and clearances."""
 
     figures: dict[str, Any]
-    count: int
+    counts: tuple[int, int]
     message: str = ""
 
 
@@ -312,28 +344,30 @@ def _arguments(job: Drop) -> dict[str, Any]:
 
 def follow_drop(job: Drop, _stop: Stop) -> Outcome:
     """Follow one drop."""
-    count = len(job.case["bearings"])
     try:
         run = drop(**_arguments(job))
     except InputError as error:  # what was drawn cannot be dropped, as it touches at once
-        return Outcome({}, count, str(error))
+        return _lost(job, str(error))
     except EXPECTED as error:
-        return Outcome({}, count, reason_of(error))
+        return _lost(job, reason_of(error))
     touches = run["event_time"].values
     figures: dict[str, Any] = {name: run[name].values for name in FIGURES}
     figures |= {"horizon": float(run["horizon"]), "standstill_time": float(run["standstill_time"]),
                 "first_touch_time": float(touches[0]) if touches.size else math.nan}  # fmt: skip
-    return Outcome(figures, count)
+    if job.case["clearances"]:
+        figures[OF_NODES] = run[OF_NODES].values[np.isfinite(run["node_clearance"].values)]
+    return replace(_lost(job, ""), figures=figures)
 
 
 def _lost(job: Drop, reason: str) -> Outcome:
-    return Outcome({}, len(job.case["bearings"]), reason)
+    return Outcome({}, (len(job.case["bearings"]), len(job.case["clearances"] or ())), reason)
 
 
-def _point(contacts: int) -> np.dtype[np.void]:
+def _point(contacts: int, clearances: int) -> np.dtype[np.void]:
     """Return the columns of a drop."""
+    of_nodes = [(OF_NODES, np.float64, (clearances,))] if clearances else []
     return np.dtype([
-        *((name, kind, (contacts,)) for name, kind in FIGURES.items()),
+        *((name, kind, (contacts,)) for name, kind in FIGURES.items()), *of_nodes,
         *((name, np.float64) for name in OF_DROP),
         ("status", np.int8),
     ])  # fmt: skip
@@ -341,8 +375,8 @@ def _point(contacts: int) -> np.dtype[np.void]:
 
 def _rows(outcome: Outcome) -> Rows:
     """Return what a drop delivers as a row."""
-    row = np.zeros(1, _point(outcome.count))
-    for name in (*FIGURES, *OF_DROP):
+    row = np.zeros(1, _point(*outcome.counts))
+    for name in row.dtype.names or ():
         blank = math.nan if row[name].dtype.kind == "f" else 0
         row[name] = outcome.figures.get(name, blank)
     row["status"] = STATUS["failed" if outcome.message else "done"]
@@ -350,10 +384,11 @@ def _rows(outcome: Outcome) -> Rows:
 
 
 def _dataset(
-    system: RotorSystem, example: xr.Dataset, varied: Mapping[str, Values], clearances: Values,
-    columns: Mapping[str, npt.NDArray[Any]], told: Mapping[str, object], *, is_random: bool,
+    example: xr.Dataset, varied: Mapping[str, Values], clearances: Values,
+    columns: Mapping[str, npt.NDArray[Any]], told: Mapping[str, object],
+    axes: Mapping[str, Values] | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return drops as a labelled dataset, with statistics if they are a random sample."""
+    """Return drops as a labelled dataset, with statistics of a sample, or of a grid by its axes."""
     both = ("drop", "contact")
     variables: dict[str, Column] = {name: (both, columns[name]) for name in FIGURES}
     variables |= {name: ("drop", columns[name]) for name in (*OF_DROP, "status", "message")}
@@ -361,19 +396,42 @@ def _dataset(
     variables |= {"contact_node": ("contact", example["contact_node"].values),
                   "clearance": ("contact", clearances)}  # fmt: skip
     coordinates: dict[str, Column] = {"drop": ("drop", np.arange(len(columns["status"])))}
-    if is_random:
-        done = columns["status"] == STATUS["done"]
-        kept = {name: columns[name][done] for name in (*FIGURES, "horizon")}
-        facts = {
-            "backward_whirl": kept["whirl_sense"] == WHIRL_DIRECTION["backward"],
-            "rest": ~np.isnan(kept["rest_time"]),
-            "decided": kept["largest_force_time"] <= kept["horizon"][:, np.newaxis],
-        }
-        numbers = {name: kept[name].astype(float) for name in FIGURES if name != "whirl_sense"}
-        statistics, quantiles = statistics_of(numbers, facts)
-        variables |= statistics
-        coordinates["quantile"] = ("quantile", quantiles)
+    if axes is None:
+        coordinates["quantile"] = ("quantile", np.array(QUANTILES))
+    if OF_NODES in columns:
+        own = example.isel(node=np.isfinite(example["node_clearance"].values))
+        variables |= {OF_NODES: (("drop", "node"), columns[OF_NODES]),
+                      "node_clearance": ("node", own["node_clearance"].values)}  # fmt: skip
+        coordinates["node"] = ("node", own["node"].values)
+    capacities = example["load_capacity"].values if "load_capacity" in example else None
+    if capacities is not None:
+        variables["load_capacity"] = ("contact", capacities)
+    variables |= _statistics(columns, capacities, axes)
     title = "Rotor system: many drops on touchdown bearings"
-    dataset = labelled_dataset(title, variables, coordinates, provenance(told),
-                               kind="drop_ensemble")  # fmt: skip
-    return with_system_units(dataset, system)
+    return labelled_dataset(title, variables, coordinates, provenance(told), kind="drop_ensemble")
+
+
+def _statistics(
+    columns: Mapping[str, npt.NDArray[Any]],
+    capacities: Values | None,
+    axes: Mapping[str, Values] | None,
+) -> dict[str, Column]:
+    """Return statistics of a sample, or of a grid by its axes."""
+    done = columns["status"] == STATUS["done"]
+    names = [name for name in FIGURES if name != "whirl_sense"]
+    numbers = {name: np.where(done[:, np.newaxis], columns[name], math.nan)
+               for name in (*names, OF_NODES) if name in columns}  # fmt: skip
+    facts = {
+        "backward_whirl": columns["whirl_sense"] == WHIRL_DIRECTION["backward"],
+        "rest": ~np.isnan(columns["rest_time"]),
+        "decided": columns["largest_force_time"] <= columns["horizon"][:, np.newaxis],
+    }
+    if capacities is not None:
+        facts["overload"] = columns["largest_force"] > capacities
+    known = {name: np.where(done[:, np.newaxis], each, math.nan) for name, each in facts.items()}
+    along = {OF_NODES: "node"}
+    if axes is None:
+        return statistics_of(numbers, {name: each[done] for name, each in facts.items()}, along)
+    largest = {name: numbers[name] for name in ("largest_force", "excursion")}
+    whirls = {"backward_whirl": known["backward_whirl"]}
+    return grid_statistics_of(numbers, known, axes, along) | cells_of(largest, whirls, axes)

@@ -16,29 +16,31 @@ LEVEL = 0.95
 
 
 def statistics_of(
-    numbers: Mapping[str, Values], facts: Mapping[str, Flags]
-) -> tuple[dict[str, Column], Values]:
-    """Return statistics of figures of shape (drop, contact), by name; and the quantiles.
+    numbers: Mapping[str, Values], facts: Mapping[str, Flags], along: Mapping[str, str]
+) -> dict[str, Column]:
+    """Return statistics of figures of shape (drop, contact), by name.
 
-    A figure that is NaN in a drop does not count there.
+    A figure that is NaN in a drop does not count there. ``along`` names its other dimension, where
+    it is not the contact.
     """
     found: dict[str, Column] = {}
     levels = np.array(QUANTILES)
     for name, values in numbers.items():
+        dim = along.get(name, "contact")
         columns = [column[~np.isnan(column)] for column in values.T]
         means = np.array([mean_of(column) for column in columns])
         for word, each in zip(("", "_error", "_low", "_high"), means.T, strict=True):
-            found[f"{name}_mean{word}"] = ("contact", each)
+            found[f"{name}_mean{word}"] = (dim, each)
         of_all = [quantiles_of(column, levels) for column in columns]
         quantile, low, high = map(np.array, zip(*of_all, strict=True))
         for word, each in (("", quantile), ("_low", low), ("_high", high)):
-            found[f"{name}_quantile{word}"] = (("quantile", "contact"), each.T)
+            found[f"{name}_quantile{word}"] = (("quantile", dim), each.T)
     for name, flags in facts.items():
         fraction, low, high = wilson(flags.sum(axis=0), len(flags))
         found[f"{name}_fraction"] = ("contact", fraction)
         found[f"{name}_fraction_low"] = ("contact", low)
         found[f"{name}_fraction_high"] = ("contact", high)
-    return found, levels
+    return found
 
 
 def mean_of(values: Values) -> tuple[float, float, float, float]:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Values
-from rotor_ida.checks import check_nonnegative, check_positive, check_real, shown
+from rotor_ida.checks import check_choice, check_nonnegative, check_positive, check_real, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem
@@ -45,6 +45,7 @@ def drop(
     inertia: float | None = None,
     drag: float = 0.0,
     clearances: Mapping[str, float] | None = None,
+    capacities: Mapping[str, float] | None = None,
     start: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
     samples: int | npt.ArrayLike | None = None,
     modes: int | None = None,
@@ -85,6 +86,9 @@ def drop(
         Drag torque over speed, with an inertia.
     clearances : mapping of str to float, optional
         Other close clearances by node: only compared with the motion, not touched.
+    capacities : mapping of str to float, optional
+        Load capacities of the bearings by node, such as static load ratings of ball bearings: only
+        compared with the largest force.
     start : (q, velocity), optional
         State at the drop. Default: the levitated steady state.
     samples, modes, more_modes, rtol, method, progress : optional
@@ -95,14 +99,15 @@ def drop(
     -------
     Dataset
         A run as from `run_up_system`, at time 0 in the state of the drop; and on ``contact``:
-        ``largest_force``, ``largest_impulse`` of one contact, ``total_impulse``,
-        ``contact_count``, ``excursion`` over the clearance, ``total_heat``,
+        ``largest_force``, ``mean_contact_force`` while in contact, ``largest_impulse`` of one
+        complete contact, ``total_impulse``, ``contact_count``, ``total_contact_time``,
+        ``longest_contact_time``, ``excursion`` over the clearance, ``total_heat``,
         ``total_contact_loss``, ``first_roll_time``, ``largest_race_speed`` (in size, between
         events too) and its ``race_speed_time`` (NaN if it is that at the drop), the longest whirl
         by its ``whirl_turns``, ``whirl_speed`` and ``whirl_sense`` (from three turns on), and
-        ``rest_time``, from which the contact lasts to the end; on ``node`` ``largest_radius`` (at
-        samples); on ``support`` its ``support_load``; and ``standstill_time``, after which the
-        speed stays below one per cent.
+        ``rest_time``, from which the contact lasts to the end; with capacities also ``load_ratio``,
+        the largest force over them. On ``node`` ``largest_radius`` (at samples); on ``support`` its
+        ``support_load``; and ``standstill_time``, after which the speed stays below one per cent.
 
     Raises
     ------
@@ -147,7 +152,8 @@ def drop(
             f"speed must be at most {MOST_RADIANS / end:.4g} in a duration of {end!r}, "
             f"got {omega!r}"
         )
-    checked = _clearances(system, clearances)
+    gaps = _by_node(("clearances", "clearance"), clearances, list(system.nodes))
+    limits = _by_node(("capacities", "capacity"), capacities, [each.node for each in bearings])
     check_modes(modes, more_modes)
     found, fails = check_supports(system, supports, failing)
     if gravity is None and system.units == "SI":
@@ -167,7 +173,7 @@ def drop(
         change=change | {name: each for name, each in numbers.items() if each is not None},
         whirls=True,
     )  # fmt: skip
-    columns = figures_of_drop(run, checked) | cases[0].told
+    columns = figures_of_drop(run, gaps, limits) | cases[0].told
     return _dataset(system, run, columns, {"phase": turned})
 
 
@@ -185,17 +191,18 @@ def _course(
     return profile, change
 
 
-def _clearances(system: RotorSystem, given: Mapping[str, float] | None) -> dict[str, float]:
-    """Return close clearances by known nodes."""
+def _by_node(
+    names: tuple[str, str], given: Mapping[str, float] | None, nodes: Sequence[str]
+) -> dict[str, float]:
+    """Return positive numbers by known nodes; all of them, and one, have names."""
     if given is None:
         return {}
+    several, one = names
     if not isinstance(given, Mapping):
-        raise InputError(f"clearances must be numbers by nodes, got {shown(given)}")
+        raise InputError(f"{several} must be numbers by nodes, got {shown(given)}")
     for node in given:
-        system.rows(node)
-    return {
-        node: check_positive(f"clearance at {shown(node)}", each) for node, each in given.items()
-    }
+        check_choice(f"node in {several}", node, nodes)
+    return {node: check_positive(f"{one} at {shown(node)}", each) for node, each in given.items()}
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,9 @@ NUMBERS = {
 }  # fmt: skip
 
 
-def figures_of_drop(run: xr.Dataset, clearances: Mapping[str, float]) -> dict[str, Column]:
+def figures_of_drop(
+    run: xr.Dataset, clearances: Mapping[str, float], capacities: Mapping[str, float]
+) -> dict[str, Column]:
     """Return what is delivered of a drop, as variables of its dataset.
 
     Parameters
@@ -34,6 +36,8 @@ def figures_of_drop(run: xr.Dataset, clearances: Mapping[str, float]) -> dict[st
         The run of a rotor system.
     clearances : mapping
         Other close clearances by node, where no contact is.
+    capacities : mapping
+        Load capacities of the bearings by node.
     """
     count = run.sizes["contact"]
     of_contacts = [_of_contact(run, number) for number in range(count)]
@@ -48,6 +52,11 @@ def figures_of_drop(run: xr.Dataset, clearances: Mapping[str, float]) -> dict[st
         gaps = np.array([clearances.get(name, math.nan) for name in names])
         columns["node_clearance"] = ("node", gaps)
         columns["node_excursion"] = ("node", radii / gaps)
+    if capacities:
+        nodes = run["contact_node"].values.tolist()
+        limits = np.array([capacities.get(node, math.nan) for node in nodes])
+        columns["load_capacity"] = ("contact", limits)
+        columns["load_ratio"] = ("contact", columns["largest_force"][1] / limits)
     columns["standstill_time"] = ((), _standstill(run))
     return columns
 
@@ -61,6 +70,8 @@ def _of_contact(run: xr.Dataset, number: int) -> dict[str, float]:
     at = np.append(own["peak_time"].values, run["t"].values)
     place = int(np.nanargmax(forces))
     complete = own["impulse"].values[~np.isnan(own["exit_time"].values)]
+    lengths = _lengths(own)
+    impulse, lasting = float(own["impulse"].values.sum()), float(lengths.sum())
     rolls = times[kinds == OF_FRICTION_EVENT_KIND["roll"]]
     race, race_time = _race(run, number)
     turns, rate = _whirl(run, number)
@@ -70,7 +81,10 @@ def _of_contact(run: xr.Dataset, number: int) -> dict[str, float]:
         "largest_force": float(forces[place]),
         "largest_force_time": float(at[place]) if forces[place] > 0.0 else math.nan,
         "largest_impulse": float(complete.max(initial=0.0)),
-        "total_impulse": float(own["impulse"].values.sum()),
+        "total_impulse": impulse,
+        "total_contact_time": lasting,
+        "longest_contact_time": float(lengths.max(initial=0.0)),
+        "mean_contact_force": impulse / lasting if lasting > 0.0 else math.nan,
         "total_heat": float(own["heat"].values.sum()),
         "total_contact_loss": float(np.nansum(own["energy_lost"].values)),
         "first_roll_time": float(rolls[0]) if rolls.size else math.nan,
@@ -81,6 +95,13 @@ def _of_contact(run: xr.Dataset, number: int) -> dict[str, float]:
         "whirl_sense": sense,
         "rest_time": _rest(run, kinds, times),
     }
+
+
+def _lengths(own: xr.Dataset) -> Values:
+    """Return how long each contact lasts within the run."""
+    begins = np.nan_to_num(own["entry_time"].values, nan=0.0)  # in contact from the start
+    ends = np.nan_to_num(own["exit_time"].values, nan=float(own["t"].values[-1]))
+    return np.asarray(ends - begins)
 
 
 def _race(run: xr.Dataset, number: int) -> tuple[float, float]:

@@ -13,6 +13,7 @@ OTHER_UNITS = {
     "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
     "stator_stiffness": "N m-1", "stator_damping": "N s m-1", "unbalance_moment": "kg m",
     "support_stiffness": "N m-1", "support_damping": "N s m-1",
+    "drop_contact_damping": "s m-1", "cell_contact_damping": "s m-1",
 }  # fmt: skip
 # Units of the attributes of a changing speed, as `rotor_ida.dimensional` names them.
 UNITS_OF_CHANGE = {

@@ -1,12 +1,15 @@
 """The command drop: a report with archives beside it, and bad input in one line."""
 
+import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import rotor_ida
 from rotor_ida.cli import main
-from rotor_ida.cli.drop_report import COLUMNS, Listed, _lines
+from rotor_ida.cli.drop_pdf import Sheets
+from rotor_ida.cli.drop_tables import Listed
 
 FILE = """# drawn in the report
 speed = "4800 rpm"
@@ -25,6 +28,7 @@ duration = "40 ms"
 inertia = 0.08
 phase = "90 deg"
 clearances = { disc = "0.5 mm" }
+capacities = { disc = "4 kN" }
 [drop.vary]
 friction = [0.05, 0.2]
 """
@@ -40,7 +44,9 @@ def here(tmp_path, monkeypatch):
 def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
     words = ["drop", "rotor.toml", "--out", "report", "--drops", "3", "--executor", "serial"]
     assert main([*words, "--duration", "30ms"]) == 0
-    assert "Bearings" in capfd.readouterr().out
+    told = capfd.readouterr().out
+    assert "Bearings" in told
+    assert "Of 3 drops the largest force is" in told
     files = {each.name for each in Path("report").iterdir()}
     assert files == {"drop.nc", "drops.nc", "report.html", "report.pdf"}
     page = Path("report/report.html").read_text("utf-8")
@@ -51,12 +57,17 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
     for head in ("largest force [kN]", "largest race speed [rpm]", "clearance [µm]", "rest_time"):
         assert (head in page) == (head != "rest_time")
     assert "largest force [kN]</td><td>1.616" in page
+    assert "force in the bearing at disc [kN]</td><td>4</td><td>1.616 (40.4 %)" in page
+    assert "gap left" in page
+    assert "no statement of conformity" in page
     assert "speed at the drop [rpm]</td><td>4800" in page
     assert "<td>python</td>" in page
     assert Path("report/report.pdf").read_bytes().startswith(b"%PDF")
     case = rotor_ida.load_system("rotor.toml")
     run = rotor_ida.drop(case.system, **{**case.drop, "duration": 0.03})
     assert rotor_ida.load("report/drop.nc").equals(run)
+    version = run.attrs["rotor_ida_version"]
+    assert f"rotor.toml, computed with rotor_ida {version}, report of 20" in page
     many = rotor_ida.load("report/drops.nc")
     assert many.sizes["drop"] == 3
     assert ((many.drop_friction >= 0.05) & (many.drop_friction <= 0.2)).all()
@@ -68,6 +79,27 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
 
 
 @pytest.mark.usefixtures("here")
+def test_a_drop_that_ends_before_a_touch_has_a_report_too(capfd):
+    text = FILE.replace("[drop.vary]\nfriction", "[drop.grid]\nphase")
+    Path("rotor.toml").write_text(text.replace('"40 ms"', '"2 ms"'))
+    assert main(["drop", "rotor.toml", "--out", "report", "--executor", "serial"]) == 0
+    assert "In this drop the rotor touches no bearing." in capfd.readouterr().out
+    assert "first touch [ms]</td><td>none" in Path("report/report.html").read_text("utf-8")
+
+
+@pytest.mark.usefixtures("here")
+def test_the_system_file_of_the_tutorial_is_the_machine_of_the_tutorial():
+    page = Path(__file__).parents[2] / "docs" / "drop_tutorial.md"
+    text = page.read_text("utf-8")
+    Path("machine.toml").write_text(text.split("```toml\n")[1].split("```")[0])
+    case = rotor_ida.load_system("machine.toml")
+    run = rotor_ida.drop(case.system, **{**case.drop, "duration": 0.02})
+    stated = re.search(r"\(array\(\[(\d+)\., (\d+)\.\]\), array\(\[1\.064", text)
+    expected = [float(each) for each in stated.groups()]
+    np.testing.assert_allclose(run.largest_force, expected, rtol=1.5e-3)  # rounded stiffness
+
+
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     ("change", "options", "words"),
     [
@@ -76,6 +108,20 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
         (("supports = [", "supports = [ {}, "), [], "supports[0].node"),
         (("0.2 mm", "0.1 um"), [], "bearings must be clear of the levitated rotor"),
         (("inertia = 0.08", "drag = 1"), [], "inertia must be given with drag"),
+        (('"4 kN"', '"4 mm"'), [], "drop.capacities.disc"),
+        (('{ disc = "4 kN" }', "{ hub = 1 }"), [], "node in capacities must be one of 'disc'"),
+        (("[drop.vary]", "[drop.grid]\nfriction = 1\n[drop.vary]"), [], "must be left out with"),
+        (("[drop.vary]\nfriction = [", "[drop.grid]\nfriction = [-1, "), [], "friction must be"),
+        (
+            ("[drop.vary]\nfriction = [0.05, 0.2]", "[drop.grid]\nfriction = 1"),
+            [],
+            "drop.grid.friction must be numbers or a table of from, to, count, got 1",
+        ),
+        (
+            ("[drop.vary]\nfriction = [0.05, 0.2]", "[drop.grid]\nfriction = {from=0}"),
+            [],
+            "drop.grid.friction.to and drop.grid.friction.count must be given",
+        ),
         (("", ""), ["--study", "many"], "study must be left out without drops"),
         (("", ""), ["--film", "drop.avi"], "must end in .gif or .mp4"),
     ],
@@ -88,9 +134,48 @@ def test_bad_input_is_one_line_and_status_2(change, options, words, capfd):
     assert said.count("\n") == 1
 
 
-def test_a_table_wider_than_a_page_of_the_pdf_is_split_between_columns():
+@pytest.mark.usefixtures("here")
+def test_a_grid_is_told_by_cell_in_the_report_and_on_the_command_line(capfd):
+    grid = """[drop.grid]
+friction = [0.05, 0.2]
+unbalance_factor = { from = 1, to = 2, count = 3 }"""
+    text = FILE.replace("[drop.vary]\nfriction = [0.05, 0.2]", grid)
+    Path("rotor.toml").write_text(text)
+    words = ["drop", "rotor.toml", "--out", "report", "--executor", "serial"]
+    assert main(words) == 0
+    assert "Over a grid of 6 drops the largest force is" in capfd.readouterr().out
+    many = rotor_ida.load("report/drops.nc")
+    assert (many.drop_phase == np.pi / 2).all()  # that of the file
+    assert many.cell_unbalance_factor.values.tolist() == [1.0, 1.5, 2.0] * 2
+    page = Path("report/report.html").read_text("utf-8")
+    assert "Backward whirl by cell" in page
+    assert "<td>0.2</td><td>1.5</td><td>0</td>" in page.replace("<td>0.20", "<td>0.2")
+    assert "no sampling error applies" in page
+    at = int(many.largest_force_max_drop[0])
+    place = f"{float(many.drop_friction[at]):g}, {float(many.drop_unbalance_factor[at]):g}"
+    assert f"= {place}. Of the grid" in page
+    assert main(["show", "report/drops.nc"]) == 0
+    told = capfd.readouterr().out
+    assert "Cells of the grid" in told
+    assert "Each extreme lies at: friction, factor of the unbalance." in told
+    assert main([*words, "--force", "--drops", "3"]) == 2
+    assert "drops must be left out with the drop.grid" in capfd.readouterr().err
+
+
+def test_pages_of_the_pdf_hold_all_that_is_written_on_them():
     heads, cell = ["", *(f"bearing {number}" for number in range(30))], "1234.5 (12 to 13)"
-    lines = _lines(Listed("Wide", heads, [["force", *[cell] * 30]]))
-    assert max(map(len, lines)) <= COLUMNS
-    assert sum(line.count(cell) for line in lines) == 30
-    assert sum(line.startswith("force") for line in lines) > 1
+    sheets = Sheets("foot")
+    sheets.heading("Title", 17.0)
+    sheets.paragraph("some words " * 200)
+    sheets.table(Listed("Wide", heads, [["force", *[cell] * 30]]))
+    sheets.table(Listed("Long", ["", "value"], [[str(number), cell] for number in range(150)]))
+    sheets.file("x" * 300)
+    texts = [each for page in sheets.pages for each in page.texts]
+    assert sum(each.get_text() == cell for each in texts) == 180
+    assert sum(each.get_text() == "value" for each in texts) > 1  # its head again on each page
+    for each in texts:
+        box, page = each.get_window_extent(), each.figure.bbox
+        assert box.x0 > page.x0
+        assert box.x1 < page.x1
+        assert box.y0 > page.y0
+        assert box.y1 < page.y1

@@ -43,7 +43,7 @@ def test_the_example_runs_as_the_page_shows(tmp_path, monkeypatch, capfd):
         ("stators.race.", tuple(system_file.OF_RACE)),
         ("unbalance.", ("node", *system_file.OF_UNBALANCE)),
         ("supports.", ("node", *system_file.OF_SUPPORT)),
-        ("drop.", (*system_file.OF_DROP, "failing", "clearances", "vary")),
+        ("drop.", (*system_file.OF_DROP, "failing", "clearances", "capacities", "vary", "grid")),
         ("run_up.", (*system_file.OF_RUN_UP, "speeds", "torque")),
     ],
 )

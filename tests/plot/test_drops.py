@@ -8,7 +8,7 @@ from matplotlib.animation import FFMpegWriter
 from PIL import Image
 
 from rotor_ida import Contact, InputError, Race, RotorSystem, drop, drop_ensemble
-from rotor_ida.plot import drop_figure, drops_figure, save_orbit_film
+from rotor_ida.plot import drop_figure, drops_figure, save_orbit_film, system_figure
 
 DISC = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
 GIVEN = {
@@ -39,6 +39,37 @@ def test_distributions_rise_to_1():
         assert ax.lines[0].get_ydata()[-1] == 1.0
     with pytest.raises(InputError, match="it lacks largest_force"):
         drops_figure(many.drop_vars("largest_force"))
+
+
+def test_a_grid_is_drawn_as_ranges_means_and_shares():
+    frictions = [0.05, 0.1, 0.3]
+    given = {"friction": frictions, "phase": np.arange(4) * np.pi / 2, "workers": 1}
+    many = drop_ensemble(DISC, **GIVEN, **given)
+    force, _, _, share = drops_figure(many).axes
+    values = many.largest_force.values.reshape(4, 3)
+    np.testing.assert_allclose(force.lines[0].get_ydata(), values.mean(axis=0))
+    drawn = force.collections[0].get_paths()[0].vertices[:, 1]
+    np.testing.assert_allclose([drawn.min(), drawn.max()], [values.min(), values.max()])
+    cells = many.cell_backward_whirl_fraction[:, 0]
+    np.testing.assert_allclose(share.lines[0].get_ydata(), cells)
+    alone = drops_figure(drop_ensemble(DISC, **GIVEN, friction=[0.1], phase=[0.0, 1.0], workers=1))
+    assert alone.axes[0].get_xlabel() == "angle of the rotor [rad]"
+    one = drops_figure(drop_ensemble(DISC, **GIVEN, friction=[0.1], workers=1))
+    assert one.axes[0].lines[0].get_ydata().size == 1
+    both = drop_ensemble(DISC, **GIVEN, **given, unbalance_factor=[1.0, 2.0])
+    figure = drops_figure(both)
+    shares = figure.axes[3].collections[0].get_array()
+    np.testing.assert_allclose(shares.T.ravel(), both.cell_backward_whirl_fraction[:, 0])
+
+
+def test_orbits_are_drawn_with_other_close_clearances():
+    run = drop(DISC, **GIVEN, clearances={"disc": 4e-4})
+    labels = system_figure(run).axes[0].get_legend_handles_labels()[1]
+    assert "close clearance" in labels
+    assert (
+        "close clearance"
+        not in system_figure(drop(DISC, **GIVEN)).axes[0].get_legend_handles_labels()[1]
+    )
 
 
 def test_a_film_has_its_frames(tmp_path):

@@ -1,5 +1,7 @@
 """Many drops: the same with every executor and after a break, and honest about their sample."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from rotor_ida import (
     drop_ensemble,
     resume,
 )
+from rotor_ida.steady.drop_grid import grid_statistics_of
 from rotor_ida.steady.drop_statistics import mean_of, quantiles_of, wilson
 
 DISC = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
@@ -35,7 +38,49 @@ def test_a_grid_holds_the_drops_themselves():
     for name in ("largest_force", "total_heat", "excursion"):
         assert many[name][3].values.tolist() == one[name].values.tolist()
     assert many.horizon[3] == one.horizon
-    assert "largest_force_mean" not in many
+    assert "largest_force_quantile" not in many
+
+
+def test_a_grid_has_the_range_of_each_figure_with_the_drop_where_it_occurs():
+    angles, frictions = np.arange(4) * np.pi / 2, [0.05, 0.2, 0.1]
+    many = drop_ensemble(DISC, **GIVEN, phase=angles, friction=frictions,
+                         clearances={"disc": 3e-4}, workers=1)  # fmt: skip
+    for name in ("largest_force", "total_heat", "node_excursion"):
+        values = many[name].values[:, 0]
+        for end, pick in (("min", np.argmin), ("max", np.argmax)):
+            assert many[f"{name}_{end}_drop"].values[0] == pick(values)
+            assert many[f"{name}_{end}"].values[0] == values[pick(values)]
+    np.testing.assert_allclose(many.node_excursion, many.excursion * 2.0 / 3.0, rtol=1e-3)
+    forces = many.largest_force.values.reshape(4, 3)
+    np.testing.assert_array_equal(many.cell_friction, frictions)
+    np.testing.assert_array_equal(many.cell_largest_force[:, 0], forces.max(axis=0))
+    mean = forces.mean(axis=0) @ [1 / 6, 1 / 3, 1 / 2]  # the trapezoidal rule from 0.05 to 0.2
+    np.testing.assert_allclose(many.largest_force_mean[0], mean)
+    halves = [forces[::2].mean(axis=0) @ [1 / 6, 1 / 3, 1 / 2], forces.mean(axis=0) @ [0.5, 0.5, 0]]
+    np.testing.assert_allclose(many.largest_force_mean_change[0], np.abs(halves - mean).sum())
+    whirls = (many.whirl_sense.values.reshape(4, 3) < 0).mean(axis=0)
+    np.testing.assert_allclose(many.cell_backward_whirl_fraction[:, 0], whirls)
+
+
+def test_means_over_a_grid_converge_at_the_order_of_the_rule():
+    """Over a linear axis the error falls as the square of the step, round the circle at once."""
+
+    def mean_of_grid(count, function):
+        axes = {"friction": np.linspace(0.0, 1.0, count), "phase": np.arange(8) * np.pi / 4}
+        places = np.array(list(product(*axes.values())))
+        found = grid_statistics_of({"f": function(*places.T)[:, None]}, {}, axes, {})
+        return found["f_mean"][1][0], found["f_mean_change"][1][0]
+
+    def function(friction, phase):
+        return np.exp(friction) * (1.0 + np.cos(phase) + np.cos(2.0 * phase))
+
+    errors = []
+    for count in (5, 9, 17):
+        mean, change = mean_of_grid(count, function)
+        errors.append(abs(mean - (np.e - 1.0)))
+        assert errors[-1] < change < 4.0 * errors[-1]
+    assert np.all(np.diff(np.log2(errors)) < -1.9)
+    assert np.isnan(mean_of_grid(2, function)[1])
 
 
 def test_a_drop_that_touches_at_once_is_lost_alone_wherever_it_stands():
@@ -50,7 +95,8 @@ def test_a_drop_that_touches_at_once_is_lost_alone_wherever_it_stands():
 
 
 def test_drops_are_the_same_with_every_executor_and_after_a_break(tmp_path):
-    varied = {"drops": 5, "seed": 3, "friction": (0.05, 0.2), "clearance_factor": (0.9, 1.1)}
+    varied = {"drops": 5, "seed": 3, "friction": (0.05, 0.2), "clearance_factor": (0.9, 1.1),
+              "clearances": {"disc": 3e-4}}  # fmt: skip
     alone = drop_ensemble(DISC, **GIVEN, **varied, executor="serial")
     threads = drop_ensemble(DISC, **GIVEN, **varied, executor="threads", workers=2)
     assert threads.drop_attrs().equals(alone.drop_attrs())
@@ -73,7 +119,10 @@ def test_drops_are_the_same_with_every_executor_and_after_a_break(tmp_path):
 
 
 def test_statistics_are_of_the_drops():
-    many = drop_ensemble(DISC, **GIVEN, drops=9, workers=1)
+    many = drop_ensemble(DISC, **GIVEN, drops=9, workers=1, capacities={"disc": 1600.0})
+    over = float((many.largest_force > 1600.0).mean())
+    assert 0.0 < over < 1.0
+    np.testing.assert_allclose(many.overload_fraction[0], over)
     forces = many.largest_force.values[:, 0]
     np.testing.assert_allclose(many.largest_force_mean[0], forces.mean())
     np.testing.assert_allclose(many.largest_force_mean_error[0], forces.std(ddof=1) / 3.0)

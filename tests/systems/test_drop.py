@@ -268,6 +268,10 @@ def test_a_drop_ends_at_a_standstill():
                supports=SUPPORTS, samples=2001)  # fmt: skip
     assert run.rest_time.notnull().all()
     assert 0.0 < float(run.standstill_time) < 6.0
+    np.testing.assert_allclose(run.longest_contact_time, 6.0 - run.rest_time)
+    # the weight is carried, in part by friction, by a rotor that swings a little
+    weight = run.support_load.values[:, 1] * 6.0 / run.total_contact_time.values
+    np.testing.assert_allclose(run.mean_contact_force, weight, rtol=0.02)
     assert float(run.horizon) == 6.0
 
 
@@ -280,6 +284,9 @@ def test_a_drop_ends_at_a_standstill():
         ({"drag": 0.1}, "inertia must be given with drag"),
         ({"clearances": {"disc": -1.0}}, "clearance at 'disc' must be positive"),
         ({"clearances": {"end": 1.0}}, "end"),
+        ({"capacities": {"disc": 1.0}}, "node in capacities must be one of 'a', got 'disc'"),
+        ({"capacities": {"a": 0.0}}, "capacity at 'a' must be positive"),
+        ({"capacities": 3.0}, "capacities must be numbers by nodes, got 3.0"),
         ({"unbalance": [Unbalance(node="disc", moment=1.0)]}, "clear of the levitated rotor"),
         ({"supports": [Support(node="disc", stiffness=1e6)]}, "got too few"),
     ],

@@ -14,7 +14,7 @@ from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
 
 # What only one drop takes.
-NOT_OF_MANY = {"phase", "clearances", "more_modes"}
+NOT_OF_MANY = {"phase", "more_modes"}
 ReportFolder = Annotated[Path, path_option("Folder of the report, which is made."), IN_OUTPUT]
 DropSpeed = Annotated[
     float | None,
@@ -51,7 +51,7 @@ def drop(
     r"""Drop a levitated rotor on its touchdown bearings, and write a report.
 
     The system file gives magnetic bearings as [[supports]], touchdown bearings as [[contacts]], and
-    duration, inertia and what varies in [drop]:
+    duration, inertia and what varies in [drop], at random or on a grid:
 
         rotor-ida drop rotor.toml --out report
 
@@ -61,22 +61,26 @@ def drop(
         rotor-ida drop rotor.toml --out report --drops 1000 --study many_drops
     """
     from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.cli.drop_report import report_files, write_report  # noqa: PLC0415
+    from rotor_ida.cli.drop_report import report_files, sentence_of, write_report  # noqa: PLC0415
     from rotor_ida.plot.drops import check_film  # noqa: PLC0415
     from rotor_ida.results.files import check_target  # noqa: PLC0415
 
     case = rotor_ida.load_system(system)
     if case.system.units != "SI":
         raise InputError(f"system must be in SI units for a report, got {shown(str(system))}")
-    given, vary = dict(case.drop), dict(case.vary)
+    given, vary = dict(case.drop), dict(case.grid or case.vary)
     given |= {name: each for name, each in (("speed", speed), ("duration", duration))
               if each is not None}  # fmt: skip
     for name in ("speed", "duration"):
         if given.get(name) is None:
             raise InputError(f"{name} must be given with --{name} or in {system}")
-    if drops is not None:
+    if case.grid:
+        if drops is not None:
+            raise InputError(f"drops must be left out with the drop.grid of {system}")
+        vary.setdefault("phase", [given.get("phase", 0.0)])
+    elif drops is not None:
         vary["drops"] = drops
-    many = "drops" in vary
+    many = bool(case.grid) or "drops" in vary
     if study is not None and not many:
         raise InputError("study must be left out without drops")
     if film is not None:
@@ -101,6 +105,9 @@ def drop(
 
         written.append(save_orbit_film(run, film))
     record, parts = describe(run, most=0)
+    parts = [sentence_of(run, everything), *parts[1:2]]  # the bearings; the rest is in the report
+    if everything is not None:
+        record |= {"drops": describe(everything, most=0)[0]}
     parts += [f"wrote {each}" for each in written]
     return Report(record=record, parts=parts, as_json=as_json)
 
