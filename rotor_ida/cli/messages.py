@@ -223,7 +223,7 @@ def _on_the_line(arguments: Mapping[str, Any]) -> Iterator[Given]:
 
 def _in_files(arguments: Mapping[str, Any]) -> Iterator[Given]:
     """Yield the numbers in the files of a machine and of a system."""
-    from rotor_ida.results.machine_file import read_toml  # noqa: PLC0415 - only after an error
+    from rotor_ida.results.toml_files import read_toml  # noqa: PLC0415 - only after an error
 
     files = [getattr(group, "machine", None) for group in arguments.values()]
     for file in [*files, arguments.get("system")]:
