@@ -110,19 +110,16 @@ def _draw_bearing(above: Axes, below: Axes, run: xr.Dataset, number: int) -> Non
 
 
 def _draw_speeds(ax: Axes, run: xr.Dataset) -> None:
-    """Draw the speeds of the rotor and of the races, these at events and at the end."""
+    """Draw the speeds of the rotor and of the races, these at events."""
     unit = str(run["event_speed"].attrs.get("units", "1")) if "event_speed" in run else "1"
     parts = RPM if unit == "s-1" else 1.0
     if "speed" in run.variables:
         ax.plot(run["t"], parts * run["speed"].values, color=INK, lw=1.2, label="rotor")
     if "event_race_speed" in run.variables:
-        races = np.flatnonzero(~np.isnan(run["race_radius"].values))
-        last = run["final_state"].values[run.sizes["component"] - races.size :]
-        for number, at_end in zip(races, last, strict=True):
+        for number in np.flatnonzero(~np.isnan(run["race_radius"].values)):
             colour, dashes = look(1 + int(number))
-            times = np.append(run["event_time"].values, run["t"].values[-1])
-            speeds = np.append(run["event_race_speed"].values[:, number], at_end)
-            if times.size > 1:
+            times, speeds = run["event_time"].values, run["event_race_speed"].values[:, number]
+            if times.size:
                 kept = kept_in_columns(times, speeds)
                 ax.plot(times[kept], parts * speeds[kept], color=colour, ls=dashes, lw=0.8)
     words = "speeds of rotor, races" if "event_race_speed" in run else "speed of rotor"
