@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import io
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,7 @@ from rotor_ida.cli.drop_tables import (
     run_tables,
 )
 from rotor_ida.cli.report import shown
+from rotor_ida.results.machine_file import read_toml
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -80,7 +82,8 @@ def write_report(
         "title": TITLE, "head": _head(run, system), "summary": sentence_of(run, drops),
         "tables": tables, "assumptions": ASSUMPTIONS, "scope": SCOPE,
         "commands": _commands(folder, system, options, many=drops is not None),
-        "versions": _versions(run), "system": str(system), "source": _source(system),
+        "versions": [*_versions(run), *_rotor_file(system)],
+        "system": str(system), "source": _source(system),
         "figures": [(title, _png(figure)) for title, figure in _figures(run, drops)],
     }  # fmt: skip
     html, pdf = folder / "report.html", folder / "report.pdf"
@@ -165,6 +168,16 @@ def _share(drops: xr.Dataset, name: str, words: str) -> str:
         return f"{share} % {words}"
     low, high = (100.0 * float(own[f"{name}_fraction_{end}"]) for end in ("low", "high"))
     return f"{share} % ({number(low, 3)} to {number(high, 3)} %) {words}"
+
+
+def _rotor_file(system: Path) -> list[tuple[str, str]]:
+    """Return name and digest of the file from which a system file takes the rotor, if it does."""
+    table = read_toml("system", system).get("system") if system.is_file() else None
+    name = table.get("file") if isinstance(table, Mapping) else None
+    path = system.parent / str(name)
+    if name is None or not path.is_file():  # matrices may be files in a folder
+        return []
+    return [(f"SHA-256 of {name}", hashlib.sha256(path.read_bytes()).hexdigest())]
 
 
 def _source(system: Path) -> str:

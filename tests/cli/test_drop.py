@@ -1,5 +1,6 @@
 """The command drop: a report with archives beside it, and bad input in one line."""
 
+import hashlib
 import re
 from pathlib import Path
 
@@ -81,10 +82,15 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
 @pytest.mark.usefixtures("here")
 def test_a_drop_that_ends_before_a_touch_has_a_report_too(capfd):
     text = FILE.replace("[drop.vary]\nfriction", "[drop.grid]\nphase")
+    np.savez("disc.npz", mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)))
+    text = text.replace("mass = [20, 20], stiffness = [0, 0]", 'file = "disc.npz"')
     Path("rotor.toml").write_text(text.replace('"40 ms"', '"2 ms"'))
     assert main(["drop", "rotor.toml", "--out", "report", "--executor", "serial"]) == 0
     assert "In this drop the rotor touches no bearing." in capfd.readouterr().out
-    assert "first touch [ms]</td><td>none" in Path("report/report.html").read_text("utf-8")
+    page = Path("report/report.html").read_text("utf-8")
+    assert "first touch [ms]</td><td>none" in page
+    digest = hashlib.sha256(Path("disc.npz").read_bytes()).hexdigest()
+    assert f"SHA-256 of disc.npz</td><td>{digest}" in page
 
 
 @pytest.mark.usefixtures("here")
