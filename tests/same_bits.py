@@ -40,6 +40,7 @@ def results():
     """Return results of every kind by name, as arrays of numbers."""
     from rotor_ida import (
         Contact,
+        Race,
         Rotor,
         RotorSystem,
         Unbalance,
@@ -81,6 +82,9 @@ def results():
         "unbalance": [Unbalance(node="a", moment=1.0)],
     }
     keep("system", simulate(system, speed=1.1, duration=100.0, **around))
+    race = Race(radius=2.0, inertia=0.5, drag=0.2)
+    around["contacts"] = [Contact(node=node, **rubs, race=race) for node in "ab"]
+    keep("system with races", simulate(system, speed=1.1, duration=100.0, **around))
     keep("system, run-up", run_up(system, speed=0.3, to=2.0, rate=0.02, **around))
     for word in ("bouncing", "full contact"):
         rotor, start = rotors[word]

@@ -27,17 +27,17 @@ struct system_touch {
     int32_t zeros[3]; /* that its guards have here, and are known: see system_contact.c */
 };
 
-/* One episode of a contact; NaN where it began with the run, or has no end by its end. */
-struct episode {
-    double contact, entry, exit, peak_time;
-    double peak_root, largest_force;
-    double impulse, work; /* of the normal force */
-    double heat, slip_distance, rolling_time;
-};
-
 /* The largest or smallest value so far, and its time. */
 struct extreme {
     double value, time;
+};
+
+/* One episode of a contact; NaN where it began with the run, or has no end by its end. */
+struct episode {
+    double contact, entry, exit;
+    struct extreme deepest, hardest; /* the root of its indentation, and its normal force */
+    double impulse, work;            /* of the normal force */
+    double heat, slip_distance, rolling_time;
 };
 
 /* The speed of a race so far. */

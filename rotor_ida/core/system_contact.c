@@ -188,7 +188,7 @@ static double guard_of_slip(const struct work *work, const struct touching *each
             left[n] = each->touch->sense * each->answers[n][ELEMENT_SLIP];
         return first_fall(left, 1, work->order, step, each->touch->zeros[OF_SLIP]);
     }
-    const double largest = fmax(work->run->open[each - work->touching].largest_force,
+    const double largest = fmax(work->run->open[each - work->touching].hardest.value,
                                 each->answers[0][ELEMENT_PUSH]);
     double first = INFINITY, size = 0.0, scale = 1.0;
     for (int n = 0; n < work->order; n++) {
@@ -398,8 +398,8 @@ static void open_episode(struct work *work, int contact, double entry)
     run->open[contact] = (struct episode){.contact = contact,
                                           .entry = entry,
                                           .exit = NAN,
-                                          .peak_time = run->time,
-                                          .peak_root = run->touches[contact].root};
+                                          .deepest = {run->touches[contact].root, run->time},
+                                          .hardest = {0.0, NAN}};
 }
 
 /* Let contacts that touch at this very time, or that do not cross the stator at a speed, pass it:
@@ -650,26 +650,6 @@ int begin_contacts(struct work *work)
 
 /* ---- Peaks ---- */
 
-/* The largest value of a polynomial between 0 and a point, where it has at most one maximum. */
-static double largest_of(const double *terms, int apart, int order, double point, double *where)
-{
-    double slope[ORDERS];
-    for (int n = 1; n <= order; n++)
-        slope[n - 1] = n * terms[n * apart];
-    const double first = terms[0], last = polynomial(terms, apart, order, point);
-    *where = last > first ? point : 0.0;
-    double largest = fmax(first, last);
-    if (slope[0] > 0.0 && polynomial(slope, 1, order - 1, point) < 0.0) {
-        const double turn = zero_between(slope, order - 1, 0.0, point);
-        const double value = polynomial(terms, apart, order, turn);
-        if (value > largest) {
-            largest = value;
-            *where = turn;
-        }
-    }
-    return largest;
-}
-
 /* The series of a value of which the largest is wanted, its slope, and the largest so far. */
 struct climb {
     double terms[ORDERS], slope[ORDERS];
@@ -724,6 +704,7 @@ static void keep_extreme(const struct work *work, const double *terms, int apart
     }
     if (bound <= climb.largest)
         return;
+    reach(&climb, 0.0);
     reach(&climb, point);
     if (fabs(climb.slope[0]) <= steepest) {
         double bernstein[ORDERS];
@@ -742,23 +723,17 @@ void keep_peaks(struct work *work, double point, double until)
     for (int i = 0; i < (int)run->contact_count; i++) {
         struct touching *each = &work->touching[i];
         struct episode *episode = &run->open[i];
-        double where = 0.0;
+        const double *terms = each->series.terms[0];
         if (each->law->inverse_race_inertia > 0.0) {
-            const double *race = &each->series.terms[0][ELEMENT_RACE];
+            const double *race = &terms[ELEMENT_RACE];
             keep_extreme(work, race, WIDTH, 1.0, point, until, &run->races[i].largest);
             keep_extreme(work, race, WIDTH, -1.0, point, until, &run->races[i].smallest);
         }
         if (!is_touching(each))
             continue;
-        const double root = largest_of(&each->series.terms[0][ELEMENT_ROOT], WIDTH, work->order,
-                                       point, &where);
-        if (root > episode->peak_root) {
-            episode->peak_root = root;
-            episode->peak_time = polynomial(work->time, 1, work->order, where);
-        }
+        keep_extreme(work, &terms[ELEMENT_ROOT], WIDTH, 1.0, point, until, &episode->deepest);
         if (is_pressed(each))
-            episode->largest_force = fmax(episode->largest_force,
-                                          largest_of(&each->answers[0][ELEMENT_PUSH],
-                                                     ELEMENT_ANSWERS, work->order, point, &where));
+            keep_extreme(work, &each->answers[0][ELEMENT_PUSH], ELEMENT_ANSWERS, 1.0, point, until,
+                         &episode->hardest);
     }
 }

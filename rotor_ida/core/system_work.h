@@ -159,7 +159,7 @@ int leave_together(struct work *work);
 /* Decide at the start which contacts touch, and at a jump of the acceleration which still roll. */
 int begin_contacts(struct work *work);
 int settle(struct work *work);
-/* Keep what is largest in a step up to a point and its time; and how slow races are. */
+/* Keep what is largest in a step up to a point, which is at a time; and the slowest races. */
 void keep_peaks(struct work *work, double point, double until);
 
 /* system_tangent.c: small changes of the motion */

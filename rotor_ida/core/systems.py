@@ -46,8 +46,8 @@ EPISODE = np.dtype(
     [
         (name, np.float64)
         for name in (
-            "contact", "entry", "exit", "peak_time", "peak_root", "largest_force", "impulse",
-            "work", "heat", "slip_distance", "rolling_time",
+            "contact", "entry", "exit", "peak_root", "peak_time", "largest_force", "force_time",
+            "impulse", "work", "heat", "slip_distance", "rolling_time",
         )
     ]
 )  # fmt: skip

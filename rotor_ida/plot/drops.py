@@ -101,7 +101,7 @@ def _draw_bearing(above: Axes, below: Axes, run: xr.Dataset, number: int) -> Non
     above.plot(time[kept], radius[kept], color=colour, ls=dashes, lw=0.8, label=node)
     own = run.isel(episode=run["episode_contact"].values == number)
     force = run["normal_force"].values[:, number]
-    at = np.concatenate([time, own["peak_time"].values])
+    at = np.concatenate([time, own["peak_force_time"].values])
     values = np.concatenate([force, own["peak_force"].values])
     known = np.isfinite(at) & np.isfinite(values)
     order = np.argsort(at[known], kind="stable")

@@ -288,6 +288,7 @@ QUANTITIES: dict[str, Quantity] = {
     "horizon": Quantity("time up to which the start determines the orbit", scale="time"),
     "entry_time": Quantity("time at which the contact begins", scale="time"),
     "exit_time": Quantity("time at which the contact ends", scale="time"),
+    "peak_force_time": Quantity("time of the largest force in the contact", scale="time"),
     "peak_time": Quantity("time of largest indentation in the contact", scale="time"),
     "peak_indentation": Quantity("largest indentation in the contact", scale="length"),
     "peak_force": Quantity("largest contact force in the contact", scale="force"),

@@ -67,7 +67,7 @@ def _of_contact(run: xr.Dataset, number: int) -> dict[str, float]:
     mine = run["event_contact"].values == number
     kinds, times = run["event_kind"].values[mine], run["event_time"].values[mine]
     forces = np.append(own["peak_force"].values, run["normal_force"].values[:, number])
-    at = np.append(own["peak_time"].values, run["t"].values)
+    at = np.append(own["peak_force_time"].values, run["t"].values)
     place = int(np.nanargmax(forces))
     complete = own["impulse"].values[~np.isnan(own["exit_time"].values)]
     lengths = _lengths(own)

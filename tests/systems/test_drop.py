@@ -186,6 +186,19 @@ def test_the_largest_speed_of_a_race_in_an_impact_lies_between_its_events():
     np.testing.assert_array_equal(witness.race_speed_time, run.race_speed_time)
 
 
+def test_contact_damping_makes_the_force_largest_before_the_indentation():
+    given = {"bearings": [bearing("a", damping=5.0)], "speed": 0.0, "gravity": (0.0, 0.0),
+             "start": ([0.0] * 4, [0.0, -0.06, 0.0, 0.0]), "duration": 0.005}  # fmt: skip
+    run = drop(rigid(), **given, samples=2)
+    time = float(run.largest_force_time[0])
+    assert run.entry_time[0] < time < run.peak_time[0]
+    witness = drop(rigid(), **given, samples=time + 1e-6 * np.arange(-1, 2), method="adams")
+    forces = witness.normal_force.values[:, 0]
+    assert forces.argmax() == 1
+    np.testing.assert_allclose(forces[0] - forces[1], forces[2] - forces[1], rtol=1e-2)
+    np.testing.assert_allclose(forces[1], run.largest_force[0], rtol=1e-9)
+
+
 def test_dry_whip_has_the_frequency_of_the_rotor_with_its_contact_closed():
     """Two discs in steady rolling: the contact is a spring (N + i T)/A, the eigenvalue i omega."""
     chain, masses, damping = np.array([[8e6, -4e6], [-4e6, 6e6]]), np.diag([12.0, 8.0]), 2e-5
