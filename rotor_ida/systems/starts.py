@@ -47,14 +47,30 @@ def settled(assembly: Assembly, speed: float) -> Values:
         resisted = resisted + speed * assembly.gyroscopic
     dynamic = assembly.stiffness - speed**2 * assembly.mass + 1j * speed * resisted
     force = speed**2 * (assembly.unbalance[0] - 1j * assembly.unbalance[1])
+    whirl = np.zeros(size, complex)
     try:
-        whirl = np.linalg.solve(dynamic, force)
-        still = np.linalg.solve(assembly.stiffness, assembly.force)
+        if force.any():
+            whirl = np.linalg.solve(dynamic, force)
     except np.linalg.LinAlgError as error:
         raise InputError(
             "start cannot be settled, as the stiffness is singular at this speed"
         ) from error
-    return np.array([still + whirl.real, (1j * speed * whirl).real])
+    return np.array([_deflected(assembly) + whirl.real, (1j * speed * whirl).real])
+
+
+def _deflected(assembly: Assembly) -> Values:
+    """Return the static deflection; motions that nothing holds and nothing drives stay at 0."""
+    try:
+        return np.asarray(np.linalg.solve(assembly.stiffness, assembly.force))
+    except np.linalg.LinAlgError as error:
+        found = np.linalg.lstsq(assembly.stiffness, assembly.force)[0]
+        left = np.abs(assembly.stiffness @ found - assembly.force).max()
+        if left > BALANCED * float(np.abs(assembly.force).max()):
+            raise InputError(
+                "start cannot be settled, as the stiffness is singular and does not hold the "
+                "system against its constant forces"
+            ) from error
+        return np.asarray(found)
 
 
 def rest(assembly: Assembly) -> Values:

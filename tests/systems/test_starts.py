@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotor_ida import Contact, InputError, RotorSystem, Stator, simulate
+from rotor_ida import Contact, InputError, RotorSystem, Stator, Unbalance, simulate
 from tests.systems.random_systems import random_system
 
 G = 9.81
@@ -78,3 +78,21 @@ def test_what_nothing_holds_has_no_rest():
     system = RotorSystem(mass=np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
     with pytest.raises(InputError, match="start cannot be at rest, as neither supports nor"):
         simulate(system, **STILL)
+
+
+def test_a_rotor_that_turns_freely_about_its_axis_begins_on_its_whirl():
+    """Torsion, as of six degrees of freedom a node: no spring holds it, and no force acts."""
+    held, free = np.diag([4e6, 4e6]), 1e5 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    system = RotorSystem(
+        mass=np.diag([12.0, 12.0, 0.1, 0.1]), nodes={"disc": (0, 1)},
+        stiffness=np.block([[held, np.zeros((2, 2))], [np.zeros((2, 2)), free]]),
+    )  # fmt: skip
+    case = {"unbalance": [Unbalance(node="disc", moment=1e-3)], "start": "settled",
+            "duration": 0.05, "samples": 101}  # fmt: skip
+    run = simulate(system, speed=300.0, gravity=(0.0, -G), **case)
+    whirl = 1e-3 * 300.0**2 / (4e6 - 12.0 * 300.0**2) * np.exp(300j * run.t.values)
+    place = run.x.values[:, 0] + 1j * (run.y.values[:, 0] + 12.0 * G / 4e6)
+    np.testing.assert_allclose(place, whirl, rtol=0, atol=1e-9 * np.abs(whirl).max())
+    assert not simulate(system, speed=0.0, **case).x.any()
+    with pytest.raises(InputError, match="does not hold the system against its constant forces"):
+        simulate(system, speed=300.0, static_force=[0.0, 0.0, 1.0, 0.0], **case)
