@@ -77,6 +77,11 @@ def in_given_units(arguments: Mapping[str, Any], message: str) -> str:
     message : str
         What an error says about them.
     """
+    groups = [each for each in arguments.values() if is_dataclass(each)]
+    of_machine = any(getattr(each, "in_si", hasattr(each, "mass")) for each in groups)
+    of_archive = any(getattr(each, "from_", None) is not None for each in groups)
+    if not (of_machine or of_archive) and arguments.get("system") is None:
+        return message  # nothing was converted, or into the units of a measured file
     given, machine = list(_on_the_line(arguments)), None
     try:
         given += _in_files(arguments)

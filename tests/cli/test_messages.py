@@ -108,6 +108,14 @@ def test_a_message_about_a_file_has_the_units_of_the_file(program):
     )
 
 
+def test_a_message_about_a_measured_file_has_its_unit(program):
+    rows = "".join(f"{0.001 * n},{n % 7},{n % 5}\n" for n in range(200))
+    Path("probes.csv").write_text(f"time_s,x_um,y_um\n{rows}")
+    answer = program("plot", "probes.csv", "--kind", "orbit", "--clearance", "-3um",
+                     "--probe-angles", "0", "90")  # fmt: skip
+    assert answer.err == "rotor-ida: clearance must be zero or positive, got -3.0\n"
+
+
 def test_a_run_that_fails_tells_its_time_and_state_in_si_units():
     machine = DimensionalRotor(mass=10.0, contact_stiffness=1e7, damping=200.0, eccentricity=1e-5,
                                clearance=1e-4, speed=300.0, contact_exponent=1.0)  # fmt: skip
