@@ -110,7 +110,9 @@ def rewritten(message: str, given: Sequence[Given], machine: DimensionalRotor | 
     ...           "-10.471975511965976", given)
     'rate must be positive to change the speed from 0 to 6000 rpm, got -100 rpm/s'
     """
-    head, must, body = message.replace(*STATE).rpartition(" must ")
+    if machine is not None:
+        message = message.replace(*STATE)
+    head, must, body = message.rpartition(" must ")
     where, colon, head = head.rpartition(": ")
     named = {each.name: (each.unit,) for each in given if each.unit} | NAMED
     known = [name for name in re.findall(r"\w+", head) if name in named]
