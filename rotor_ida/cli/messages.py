@@ -39,11 +39,11 @@ NAMED: dict[str, tuple[str, ...]] = {
 SPEED = "speed"
 # In the middle of a message these are other words.
 SUBJECTS = ("to", "from", "limits", "speeds")
-# Units where none was given, for programs and for people.
+# Units of a machine's speeds where none was given; others are in SI units.
 USUAL = {"rad s-1": "rpm", "rad s-2": "rpm/s"}
-# The name in messages of an option that Python cannot name so.
+# The name in messages of a keyword that is a word of Python there.
 OPTION = {"begin": "from"}
-# Quoted words stay; a number with its unit in the message itself too, unless it is a speed.
+# Quoted words stay, and numbers of radians; a number in rad/s is a speed.
 TOKEN = re.compile(
     r"'[^']*'|(?P<name>[A-Za-z_]\w*)"
     r"|(?<![\w.])(?P<number>[-+]?\d+\.?\d*(?:e[-+]?\d+)?)(?![\w.]*\w)"
@@ -157,23 +157,23 @@ class _Writing:
             several = ("rad s-1",) if token["in_si"] else self.named.get(name, ("1",))
             written = self.number(name, float(number), several[place % len(several)])
             place += 1
-            is_limit = float(number) == 0.0 and not after_got
-            yield (written and "0" if is_limit else written) or token[0]
+            if written and float(number) == 0.0 and not after_got:
+                written = "0"  # a limit, which needs no unit
+            yield written or token[0]
         yield body[end:]
 
     def number(self, name: str, number: float, si: str) -> str:
         """Return a number of a quantity in the unit in which it was given; empty if it has none."""
         if si == "1":
             return ""
-        plain = self.in_si or self.machine is None
-        value = number if plain else number * _scale(self.machine, si)
-        name = IS_OF_MACHINE.get(name, name)
-        unit = self.unit(name, si)
+        value = number if self.in_si else number * _scale(self.machine, si)
+        unit = self.unit(IS_OF_MACHINE.get(name, name), si)
         for each in self.given:
             same = each.in_unit_of(si) if each.unit else si in self.named.get(each.name, ())
             if same and math.isclose(value, each.value, rel_tol=SIX_DIGITS):
-                plain_unit = unit if each.in_file or not unit else _shown(si)
-                value, unit = each.value, each.unit or plain_unit
+                value = each.value
+                if each.unit or (unit and not each.in_file):
+                    unit = each.unit or _shown(si)
                 break
         known = units.unit_of(unit)
         return f"{value / known.in_si('1'):.6g} {unit}" if known is not None else ""
