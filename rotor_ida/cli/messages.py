@@ -116,7 +116,8 @@ def rewritten(message: str, given: Sequence[Given], machine: DimensionalRotor | 
     where, colon, head = head.rpartition(": ")
     named = {each.name: (each.unit,) for each in given if each.unit} | NAMED
     known = [name for name in re.findall(r"\w+", head) if name in named]
-    known.sort(key="limits".__eq__)  # they are of another quantity
+    # a start has an x, and limits are of another quantity
+    known.sort(key=lambda name: name not in NAMED or name == "limits")
     subject = "" if head.startswith("exactly") or not known else known[0]
     numbers = [float(each["number"]) for each in TOKEN.finditer(body.rpartition("got ")[2])
                if each["number"]]  # fmt: skip

@@ -27,7 +27,8 @@ unbalance = [ { node = "disc", moment = "100 g mm" } ]
 """
 OF_MACHINE = {
     "simulate --duration -1ms": "duration must be positive, got -1 ms",
-    "simulate --duration 1 --start 30m 0 0 0": "start x must lie within 10 m of zero, got 30 m",
+    "simulate --duration 1 --start 30000mm 0 0 0":
+        "start x must lie within 10000 mm of zero, got 30000 mm",
     "simulate --duration 1 --speed -100rpm":
         "m.toml: speed must be zero or positive, got -100 rpm",
     "simulate --duration 1 --clearance 1e9mm":
