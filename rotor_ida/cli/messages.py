@@ -39,11 +39,11 @@ NAMED: dict[str, tuple[str, ...]] = {
 SPEED = "speed"
 # In the middle of a message these are other words.
 SUBJECTS = ("to", "from", "limits", "speeds")
-# Units where none was given, for programs and for people.
+# Units of a machine's speeds where none was given; others are in SI units.
 USUAL = {"rad s-1": "rpm", "rad s-2": "rpm/s"}
-# The name in messages of an option that Python cannot name so.
+# The name in messages of a keyword that is a word of Python there.
 OPTION = {"begin": "from"}
-# Quoted words stay; a number with its unit in the message itself too, unless it is a speed.
+# Quoted words stay, and numbers of radians; a number in rad/s is a speed.
 TOKEN = re.compile(
     r"'[^']*'|(?P<name>[A-Za-z_]\w*)"
     r"|(?<![\w.])(?P<number>[-+]?\d+\.?\d*(?:e[-+]?\d+)?)(?![\w.]*\w)"
@@ -77,6 +77,11 @@ def in_given_units(arguments: Mapping[str, Any], message: str) -> str:
     message : str
         What an error says about them.
     """
+    groups = [each for each in arguments.values() if is_dataclass(each)]
+    of_machine = any(getattr(each, "in_si", hasattr(each, "mass")) for each in groups)
+    of_archive = any(getattr(each, "from_", None) is not None for each in groups)
+    if not (of_machine or of_archive) and arguments.get("system") is None:
+        return message  # nothing was converted, or into the units of a measured file
     given, machine = list(_on_the_line(arguments)), None
     try:
         given += _in_files(arguments)
@@ -105,11 +110,14 @@ def rewritten(message: str, given: Sequence[Given], machine: DimensionalRotor | 
     ...           "-10.471975511965976", given)
     'rate must be positive to change the speed from 0 to 6000 rpm, got -100 rpm/s'
     """
-    head, must, body = message.replace(*STATE).rpartition(" must ")
+    if machine is not None:
+        message = message.replace(*STATE)
+    head, must, body = message.rpartition(" must ")
     where, colon, head = head.rpartition(": ")
     named = {each.name: (each.unit,) for each in given if each.unit} | NAMED
     known = [name for name in re.findall(r"\w+", head) if name in named]
-    known.sort(key="limits".__eq__)  # they are of another quantity
+    # a start has an x, and limits are of another quantity
+    known.sort(key=lambda name: name not in NAMED or name == "limits")
     subject = "" if head.startswith("exactly") or not known else known[0]
     numbers = [float(each["number"]) for each in TOKEN.finditer(body.rpartition("got ")[2])
                if each["number"]]  # fmt: skip
@@ -150,23 +158,23 @@ class _Writing:
             several = ("rad s-1",) if token["in_si"] else self.named.get(name, ("1",))
             written = self.number(name, float(number), several[place % len(several)])
             place += 1
-            is_limit = float(number) == 0.0 and not after_got
-            yield (written and "0" if is_limit else written) or token[0]
+            if written and float(number) == 0.0 and not after_got:
+                written = "0"  # a limit, which needs no unit
+            yield written or token[0]
         yield body[end:]
 
     def number(self, name: str, number: float, si: str) -> str:
         """Return a number of a quantity in the unit in which it was given; empty if it has none."""
         if si == "1":
             return ""
-        plain = self.in_si or self.machine is None
-        value = number if plain else number * _scale(self.machine, si)
-        name = IS_OF_MACHINE.get(name, name)
-        unit = self.unit(name, si)
+        value = number if self.in_si else number * _scale(self.machine, si)
+        unit = self.unit(IS_OF_MACHINE.get(name, name), si)
         for each in self.given:
             same = each.in_unit_of(si) if each.unit else si in self.named.get(each.name, ())
             if same and math.isclose(value, each.value, rel_tol=SIX_DIGITS):
-                plain_unit = unit if each.in_file or not unit else _shown(si)
-                value, unit = each.value, each.unit or plain_unit
+                value = each.value
+                if each.unit or (unit and not each.in_file):
+                    unit = each.unit or _shown(si)
                 break
         known = units.unit_of(unit)
         return f"{value / known.in_si('1'):.6g} {unit}" if known is not None else ""

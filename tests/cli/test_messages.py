@@ -27,7 +27,8 @@ unbalance = [ { node = "disc", moment = "100 g mm" } ]
 """
 OF_MACHINE = {
     "simulate --duration -1ms": "duration must be positive, got -1 ms",
-    "simulate --duration 1 --start 30m 0 0 0": "start x must lie within 10 m of zero, got 30 m",
+    "simulate --duration 1 --start 30000mm 0 0 0":
+        "start x must lie within 10000 mm of zero, got 30000 mm",
     "simulate --duration 1 --speed -100rpm":
         "m.toml: speed must be zero or positive, got -100 rpm",
     "simulate --duration 1 --clearance 1e9mm":
@@ -106,6 +107,14 @@ def test_a_message_about_a_file_has_the_units_of_the_file(program):
         "rotor-ida: s.toml: contacts[0]: clearance of the contact at 'disc' must be positive, got "
         "-60 um\n"
     )
+
+
+def test_a_message_about_a_measured_file_has_its_unit(program):
+    rows = "".join(f"{0.001 * n},{n % 7},{n % 5}\n" for n in range(200))
+    Path("probes.csv").write_text(f"time_s,x_um,y_um\n{rows}")
+    answer = program("plot", "probes.csv", "--kind", "orbit", "--clearance", "-3um",
+                     "--probe-angles", "0", "90")  # fmt: skip
+    assert answer.err == "rotor-ida: clearance must be zero or positive, got -3.0\n"
 
 
 def test_a_run_that_fails_tells_its_time_and_state_in_si_units():

@@ -154,8 +154,9 @@ def test_a_speed_has_its_unit_wherever_a_machine_is_given(program: Program):
       "speeds must have no unit for a dimensionless rotor, got '50Hz'"),
      (f"{IN_SI} --to 300rps --rate 1", "the unit of to must be rad/s, rpm or Hz, got '300rps'"),
      (f"{IN_SI} --to 900 --rate 1rpm", "the unit of rate must be rad/s2, rpm/s or Hz/s, got"),
-     (f"{IN_SI} --to 100rpm --rate 1", "rate must be negative to change the speed from 600 to"),
-     (f"{IN_SI} --torque 1 0 --inertia 0 --duration 1", "inertia must be positive, got 0.0")],
+     (f"{IN_SI} --to 100rpm --rate 1",
+      "rate must be negative to change the speed from 600 rad/s to 100 rpm, got 1 rad/s2"),
+     (f"{IN_SI} --torque 1 0 --inertia 0 --duration 1", "inertia must be positive, got 0 kg m2")],
 )  # fmt: skip
 def test_a_change_of_speed_in_units_that_cannot_be_gets_one_line(
     program: Program, given: str, message: str
