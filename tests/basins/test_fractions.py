@@ -63,10 +63,10 @@ def test_bad_input_gets_one_clear_line(changes, message):
 
 
 def test_a_start_has_the_same_label_however_many_are_drawn():
-    """The tolerance too is chosen by the first ones: at omega 1.69 it is the tighter one."""
-    rotor, box = Rotor(omega=1.69, zeta=0.07, delta0=2.0), dict.fromkeys(("x", "y"), (-15.0, 15.0))
+    """The tolerance too is chosen by the first ones: by some spread over all it would be looser."""
+    rotor, box = Rotor(omega=1.695, zeta=0.07, delta0=2.0), dict.fromkeys(("x", "y"), (-15.0, 15.0))
     few, many = (
-        basin_fractions(rotor, **box, starts=count, workers=1).labelling_rtol for count in (2, 3)
+        basin_fractions(rotor, **box, starts=count, workers=1).labelling_rtol for count in (8, 12)
     )
     assert few == many == 1e-11
 

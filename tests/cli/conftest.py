@@ -38,6 +38,12 @@ def program(
     return run
 
 
+@pytest.fixture(autouse=True)
+def _coarse_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures of a quarter of the dots, of which `tests/plot/test_saving.py` says how many."""
+    monkeypatch.setattr("rotor_ida.plot.saving._DOTS_PER_INCH", 50)
+
+
 @pytest.fixture(scope="session")
 def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a run, a sweep and whirls, and files that are no archives."""

@@ -54,7 +54,7 @@ def test_the_archive_is_of_the_run_that_was_shown_and_verified(
     capsys.readouterr()
 
 
-@pytest.mark.parametrize("machine", [ROTOR, MACHINE, WHOLE, WHOLE_IN_SI, ROTOR | {"omega": 0.0}])
+@pytest.mark.parametrize("machine", [ROTOR, WHOLE_IN_SI, ROTOR | {"omega": 0.0}])
 def test_the_command_makes_the_run_and_its_figure_again(
     machine: dict[str, float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -87,7 +87,7 @@ def test_the_page_is_recorded_step_by_step_and_has_the_speed_that_is_shown(
     assert told["speed"] == own
 
 
-@pytest.mark.parametrize("machine", [ROTOR, MACHINE, WHOLE, WHOLE_IN_SI])
+@pytest.mark.parametrize("machine", [ROTOR, WHOLE_IN_SI])
 def test_the_lines_make_the_run_and_its_figure_again(
     machine: dict[str, float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

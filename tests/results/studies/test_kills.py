@@ -13,7 +13,10 @@ import rotor_ida
 from rotor_ida import InputError, status
 from rotor_ida.results.studies.database import FILE
 
-SWEEP = {"omega": [0.02 * number for number in range(25, 145)], "zeta": 0.07, "delta0": [0.5, 2.0]}
+SWEEP = {
+    "omega": [0.02 * number for number in range(25, 145)], "zeta": 0.07, "delta0": [0.5, 2.0],
+    "method": "taylor",
+}  # fmt: skip
 RUN_UPS = {
     "omega": 0.3, "to": 1.6, "rate": [0.1 + 0.001 * number for number in range(60)], "zeta": 0.1,
     "delta0": [1.0, 2.0], "shaft_stiffness": 1.0, "rtol": 1e-8, "method": "taylor",
