@@ -24,7 +24,7 @@ from rotor_ida.cli.drop_tables import (
     run_tables,
 )
 from rotor_ida.cli.report import shown
-from rotor_ida.results.machine_file import read_toml
+from rotor_ida.results.toml_files import read_toml
 
 if TYPE_CHECKING:
     import xarray as xr
