@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 
 from rotor_ida import InputError, Rotor, SimulationError
 from rotor_ida.basins import kernel
-from rotor_ida.core import interface, runs, sundials
+from rotor_ida.core import faults, flight, interface, runs, sundials
 from rotor_ida.core.interface import (
     DONE,
     MESSAGES,
@@ -177,14 +177,14 @@ def test_stretching_of_odd_things_ends_or_is_refused(given_things, spans):
 @settings(max_examples=200)
 @given(rotors, odd_arrays(st.one_of(vectors, rows_of(4))), odd_arrays(rows_of(4)))
 def test_flights_of_odd_things_end_or_are_refused(rotor, states, spans):
-    returns_or_refuses(lambda: runs.fly(rotor, states, spans))
-    returns_or_refuses(lambda: runs.starts_in_contact(rotor, states))
+    returns_or_refuses(lambda: flight.fly(rotor, states, spans))
+    returns_or_refuses(lambda: flight.starts_in_contact(rotor, states))
 
 
 @settings(max_examples=200)
 @given(odd_arrays(rows_of(4)), odd_arrays(st.tuples(st.integers(0, 5))), odd_numbers)
 def test_rotations_of_odd_things_end_or_are_refused(states, times, omega):
-    returns_or_refuses(lambda: runs.rotate(states, times, omega))
+    returns_or_refuses(lambda: flight.rotate(states, times, omega))
 
 
 @settings(max_examples=200)
@@ -192,7 +192,7 @@ def test_rotations_of_odd_things_end_or_are_refused(states, times, omega):
 def test_a_search_for_a_touch_ends_or_is_refused(rotor, state, limit):
     stop = np.zeros(1, np.uint8)
     with stopping_after(0.1, stop):
-        returns_or_refuses(lambda: runs.first_touch(rotor, state, limit, stop))
+        returns_or_refuses(lambda: flight.first_touch(rotor, state, limit, stop))
 
 
 starts = st.integers(0, 70)
@@ -469,7 +469,7 @@ def test_statuses_are_those_of_the_header():
 
 
 def test_faults_methods_and_modes_are_those_of_the_header():
-    assert [*members("fault")] == [*interface.MESSAGE_OF_FAULT]
+    assert [*members("fault")] == [*faults.MESSAGE_OF_FAULT]
     assert members("method") == {name.upper(): n for name, n in interface.METHODS.items()}
     assert all(getattr(interface, name) == number for name, number in members("where").items())
 
