@@ -76,11 +76,12 @@ def write_report(
 ) -> list[Path]:
     """Write the pages of a report, computed with options, into a folder; return them."""
     allowed = acceptance(run, drops)
-    tables = [*([allowed] if allowed else []), *given_tables(run, drops), *run_tables(run),
-              *([] if drops is None else drops_tables(drops))]  # fmt: skip
+    tables = [*run_tables(run), *([] if drops is None else drops_tables(drops)),
+              *given_tables(run, drops)]  # fmt: skip
     parts: dict[str, Any] = {
         "title": TITLE, "head": _head(run, system), "summary": sentence_of(run, drops),
-        "tables": tables, "assumptions": ASSUMPTIONS, "scope": SCOPE,
+        "answers": [allowed] if allowed else [], "tables": tables,
+        "assumptions": ASSUMPTIONS, "scope": SCOPE,
         "commands": _commands(folder, system, options, many=drops is not None),
         "versions": [*_versions(run), *_rotor_file(system)],
         "system": str(system), "source": _source(system),
@@ -233,10 +234,12 @@ def _write_pdf(path: Path, parts: dict[str, Any]) -> None:
     sheets.heading(TITLE, SIZE)
     for words in (parts["head"], parts["summary"]):
         sheets.paragraph(words)
-    for table in parts["tables"]:
+    for table in parts["answers"]:
         sheets.table(table)
     for title, png in parts["figures"]:
         sheets.picture(title, png)
+    for table in parts["tables"]:
+        sheets.table(table)
     for title, name in (("What is assumed", "assumptions"), ("What is reported", "scope")):
         sheets.heading(title)
         for words in parts[name]:
