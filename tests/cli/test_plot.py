@@ -211,6 +211,16 @@ def test_an_archive_that_holds_no_signals_is_drawn_alone(program: Program):
     assert Path("sweep.svg").is_file()
 
 
+def test_part_of_a_run_is_drawn_without_the_events_outside(program: Program):
+    """They would stand apart from the samples, which are refused where they are too far apart."""
+    run = rotor_ida.simulate(rotor_ida.Rotor(omega=2.0, zeta=0.07, delta0=2.0), duration=20.0)
+    rotor_ida.save(run, "run.nc")
+    answer = program("plot", "run.nc", "--times", "0.5", "8")
+    assert (answer.status, answer.err) == (0, "")
+    answer = program("plot", "run.nc", "--times", "8", "0.5", "--figure", "none")
+    assert (answer.status, answer.err) == (2, "rotor-ida: times must increase, got 0.5 after 8.0\n")
+
+
 @pytest.mark.parametrize("word", ["waterfall", "Waterfall", "cascade", "CASCADE"])
 def test_a_kind_has_the_names_of_the_trade(program: Program, folder: Path, word: str):
     Path("run.nc").write_bytes((folder / "run.nc").read_bytes())

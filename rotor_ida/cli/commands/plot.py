@@ -7,10 +7,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_args
 
+import numpy as np
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import MOST_NUMBERS, did_you_mean, shown
+from rotor_ida.checks import MOST_NUMBERS, check_increasing, did_you_mean, shown
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.option_types import (
     IN_OUTPUT,
@@ -51,6 +52,13 @@ OF_SYSTEM = {
     "shape": "plot_shape",
 }
 OPTIONS = {"t": "at"}
+# Dimensions besides time that have times, the first and last of each.
+OF_TIMES = (
+    ("event", "event_time", "event_time"),
+    ("contact", "entry_time", "exit_time"),
+    ("episode", "entry_time", "exit_time"),
+    ("pulse", "keyphasor", "keyphasor"),
+)
 FigureOfPlot = Annotated[
     Path | None,
     path_option(
@@ -329,11 +337,14 @@ def _between(dataset: xr.Dataset, times: tuple[float, float] | None) -> xr.Datas
     if times is None:
         return dataset
     unit = str(dataset["t"].attrs.get("units", "1"))
-    low, high = (in_unit("times", each, unit) for each in times)
+    low, high = check_increasing(
+        "times", np.array([in_unit("times", each, unit) for each in times])
+    ).tolist()
     part = dataset.sel(t=slice(low, high))
-    if "keyphasor" in part.variables:
-        pulses = part["keyphasor"].values
-        part = part.isel(pulse=(pulses >= low) & (pulses <= high))
+    for dim, begin, end in OF_TIMES:
+        if begin in part.variables and part[begin].dims == (dim,):
+            is_outside = (part[begin].values > high) | (part[end].values < low)
+            part = part.isel({dim: ~is_outside})  # what has no end lasts
     if not part.sizes["t"]:
         ends = dataset["t"].values[[0, -1]].tolist()
         raise InputError(f"times must lie within {ends[0]:g} to {ends[1]:g}, got {low:g} {high:g}")
