@@ -115,9 +115,17 @@ def traffic_of(driver):
     return found
 
 
+# Before the page's own scripts run; a basin takes longer than all else, and few look at it.
+NO_BASIN = """
+document.addEventListener("readystatechange", () => {
+  for (const each of document.querySelectorAll("template")) {
+    each.content.querySelector("[data-basin]")?.removeAttribute("checked");
+  }
+});"""
 # As if the browser went back to an address, which it does only where this differs.
 PUT_BACK = """
 const { asked } = rotorIda;
+for (const each of document.querySelectorAll("[data-basin]")) each.checked = arguments[1];
 document.activeElement.blur();
 for (const each of document.querySelectorAll("details")) each.open = false;
 scrollTo(0, 0);
@@ -128,17 +136,27 @@ return asked;"""
 class Page:
     """The page as a person sees it, and as its own record tells it."""
 
-    def __init__(self, driver, address, more="", *, anew=True):
-        """Load the page; or put one that is there into the state of an address, if not `anew`."""
+    def __init__(self, driver, address, more="", *, anew=True, basin=False):
+        """Load the page; or put one that is there into the state of an address, if not `anew`.
+
+        Only with `basin` it asks for the basin, as it does for a person.
+        """
         self.driver = driver
         place, _, state = address.partition("#")
         if anew or driver.current_url.partition("#")[0] != place:
-            driver.get("about:blank")
-            driver.get(address + more)
+            self._load(address + more, basin)
         else:
-            asked = self.run(PUT_BACK, f"{state}{more}")
+            asked = self.run(PUT_BACK, f"{state}{more}", basin)
             self.until("rotorIda.asked > arguments[0]", asked)
         self.settle()
+
+    def _load(self, address, basin):
+        driver, command = self.driver, "Page.addScriptToEvaluateOnNewDocument"
+        added = None if basin else driver.execute_cdp_cmd(command, {"source": NO_BASIN})
+        driver.get("about:blank")
+        driver.get(address)
+        if added:
+            driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
 
     def run(self, script, *given):
         return self.driver.execute_script(script, *given)

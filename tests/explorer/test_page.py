@@ -89,9 +89,16 @@ def page(chromium, address):
 
 
 @pytest.fixture
+def whole(chromium, address):
+    """The same, with the basin."""
+    yield Page(chromium, address, anew=False, basin=True)
+    assert errors_of(chromium) == []
+
+
+@pytest.fixture
 def fresh(chromium, address):
-    """The page just loaded, of which nothing is left for the next test."""
-    yield Page(chromium, address)
+    """The page just loaded as a person has it, of which nothing is left for the next test."""
+    yield Page(chromium, address, basin=True)
     assert errors_of(chromium) == []
     chromium.get("about:blank")
 
@@ -139,29 +146,29 @@ def test_the_curve_and_its_folds_are_the_closed_forms(page):
     assert np.abs(branch - 4.104416607).min() < 0.05
 
 
-def test_the_basin_is_that_of_basin(page):
-    page.until("rotorIda.shown[0].basin?.facts.finest")
-    reach, count = page.facts("basin")["reach"], page.facts("basin")["count"]
+def test_the_basin_is_that_of_basin(fresh):
+    fresh.until("rotorIda.shown[0].basin?.facts.finest")
+    reach, count = fresh.facts("basin")["reach"], fresh.facts("basin")["count"]
     axis = reach * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
     found = basin(FIRST, x=axis, y=axis, workers=1, executor="serial")
     np.testing.assert_array_equal(
-        page.array("basin", "label"), found.label.transpose("x", "y").values.ravel()
+        fresh.array("basin", "label"), found.label.transpose("x", "y").values.ravel()
     )
-    shares = [each["fraction"] for each in page.facts("basin")["attractors"]]
+    shares = [each["fraction"] for each in fresh.facts("basin")["attractors"]]
     np.testing.assert_allclose(shares, found.fraction.values)
 
 
-def test_every_panel_is_drawn_and_follows_the_speed(page):
-    page.settle("settled", "section")
-    page.until("rotorIda.shown[0].basin?.facts.finest")
-    before = page.pictures()
+def test_every_panel_is_drawn_and_follows_the_speed(whole):
+    whole.settle("settled", "section")
+    whole.until("rotorIda.shown[0].basin?.facts.finest")
+    before = whole.pictures()
     assert len(before) == PLOTS
     assert all(before)
-    page.type("#field-omega", 1.2)
-    page.settle("settled", "section")
-    page.until("rotorIda.shown[0].basin?.facts.finest")
+    whole.type("#field-omega", 1.2)
+    whole.settle("settled", "section")
+    whole.until("rotorIda.shown[0].basin?.facts.finest")
     time.sleep(0.3)
-    assert all(one != other for one, other in zip(before, page.pictures(), strict=True))
+    assert all(one != other for one, other in zip(before, whole.pictures(), strict=True))
 
 
 def test_a_slider_moves_by_key(page):
@@ -399,18 +406,18 @@ def test_a_bad_value_is_told_and_the_page_lives_on(page):
     assert page.run("return document.querySelectorAll('.stale').length") == 0
 
 
-def test_a_second_clearance_that_is_refused_leaves_the_first_rotor_as_it_is(page):
-    page.find("#beside").click()
-    page.settle()
-    page.settle(side=1)
-    page.type("#field-second", -1)
-    page.until("document.getElementById('message').textContent.includes('delta0 must be')")
-    page.until("rotorIda.shown[0].motion.number === rotorIda.asked")
+def test_a_second_clearance_that_is_refused_leaves_the_first_rotor_as_it_is(whole):
+    whole.find("#beside").click()
+    whole.settle()
+    whole.settle(side=1)
+    whole.type("#field-second", -1)
+    whole.until("document.getElementById('message').textContent.includes('delta0 must be')")
+    whole.until("rotorIda.shown[0].motion.number === rotorIda.asked")
     stale = "Array.from(document.querySelectorAll('.side'), (each) => each.matches('.stale'))"
-    page.until(f"String({stale}) === 'false,true'")
+    whole.until(f"String({stale}) === 'false,true'")
     keys = "Array.from(document.querySelectorAll('[data-panel=starts] [data-key]'))"
-    assert page.run(f"return {keys}[1].textContent") == "no basin of what was asked"
-    assert page.find("#trouble").is_displayed()
+    assert whole.run(f"return {keys}[1].textContent") == "no basin of what was asked"
+    assert whole.find("#trouble").is_displayed()
 
 
 def test_a_start_far_off_is_refused_by_its_own_name(page):
@@ -459,11 +466,11 @@ def test_arrows_step_from_the_value_that_was_typed(page, beyond):
     assert page.facts("motion")["start"] == [0, 0, -0.05, 0]
 
 
-def test_without_damping_there_is_a_motion_and_no_basin(page):
-    page.type("#field-zeta", 0)
-    page.settle()
-    assert "nothing settles" in page.words()
-    page.until("document.querySelector('[data-key]').textContent.includes('zeta must be above 0')")
+def test_without_damping_there_is_a_motion_and_no_basin(whole):
+    whole.type("#field-zeta", 0)
+    whole.settle()
+    assert "nothing settles" in whole.words()
+    whole.until("document.querySelector('[data-key]').textContent.includes('zeta must be above 0')")
 
 
 def test_from_where_the_rotor_is(page):
@@ -840,13 +847,21 @@ def test_what_makes_the_run_again_is_copied(page, address, whole):
         assert ("load" in text) == whole
 
 
+LISTEN = """
+window.said = [];
+const telling = document.getElementById("connection");
+new MutationObserver(() => said.push(telling.textContent)).observe(telling, { childList: true });
+"""
+
+
 def test_the_page_is_recorded_at_the_press_of_a_button(page, address):
-    rotor = {"omega": 2.0, "zeta": 0.8, "delta0": 5.0}  # it settles at once, at each speed
+    rotor = {"omega": 2.0, "zeta": 0.0, "delta0": 5.0}  # no speed takes long: nothing settles
     page = opened(page, address, **rotor, revolutions=2)
+    page.run(LISTEN)
     page.find('[data-file="html"]').click()
-    page.until("document.getElementById('connection').textContent.startsWith('Saving the page')")
+    page.until("said.some((each) => each.startsWith('Saving the page'))")
     page.find("#slider-delta0").send_keys(Keys.ARROW_RIGHT)
-    page.settle("settled")  # the sliders are answered meanwhile
+    page.settle()  # the sliders are answered meanwhile
     place = page.driver.folder / "run.html"
     deadline = time.monotonic() + 5 * PATIENCE
     while not place.exists():
@@ -906,28 +921,28 @@ def test_hopf_points_are_read_under_the_pointer(page, address):
     assert "Hopf point" in page.find("#response-key").text
 
 
-def test_radii_times_and_lines_are_read_under_the_pointer(page):
-    page.settle("settled", "section")
-    times, forces = page.array("motion", "peak_time"), page.array("motion", "peak_force")
-    text = hovered(page, '[data-plot="force"]', [times[-2], forces[-2]])
+def test_radii_times_and_lines_are_read_under_the_pointer(whole):
+    whole.settle("settled", "section")
+    times, forces = whole.array("motion", "peak_time"), whole.array("motion", "peak_force")
+    text = hovered(whole, '[data-plot="force"]', [times[-2], forces[-2]])
     assert text.startswith("peak: ")
     assert number_after("time", text) == pytest.approx(times[-2], rel=1e-7)
     assert number_after("force", text) == pytest.approx(forces[-2], rel=1e-5)
-    entry = page.array("motion", "event_time")[-3]
-    text = hovered(page, '[data-plot="radius"]', [entry, 2.0])
+    entry = whole.array("motion", "event_time")[-3]
+    text = hovered(whole, '[data-plot="radius"]', [entry, 2.0])
     assert text.startswith(("entry: ", "exit: "))
     assert number_after("time", text) == pytest.approx(entry, rel=1e-7)
-    lines, heights = (page.array("motion", f"line_{name}") for name in ("frequency", "amplitude"))
+    lines, heights = (whole.array("motion", f"line_{name}") for name in ("frequency", "amplitude"))
     at = int(np.nanargmax(heights))
-    text = hovered(page, '[data-panel="spectrum"]', [lines[at], heights[at]])
+    text = hovered(whole, '[data-panel="spectrum"]', [lines[at], heights[at]])
     assert text.startswith("line: ")
     assert number_after("amplitude", text) == pytest.approx(heights[at], rel=1e-5)
-    text = hovered(page, '[data-panel="orbit"]', [1.0, 0.0])
+    text = hovered(whole, '[data-panel="orbit"]', [1.0, 0.0])
     assert number_after("radius", text) == pytest.approx(1.0, abs=0.05)
-    each = page.facts("motion")["samples_per_revolution"]
-    mark = [float(page.array("motion", axis)[-1 - each]) for axis in ("x", "y")]
-    assert hovered(page, '[data-panel="orbit"]', mark).startswith("once a revolution")
-    text = hovered(page, '[data-panel="starts"]', [0.0, 0.0])
+    each = whole.facts("motion")["samples_per_revolution"]
+    mark = [float(whole.array("motion", axis)[-1 - each]) for axis in ("x", "y")]
+    assert hovered(whole, '[data-panel="orbit"]', mark).startswith("once a revolution")
+    text = hovered(whole, '[data-panel="starts"]', [0.0, 0.0])
     assert text.startswith("bouncing")
 
 
@@ -964,16 +979,16 @@ APART = 0.2
 PANELS = ("response", "starts", "orbit", "turning", "history", "section", "spectrum")
 
 
-def test_each_panel_is_saved_as_picture_and_table(page):
-    page.settle("settled", "section")
-    page.until("rotorIda.shown[0].basin?.facts.finest")
-    page.until("rotorIda.hasAllDrawn()")
-    folder = page.driver.folder
+def test_each_panel_is_saved_as_picture_and_table(whole):
+    whole.settle("settled", "section")
+    whole.until("rotorIda.shown[0].basin?.facts.finest")
+    whole.until("rotorIda.hasAllDrawn()")
+    folder = whole.driver.folder
     for panel in PANELS:
         for ending in ("png", "svg", "csv"):
             selector = f'[data-panel="{panel}"] [data-keep="{ending}"]'
-            page.find(f'[data-panel="{panel}"] summary').click()
-            page.find(selector).click()
+            whole.find(f'[data-panel="{panel}"] summary').click()
+            whole.find(selector).click()
             time.sleep(APART)
             deadline = time.monotonic() + PATIENCE
             while not (folder / f"{panel}.{ending}").exists():
@@ -984,16 +999,16 @@ def test_each_panel_is_saved_as_picture_and_table(page):
         assert len(list(drawing.iter("{http://www.w3.org/2000/svg}path"))) > 5
     rows = np.genfromtxt(folder / "orbit.csv", delimiter=",", names=True)
     for name, own in {"time": "t", "x": "x", "y": "y", "radius": "radius"}.items():
-        np.testing.assert_array_equal(rows[name], page.array("motion", own))
+        np.testing.assert_array_equal(rows[name], whole.array("motion", own))
     with (folder / "history.csv").open() as file:
         events = [float(row["time"]) for row in csv.DictReader(file) if row["what"] in EVENTS]
-    np.testing.assert_array_equal(events, page.array("motion", "event_time"))
+    np.testing.assert_array_equal(events, whole.array("motion", "event_time"))
     with (folder / "response.csv").open() as file:
         found = [float(row["speed ω"]) for row in csv.DictReader(file) if row["what"] == "fold"]
-    np.testing.assert_array_equal(found, page.array("curve", "fold_omega"))
+    np.testing.assert_array_equal(found, whole.array("curve", "fold_omega"))
     with (folder / "starts.csv").open() as file:
         labels = [int(row["attractor"]) for row in csv.DictReader(file)]
-    np.testing.assert_array_equal(labels, page.array("basin", "label"))
+    np.testing.assert_array_equal(labels, whole.array("basin", "label"))
 
 
 def test_a_plot_stays_in_view_while_a_slider_moves_on_a_phone(page):
