@@ -69,6 +69,7 @@ def served(*words):
 
 
 def ended(process):
+    """End the explorer, if it has not ended yet."""
     process.send_signal(signal.SIGTERM)
     process.communicate(timeout=PATIENCE)
 
@@ -91,7 +92,7 @@ def chromium_in(folder, *, watched=False):
     driver.execute_cdp_cmd(
         "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)}
     )
-    driver.folder = folder
+    driver.folder, driver.added = folder, None
     driver.set_script_timeout(PATIENCE)
     return driver
 
@@ -151,12 +152,14 @@ class Page:
         self.settle()
 
     def _load(self, address, basin):
-        driver, command = self.driver, "Page.addScriptToEvaluateOnNewDocument"
-        added = None if basin else driver.execute_cdp_cmd(command, {"source": NO_BASIN})
+        driver, command = self.driver, "Page.{}ScriptToEvaluateOnNewDocument"
+        if basin and driver.added:
+            driver.execute_cdp_cmd(command.format("remove"), driver.added)
+            driver.added = None
+        elif not basin and not driver.added:
+            driver.added = driver.execute_cdp_cmd(command.format("add"), {"source": NO_BASIN})
         driver.get("about:blank")
         driver.get(address)
-        if added:
-            driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
 
     def run(self, script, *given):
         return self.driver.execute_script(script, *given)

@@ -67,11 +67,20 @@ RUNNING = ["--omega=2", "--zeta=0.07", "--delta0=2"]
 
 
 @pytest.fixture(scope="module")
-def address():
-    process, found = served(*RUNNING)
+def programs():
+    """The programs that were started, with their addresses; only the last may still run."""
+    found = [served(*RUNNING)]
     yield found
-    ended(process)
-    assert process.returncode == 0
+    for process, _ in found:
+        ended(process)
+        assert process.returncode == 0
+
+
+@pytest.fixture
+def address(programs):
+    if programs[-1][0].poll() is not None:
+        programs.append(served(*RUNNING))
+    return programs[-1][1]
 
 
 @pytest.fixture(scope="module")
@@ -97,8 +106,8 @@ def whole(chromium, address):
 
 @pytest.fixture
 def fresh(chromium, address):
-    """The page just loaded as a person has it, of which nothing is left for the next test."""
-    yield Page(chromium, address, basin=True)
+    """The page just loaded, of which nothing is left for the next test."""
+    yield Page(chromium, address)
     assert errors_of(chromium) == []
     chromium.get("about:blank")
 
@@ -146,16 +155,18 @@ def test_the_curve_and_its_folds_are_the_closed_forms(page):
     assert np.abs(branch - 4.104416607).min() < 0.05
 
 
-def test_the_basin_is_that_of_basin(fresh):
-    fresh.until("rotorIda.shown[0].basin?.facts.finest")
-    reach, count = fresh.facts("basin")["reach"], fresh.facts("basin")["count"]
+def test_the_basin_is_that_of_basin(chromium, address):
+    page = Page(chromium, address, basin=True)  # as a person has it
+    page.until("rotorIda.shown[0].basin?.facts.finest")
+    reach, count = page.facts("basin")["reach"], page.facts("basin")["count"]
     axis = reach * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
     found = basin(FIRST, x=axis, y=axis, workers=1, executor="serial")
     np.testing.assert_array_equal(
-        fresh.array("basin", "label"), found.label.transpose("x", "y").values.ravel()
+        page.array("basin", "label"), found.label.transpose("x", "y").values.ravel()
     )
-    shares = [each["fraction"] for each in fresh.facts("basin")["attractors"]]
+    shares = [each["fraction"] for each in page.facts("basin")["attractors"]]
     np.testing.assert_allclose(shares, found.fraction.values)
+    assert errors_of(chromium) == []
 
 
 def test_every_panel_is_drawn_and_follows_the_speed(whole):
@@ -484,17 +495,18 @@ def test_from_where_the_rotor_is(page):
     np.testing.assert_array_equal(page.array("motion", "event_time"), run.event_time.values)
 
 
-@pytest.mark.parametrize(("button", "sign"), [("up", 1), ("down", -1)])
-def test_the_speed_runs_by_itself(page, button, sign):
+def test_the_speed_runs_by_itself(page):
     page.type("#rate", 30)
-    page.find(f"#{button}").click()
-    page.until("Math.abs(rotorIda.state.omega - 2) > 0.045")
-    page.find(f"#{button}").click()
-    page.settle()
-    moved = page.state()["omega"] - 2.0
-    assert sign * moved > 0.0
-    assert moved == pytest.approx(0.01 * round(moved / 0.01))
-    assert page.facts("motion")["start"] != [0, 0, 0, 0]
+    begun = 2.0
+    for button, sign in {"up": 1, "down": -1}.items():
+        page.find(f"#{button}").click()
+        page.until("arguments[0] * (rotorIda.state.omega - arguments[1]) > 0.045", sign, begun)
+        page.find(f"#{button}").click()
+        page.settle()
+        moved = page.state()["omega"] - begun
+        assert moved == pytest.approx(0.01 * round(moved / 0.01))
+        assert page.facts("motion")["start"] != [0, 0, 0, 0]
+        begun = page.state()["omega"]
 
 
 # A whirl on the ring at a speed where there are two, and the rate at which the speed changes.
@@ -724,7 +736,6 @@ def test_a_start_and_a_length_are_typed(page):
 
 def test_time_is_scrubbed_and_played(fresh):
     fresh.settle("settled", "section")
-    fresh.until("rotorIda.shown[0].basin?.facts.finest")
     before = fresh.pictures_at_rest()
     slider = fresh.find("[data-time]")
     slider.send_keys(Keys.HOME)
@@ -758,7 +769,8 @@ def test_the_address_is_the_state(page):
     assert page.find('[name="from"][value="here"]').is_selected()
 
 
-def test_files_are_saved(page):
+def test_files_are_saved(page, address):
+    page = opened(page, address, omega=2, zeta=0.07, delta0=2, revolutions=5)
     folder = page.driver.folder
     for ending in ("nc", "png", "svg", "py"):
         page.find(f'[data-file="{ending}"]').click()
@@ -1108,16 +1120,6 @@ def test_a_screen_reader_finds_a_name_for_all(page):
     } <= set(named)  # fmt: skip
 
 
-def test_a_lost_connection_is_told(chromium):
-    process, address = served(*RUNNING)
-    page = Page(chromium, address)
-    ended(process)
-    page.until("document.getElementById('connection').textContent.startsWith('No answer')")
-    assert page.run("return document.querySelectorAll('.stale').length") == 3
-    chromium.get("about:blank")
-    chromium.get_log("browser")  # the browser notes that it could not connect
-
-
 def test_a_page_that_needs_no_server(chromium, tmp_path):
     file = tmp_path / "page.html"
     words = ["explore", *RUNNING, "--export", str(file), "--speeds", "1.9", "2", "2.1"]
@@ -1151,19 +1153,19 @@ def verdict(page):
     return page.find("#verdict").text
 
 
-@pytest.fixture
-def pump(page):
-    """The page with the pump from its data sheet."""
+def test_a_data_sheet_sets_the_machine(page):
     page.find("#sheet-open").click()
     for name, words in PUMP.items():
         page.type(f"#sheet-{name}", words)
     page.find("#sheet-apply").click()
     page.until("!document.getElementById('sheet').open")
     page.settle("settled")
-    return page
+    check_sliders_in_engineering_units(page)
+    check_command_in_si_units(page)
+    check_verdict_of_the_run_up(page)
 
 
-def test_a_data_sheet_sets_the_sliders_in_engineering_units(pump):
+def check_sliders_in_engineering_units(pump):
     shown = {
         "mass": "12", "speed": "3600", "clearance": "150", "eccentricity": "40", "damping": "415.7",
         "contact_stiffness": "100", "shaft_stiffness": "4", "disc_radius": "60", "friction": "0.3",
@@ -1186,17 +1188,20 @@ def test_a_data_sheet_sets_the_sliders_in_engineering_units(pump):
     assert ends[0] < place < ends[1]
 
 
-def test_a_wrong_data_sheet_is_told_of_in_the_form(page):
-    page.find("#sheet-open").click()
-    page.type("#sheet-mass", "12 parsecs")
-    page.find("#sheet-apply").click()
-    told = page.until("document.getElementById('sheet-wrong').textContent")
-    assert "also give" in told or "mass" in told
-    page.find("#sheet-cancel").click()
-    assert page.state()["omega"] == 2.0
+def check_command_in_si_units(pump):
+    origin = pump.run("return location.origin")
+    both = ["clipboardReadWrite", "clipboardSanitizedWrite"]
+    pump.driver.execute_cdp_cmd("Browser.grantPermissions", {"permissions": both, "origin": origin})
+    pump.find('[data-copy="sh"]').click()
+    pump.until("document.getElementById('connection').textContent.includes('is copied')")
+    text = pump.driver.execute_async_script(
+        "navigator.clipboard.readText().then(arguments[arguments.length - 1])"
+    )
+    assert text.startswith("rotor-ida simulate --mass 12.0 --contact-stiffness 100000000.0")
 
 
-def test_the_verdict_is_in_bold_above_the_fold_and_of_the_run_up_while_it_goes_on(pump):
+def check_verdict_of_the_run_up(pump):
+    """In bold above the fold, and of the run-up while it goes on."""
     pump.driver.set_window_size(1280, 720)
     box = pump.find("#verdict").rect
     assert box["y"] + box["height"] < 200
@@ -1218,16 +1223,14 @@ def test_the_verdict_is_in_bold_above_the_fold_and_of_the_run_up_while_it_goes_o
     assert pump.run(COLOURED, "orbit", "rolling") > 100
 
 
-def test_a_machine_copies_a_command_in_si_units(pump):
-    origin = pump.run("return location.origin")
-    both = ["clipboardReadWrite", "clipboardSanitizedWrite"]
-    pump.driver.execute_cdp_cmd("Browser.grantPermissions", {"permissions": both, "origin": origin})
-    pump.find('[data-copy="sh"]').click()
-    pump.until("document.getElementById('connection').textContent.includes('is copied')")
-    text = pump.driver.execute_async_script(
-        "navigator.clipboard.readText().then(arguments[arguments.length - 1])"
-    )
-    assert text.startswith("rotor-ida simulate --mass 12.0 --contact-stiffness 100000000.0")
+def test_a_wrong_data_sheet_is_told_of_in_the_form(page):
+    page.find("#sheet-open").click()
+    page.type("#sheet-mass", "12 parsecs")
+    page.find("#sheet-apply").click()
+    told = page.until("document.getElementById('sheet-wrong').textContent")
+    assert "also give" in told or "mass" in told
+    page.find("#sheet-cancel").click()
+    assert page.state()["omega"] == 2.0
 
 
 def test_a_phone_shows_the_verdict_and_a_picture_first(page):
@@ -1241,3 +1244,13 @@ def test_a_phone_shows_the_verdict_and_a_picture_first(page):
         assert tops[1] < 200
     finally:
         page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_a_lost_connection_is_told(chromium, programs, address):
+    """Last, as the next page needs another program."""
+    page = Page(chromium, address)
+    ended(programs[-1][0])
+    page.until("document.getElementById('connection').textContent.startsWith('No answer')")
+    assert page.run("return document.querySelectorAll('.stale').length") == 3
+    chromium.get("about:blank")
+    chromium.get_log("browser")  # the browser notes that it could not connect
