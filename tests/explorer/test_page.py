@@ -118,7 +118,13 @@ def shown_run(page, rotor, start=(0, 0, 0, 0), revolutions=60):
     return simulate(rotor, start=start, duration=duration, samples=samples, method="taylor")
 
 
-def test_the_run_is_that_of_simulate(page):
+def test_run_settled_response_and_curve_are_those_of_the_library(page):
+    check_run(page)
+    check_settled_response(page)
+    check_curve_and_folds(page)
+
+
+def check_run(page):
     run = shown_run(page, FIRST)
     for name in ("t", "x", "y", "event_time", "event_x", "event_time_error", "peak_force"):
         np.testing.assert_array_equal(page.array("motion", name), run[name].values)
@@ -131,7 +137,8 @@ def test_the_run_is_that_of_simulate(page):
     assert f"{entries} entries and {exits} exits" in page.words()
 
 
-def test_the_settled_response_is_that_of_sweep_and_compare(page):
+def check_settled_response(page):
+    """It is that of sweep and compare."""
     page.settle("settled")
     swept = sweep(omega=2.0, zeta=0.07, delta0=2.0, method="taylor")
     compared, told = compare(swept), page.facts("settled")
@@ -143,7 +150,8 @@ def test_the_settled_response_is_that_of_sweep_and_compare(page):
     assert f"agree to {int(told['digits'])} digits" in page.words()
 
 
-def test_the_curve_and_its_folds_are_the_closed_forms(page):
+def check_curve_and_folds(page):
+    """They are the closed forms, and folds are read under the pointer."""
     curve = response_curve(zeta=0.07, delta0=2.0, limits=SPEEDS, points=40)
     np.testing.assert_array_equal(page.array("curve", "amplitude"), curve.amplitude.values.ravel())
     exact = folds(zeta=0.07, delta0=2.0)
@@ -153,6 +161,14 @@ def test_the_curve_and_its_folds_are_the_closed_forms(page):
     page.settle("branch")
     branch = page.array("branch", "radius_max")
     assert np.abs(branch - 4.104416607).min() < 0.05
+    omega, radius = (
+        float(exact[f"fold_{name}"].values.ravel()[0]) for name in ("omega", "amplitude")
+    )
+    text = hovered(page, '[data-panel="response"]', [omega, radius])
+    assert text.startswith("fold: ")
+    assert number_after("speed ω", text) == pytest.approx(omega, rel=1e-5)
+    assert number_after("radius", text) == pytest.approx(radius, rel=1e-5)
+    assert page.find('[data-panel="response"] .found').is_displayed()
 
 
 def test_the_basin_is_that_of_basin(chromium, address):
@@ -417,6 +433,23 @@ def test_a_bad_value_is_told_and_the_page_lives_on(page):
     assert page.run("return document.querySelectorAll('.stale').length") == 0
 
 
+def test_a_start_far_off_is_refused_by_its_own_name_and_odd_speeds_are_told_of(page):
+    page.type("#start-x", 9e5)
+    page.settle()
+    assert page.facts("motion")["start"][0] == 9e5
+    page.type("#start-x", 2e6)
+    said = page.until("document.getElementById('message').textContent")
+    assert said == "start x must lie within 1e+06 of zero, got 2000000.0"
+    page.type("#start-x", 0)
+    page.type("#field-omega", 1e-5)
+    page.settle()
+    page.until("document.getElementById('words').textContent.includes('omega must be 0 or from')")
+    assert page.run("return document.querySelectorAll('.stale').length") == 0
+    page.type("#field-omega", 0)
+    page.settle("settled")
+    page.until("document.getElementById('words').textContent.includes('It comes to rest')")
+
+
 def test_a_second_clearance_that_is_refused_leaves_the_first_rotor_as_it_is(whole):
     whole.find("#beside").click()
     whole.settle()
@@ -431,28 +464,6 @@ def test_a_second_clearance_that_is_refused_leaves_the_first_rotor_as_it_is(whol
     assert whole.find("#trouble").is_displayed()
 
 
-def test_a_start_far_off_is_refused_by_its_own_name(page):
-    page.type("#start-x", 9e5)
-    page.settle()
-    assert page.facts("motion")["start"][0] == 9e5
-    page.type("#start-x", 2e6)
-    said = page.until("document.getElementById('message').textContent")
-    assert said == "start x must lie within 1e+06 of zero, got 2000000.0"
-
-
-def test_a_speed_at_which_nothing_can_settle_is_told_beside_its_run(page):
-    page.type("#field-omega", 1e-5)
-    page.settle()
-    page.until("document.getElementById('words').textContent.includes('omega must be 0 or from')")
-    assert page.run("return document.querySelectorAll('.stale').length") == 0
-
-
-def test_a_rotor_without_spin_is_said_to_come_to_rest(page):
-    page.type("#field-omega", 0)
-    page.settle("settled")
-    page.until("document.getElementById('words').textContent.includes('It comes to rest')")
-
-
 def test_the_speed_of_a_machine_goes_on_from_where_it_is_when_its_mass_has_moved(page):
     page.find('[name="units"][value="si"]').click()
     page.type("#field-mass", 16)
@@ -464,13 +475,13 @@ def test_the_speed_of_a_machine_goes_on_from_where_it_is_when_its_mass_has_moved
     assert page.state()["speed"] == pytest.approx(1000 + top / 400, rel=1e-3)
 
 
-@pytest.mark.parametrize("beyond", [2.0013, 7.3])
-def test_arrows_step_from_the_value_that_was_typed(page, beyond):
-    page.type("#field-omega", beyond)
-    page.find("#field-omega").send_keys(Keys.ARROW_UP, Keys.ARROW_UP, Keys.ARROW_DOWN)
-    assert page.state()["omega"] == pytest.approx(beyond + 0.005, abs=1e-12)
-    page.find("#slider-omega").send_keys(Keys.ARROW_LEFT)
-    assert page.state()["omega"] == pytest.approx(beyond, abs=1e-12)
+def test_arrows_step_from_the_value_that_was_typed(page):
+    for beyond in (2.0013, 7.3):
+        page.type("#field-omega", beyond)
+        page.find("#field-omega").send_keys(Keys.ARROW_UP, Keys.ARROW_UP, Keys.ARROW_DOWN)
+        assert page.state()["omega"] == pytest.approx(beyond + 0.005, abs=1e-12)
+        page.find("#slider-omega").send_keys(Keys.ARROW_LEFT)
+        assert page.state()["omega"] == pytest.approx(beyond, abs=1e-12)
     page.find("#start-vx").send_keys(Keys.ARROW_DOWN)
     assert page.state()["vx"] == -0.05
     page.settle()
@@ -908,18 +919,6 @@ def number_after(name, text):
     return float(text.partition(f"{name} ")[2].split(",")[0].split()[0])
 
 
-def test_folds_are_read_under_the_pointer(page):
-    exact = folds(zeta=0.07, delta0=2.0)
-    omega, radius = (
-        float(exact[f"fold_{name}"].values.ravel()[0]) for name in ("omega", "amplitude")
-    )
-    text = hovered(page, '[data-panel="response"]', [omega, radius])
-    assert text.startswith("fold: ")
-    assert number_after("speed ω", text) == pytest.approx(omega, rel=1e-5)
-    assert number_after("radius", text) == pytest.approx(radius, rel=1e-5)
-    assert page.find('[data-panel="response"] .found').is_displayed()
-
-
 def test_hopf_points_are_read_under_the_pointer(page, address):
     page = with_machine(page, address, shaft_stiffness=3.0, contact_damping=2.0)
     page.settle("curve")
@@ -1045,17 +1044,6 @@ def test_a_plot_stays_in_view_while_a_slider_moves_on_a_phone(page):
         page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
-def test_dark_and_light(page):
-    paper = "getComputedStyle(document.body).backgroundColor"
-    before = page.run(f"return {paper}")
-    page.find("#theme").click()
-    assert page.run(f"return {paper}") != before
-    time.sleep(0.3)
-    assert all(page.pictures())
-    page.find("#theme").click()
-    assert page.run(f"return {paper}") == before
-
-
 def test_two_hundred_fast_moves_leave_no_backlog(fresh):
     fresh.run(
         "const slider = document.getElementById('slider-omega');"
@@ -1087,7 +1075,7 @@ def test_two_pages_keep_apart(page, address):
     assert page.facts("settled")["rotor"]["omega"] == 1.6
 
 
-def test_nothing_is_cut_off(page):
+def test_nothing_is_cut_off_in_dark_and_light_and_all_has_a_name(page):
     page.find("#machine summary").click()
     try:
         for width in (390, 800, 1400):
@@ -1099,11 +1087,15 @@ def test_nothing_is_cut_off(page):
             assert min(page.run(f"return {wide}")) >= 180
     finally:
         page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-
-
-def test_a_screen_reader_finds_a_name_for_all(page):
+    paper = "getComputedStyle(document.body).backgroundColor"
+    before = page.run(f"return {paper}")
+    page.find("#theme").click()
+    assert page.run(f"return {paper}") != before
+    time.sleep(0.3)
+    assert all(page.pictures())
+    page.find("#theme").click()
+    assert page.run(f"return {paper}") == before
     page.settle("settled")
-    page.find("#machine summary").click()
     page.driver.execute_cdp_cmd("Accessibility.enable", {})
     nodes = page.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
     roles = {"slider", "spinbutton", "button", "checkbox", "radio", "image", "combobox"}
