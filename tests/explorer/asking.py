@@ -91,3 +91,10 @@ def answer_to(asking: Question | Measurement) -> list[Message]:
         parts.append(unpacked(part))
         desk.take((1, "next"))
     return parts
+
+
+def first_part(asking: Question) -> Message:
+    """Return the first part of an answer, of which the rest is not computed."""
+    desk = Desk()
+    desk.take((1, asking))
+    return unpacked(desk.next_part())

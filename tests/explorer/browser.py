@@ -69,6 +69,7 @@ def served(*words):
 
 
 def ended(process):
+    """End the explorer, if it has not ended yet."""
     process.send_signal(signal.SIGTERM)
     process.communicate(timeout=PATIENCE)
 
@@ -91,7 +92,7 @@ def chromium_in(folder, *, watched=False):
     driver.execute_cdp_cmd(
         "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)}
     )
-    driver.folder = folder
+    driver.folder, driver.added = folder, None
     driver.set_script_timeout(PATIENCE)
     return driver
 
@@ -115,9 +116,17 @@ def traffic_of(driver):
     return found
 
 
+# Before the page's own scripts run; a basin takes longer than all else, and few look at it.
+NO_BASIN = """
+document.addEventListener("readystatechange", () => {
+  for (const each of document.querySelectorAll("template")) {
+    each.content.querySelector("[data-basin]")?.removeAttribute("checked");
+  }
+});"""
 # As if the browser went back to an address, which it does only where this differs.
 PUT_BACK = """
 const { asked } = rotorIda;
+for (const each of document.querySelectorAll("[data-basin]")) each.checked = arguments[1];
 document.activeElement.blur();
 for (const each of document.querySelectorAll("details")) each.open = false;
 scrollTo(0, 0);
@@ -128,17 +137,29 @@ return asked;"""
 class Page:
     """The page as a person sees it, and as its own record tells it."""
 
-    def __init__(self, driver, address, more="", *, anew=True):
-        """Load the page; or put one that is there into the state of an address, if not `anew`."""
+    def __init__(self, driver, address, more="", *, anew=True, basin=False):
+        """Load the page; or put one that is there into the state of an address, if not `anew`.
+
+        Only with `basin` it asks for the basin, as it does for a person.
+        """
         self.driver = driver
         place, _, state = address.partition("#")
         if anew or driver.current_url.partition("#")[0] != place:
-            driver.get("about:blank")
-            driver.get(address + more)
+            self._load(address + more, basin)
         else:
-            asked = self.run(PUT_BACK, f"{state}{more}")
+            asked = self.run(PUT_BACK, f"{state}{more}", basin)
             self.until("rotorIda.asked > arguments[0]", asked)
         self.settle()
+
+    def _load(self, address, basin):
+        driver, command = self.driver, "Page.{}ScriptToEvaluateOnNewDocument"
+        if basin and driver.added:
+            driver.execute_cdp_cmd(command.format("remove"), driver.added)
+            driver.added = None
+        elif not basin and not driver.added:
+            driver.added = driver.execute_cdp_cmd(command.format("add"), {"source": NO_BASIN})
+        driver.get("about:blank")
+        driver.get(address)
 
     def run(self, script, *given):
         return self.driver.execute_script(script, *given)

@@ -198,9 +198,8 @@ def state_of(program: Program) -> dict[str, str]:
     return {name: each for name, (each,) in parse_qs(urlsplit(program.address).fragment).items()}
 
 
-def end(program: Program, send: Callable[[int], None]) -> None:
-    """Let a program be told to end, and check that it does, and leaves nothing behind."""
-    children = program.children()
+def end(program: Program, children: list[int], send: Callable[[int], None]) -> None:
+    """Let a program be told to end, and check that it does, and leaves no process behind."""
     send(program.process.pid)
     assert program.ended() == 0
     assert "Traceback" not in program.text
@@ -222,19 +221,7 @@ def test_it_ends_while_it_still_starts(name: str, start: Start):
         pytest.skip("under nohup the program is to outlive its terminal")
     program = start(start_new_session=True)
     wait_until(lambda: bool(program.children()), "a process that starts")
-    end(program, SIGNALS[name])
-
-
-@posix
-def test_it_ends_while_a_page_is_open_and_an_answer_is_computed(start: Start):
-    program = start(*[f"--{key}={value}" for key, value in MACHINE.items()], start_new_session=True)
-    program.wait_until_ready()
-    given = {key: float(value) for key, value in state_of(program).items() if key in MACHINE}
-    assert given == MACHINE
-    with program.talk() as talk:
-        talk.send(json.dumps(asked("starts", machine=SLOW)))
-        assert talk.recv(PATIENCE)
-        end(program, lambda pid: os.kill(pid, signal.SIGINT))
+    end(program, program.children(), SIGNALS[name])
 
 
 @posix
@@ -278,7 +265,8 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.fixture
 def shown(start: Start, place: Path) -> Iterator[tuple[Program, str]]:
     """Return a program, and what it has told a browser to open that does not end."""
-    program, opened = start(browser=True), place.with_name("opened")
+    words = [f"--{key}={value}" for key, value in MACHINE.items()]
+    program, opened = start(*words, browser=True), place.with_name("opened")
     program.wait_until_ready()
     wait_until(lambda: opened.exists() and opened.read_text().endswith("\n"), "a browser")
     (slept,) = set(program.children()) - set(workers_of(program))
@@ -287,10 +275,12 @@ def shown(start: Start, place: Path) -> Iterator[tuple[Program, str]]:
 
 
 @posix
-def test_only_the_user_can_read_the_key_and_only_while_the_program_lives(
+def test_only_the_user_can_read_the_key_and_only_until_the_program_ends_amid_an_answer(
     shown: tuple[Program, str], place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     program, told = shown
+    given = {key: float(value) for key, value in state_of(program).items() if key in MACHINE}
+    assert given == MACHINE
     (file,) = place.glob("*.html")
     assert told == file.as_uri()
     assert stat.S_IMODE(file.stat().st_mode) == 0o600
@@ -301,8 +291,10 @@ def test_only_the_user_can_read_the_key_and_only_while_the_program_lives(
     seen = seen_in_a_browser(told)
     assert "file:" not in seen
     assert tmp_path.name not in seen
-    os.kill(program.process.pid, signal.SIGTERM)
-    assert program.ended() == 0
+    with program.talk() as talk:
+        talk.send(json.dumps(asked("starts", machine=SLOW)))
+        assert talk.recv(PATIENCE)
+        end(program, workers_of(program), lambda pid: os.kill(pid, signal.SIGINT))
     assert not file.exists()
 
 

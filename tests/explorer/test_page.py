@@ -67,11 +67,20 @@ RUNNING = ["--omega=2", "--zeta=0.07", "--delta0=2"]
 
 
 @pytest.fixture(scope="module")
-def address():
-    process, found = served(*RUNNING)
+def programs():
+    """The programs that were started, with their addresses; only the last may still run."""
+    found = [served(*RUNNING)]
     yield found
-    ended(process)
-    assert process.returncode == 0
+    for process, _ in found:
+        ended(process)
+        assert process.returncode == 0
+
+
+@pytest.fixture
+def address(programs):
+    if programs[-1][0].poll() is not None:
+        programs.append(served(*RUNNING))
+    return programs[-1][1]
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +98,13 @@ def page(chromium, address):
 
 
 @pytest.fixture
+def whole(chromium, address):
+    """The same, with the basin."""
+    yield Page(chromium, address, anew=False, basin=True)
+    assert errors_of(chromium) == []
+
+
+@pytest.fixture
 def fresh(chromium, address):
     """The page just loaded, of which nothing is left for the next test."""
     yield Page(chromium, address)
@@ -102,7 +118,13 @@ def shown_run(page, rotor, start=(0, 0, 0, 0), revolutions=60):
     return simulate(rotor, start=start, duration=duration, samples=samples, method="taylor")
 
 
-def test_the_run_is_that_of_simulate(page):
+def test_run_settled_response_and_curve_are_those_of_the_library(page):
+    check_run(page)
+    check_settled_response(page)
+    check_curve_and_folds(page)
+
+
+def check_run(page):
     run = shown_run(page, FIRST)
     for name in ("t", "x", "y", "event_time", "event_x", "event_time_error", "peak_force"):
         np.testing.assert_array_equal(page.array("motion", name), run[name].values)
@@ -115,7 +137,8 @@ def test_the_run_is_that_of_simulate(page):
     assert f"{entries} entries and {exits} exits" in page.words()
 
 
-def test_the_settled_response_is_that_of_sweep_and_compare(page):
+def check_settled_response(page):
+    """It is that of sweep and compare."""
     page.settle("settled")
     swept = sweep(omega=2.0, zeta=0.07, delta0=2.0, method="taylor")
     compared, told = compare(swept), page.facts("settled")
@@ -127,7 +150,8 @@ def test_the_settled_response_is_that_of_sweep_and_compare(page):
     assert f"agree to {int(told['digits'])} digits" in page.words()
 
 
-def test_the_curve_and_its_folds_are_the_closed_forms(page):
+def check_curve_and_folds(page):
+    """They are the closed forms, and folds are read under the pointer."""
     curve = response_curve(zeta=0.07, delta0=2.0, limits=SPEEDS, points=40)
     np.testing.assert_array_equal(page.array("curve", "amplitude"), curve.amplitude.values.ravel())
     exact = folds(zeta=0.07, delta0=2.0)
@@ -137,9 +161,18 @@ def test_the_curve_and_its_folds_are_the_closed_forms(page):
     page.settle("branch")
     branch = page.array("branch", "radius_max")
     assert np.abs(branch - 4.104416607).min() < 0.05
+    omega, radius = (
+        float(exact[f"fold_{name}"].values.ravel()[0]) for name in ("omega", "amplitude")
+    )
+    text = hovered(page, '[data-panel="response"]', [omega, radius])
+    assert text.startswith("fold: ")
+    assert number_after("speed ω", text) == pytest.approx(omega, rel=1e-5)
+    assert number_after("radius", text) == pytest.approx(radius, rel=1e-5)
+    assert page.find('[data-panel="response"] .found').is_displayed()
 
 
-def test_the_basin_is_that_of_basin(page):
+def test_the_basin_is_that_of_basin(chromium, address):
+    page = Page(chromium, address, basin=True)  # as a person has it
     page.until("rotorIda.shown[0].basin?.facts.finest")
     reach, count = page.facts("basin")["reach"], page.facts("basin")["count"]
     axis = reach * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
@@ -149,19 +182,20 @@ def test_the_basin_is_that_of_basin(page):
     )
     shares = [each["fraction"] for each in page.facts("basin")["attractors"]]
     np.testing.assert_allclose(shares, found.fraction.values)
+    assert errors_of(chromium) == []
 
 
-def test_every_panel_is_drawn_and_follows_the_speed(page):
-    page.settle("settled", "section")
-    page.until("rotorIda.shown[0].basin?.facts.finest")
-    before = page.pictures()
+def test_every_panel_is_drawn_and_follows_the_speed(whole):
+    whole.settle("settled", "section")
+    whole.until("rotorIda.shown[0].basin?.facts.finest")
+    before = whole.pictures()
     assert len(before) == PLOTS
     assert all(before)
-    page.type("#field-omega", 1.2)
-    page.settle("settled", "section")
-    page.until("rotorIda.shown[0].basin?.facts.finest")
+    whole.type("#field-omega", 1.2)
+    whole.settle("settled", "section")
+    whole.until("rotorIda.shown[0].basin?.facts.finest")
     time.sleep(0.3)
-    assert all(one != other for one, other in zip(before, page.pictures(), strict=True))
+    assert all(one != other for one, other in zip(before, whole.pictures(), strict=True))
 
 
 def test_a_slider_moves_by_key(page):
@@ -399,40 +433,35 @@ def test_a_bad_value_is_told_and_the_page_lives_on(page):
     assert page.run("return document.querySelectorAll('.stale').length") == 0
 
 
-def test_a_second_clearance_that_is_refused_leaves_the_first_rotor_as_it_is(page):
-    page.find("#beside").click()
-    page.settle()
-    page.settle(side=1)
-    page.type("#field-second", -1)
-    page.until("document.getElementById('message').textContent.includes('delta0 must be')")
-    page.until("rotorIda.shown[0].motion.number === rotorIda.asked")
-    stale = "Array.from(document.querySelectorAll('.side'), (each) => each.matches('.stale'))"
-    page.until(f"String({stale}) === 'false,true'")
-    keys = "Array.from(document.querySelectorAll('[data-panel=starts] [data-key]'))"
-    assert page.run(f"return {keys}[1].textContent") == "no basin of what was asked"
-    assert page.find("#trouble").is_displayed()
-
-
-def test_a_start_far_off_is_refused_by_its_own_name(page):
+def test_a_start_far_off_is_refused_by_its_own_name_and_odd_speeds_are_told_of(page):
     page.type("#start-x", 9e5)
     page.settle()
     assert page.facts("motion")["start"][0] == 9e5
     page.type("#start-x", 2e6)
     said = page.until("document.getElementById('message').textContent")
     assert said == "start x must lie within 1e+06 of zero, got 2000000.0"
-
-
-def test_a_speed_at_which_nothing_can_settle_is_told_beside_its_run(page):
+    page.type("#start-x", 0)
     page.type("#field-omega", 1e-5)
     page.settle()
     page.until("document.getElementById('words').textContent.includes('omega must be 0 or from')")
     assert page.run("return document.querySelectorAll('.stale').length") == 0
-
-
-def test_a_rotor_without_spin_is_said_to_come_to_rest(page):
     page.type("#field-omega", 0)
     page.settle("settled")
     page.until("document.getElementById('words').textContent.includes('It comes to rest')")
+
+
+def test_a_second_clearance_that_is_refused_leaves_the_first_rotor_as_it_is(whole):
+    whole.find("#beside").click()
+    whole.settle()
+    whole.settle(side=1)
+    whole.type("#field-second", -1)
+    whole.until("document.getElementById('message').textContent.includes('delta0 must be')")
+    whole.until("rotorIda.shown[0].motion.number === rotorIda.asked")
+    stale = "Array.from(document.querySelectorAll('.side'), (each) => each.matches('.stale'))"
+    whole.until(f"String({stale}) === 'false,true'")
+    keys = "Array.from(document.querySelectorAll('[data-panel=starts] [data-key]'))"
+    assert whole.run(f"return {keys}[1].textContent") == "no basin of what was asked"
+    assert whole.find("#trouble").is_displayed()
 
 
 def test_the_speed_of_a_machine_goes_on_from_where_it_is_when_its_mass_has_moved(page):
@@ -446,24 +475,24 @@ def test_the_speed_of_a_machine_goes_on_from_where_it_is_when_its_mass_has_moved
     assert page.state()["speed"] == pytest.approx(1000 + top / 400, rel=1e-3)
 
 
-@pytest.mark.parametrize("beyond", [2.0013, 7.3])
-def test_arrows_step_from_the_value_that_was_typed(page, beyond):
-    page.type("#field-omega", beyond)
-    page.find("#field-omega").send_keys(Keys.ARROW_UP, Keys.ARROW_UP, Keys.ARROW_DOWN)
-    assert page.state()["omega"] == pytest.approx(beyond + 0.005, abs=1e-12)
-    page.find("#slider-omega").send_keys(Keys.ARROW_LEFT)
-    assert page.state()["omega"] == pytest.approx(beyond, abs=1e-12)
+def test_arrows_step_from_the_value_that_was_typed(page):
+    for beyond in (2.0013, 7.3):
+        page.type("#field-omega", beyond)
+        page.find("#field-omega").send_keys(Keys.ARROW_UP, Keys.ARROW_UP, Keys.ARROW_DOWN)
+        assert page.state()["omega"] == pytest.approx(beyond + 0.005, abs=1e-12)
+        page.find("#slider-omega").send_keys(Keys.ARROW_LEFT)
+        assert page.state()["omega"] == pytest.approx(beyond, abs=1e-12)
     page.find("#start-vx").send_keys(Keys.ARROW_DOWN)
     assert page.state()["vx"] == -0.05
     page.settle()
     assert page.facts("motion")["start"] == [0, 0, -0.05, 0]
 
 
-def test_without_damping_there_is_a_motion_and_no_basin(page):
-    page.type("#field-zeta", 0)
-    page.settle()
-    assert "nothing settles" in page.words()
-    page.until("document.querySelector('[data-key]').textContent.includes('zeta must be above 0')")
+def test_without_damping_there_is_a_motion_and_no_basin(whole):
+    whole.type("#field-zeta", 0)
+    whole.settle()
+    assert "nothing settles" in whole.words()
+    whole.until("document.querySelector('[data-key]').textContent.includes('zeta must be above 0')")
 
 
 def test_from_where_the_rotor_is(page):
@@ -477,17 +506,18 @@ def test_from_where_the_rotor_is(page):
     np.testing.assert_array_equal(page.array("motion", "event_time"), run.event_time.values)
 
 
-@pytest.mark.parametrize(("button", "sign"), [("up", 1), ("down", -1)])
-def test_the_speed_runs_by_itself(page, button, sign):
+def test_the_speed_runs_by_itself(page):
     page.type("#rate", 30)
-    page.find(f"#{button}").click()
-    page.until("Math.abs(rotorIda.state.omega - 2) > 0.045")
-    page.find(f"#{button}").click()
-    page.settle()
-    moved = page.state()["omega"] - 2.0
-    assert sign * moved > 0.0
-    assert moved == pytest.approx(0.01 * round(moved / 0.01))
-    assert page.facts("motion")["start"] != [0, 0, 0, 0]
+    begun = 2.0
+    for button, sign in {"up": 1, "down": -1}.items():
+        page.find(f"#{button}").click()
+        page.until("arguments[0] * (rotorIda.state.omega - arguments[1]) > 0.045", sign, begun)
+        page.find(f"#{button}").click()
+        page.settle()
+        moved = page.state()["omega"] - begun
+        assert moved == pytest.approx(0.01 * round(moved / 0.01))
+        assert page.facts("motion")["start"] != [0, 0, 0, 0]
+        begun = page.state()["omega"]
 
 
 # A whirl on the ring at a speed where there are two, and the rate at which the speed changes.
@@ -717,7 +747,6 @@ def test_a_start_and_a_length_are_typed(page):
 
 def test_time_is_scrubbed_and_played(fresh):
     fresh.settle("settled", "section")
-    fresh.until("rotorIda.shown[0].basin?.facts.finest")
     before = fresh.pictures_at_rest()
     slider = fresh.find("[data-time]")
     slider.send_keys(Keys.HOME)
@@ -751,7 +780,8 @@ def test_the_address_is_the_state(page):
     assert page.find('[name="from"][value="here"]').is_selected()
 
 
-def test_files_are_saved(page):
+def test_files_are_saved(page, address):
+    page = opened(page, address, omega=2, zeta=0.07, delta0=2, revolutions=5)
     folder = page.driver.folder
     for ending in ("nc", "png", "svg", "py"):
         page.find(f'[data-file="{ending}"]').click()
@@ -840,13 +870,21 @@ def test_what_makes_the_run_again_is_copied(page, address, whole):
         assert ("load" in text) == whole
 
 
+LISTEN = """
+window.said = [];
+const telling = document.getElementById("connection");
+new MutationObserver(() => said.push(telling.textContent)).observe(telling, { childList: true });
+"""
+
+
 def test_the_page_is_recorded_at_the_press_of_a_button(page, address):
-    rotor = {"omega": 2.0, "zeta": 0.8, "delta0": 5.0}  # it settles at once, at each speed
+    rotor = {"omega": 2.0, "zeta": 0.0, "delta0": 5.0}  # no speed takes long: nothing settles
     page = opened(page, address, **rotor, revolutions=2)
+    page.run(LISTEN)
     page.find('[data-file="html"]').click()
-    page.until("document.getElementById('connection').textContent.startsWith('Saving the page')")
+    page.until("said.some((each) => each.startsWith('Saving the page'))")
     page.find("#slider-delta0").send_keys(Keys.ARROW_RIGHT)
-    page.settle("settled")  # the sliders are answered meanwhile
+    page.settle()  # the sliders are answered meanwhile
     place = page.driver.folder / "run.html"
     deadline = time.monotonic() + 5 * PATIENCE
     while not place.exists():
@@ -881,18 +919,6 @@ def number_after(name, text):
     return float(text.partition(f"{name} ")[2].split(",")[0].split()[0])
 
 
-def test_folds_are_read_under_the_pointer(page):
-    exact = folds(zeta=0.07, delta0=2.0)
-    omega, radius = (
-        float(exact[f"fold_{name}"].values.ravel()[0]) for name in ("omega", "amplitude")
-    )
-    text = hovered(page, '[data-panel="response"]', [omega, radius])
-    assert text.startswith("fold: ")
-    assert number_after("speed ω", text) == pytest.approx(omega, rel=1e-5)
-    assert number_after("radius", text) == pytest.approx(radius, rel=1e-5)
-    assert page.find('[data-panel="response"] .found').is_displayed()
-
-
 def test_hopf_points_are_read_under_the_pointer(page, address):
     page = with_machine(page, address, shaft_stiffness=3.0, contact_damping=2.0)
     page.settle("curve")
@@ -906,28 +932,28 @@ def test_hopf_points_are_read_under_the_pointer(page, address):
     assert "Hopf point" in page.find("#response-key").text
 
 
-def test_radii_times_and_lines_are_read_under_the_pointer(page):
-    page.settle("settled", "section")
-    times, forces = page.array("motion", "peak_time"), page.array("motion", "peak_force")
-    text = hovered(page, '[data-plot="force"]', [times[-2], forces[-2]])
+def test_radii_times_and_lines_are_read_under_the_pointer(whole):
+    whole.settle("settled", "section")
+    times, forces = whole.array("motion", "peak_time"), whole.array("motion", "peak_force")
+    text = hovered(whole, '[data-plot="force"]', [times[-2], forces[-2]])
     assert text.startswith("peak: ")
     assert number_after("time", text) == pytest.approx(times[-2], rel=1e-7)
     assert number_after("force", text) == pytest.approx(forces[-2], rel=1e-5)
-    entry = page.array("motion", "event_time")[-3]
-    text = hovered(page, '[data-plot="radius"]', [entry, 2.0])
+    entry = whole.array("motion", "event_time")[-3]
+    text = hovered(whole, '[data-plot="radius"]', [entry, 2.0])
     assert text.startswith(("entry: ", "exit: "))
     assert number_after("time", text) == pytest.approx(entry, rel=1e-7)
-    lines, heights = (page.array("motion", f"line_{name}") for name in ("frequency", "amplitude"))
+    lines, heights = (whole.array("motion", f"line_{name}") for name in ("frequency", "amplitude"))
     at = int(np.nanargmax(heights))
-    text = hovered(page, '[data-panel="spectrum"]', [lines[at], heights[at]])
+    text = hovered(whole, '[data-panel="spectrum"]', [lines[at], heights[at]])
     assert text.startswith("line: ")
     assert number_after("amplitude", text) == pytest.approx(heights[at], rel=1e-5)
-    text = hovered(page, '[data-panel="orbit"]', [1.0, 0.0])
+    text = hovered(whole, '[data-panel="orbit"]', [1.0, 0.0])
     assert number_after("radius", text) == pytest.approx(1.0, abs=0.05)
-    each = page.facts("motion")["samples_per_revolution"]
-    mark = [float(page.array("motion", axis)[-1 - each]) for axis in ("x", "y")]
-    assert hovered(page, '[data-panel="orbit"]', mark).startswith("once a revolution")
-    text = hovered(page, '[data-panel="starts"]', [0.0, 0.0])
+    each = whole.facts("motion")["samples_per_revolution"]
+    mark = [float(whole.array("motion", axis)[-1 - each]) for axis in ("x", "y")]
+    assert hovered(whole, '[data-panel="orbit"]', mark).startswith("once a revolution")
+    text = hovered(whole, '[data-panel="starts"]', [0.0, 0.0])
     assert text.startswith("bouncing")
 
 
@@ -964,16 +990,16 @@ APART = 0.2
 PANELS = ("response", "starts", "orbit", "turning", "history", "section", "spectrum")
 
 
-def test_each_panel_is_saved_as_picture_and_table(page):
-    page.settle("settled", "section")
-    page.until("rotorIda.shown[0].basin?.facts.finest")
-    page.until("rotorIda.hasAllDrawn()")
-    folder = page.driver.folder
+def test_each_panel_is_saved_as_picture_and_table(whole):
+    whole.settle("settled", "section")
+    whole.until("rotorIda.shown[0].basin?.facts.finest")
+    whole.until("rotorIda.hasAllDrawn()")
+    folder = whole.driver.folder
     for panel in PANELS:
         for ending in ("png", "svg", "csv"):
             selector = f'[data-panel="{panel}"] [data-keep="{ending}"]'
-            page.find(f'[data-panel="{panel}"] summary').click()
-            page.find(selector).click()
+            whole.find(f'[data-panel="{panel}"] summary').click()
+            whole.find(selector).click()
             time.sleep(APART)
             deadline = time.monotonic() + PATIENCE
             while not (folder / f"{panel}.{ending}").exists():
@@ -984,16 +1010,16 @@ def test_each_panel_is_saved_as_picture_and_table(page):
         assert len(list(drawing.iter("{http://www.w3.org/2000/svg}path"))) > 5
     rows = np.genfromtxt(folder / "orbit.csv", delimiter=",", names=True)
     for name, own in {"time": "t", "x": "x", "y": "y", "radius": "radius"}.items():
-        np.testing.assert_array_equal(rows[name], page.array("motion", own))
+        np.testing.assert_array_equal(rows[name], whole.array("motion", own))
     with (folder / "history.csv").open() as file:
         events = [float(row["time"]) for row in csv.DictReader(file) if row["what"] in EVENTS]
-    np.testing.assert_array_equal(events, page.array("motion", "event_time"))
+    np.testing.assert_array_equal(events, whole.array("motion", "event_time"))
     with (folder / "response.csv").open() as file:
         found = [float(row["speed ω"]) for row in csv.DictReader(file) if row["what"] == "fold"]
-    np.testing.assert_array_equal(found, page.array("curve", "fold_omega"))
+    np.testing.assert_array_equal(found, whole.array("curve", "fold_omega"))
     with (folder / "starts.csv").open() as file:
         labels = [int(row["attractor"]) for row in csv.DictReader(file)]
-    np.testing.assert_array_equal(labels, page.array("basin", "label"))
+    np.testing.assert_array_equal(labels, whole.array("basin", "label"))
 
 
 def test_a_plot_stays_in_view_while_a_slider_moves_on_a_phone(page):
@@ -1016,17 +1042,6 @@ def test_a_plot_stays_in_view_while_a_slider_moves_on_a_phone(page):
             assert bottom < page.run(f"return {slider}.{box}.top")
     finally:
         page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-
-
-def test_dark_and_light(page):
-    paper = "getComputedStyle(document.body).backgroundColor"
-    before = page.run(f"return {paper}")
-    page.find("#theme").click()
-    assert page.run(f"return {paper}") != before
-    time.sleep(0.3)
-    assert all(page.pictures())
-    page.find("#theme").click()
-    assert page.run(f"return {paper}") == before
 
 
 def test_two_hundred_fast_moves_leave_no_backlog(fresh):
@@ -1060,7 +1075,7 @@ def test_two_pages_keep_apart(page, address):
     assert page.facts("settled")["rotor"]["omega"] == 1.6
 
 
-def test_nothing_is_cut_off(page):
+def test_nothing_is_cut_off_in_dark_and_light_and_all_has_a_name(page):
     page.find("#machine summary").click()
     try:
         for width in (390, 800, 1400):
@@ -1072,11 +1087,15 @@ def test_nothing_is_cut_off(page):
             assert min(page.run(f"return {wide}")) >= 180
     finally:
         page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-
-
-def test_a_screen_reader_finds_a_name_for_all(page):
+    paper = "getComputedStyle(document.body).backgroundColor"
+    before = page.run(f"return {paper}")
+    page.find("#theme").click()
+    assert page.run(f"return {paper}") != before
+    time.sleep(0.3)
+    assert all(page.pictures())
+    page.find("#theme").click()
+    assert page.run(f"return {paper}") == before
     page.settle("settled")
-    page.find("#machine summary").click()
     page.driver.execute_cdp_cmd("Accessibility.enable", {})
     nodes = page.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
     roles = {"slider", "spinbutton", "button", "checkbox", "radio", "image", "combobox"}
@@ -1091,16 +1110,6 @@ def test_a_screen_reader_finds_a_name_for_all(page):
         ("slider", "Shaft stiffness κ"), ("slider", "Contact damping c"), ("slider", "Load γ"),
         ("radio", "3/2, Hertz"), ("radio", "1, a linear spring"),
     } <= set(named)  # fmt: skip
-
-
-def test_a_lost_connection_is_told(chromium):
-    process, address = served(*RUNNING)
-    page = Page(chromium, address)
-    ended(process)
-    page.until("document.getElementById('connection').textContent.startsWith('No answer')")
-    assert page.run("return document.querySelectorAll('.stale').length") == 3
-    chromium.get("about:blank")
-    chromium.get_log("browser")  # the browser notes that it could not connect
 
 
 def test_a_page_that_needs_no_server(chromium, tmp_path):
@@ -1136,19 +1145,19 @@ def verdict(page):
     return page.find("#verdict").text
 
 
-@pytest.fixture
-def pump(page):
-    """The page with the pump from its data sheet."""
+def test_a_data_sheet_sets_the_machine(page):
     page.find("#sheet-open").click()
     for name, words in PUMP.items():
         page.type(f"#sheet-{name}", words)
     page.find("#sheet-apply").click()
     page.until("!document.getElementById('sheet').open")
     page.settle("settled")
-    return page
+    check_sliders_in_engineering_units(page)
+    check_command_in_si_units(page)
+    check_verdict_of_the_run_up(page)
 
 
-def test_a_data_sheet_sets_the_sliders_in_engineering_units(pump):
+def check_sliders_in_engineering_units(pump):
     shown = {
         "mass": "12", "speed": "3600", "clearance": "150", "eccentricity": "40", "damping": "415.7",
         "contact_stiffness": "100", "shaft_stiffness": "4", "disc_radius": "60", "friction": "0.3",
@@ -1171,17 +1180,20 @@ def test_a_data_sheet_sets_the_sliders_in_engineering_units(pump):
     assert ends[0] < place < ends[1]
 
 
-def test_a_wrong_data_sheet_is_told_of_in_the_form(page):
-    page.find("#sheet-open").click()
-    page.type("#sheet-mass", "12 parsecs")
-    page.find("#sheet-apply").click()
-    told = page.until("document.getElementById('sheet-wrong').textContent")
-    assert "also give" in told or "mass" in told
-    page.find("#sheet-cancel").click()
-    assert page.state()["omega"] == 2.0
+def check_command_in_si_units(pump):
+    origin = pump.run("return location.origin")
+    both = ["clipboardReadWrite", "clipboardSanitizedWrite"]
+    pump.driver.execute_cdp_cmd("Browser.grantPermissions", {"permissions": both, "origin": origin})
+    pump.find('[data-copy="sh"]').click()
+    pump.until("document.getElementById('connection').textContent.includes('is copied')")
+    text = pump.driver.execute_async_script(
+        "navigator.clipboard.readText().then(arguments[arguments.length - 1])"
+    )
+    assert text.startswith("rotor-ida simulate --mass 12.0 --contact-stiffness 100000000.0")
 
 
-def test_the_verdict_is_in_bold_above_the_fold_and_of_the_run_up_while_it_goes_on(pump):
+def check_verdict_of_the_run_up(pump):
+    """In bold above the fold, and of the run-up while it goes on."""
     pump.driver.set_window_size(1280, 720)
     box = pump.find("#verdict").rect
     assert box["y"] + box["height"] < 200
@@ -1203,16 +1215,14 @@ def test_the_verdict_is_in_bold_above_the_fold_and_of_the_run_up_while_it_goes_o
     assert pump.run(COLOURED, "orbit", "rolling") > 100
 
 
-def test_a_machine_copies_a_command_in_si_units(pump):
-    origin = pump.run("return location.origin")
-    both = ["clipboardReadWrite", "clipboardSanitizedWrite"]
-    pump.driver.execute_cdp_cmd("Browser.grantPermissions", {"permissions": both, "origin": origin})
-    pump.find('[data-copy="sh"]').click()
-    pump.until("document.getElementById('connection').textContent.includes('is copied')")
-    text = pump.driver.execute_async_script(
-        "navigator.clipboard.readText().then(arguments[arguments.length - 1])"
-    )
-    assert text.startswith("rotor-ida simulate --mass 12.0 --contact-stiffness 100000000.0")
+def test_a_wrong_data_sheet_is_told_of_in_the_form(page):
+    page.find("#sheet-open").click()
+    page.type("#sheet-mass", "12 parsecs")
+    page.find("#sheet-apply").click()
+    told = page.until("document.getElementById('sheet-wrong').textContent")
+    assert "also give" in told or "mass" in told
+    page.find("#sheet-cancel").click()
+    assert page.state()["omega"] == 2.0
 
 
 def test_a_phone_shows_the_verdict_and_a_picture_first(page):
@@ -1226,3 +1236,13 @@ def test_a_phone_shows_the_verdict_and_a_picture_first(page):
         assert tops[1] < 200
     finally:
         page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_a_lost_connection_is_told(chromium, programs, address):
+    """Last, as the next page needs another program."""
+    page = Page(chromium, address)
+    ended(programs[-1][0])
+    page.until("document.getElementById('connection').textContent.startsWith('No answer')")
+    assert page.run("return document.querySelectorAll('.stale').length") == 3
+    chromium.get("about:blank")
+    chromium.get_log("browser")  # the browser notes that it could not connect

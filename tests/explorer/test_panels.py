@@ -74,7 +74,10 @@ def chromium(tmp_path_factory):
 
 @pytest.fixture
 def page(chromium, address):
-    yield Page(chromium, address, f"&panels={ALL}&ramp=0.01")
+    """The page with all panels and nothing measured."""
+    found = Page(chromium, address, f"&panels={ALL}&ramp=0.01", anew=False)
+    yield found
+    found.run("document.getElementById('measured-remove').click()")
     assert errors_of(chromium) == []
 
 

@@ -25,6 +25,7 @@ from tests.explorer.asking import (
     WHIPPED,
     Message,
     answer_to,
+    first_part,
     question,
 )
 
@@ -179,7 +180,7 @@ def test_a_machine_has_the_answer_of_its_rotor():
 
 @pytest.mark.parametrize("asking", [DAMPED, HELD, UNSTEADY], ids=["damped", "held", "unsteady"])
 def test_of_a_machine_curve_and_folds_are_the_closed_forms(asking: Question):
-    curve = answer_to(asking)[0]
+    curve = first_part(asking)
     given = {name: value for name, value in asking.rotor.given.items() if name != "omega"}
     exact = response_curve(**given, limits=(0.05, 3.0), points=responses.POINTS_OF_CURVE)
     for name in ("omega", "amplitude", "piece", "stability", "in_contact"):
@@ -350,7 +351,7 @@ def test_with_friction_the_curve_comes_first_and_its_hopf_points_later():
 @pytest.mark.parametrize("speeds", [(0.05, 3.0), (0.05, 0.2), (1.0, 2.0)])
 def test_the_backward_whirls_are_drawn_from_their_birth_on(speeds: tuple[float, float]):
     asking = question("responses", machine=WHIP, start=WHIPPED, speeds=list(speeds))
-    arrays = answer_to(asking)[0].arrays
+    arrays = first_part(asking).arrays
     omega, birth = arrays["whip_omega"], 0.314789904
     if speeds[1] < birth:
         assert omega.size == arrays["whip_radius"].size == arrays["saddle_radius"].size == 0

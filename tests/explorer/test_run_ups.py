@@ -12,7 +12,7 @@ from rotor_ida import Rotor, folds, run_up, simulate, synchronous_response
 from rotor_ida.explorer.run_ups import FURTHEST, PER_REVOLUTION, RTOL
 from rotor_ida.signals.orders import orders
 from rotor_ida.signals.spectra import full_spectrum, spectrogram
-from tests.explorer.asking import CHATTER, MACHINE, Message, answer_to, question
+from tests.explorer.asking import CHATTER, MACHINE, Message, answer_to, first_part, question
 
 UP = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
 BOUNCING, BOUNCED = {"omega": 2.4, "zeta": 0.07, "delta0": 2.0}, (2.6, 0.75, 0.66, -1.65)
@@ -198,7 +198,7 @@ def test_the_curve_has_the_phase_lag_of_every_whirl() -> None:
         asking = question(
             "responses", machine={"omega": 1.7, "zeta": 0.07, "delta0": 0.5, **beyond}
         )
-        curve = answer_to(asking)[0]
+        curve = first_part(asking)
         assert curve.part == "curve"
         arrays, compared = curve.arrays, 0
         for omega, amplitude, lag in zip(

@@ -10,7 +10,6 @@ import pytest
 
 from rotor_ida import load_system, simulate
 from tests.explorer.browser import PATIENCE, Page, chromium_in, ended, errors_of, served
-from tests.explorer.test_systems import DISC
 
 DROPPED = """
 const files = new DataTransfer();
@@ -49,64 +48,69 @@ class SystemPage(Page):
             self.until("window.rotorIda && rotorIda[arguments[0]]", part)
 
 
-def test_a_system_is_shown_played_and_a_bad_file_is_refused(tmp_path):
-    path = tmp_path / "disc.toml"
-    path.write_text(DISC)
-    process, address = served(str(path))
-    driver = chromium_in(tmp_path)
-    try:
-        page = SystemPage(driver, address)
-        assert "rotor" in page.find("#verdict").text
-        page.run("document.getElementById('play').click()")
-        page.until("rotorIda.time > 0 && rotorIda.time < 1")
-        page.run(DROPPED, "speed = 3")
-        page.until("rotorIda.errors.length")
-        assert page.find("#trouble").text.startswith("bad.toml: system must be given")
-        assert errors_of(driver) == []
-    finally:
-        driver.quit()
-        ended(process)
-
-
-def test_the_state_is_in_the_address_and_one_page_shows_every_node_without_the_program(tmp_path):
+def test_a_system_is_shown_and_played_and_one_page_shows_every_node_without_the_program(tmp_path):
     path = tmp_path / "two.toml"
     path.write_text(TWO_NODES)
     process, address = served(str(path))
     driver = chromium_in(tmp_path)
     try:
         page = SystemPage(driver, address)
-        page.run(SET, "number-clearance", 47)
-        page.until("document.getElementById('command').textContent.includes('\"47um\"')")
-        page.until("location.hash.includes('clearance=0.000047')")
-        command = page.find("#command").text
-        assert "--speed 2000rpm" in command
-        page.find("#undo").click()
-        page.until("document.getElementById('number-clearance').value === '60'")
-        page.find("#redo").click()
-        page.until("document.getElementById('number-clearance').value === '47'")
-        driver.refresh()
-        page.settle()
-        page.until("document.getElementById('number-clearance').value === '47'")
-        assert page.find("#command").text == command
+        check_played(page)
+        command = check_state_in_the_address(page)
         page.find('[data-file="html"]').click()
         file = wait_for(tmp_path / "run.html")
-    finally:
+        check_bad_file_refused(page)
+        assert errors_of(driver) == []
         ended(process)
-    try:
-        alone = SystemPage(driver, file.as_uri())
-        assert alone.find("#command").text == command
-        assert not alone.find("#undo").is_displayed()
-        force = alone.run("return Math.max(...rotorIda.run.normal_force)")
-        assert force == pytest.approx(float(run_of(path, 47e-6)["normal_force"].max()), rel=1e-6)
-        alone.run(SET, "node", "seal")
-        alone.until("rotorIda.run.facts.node === 'seal' && rotorIda.map.facts.node === 'seal'")
-        alone.run("document.getElementById('play').click()")
-        alone.until("rotorIda.time > 0 && rotorIda.time < 1")
-        resources = alone.run("return performance.getEntriesByType('resource').map((e) => e.name)")
-        assert [name for name in resources if not name.startswith("data:")] == []
-        assert alone.run("return rotorIda.errors") == []
+        check_alone(SystemPage(driver, file.as_uri()), command, path)
     finally:
         driver.quit()
+        ended(process)
+
+
+def check_played(page):
+    assert "rotor" in page.find("#verdict").text
+    page.run("document.getElementById('play').click()")
+    page.until("rotorIda.time > 0 && rotorIda.time < 1")
+
+
+def check_bad_file_refused(page):
+    page.run(DROPPED, "speed = 3")
+    page.until("rotorIda.errors.length")
+    assert page.find("#trouble").text.startswith("bad.toml: system must be given")
+
+
+def check_state_in_the_address(page):
+    """Change the clearance, go back and forward, and load again; return the command shown."""
+    page.run(SET, "number-clearance", 47)
+    page.until("document.getElementById('command').textContent.includes('\"47um\"')")
+    page.until("location.hash.includes('clearance=0.000047')")
+    command = page.find("#command").text
+    assert "--speed 2000rpm" in command
+    page.find("#undo").click()
+    page.until("document.getElementById('number-clearance').value === '60'")
+    page.find("#redo").click()
+    page.until("document.getElementById('number-clearance').value === '47'")
+    page.driver.refresh()
+    page.settle()
+    page.until("document.getElementById('number-clearance').value === '47'")
+    assert page.find("#command").text == command
+    return command
+
+
+def check_alone(page, command, path):
+    """Check the page that needs no program."""
+    assert page.find("#command").text == command
+    assert not page.find("#undo").is_displayed()
+    force = page.run("return Math.max(...rotorIda.run.normal_force)")
+    assert force == pytest.approx(float(run_of(path, 47e-6)["normal_force"].max()), rel=1e-6)
+    page.run(SET, "node", "seal")
+    page.until("rotorIda.run.facts.node === 'seal' && rotorIda.map.facts.node === 'seal'")
+    page.run("document.getElementById('play').click()")
+    page.until("rotorIda.time > 0 && rotorIda.time < 1")
+    resources = page.run("return performance.getEntriesByType('resource').map((e) => e.name)")
+    assert [name for name in resources if not name.startswith("data:")] == []
+    assert page.run("return rotorIda.errors") == []
 
 
 def run_of(path, clearance):
