@@ -85,11 +85,12 @@ def test_orbits_left_over_are_followed_as_told(monkeypatch):
 def test_labels_of_a_loose_tolerance_do_not_all_agree():
     """Where basins are folded; with a small error they do, and the part is about that of all."""
     loosely, closely = (
-        basin_fractions(FOLDED, **BOX, starts=512, rtol=rtol) for rtol in (1e-4, 1e-11)
+        basin_fractions(FOLDED, **BOX, starts=starts, rtol=rtol)
+        for starts, rtol in ((512, 1e-4), (128, 1e-11))
     )
     assert float(closely.agreement) == 1.0
     count = int(loosely.agreement_count)
-    assert count == int(closely.agreement_count) == 43  # one of 12 of a batch
+    assert (count, int(closely.agreement_count)) == (43, 11)  # one of 12 of a batch
     states = np.zeros((4, 300))
     states[:2] = np.random.default_rng(0).uniform(-15.0, 15.0, (2, 300))
     known_ = follow_here(known_from_closed_forms(FOLDED, GOING), states, 1e-8, GOING).known

@@ -162,7 +162,7 @@ def test_no_label_hangs_on_what_else_is_in_the_batch(name, sections, monkeypatch
     if not sections:
         monkeypatch.setattr(known_module, "cycle_section", without_a_set)
     rotor, count = NARROW[name]
-    count = count if sections else count // 4
+    count = count if sections else 2
     states, half = random_states(count, seed=1), count // 2
     alone, together = decide(batch_of(rotor, states[:, :half])), decide(batch_of(rotor, states))
     assert names_of(alone) == names_of(together)[:half]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, basin_fractions
+from rotor_ida.basins import following
 from rotor_ida.schema import RESPONSE
 
 WIDE = dict.fromkeys(("x", "y", "vx", "vy"), (-10.0, 10.0))
@@ -62,13 +63,19 @@ def test_bad_input_gets_one_clear_line(changes, message):
         basin_fractions(FIGURE_7, **{"x": (-1, 1), "y": (-1, 1), **changes})
 
 
-def test_a_start_has_the_same_label_however_many_are_drawn():
+def test_a_start_has_the_same_label_however_many_are_drawn(monkeypatch):
     """The tolerance too is chosen by the first ones: by some spread over all it would be looser."""
     rotor, box = Rotor(omega=1.695, zeta=0.07, delta0=2.0), dict.fromkeys(("x", "y"), (-15.0, 15.0))
-    few, many = (
-        basin_fractions(rotor, **box, starts=count, workers=1).labelling_rtol for count in (8, 12)
-    )
-    assert few == many == 1e-11
+    chosen = []
+
+    def stops(_, jobs, **options):
+        chosen.extend(job.tolerance for job in jobs)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(following, "run_all", stops)
+    for count in (8, 12):
+        basin_fractions(rotor, **box, starts=count)
+    assert chosen == [1e-11, 1e-11]
 
 
 @pytest.mark.parametrize(("omega", "delta0"), [(1.7, 0.5), (2.0, 2.0), (3.0, 0.5)])

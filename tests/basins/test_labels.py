@@ -58,8 +58,8 @@ def test_labels_are_what_a_sweep_finds_from_the_same_starts(beyond):
 
 def test_starts_end_in_dry_whip_or_on_the_rub_as_a_sweep_from_each_does():
     """By CVODE; rub and contact-free whirl come from closed forms, and whip is a limit cycle."""
-    found = basin_fractions(WHIP, **BOX, starts=24, seed=1)
-    starts = drawn_from(np.array(list(BOX.values()), float), 1, 0, 24).T
+    found = basin_fractions(WHIP, **BOX, starts=12, seed=1)
+    starts = drawn_from(np.array(list(BOX.values()), float), 1, 0, 12).T
     alone = sweep(**WHIP.given, starts=starts).squeeze()
     assert {RESPONSE["synchronous"], RESPONSE["rolling"]} == set(alone.response.values.tolist())
     for kind in ("synchronous", "rolling", "contact_free"):
@@ -221,7 +221,7 @@ def test_tori_are_one_kind_together():
 def test_what_followed_them_is_said_and_a_study_goes_on_to_the_same_bits(
     rotor, box, methods, tmp_path
 ):
-    given = {**box, "starts": 9, "study": tmp_path / "study"}
+    given = {**box, "starts": 5, "study": tmp_path / "study"}
     found, again = basin_fractions(rotor, **given), basin_fractions(rotor, **given)
     assert methods.items() <= found.attrs.items()
     for name, value in rotor.given.items():
@@ -229,7 +229,7 @@ def test_what_followed_them_is_said_and_a_study_goes_on_to_the_same_bits(
     for name in ("count", "radius_max"):
         np.testing.assert_array_equal(found[name], again[name])
     xr.testing.assert_identical(rerun(found).drop_attrs(), found.drop_attrs())
-    serial = basin_fractions(rotor, **box, starts=9, executor="serial")
+    serial = basin_fractions(rotor, **box, starts=5, executor="serial")
     np.testing.assert_array_equal(serial.radius_max, found.radius_max)
     if rotor.load:  # no region holds a start, and none is followed again
         assert math.isnan(found.agreement)

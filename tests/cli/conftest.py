@@ -40,8 +40,9 @@ def program(
 
 @pytest.fixture(autouse=True)
 def _coarse_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures of a quarter of the dots, of which `tests/plot/test_saving.py` says how many."""
+    """Figures of few dots, laid out once; `tests/plot/test_saving.py` looks at whole ones."""
     monkeypatch.setattr("rotor_ida.plot.saving._DOTS_PER_INCH", 50)
+    monkeypatch.setattr("rotor_ida.plot.saving._PASSES", 1)
 
 
 @pytest.fixture(scope="session")

@@ -67,6 +67,21 @@ SHORT = {
 }  # fmt: skip
 
 
+HELP: dict[str, str] = {}
+
+
+@pytest.fixture
+def help_of(program: Program) -> Callable[[str], str]:
+    """Return the help of a command, which is asked for once."""
+
+    def ask(command: str) -> str:
+        if command not in HELP:
+            HELP[command] = program(command, "--help").out
+        return HELP[command]
+
+    return ask
+
+
 def examples(text: str) -> list[list[str]]:
     """Return the words of each example in a help text."""
     lines = text.replace("\\\n", " ").splitlines()
@@ -89,8 +104,8 @@ def test_commands_are_in_groups_in_the_order_of_work(program: Program):
 
 
 @pytest.mark.parametrize("short", SHORT)
-def test_a_short_name_is_the_same_command(program: Program, short: str):
-    by_either = [program(name, "--help").out for name in (short, SHORT[short])]
+def test_a_short_name_is_the_same_command(help_of: Program, short: str):
+    by_either = [help_of(name) for name in (short, SHORT[short])]
     assert by_either[0].replace(f"rotor-ida {short} ", f"rotor-ida {SHORT[short]} ").split() == (
         by_either[1].split()
     )
@@ -103,8 +118,8 @@ def test_commands_that_compute_have_the_names_of_functions():
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_options_are_in_groups(program: Program, command: str):
-    listed = program(command, "--help").out
+def test_options_are_in_groups(help_of: Program, command: str):
+    listed = help_of(command)
     assert "\u2500 Parameters \u2500" not in listed
     groups = {"--omega": "Rotor", "--rtol": "Solver", "--out": "Output", "--json": "Output"}
     for option, group in groups.items():
@@ -118,8 +133,8 @@ FORBIDDEN = r"\bSay\b|\btold\b|\bholds\b|hangs on|one that suits\.|without it|\b
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_help_is_in_plain_imperative_english(program: Program, command: str):
-    listed = program(command, "--help").out
+def test_help_is_in_plain_imperative_english(help_of: Program, command: str):
+    listed = help_of(command)
     assert not re.search(FORBIDDEN, listed)
     verbs = "Simulate List Compute Estimate Continue Report Reproduce Describe Open Fit Plot Show"
     others = "Compare Recompute Check"
@@ -153,14 +168,16 @@ def write_run_of_system(path: Path) -> None:
     rotor_ida.save(run, path)
 
 
-def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pytest.MonkeyPatch):
+def test_the_examples_run_one_after_the_other(
+    program: Program, help_of: Program, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setattr("rotor_ida.paper.reproduction.reproduce", lambda *_, **__: 0)
     monkeypatch.setattr("rotor_ida.explorer.explore.explore", lambda *_, **__: None)
     write_probes(Path("probes.csv"))
     write_run_of_system(Path("system.nc"))
     Path("rotor.toml").write_text(example_of_system())
     for command in COMMANDS:
-        for words in examples(program(command, "--help").out):
+        for words in examples(help_of(command)):
             answer = program(*words)
             told = "wrote page.html\n" if "--export" in words else ""
             assert (answer.status, answer.err) == (0, told), words
@@ -194,10 +211,10 @@ def test_the_examples_run_one_after_the_other(program: Program, monkeypatch: pyt
     } <= written
 
 
-def test_the_example_of_reproduce_names_a_scenario(program: Program):
+def test_the_example_of_reproduce_names_a_scenario(help_of: Program):
     from rotor_ida.paper.reproduction import scenario_scripts
 
-    (words,) = examples(program("reproduce", "--help").out)
+    (words,) = examples(help_of("reproduce"))
     assert words[words.index("--only") + 1] in scenario_scripts()
 
 
@@ -268,9 +285,9 @@ def test_choices_of_branches_are_those_of_the_library():
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_numbers_and_choices_are_named_as_such(program: Program, command: str):
+def test_numbers_and_choices_are_named_as_such(help_of: Program, command: str):
     """Words are free only where anything may stand: the name of a scenario."""
-    options = re.findall(r"--([a-z0-9-]+) \S*STR", program(command, "--help").out)
+    options = re.findall(r"--([a-z0-9-]+) \S*STR", help_of(command))
     assert options == (["only"] if command == "reproduce" else [])
 
 

@@ -9,12 +9,12 @@ from rotor_ida import load
 from rotor_ida.paper import scenario as paper_scenario
 from rotor_ida.paper.gallery import read_entries
 from rotor_ida.paper.scenario import Settings
-from rotor_ida.plot import save_figure
+from rotor_ida.plot import save_figure, saving
 from tests.scenarios import scenario
 
 # Those with sweeps take longer, and are run by hand and by `rotor-ida reproduce`.
 QUICK = ["dimensional_example", "drop", "event_time_convergence", "fig02_03_force_potential",
-         "fig04_05_free_vibration", "fig06_jumps", "fig07_basins", "fig08_09_whirls",
+         "fig04_05_free_vibration", "fig07_basins", "fig08_09_whirls",
          "finite_elements", "fitted_machine", "general_solution", "how_slow",
          "internal_resonance", "plots", "random_starts", "restitution", "rub", "run_up", "shaft",
          "signatures", "way_to_whip", "whip_map"]  # fmt: skip
@@ -31,12 +31,19 @@ def run_quickly(name, folder):
 
 @pytest.mark.parametrize("name", QUICK)
 def test_scenario_writes_archives_and_figures_with_words(name, tmp_path, monkeypatch):
-    # both formats are written below
-    monkeypatch.setattr(paper_scenario, "save_figure", partial(save_figure, formats="svg"))
+    # both formats are written below, in full
+    monkeypatch.setattr(paper_scenario, "save_figure", partial(save_figure, formats="png"))
+    monkeypatch.setattr(saving, "_DOTS_PER_INCH", 50)
+    monkeypatch.setattr(saving, "_PASSES", 1)
     module = run_quickly(name, tmp_path / name)
+    check_words(module, tmp_path / name)
+
+
+def check_words(module, folder):
+    """Check the archives, and the words of each figure, that a scenario has written."""
     assert len(module.__doc__.splitlines()) > 2
-    entries = read_entries(tmp_path / name)
-    drawn = {path.stem for path in (tmp_path / name).glob("*.svg")}
+    entries = read_entries(folder)
+    drawn = {path.stem for path in folder.glob("*.png")}
     assert drawn == {entry.figure for entry in entries}
     for entry in entries:
         words = " ".join([entry.shows, entry.paper, entry.found, entry.verdict])
@@ -44,14 +51,15 @@ def test_scenario_writes_archives_and_figures_with_words(name, tmp_path, monkeyp
         assert entry.shows.endswith(".")
         assert entry.found.endswith(".")
         for archive in entry.archives:
-            dataset = load(tmp_path / name / archive)
+            dataset = load(folder / archive)
             for variable in dataset.data_vars.values():
                 assert variable.attrs["long_name"]
 
 
 def test_scenario_run_twice_gives_the_same_bytes(tmp_path):
     for turn in ("one", "two"):
-        run_quickly("fig06_jumps", tmp_path / turn)
+        module = run_quickly("fig06_jumps", tmp_path / turn)
+    check_words(module, tmp_path / "two")
     drawn = sorted((tmp_path / "one").glob("*.[ps][nv]g"))
     figures = {entry.figure for entry in read_entries(tmp_path / "one")}
     assert {path.name for path in drawn} == {f"{figure}.{ending}" for figure in figures

@@ -1,5 +1,7 @@
 """What holds for every picture: its labels, its units, its place, and what it refuses."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -27,6 +29,12 @@ def in_units(dataset):
     return dimensional(dataset, MACHINE, units=UNITS)
 
 
+@cache
+def both(number):
+    """Return a picture as drawn without dimensions and in SI units, for tests that only look."""
+    return PICTURES[number].drawn(), PICTURES[number].drawn(in_units)
+
+
 def lines_in_data(ax):
     """Return the points of each line that lies in the units of both axes."""
     return [
@@ -38,7 +46,7 @@ def lines_in_data(ax):
 
 @every_picture
 def test_axes_are_labelled_with_name_and_symbol_and_the_unit_of_the_dataset(picture):
-    plain, si = picture.drawn(), picture.drawn(in_units)
+    plain, si = both(PICTURES.index(picture))
     for shown, in_si, (name, kind) in (
         (plain.get_xlabel(), si.get_xlabel(), picture.across),
         (plain.get_ylabel(), si.get_ylabel(), picture.up),
@@ -51,7 +59,7 @@ def test_axes_are_labelled_with_name_and_symbol_and_the_unit_of_the_dataset(pict
 
 @every_picture
 def test_a_dataset_in_si_units_is_drawn_to_scale(picture):
-    plain, si = picture.drawn(), picture.drawn(in_units)
+    plain, si = both(PICTURES.index(picture))
     scales = [WRITTEN[kind][1] for _, kind in (picture.across, picture.up)]
     lines, others = lines_in_data(si), lines_in_data(plain)
     assert len(lines) == len(others)
@@ -63,8 +71,8 @@ def test_a_dataset_in_si_units_is_drawn_to_scale(picture):
 
 @every_picture
 def test_no_text_is_cut_off(picture):
-    for convert in (lambda each: each, in_units):
-        figure = picture.drawn(convert).figure
+    for drawn in both(PICTURES.index(picture)):
+        figure = drawn.figure
         figure.draw_without_rendering()
         box = figure.get_tightbbox()
         assert box.x0 >= -0.02

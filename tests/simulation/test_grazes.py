@@ -1,6 +1,7 @@
 """Grazes of the guards inside a contact: release, slip speed and grip, just reached or not."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -83,6 +84,13 @@ def graze(draw, kind):
     return graze_of_release(draw) if kind == -4 else graze_of_friction(draw, kind)
 
 
+@cache
+def grazes(kind, count):
+    """Return so many of a kind, about which all methods are asked."""
+    draw = np.random.default_rng(11)
+    return [graze(draw, kind) for _ in range(count)]
+
+
 # How many tolerances from a border the events are decided: docs/events.md.
 FLOORS = [
     *((-4, method, floor, 6) for method, floor in (("taylor", 1e2), ("adams", 1e2), ("bdf", 1e3))),
@@ -98,10 +106,8 @@ FLOORS = [
 def test_grazes_are_decided_above_the_floor_that_is_stated(kind, method, floor, count):
     """Where contact damping is by so many rtol more or less than just releases (-4); and friction
     than has the slip speed just reach 0 (2), or the force of rolling just reach mu N (-2)."""
-    draw, rtol = np.random.default_rng(11), 1e-9
-    duration = 6.0 if kind == -4 else 5.0
-    for _ in range(count):
-        family, start, low, high = graze(draw, kind)
+    rtol, duration = 1e-9, 6.0 if kind == -4 else 5.0
+    for family, start, low, high in grazes(kind, count):
         for value in (low * (1.0 - floor * rtol), high * (1.0 + floor * rtol)):
             exact = kinds_of(family(value), start, duration, 1e-14)
             assert kinds_of(family(value), start, duration, rtol, method) == exact, family(value)

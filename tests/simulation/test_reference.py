@@ -42,7 +42,8 @@ def test_it_moves_by_the_equation():
 @pytest.mark.parametrize(
     ("case", "method", "rtol", "allowed"),
     [
-        *((case, "adams", 1e-12, 75.0) for case in CASES),
+        # the core is held against all of them in `tests/test_reference_events.py`
+        *((case, "adams", 1e-12, 75.0) for case in CASES[::2]),
         # the loop is the same for all; these take three times as long
         *((case, method, 1e-10, 80.0) for method in ("bdf", "ida") for case in CASES[::8]),
     ],
@@ -74,11 +75,11 @@ def random_rotor(draw, number):
     return rotor, tuple((draw.uniform(-2.0, 2.0, 4) * max(delta0, 0.5)).tolist())
 
 
-def test_it_agrees_with_the_core_on_30_random_rotors():
+def test_it_agrees_with_the_core_on_random_rotors():
     """Within its own error, in as far as its start determines its events at 1e-8."""
     draw = np.random.default_rng(0)
     compared = 0
-    for number in range(30):
+    for number in range(18):
         rotor, start = random_rotor(draw, number)
         own, core = (
             simulate(rotor, start=start, duration=15.0, samples=51, **how)

@@ -26,18 +26,18 @@ PLAIN = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
 GO_ON = np.zeros(1, np.uint8)
 
 
-ISOLA = np.linspace(1.7, 3.0, 6)
+ISOLA, STARTS = np.linspace(1.7, 3.0, 6), 60
 
 
 @pytest.fixture(scope="module")
 def isola():
-    return continue_attractors(omega=ISOLA, zeta=0.07, delta0=2.0, **BOX, starts=150, seed=2)
+    return continue_attractors(omega=ISOLA, zeta=0.07, delta0=2.0, **BOX, starts=STARTS, seed=2)
 
 
 def test_fractions_are_those_of_each_rotor_alone(isola):
     for omega in ISOLA[[0, 3]]:
         alone = basin_fractions(
-            Rotor(omega=omega, zeta=0.07, delta0=2.0), **BOX, starts=150, seed=2, rtol=1e-6
+            Rotor(omega=omega, zeta=0.07, delta0=2.0), **BOX, starts=STARTS, seed=2, rtol=1e-6
         )
         here = isola.sel(omega=omega).squeeze()
         present = np.isfinite(here.fraction) & (here["count"] > 0)
@@ -48,7 +48,7 @@ def test_fractions_are_those_of_each_rotor_alone(isola):
 
 
 def test_all_starts_are_accounted_for(isola):
-    total = isola["count"].sum("attractor") / 150 + isola.undecided_fraction
+    total = isola["count"].sum("attractor") / STARTS + isola.undecided_fraction
     np.testing.assert_allclose(total, 1.0)
     assert float(isola.undecided_fraction.max()) == 0.0
     present = np.isfinite(isola.fraction)
@@ -75,8 +75,8 @@ def test_one_number_lies_on_one_branch(isola):
 
 
 def test_what_the_sample_could_have_missed(isola):
-    """With this fraction an attractor is missed by 150 starts in 5 of 100 samples."""
-    assert (1.0 - float(isola.missed_fraction)) ** 150 == pytest.approx(0.05)
+    """With this fraction an attractor is missed by 60 starts in 5 of 100 samples."""
+    assert (1.0 - float(isola.missed_fraction)) ** STARTS == pytest.approx(0.05)
 
 
 def test_given_starts_are_followed_as_drawn_ones():
@@ -88,7 +88,7 @@ def test_given_starts_are_followed_as_drawn_ones():
 
 def test_whoever_does_the_work_finds_the_same_bits(isola):
     again = continue_attractors(
-        omega=ISOLA, zeta=0.07, delta0=2.0, **BOX, starts=150, seed=2, executor="processes",
+        omega=ISOLA, zeta=0.07, delta0=2.0, **BOX, starts=STARTS, seed=2, executor="processes",
         workers=2,
     )  # fmt: skip
     assert again.identical(isola)
@@ -104,7 +104,7 @@ def test_it_can_be_kept_and_goes_on_from_a_study(isola, tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         continue_attractors(
-            omega=ISOLA, zeta=0.07, delta0=2.0, **BOX, starts=150, seed=2, progress=interrupt,
+            omega=ISOLA, zeta=0.07, delta0=2.0, **BOX, starts=STARTS, seed=2, progress=interrupt,
             study=tmp_path / "study", workers=1,
         )  # fmt: skip
     assert resume(tmp_path / "study").identical(isola)

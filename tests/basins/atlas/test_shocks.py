@@ -94,7 +94,7 @@ def test_from_whatever_draw_the_search_comes_to_the_same_shocks(monkeypatch):
     """At omega 2, zeta 0.07, delta0 2, few drawn: 1.0762 ends the bouncing, however they fall."""
     found = []
     true_search = resilience.try_shocks
-    for seed in range(3):
+    for seed in range(2):
         monkeypatch.setattr(
             resilience,
             "try_shocks",
@@ -222,8 +222,8 @@ def test_a_machine_has_them_in_si_units():
         clearance=2.0 * length, speed=1000.0,
     )  # fmt: skip
     ranges = {name: tuple(end * length for end in BOX[name]) for name in ("x", "y")}
-    told = touchdown_report(machine, **ranges, starts=64, shocks=128)
-    plain = touchdown_report(machine.rotor(), **BOX, starts=64, shocks=128)
+    told = touchdown_report(machine, **ranges, starts=32, shocks=32)
+    plain = touchdown_report(machine.rotor(), **BOX, starts=32, shocks=32)
     assert told.velocity_shock.attrs["units"] == "m s-1"
     assert told.displacement_shock.attrs["units"] == "m"
     np.testing.assert_allclose(
@@ -263,7 +263,7 @@ def test_a_knock_into_whip_is_followed_there_and_the_bound_is_below_it(monkeypat
     rotor = replace(WHIP, delta0=0.9)
     for name, few in {"MOST_TURNS": 2, "LEADING": 2, "NEIGHBOURS": 4}.items():
         monkeypatch.setattr(shocks, name, few)
-    report = touchdown_report(rotor, **WIDE, starts=20, shocks=64)
+    report = touchdown_report(rotor, **WIDE, starts=10, shocks=32)
     rub, whip = of_kind(report, "synchronous"), of_kind(report, "rolling")
     target = int(whip.attractor)
     for kind in ("velocity", "displacement"):

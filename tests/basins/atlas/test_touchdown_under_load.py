@@ -25,7 +25,6 @@ from tests.basins.atlas.reports import WIDE, of_kind
 DROPPED = Rotor(omega=2.0, zeta=0.05, delta0=1.0, shaft_stiffness=0.25, load=0.6)
 HELD = Rotor(omega=0.25, zeta=0.1, delta0=2.0, shaft_stiffness=0.5, load=0.4)
 # On a torus: a slight load on a cycle whose period is no whole number of revolutions.
-SLIGHT = Rotor(omega=2.0, zeta=0.07, delta0=2.0, load=0.02)
 RUBBING = Rotor(
     omega=2.0, zeta=0.07, delta0=2.0, contact_damping=0.2, load=0.02, friction=0.05,
     disc_radius=10.0,
@@ -34,8 +33,8 @@ RUBBING = Rotor(
 
 @pytest.mark.parametrize("rotor", [DROPPED, HELD], ids=["dropped", "held"])
 def test_fractions_and_motions_are_those_of_basin_fractions(rotor):
-    report = touchdown_report(rotor, **WIDE, starts=30, seed=3)
-    fractions = basin_fractions(rotor, **WIDE, starts=30, seed=3)
+    report = touchdown_report(rotor, **WIDE, starts=12, seed=3)
+    fractions = basin_fractions(rotor, **WIDE, starts=12, seed=3)
     for name in ("kind", "fraction", "fraction_error"):
         np.testing.assert_array_equal(report[name], fractions[name])
     for name in ("amplitude", "radius_min", "radius_max"):
@@ -57,7 +56,7 @@ def long_run(rotor, start, turns=200):
 
 @cache
 def report_of(rotor):
-    return touchdown_report(rotor, **WIDE, starts=8, seed=3)
+    return touchdown_report(rotor, **WIDE, starts=8 if rotor is DROPPED else 4, seed=3)
 
 
 def start_to(rotor, kind):
@@ -75,8 +74,7 @@ def start_to(rotor, kind):
     [
         (DROPPED, "bouncing", 1e-6),
         (DROPPED, "full_contact", 1e-6),
-        (SLIGHT, "quasi_periodic", 0.02),  # means over a torus, of 64 and of 200 revolutions
-        (RUBBING, "quasi_periodic", 0.02),
+        (RUBBING, "quasi_periodic", 0.02),  # means over a torus, of 64 and of 200 revolutions
     ],
 )
 def test_forces_and_losses_are_those_of_a_long_run(rotor, kind, near):
@@ -100,7 +98,7 @@ def test_forces_and_losses_are_those_of_a_long_run(rotor, kind, near):
 
 def test_the_sag_under_a_load_is_no_line_beside_1x():
     """It stands still, and is larger than any line of this torus but 1X."""
-    row = of_kind(report_of(SLIGHT), "quasi_periodic")
+    row = of_kind(report_of(RUBBING), "quasi_periodic")
     assert abs(float(row.side_line_over_spin)) > 0.1
 
 

@@ -6,6 +6,7 @@ import sqlite3
 import subprocess
 import sys
 from contextlib import closing
+from functools import cache
 from itertools import count
 
 import numpy as np
@@ -59,6 +60,12 @@ KINDS = {
 }  # fmt: skip
 
 
+@cache
+def whole_of(kind):
+    """Return what is computed in one go."""
+    return KINDS[kind]()
+
+
 class EnoughError(Exception):
     """Breaks a study off."""
 
@@ -75,7 +82,7 @@ def breaking_off(after):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_goes_on_to_the_same_bits(kind, tmp_path):
-    whole = KINDS[kind]()
+    whole = whole_of(kind)
     for after in (0, 1):
         with pytest.raises(EnoughError):
             KINDS[kind](study=tmp_path, progress=breaking_off(after))
@@ -225,7 +232,7 @@ def test_columns_on_the_disk_hold_the_same_bits(kind, tmp_path, monkeypatch):
     from rotor_ida.basins import attractors
     from rotor_ida.results.studies import arrays
 
-    whole = KINDS[kind]()
+    whole = whole_of(kind)
     monkeypatch.setattr(arrays, "LARGE", 1)
     monkeypatch.setattr(attractors, "STRETCH", 100)
     on_disk = KINDS[kind](study=tmp_path / "study")
