@@ -297,7 +297,7 @@ MISTAKES = [
     ("plot {run} --kind bode --figure a --span 2", "span must be left out with --kind bode"),
     ("plot {run} --kind bode --figure a --order -1", "orders must be positive, got -1.0"),
     ("plot {run} --kind cascade --figure a --segment 3", "segment must be at least 16, got 3"),
-    ("plot {run} --kind trace --figure a --times 5 1", "times must lie within 0 to 60, got 5 1"),
+    ("plot {run} --kind trace --figure a --times 5 1", "times must increase, got 1.0 after 5.0"),
     ("plot {run} --kind trace --figure a --times 5", "times must be two numbers START END, got 1"),
     ("plot {run} --kind trace --figure a --rate 5", "rate must be left out with an archive, got"),
     ("plot {sweep} --kind trace --figure a", "file must contain a run, a run-up or signals"),
