@@ -192,7 +192,7 @@ def draw_speed_map(
     around = {"contacts": contacts, "unbalance": unbalance}
     swept = sweep(
         reduced, **around, direction="both",
-        speed=np.linspace(FIRST, LAST, 9 if settings.quick else 71),
+        speed=np.linspace(FIRST, LAST, 15 if settings.quick else 71),
     )  # fmt: skip
     settings.keep(swept, "speed_map")
     special = special_speeds(reduced, **around, limits=(FIRST, LAST))
@@ -226,7 +226,7 @@ def draw_shapes(system: RotorSystem, around: dict[str, Any], settings: Settings)
 def draw_eigenvalues(system: RotorSystem, contacts: Sequence[Contact], settings: Settings) -> None:
     """Draw whirl speeds over the speed, with contacts open, half closed and closed."""
     found = campbell(
-        system, contacts=contacts, speed=np.linspace(0.0, LAST, 5 if settings.quick else 35),
+        system, contacts=contacts, speed=np.linspace(0.0, LAST, 9 if settings.quick else 35),
         contact_stiffness=CLOSED, modes=8,
     )  # fmt: skip
     settings.keep(found, "campbell")

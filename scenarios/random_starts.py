@@ -25,7 +25,7 @@ BOX = dict.fromkeys(("x", "y", "vx", "vy"), (-10.0, 10.0))
 
 
 def main(settings: Settings) -> None:
-    starts = 100 if settings.quick else 3000
+    starts = 300 if settings.quick else 3000
     furthest = 0.0
     for omega, delta0 in POINTS:
         pair = [reached(omega, delta0, starts, seed, settings) for seed in (1, 2)]
@@ -35,8 +35,8 @@ def main(settings: Settings) -> None:
         print(f"omega {omega:g}, delta0 {delta0:g}: {in_words(pair[0])}")
     print(f"two samples differ by at most {furthest:.1f} standard errors")
 
-    speeds = np.linspace(0.2, 3.0, 3 if settings.quick else 57)
-    each = 20 if settings.quick else 400
+    speeds = np.linspace(0.2, 3.0, 4 if settings.quick else 57)
+    each = 40 if settings.quick else 400
     figure, axes = panels(2, 2, height=6.0)
     most: list[str] = []
     again = alike = 0.0

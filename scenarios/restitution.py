@@ -38,7 +38,7 @@ PEAKS = 48  # contacts whose depths are shown
 
 
 def main(settings: Settings) -> None:
-    law = impacts(number=2 if settings.quick else 10)
+    law = impacts(number=3 if settings.quick else 10)
     settings.keep(law, "law")
     draw_law(law, settings)
 
@@ -119,9 +119,9 @@ def doublings(branch: xr.Dataset) -> np.ndarray:
 
 def peaks_and_exponents(settings: Settings) -> xr.Dataset:
     """Return the depths of late contacts and the largest exponent over the contact damping."""
-    dampings = np.linspace(0.0, LARGEST, 9 if settings.quick else 121)
+    dampings = np.linspace(0.0, LARGEST, 17 if settings.quick else 121)
     sparse = dampings[:: 4 if settings.quick else 6]
-    duration = 2000.0 if settings.quick else 6000.0
+    duration = 4000.0 if settings.quick else 6000.0
 
     def peaks_at(damping: float) -> np.ndarray:
         rotor = Rotor(**CHAOTIC, contact_damping=damping)

@@ -65,7 +65,7 @@ def main(settings: Settings) -> None:
         compat="equals", join="exact", combine_attrs="override",
     )  # fmt: skip
     settings.keep(curves, "curves")
-    ends = simulated_ends(np.linspace(0.15, 2.85, 3 if settings.quick else 28), frictions, settings)
+    ends = simulated_ends(np.linspace(0.15, 2.85, 4 if settings.quick else 28), frictions, settings)
     settings.keep(ends, "simulated")
     draw_curves(curves, ends, settings)
 
@@ -76,7 +76,7 @@ def main(settings: Settings) -> None:
     draw_knocks(runs, settings)
 
     smallest = smallest_knocks(
-        np.linspace(0.2, 1.6, 2 if settings.quick else 29),
+        np.linspace(0.2, 1.6, 3 if settings.quick else 29),
         np.array([0.5]) if settings.quick else np.linspace(0.35, 1.15, 9),
         settings,
     )

@@ -417,6 +417,18 @@ def packed(answer: Answer, ticket: Mapping[str, object] | None = None) -> bytes:
     return len(header).to_bytes(4, "little") + header + b"".join(blocks)
 
 
+def part_of(answer: bytes) -> str:
+    """Return the name of the part that a packed answer is.
+
+    Examples
+    --------
+    >>> part_of(packed(Answer("curve", {"zeta": 0.07})))
+    'curve'
+    """
+    end = 4 + int.from_bytes(answer[:4], "little")
+    return str(json.loads(answer[4:end])["part"])
+
+
 def _finite(value: object) -> object:
     """Return a fact for JSON: NumPy numbers as Python's, None for non-finite ones."""
     if isinstance(value, dict):

@@ -12,7 +12,7 @@ from functools import partial
 from itertools import count
 
 from rotor_ida.explorer.messages import FILES, Answer, Measurement, packed
-from rotor_ida.explorer.system_questions import SYSTEM_FILES
+from rotor_ida.explorer.system_questions import SYSTEM_FILES, SystemUpload
 from rotor_ida.explorer.workers import (
     FIRST_MACHINE,
     FIRST_ROTOR,
@@ -37,7 +37,7 @@ AGAIN = 0.5
 AT_A_TIME = 2**20
 # For each queue: its questions, pause, patience and rest in seconds, and niceness.
 PLANS: tuple[tuple[tuple[str, ...], float, float, float, int], ...] = (
-    (("motion", "run_up", "lines", "system_run"), 0.0, 0.25, 0.0, 0),
+    (("motion", "run_up", "lines", "system_run", SystemUpload.about), 0.0, 0.25, 0.0, 0),
     (
         ("responses", Measurement.about, *FILES, "system_map", *SYSTEM_FILES),
         0.0,

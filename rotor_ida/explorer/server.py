@@ -39,6 +39,7 @@ from rotor_ida.explorer.messages import (
     Measurement,
     largest_speed,
     packed,
+    part_of,
     read_question,
 )
 from rotor_ida.explorer.page import TYPES, page_files
@@ -168,7 +169,7 @@ class Inbox:
     """Input from a page: questions, and a file in pieces after its question.
 
     A measured file is kept in a temporary folder until it is analysed, the file of a system until
-    the page sends another one or disconnects.
+    the page sends another one that can be read, or disconnects.
     """
 
     def __init__(
@@ -216,25 +217,27 @@ class Inbox:
         with coming.path.open("ab") as file:
             file.write(piece)
         self._left -= len(piece)
-        if not self._left and isinstance(coming, SystemUpload):
-            self._keep(coming)
-        elif not self._left:
+        if not self._left:
             self._coming = None
-            assert isinstance(coming, Measurement)
-            self._ask(coming, partial(self._answered, self._folder))
+            is_system = isinstance(coming, SystemUpload)
+            answered = partial(self._kept, coming.path) if is_system else self._answered
+            self._ask(coming, partial(answered, self._folder))
 
     def _answered(self, folder: TemporaryDirectory[str] | None, answer: bytes) -> None:
         if folder is not None:
             folder.cleanup()
         self._deliver(answer)
 
-    def _keep(self, coming: SystemUpload) -> None:
-        """Take a file that is complete as that of the system."""
-        if self._folder_of_system is not None:
-            self._folder_of_system.cleanup()
-        self._folder_of_system, self._folder, self._coming = self._folder, None, None
-        self._system = coming.path
-        self._deliver(packed(Answer("system_file", {"name": coming.name}), coming.ticket))
+    def _kept(self, path: Path, folder: TemporaryDirectory[str] | None, answer: bytes) -> None:
+        """Take a file as that of the system, if it could be read; else the one before stays."""
+        if folder is not self._folder:
+            return  # another file came meanwhile
+        if part_of(answer) == SystemUpload.about:
+            if self._folder_of_system is not None:
+                self._folder_of_system.cleanup()
+            self._folder_of_system, self._folder, self._system = folder, None, path
+        self._forget()
+        self._deliver(answer)
 
     def close(self) -> None:
         """Remove the stored files."""

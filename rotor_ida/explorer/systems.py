@@ -18,7 +18,12 @@ from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.measured import cascade_rows, full_lines, order_rows, unless_impossible
 from rotor_ida.explorer.messages import Answer
-from rotor_ida.explorer.system_questions import OF_CONTACT, SYSTEM_RUNS, SystemQuestion
+from rotor_ida.explorer.system_questions import (
+    OF_CONTACT,
+    SYSTEM_RUNS,
+    SystemQuestion,
+    SystemUpload,
+)
 from rotor_ida.explorer.system_verdicts import verdict
 from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem
@@ -80,13 +85,9 @@ class Case:
 
 def case_of(question: SystemQuestion) -> Case:
     """Return the case of a question, from its file and its changes."""
-    path = question.path
-    if path is None:
+    if question.path is None:
         raise InputError("a system file or an archive of one must be given: drop it on the page")
-    try:
-        found = _read(path, path.stat().st_mtime_ns)
-    except InputError as error:  # the folder is of no interest, or a temporary one
-        raise InputError(str(error).replace(f"{path.parent}{os.sep}", "")) from error
+    found = _case_in(question.path)
     contacts = list(found.contacts)
     changes: dict[str, Any] = dict(question.changes)
     factor = changes.pop("unbalance_factor", 1.0)
@@ -97,6 +98,21 @@ def case_of(question: SystemQuestion) -> Case:
     unbalance = tuple(replace(each, moment=factor * each.moment) for each in found.unbalance)
     speed = found.speed if question.speed is None else question.speed
     return replace(found, contacts=tuple(contacts), unbalance=unbalance, speed=speed)
+
+
+def _case_in(path: Path) -> Case:
+    """Return the case of a file, whose folder is of no interest, or a temporary one."""
+    try:
+        return _read(path, path.stat().st_mtime_ns)
+    except InputError as error:
+        raise InputError(str(error).replace(f"{path.parent}{os.sep}", "")) from error
+
+
+def show_system_file(upload: SystemUpload) -> Iterator[Answer]:
+    """Yield the name of a file that can be shown."""
+    assert upload.path is not None
+    _case_in(upload.path)
+    yield Answer("system_file", {"name": upload.name})
 
 
 @lru_cache(maxsize=2)

@@ -21,10 +21,10 @@ from typing import BinaryIO, Literal, cast
 
 from rotor_ida.errors import RotorError
 from rotor_ida.explorer.messages import Answer, Measurement, Question, packed, read_question
-from rotor_ida.explorer.system_questions import SystemQuestion
+from rotor_ida.explorer.system_questions import SystemQuestion, SystemUpload
 
 # Orders about a numbered answer: compute its first part, continue, or cancel it.
-Asked = Question | Measurement | SystemQuestion
+Asked = Question | Measurement | SystemQuestion | SystemUpload
 Order = tuple[int, Asked | Literal["next", "drop"]]
 
 # Rotor of the warm-up question, before a page may connect.
@@ -40,8 +40,9 @@ SHOWN_BY = {
     "starts": ("starts", "show_starts"),
 }
 OF_SYSTEMS = {
-    about: ("systems", f"show_{about}") for about in ("system_run", "system_map", "system_run_up")
-}  # fmt: skip
+    about: ("systems", f"show_{about}")
+    for about in ("system_run", "system_map", "system_run_up", SystemUpload.about)
+}
 # Seconds after which a part is interrupted again.
 SOON = 0.01
 # Bytes of the length of an answer, little-endian.
@@ -151,7 +152,7 @@ def _show(question: Asked) -> Iterator[Answer]:
         from rotor_ida.explorer.measured import show_measured  # noqa: PLC0415
 
         return show_measured(question)
-    if isinstance(question, SystemQuestion):
+    if isinstance(question, SystemQuestion | SystemUpload):
         place = OF_SYSTEMS.get(question.about, ("system_files", "show_system_file"))
     else:
         place = SHOWN_BY.get(question.about, ("files", "show_file"))

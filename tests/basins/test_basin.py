@@ -88,17 +88,14 @@ def test_numbers_add_up(figure_7):
     assert set(np.unique(figure_7.label)) <= set(flags_of(figure_7.label).values())
 
 
-def test_whoever_does_the_work_finds_the_same_bits(monkeypatch):
+def test_whoever_does_the_work_finds_the_same_bits():
     """There are limit cycles here, of periods 21 and 64, so all that a batch returns counts."""
     rotor = Rotor(omega=1.7, zeta=0.07, delta0=2.0)
-    monkeypatch.setattr(following, "SMALLEST_BATCH", 48)
-    axis = AXIS[::2]
-    by_threads, by_processes = (
-        basin(rotor, x=axis, y=axis, executor=executor, workers=workers)
-        for executor, workers in (("threads", 3), ("processes", 2))
-    )
-    assert np.isfinite(by_threads.period).sum() == 2
-    assert by_threads.identical(by_processes)
+    alone = basin(rotor, x=AXIS, y=AXIS, executor="serial")
+    assert np.isfinite(alone.period).sum() == 2
+    for executor, workers in (("threads", 3), ("processes", 2)):
+        together = basin(rotor, x=AXIS, y=AXIS, executor=executor, workers=workers)
+        assert alone.identical(together)
 
 
 def test_a_study_with_one_batch_left_ends_with_the_same_bits(tmp_path):
@@ -233,10 +230,13 @@ def test_every_variable_is_labelled(figure_7):
 
 def test_finely_folded_basins_are_followed_more_closely():
     """At omega 1.7, delta0 2 one start in fourteen ends elsewhere with an error of 1e-6."""
-    folded = Rotor(omega=1.7, zeta=0.07, delta0=2.0)
+    folded, smooth = (Rotor(omega=1.7, zeta=0.07, delta0=delta0) for delta0 in (2.0, 0.0))
     axis = np.linspace(-15.0, 15.0, 20)
     chosen = basin(folded, x=axis, y=axis)
     assert chosen.attrs["labelling_rtol"] == following.SMALL_RTOL
+    closely = basin(folded, x=axis, y=axis, rtol=following.SMALL_RTOL)
+    np.testing.assert_array_equal(chosen.label, closely.label)
     coarsely = basin(folded, x=axis, y=axis, rtol=following.RTOL)
     assert coarsely.attrs["labelling_rtol"] == following.RTOL
     assert (coarsely.label != chosen.label).sum() > 5
+    assert basin(smooth, x=axis, y=axis).attrs["labelling_rtol"] == following.RTOL

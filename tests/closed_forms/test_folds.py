@@ -332,7 +332,7 @@ def test_without_damping_the_speed_is_stationary_at_a_fold(delta0, kappa):
         assert abs(omega / mpmath.sqrt(square(A)) - 1) < ROUNDING
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(
     zeta=st.floats(1e-3, 0.3),
     delta0=st.one_of(st.just(0.0), st.floats(1e-3, 5.0)),

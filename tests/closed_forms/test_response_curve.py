@@ -133,7 +133,7 @@ def assert_agrees_with_the_whirls(points, varied, values, parameters, **toleranc
 PARTS = np.array([0.123, 0.456, 0.789])
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(zeta=dampings, delta0=clearances, limits=speed_limits)
 def test_curve_over_the_speed_is_on_the_whirls_and_whole(zeta, delta0, limits):
     points = columns(response_curve(zeta=zeta, delta0=delta0, limits=limits))
@@ -146,7 +146,7 @@ def test_curve_over_the_speed_is_on_the_whirls_and_whole(zeta, delta0, limits):
     assert_agrees_with_the_whirls(points, "omega", speeds, rotor, atol=slack)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(zeta=dampings, omega=st.floats(0.2, 4.0), limits=clearance_limits)
 def test_curve_over_the_clearance_is_on_the_whirls_and_whole(zeta, omega, limits):
     points = columns(clearance_curve(omega=omega, zeta=zeta, limits=limits))
@@ -201,7 +201,7 @@ def test_every_whirl_of_every_rotor_is_on_the_curve_over_the_clearance(rotor):
     assert_agrees_with_the_whirls(points, "delta0", values, rotor, rtol=2e-2)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(zeta=dampings, delta0=clearances)
 def test_stability_changes_at_the_folds_and_nowhere_else(zeta, delta0):
     points = columns(response_curve(zeta=zeta, delta0=delta0, limits=(0.0, 50.0), points=20))

@@ -221,19 +221,12 @@ def test_light_damping_reaches_amplitudes_near_a_hundred():
     assert 60.0 < one_point(3.1, 0.01, 1.0)["amplitude"].max() < 140.0
 
 
-BESIDE_FOLDS = [
-    (kappa, exponent, delta0)
-    for kappa, exponent in (
-        *((0.0, 1.5), (0.04, 1.5), (0.25, 1.5), (1.0, 1.5)),
-        *((0.0, 1.0), (0.3, 1.0), (2.0, 1.0)),
-    )
-    for delta0 in (0.0, 0.1, 0.7, 1.0, 3.0)
-]
-
-
-# every other point of a grid, as on the squares of one colour of a chessboard
 @pytest.mark.parametrize("away", [1e-6, 1e-14])
-@pytest.mark.parametrize(("kappa", "exponent", "delta0"), BESIDE_FOLDS[::2])
+@pytest.mark.parametrize("delta0", [0.0, 0.1, 0.7, 1.0, 3.0])
+@pytest.mark.parametrize(
+    ("kappa", "exponent"),
+    [(0.0, 1.5), (0.04, 1.5), (0.25, 1.5), (1.0, 1.5), (0.0, 1.0), (0.3, 1.0), (2.0, 1.0)],
+)
 def test_nearly_double_roots_beside_a_fold_are_neither_lost_nor_invented(
     kappa, exponent, delta0, away
 ):
@@ -470,7 +463,7 @@ def test_extreme_parameters_hold_to_rounding(omega, zeta, delta0):
     assert_matches_reference(omega, zeta, delta0)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(
     omega=st.floats(1e-3, 20.0),
     zeta=st.one_of(st.just(0.0), st.floats(1e-6, 3.0)),

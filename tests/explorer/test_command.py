@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
 import shutil
@@ -25,7 +24,7 @@ from rotor_ida.cli.commands.explore import NEEDED
 from rotor_ida.explorer import explore as explorer
 from rotor_ida.explorer.explore import can_show_a_page
 from tests.explorer.asking import BEYOND, BEYOND_IN_SI, MACHINE, ROTOR, SLOW, asked
-from tests.explorer.conftest import PATIENCE, Program, wait_until
+from tests.explorer.conftest import MAIN, PATIENCE, Program, wait_until
 
 Start = Callable[..., Program]
 
@@ -128,28 +127,18 @@ def test_a_port_that_is_taken_gets_one_line_at_once(capfd: pytest.CaptureFixture
     assert "give another with --port" in told
 
 
-# Each in turn is hidden, as the three are asked for in the same place.
-HIDING = """
-import sys
-from rotor_ida.cli import main
-for hidden in sys.argv[1:]:
-    sys.modules[hidden] = None
-    status = main(["explore", "--no-browser"])
-    del sys.modules[hidden]
-    if status != 2:
-        sys.exit(f"{hidden}: {status}")
-"""
-
-
-def test_without_the_extra_one_line_says_how_to_install_it():
+@pytest.mark.parametrize("hidden", NEEDED)
+def test_without_the_extra_one_line_says_how_to_install_it(hidden: str):
+    code = f"import sys; sys.modules[{hidden!r}] = None; {MAIN}"
     ended = subprocess.run(
-        [sys.executable, "-c", HIDING, *NEEDED], capture_output=True, text=True, check=False
+        [sys.executable, "-c", code, "explore", "--no-browser"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 2
+    assert ended.stdout == ""
+    assert ended.stderr == (
+        f"rotor-ida: explore needs {hidden}: install it with pip install 'rotor-ida[explore]'\n"
     )
-    assert (ended.returncode, ended.stdout) == (0, "")
-    assert ended.stderr.splitlines() == [
-        f"rotor-ida: explore needs {hidden}: install it with pip install 'rotor-ida[explore]'"
-        for hidden in NEEDED
-    ]
 
 
 def first_state(words: list[str], monkeypatch: pytest.MonkeyPatch) -> dict[str, object]:
@@ -198,8 +187,9 @@ def state_of(program: Program) -> dict[str, str]:
     return {name: each for name, (each,) in parse_qs(urlsplit(program.address).fragment).items()}
 
 
-def end(program: Program, children: list[int], send: Callable[[int], None]) -> None:
-    """Let a program be told to end, and check that it does, and leaves no process behind."""
+def end(program: Program, send: Callable[[int], None]) -> None:
+    """Let a program be told to end, and check that it does, and leaves nothing behind."""
+    children = program.children()
     send(program.process.pid)
     assert program.ended() == 0
     assert "Traceback" not in program.text
@@ -209,6 +199,7 @@ def end(program: Program, children: list[int], send: Callable[[int], None]) -> N
 
 SIGNALS = {
     "Ctrl-C": lambda pid: os.killpg(pid, signal.SIGINT),
+    "SIGINT": lambda pid: os.kill(pid, signal.SIGINT),
     "SIGTERM": lambda pid: os.kill(pid, signal.SIGTERM),
     "a terminal that closes": lambda pid: os.killpg(pid, signal.SIGHUP),
 }
@@ -221,20 +212,27 @@ def test_it_ends_while_it_still_starts(name: str, start: Start):
         pytest.skip("under nohup the program is to outlive its terminal")
     program = start(start_new_session=True)
     wait_until(lambda: bool(program.children()), "a process that starts")
-    end(program, program.children(), SIGNALS[name])
+    end(program, SIGNALS[name])
+
+
+@posix
+def test_it_ends_while_a_page_is_open_and_an_answer_is_computed(start: Start):
+    program = start(*[f"--{key}={value}" for key, value in MACHINE.items()], start_new_session=True)
+    program.wait_until_ready()
+    given = {key: float(value) for key, value in state_of(program).items() if key in MACHINE}
+    assert given == MACHINE
+    with program.talk() as talk:
+        talk.send(json.dumps(asked("starts", machine=SLOW)))
+        assert talk.recv(PATIENCE)
+        end(program, SIGNALS["Ctrl-C"])
 
 
 @posix
 def test_a_file_gives_rotor_start_and_revolutions_and_a_killed_program_takes_all_along(
-    start: Start, archives: Path, place: Path
+    start: Start, archives: Path
 ):
     program = start("--file", str(archives / "run.nc"))
     program.wait_until_ready()
-    # without a browser the printed address has the key, and no file is written
-    assert not list(place.glob("*.html"))
-    with program.talk() as talk:
-        talk.send(json.dumps(asked()))
-        assert talk.recv(PATIENCE)
     state = state_of(program)
     assert {name: float(state[name]) for name in ROTOR} == ROTOR
     assert [float(state[name]) for name in ("x", "y", "vx", "vy")] == [0.5, 0.0, 0.0, 1.0]
@@ -265,8 +263,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.fixture
 def shown(start: Start, place: Path) -> Iterator[tuple[Program, str]]:
     """Return a program, and what it has told a browser to open that does not end."""
-    words = [f"--{key}={value}" for key, value in MACHINE.items()]
-    program, opened = start(*words, browser=True), place.with_name("opened")
+    program, opened = start(browser=True), place.with_name("opened")
     program.wait_until_ready()
     wait_until(lambda: opened.exists() and opened.read_text().endswith("\n"), "a browser")
     (slept,) = set(program.children()) - set(workers_of(program))
@@ -275,36 +272,43 @@ def shown(start: Start, place: Path) -> Iterator[tuple[Program, str]]:
 
 
 @posix
-def test_only_the_user_can_read_the_key_and_only_until_the_program_ends_amid_an_answer(
-    shown: tuple[Program, str], place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_only_the_user_can_read_the_key_and_only_while_the_program_lives(
+    shown: tuple[Program, str], place: Path
 ):
     program, told = shown
-    given = {key: float(value) for key, value in state_of(program).items() if key in MACHINE}
-    assert given == MACHINE
     (file,) = place.glob("*.html")
     assert told == file.as_uri()
     assert stat.S_IMODE(file.stat().st_mode) == 0o600
     assert file.read_text().count(f'url={escape(program.address)}"') == 1
     for pid in (program.process.pid, *program.children()):
         assert program.key.encode() not in Path(f"/proc/{pid}/cmdline").read_bytes()
-    monkeypatch.delenv("TMPDIR")  # its name is too long for Chromium's own sockets
-    seen = seen_in_a_browser(told)
-    assert "file:" not in seen
-    assert tmp_path.name not in seen
-    with program.talk() as talk:
-        talk.send(json.dumps(asked("starts", machine=SLOW)))
-        assert talk.recv(PATIENCE)
-        end(program, workers_of(program), lambda pid: os.kill(pid, signal.SIGINT))
+    os.kill(program.process.pid, signal.SIGTERM)
+    assert program.ended() == 0
     assert not file.exists()
 
 
-def seen_in_a_browser(told: str) -> str:
-    """Return what the page that comes up from a file knows, or nothing without a browser."""
-    driver, chromium = shutil.which("chromedriver"), shutil.which("chromium")
-    if not (importlib.util.find_spec("selenium") and driver and chromium):
-        return ""
-    from selenium import webdriver
+@posix
+def test_without_a_browser_the_printed_address_has_the_key_and_no_file_is_written(
+    start: Start, place: Path
+):
+    program = start()
+    program.wait_until_ready()
+    assert not list(place.glob("*.html"))
+    with program.talk() as talk:
+        talk.send(json.dumps(asked()))
+        assert talk.recv(PATIENCE)
 
+
+@posix
+def test_the_page_comes_up_from_the_file_and_does_not_know_of_it(
+    shown: tuple[Program, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    _, told = shown
+    monkeypatch.delenv("TMPDIR")  # its name is too long for Chromium's own sockets
+    webdriver = pytest.importorskip("selenium.webdriver", reason="there is no selenium")
+    driver, chromium = shutil.which("chromedriver"), shutil.which("chromium")
+    if not (driver and chromium):
+        pytest.skip("there is no Chromium with its driver")
     options = webdriver.ChromeOptions()
     options.binary_location = chromium
     for word in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage"):
@@ -315,7 +319,8 @@ def seen_in_a_browser(told: str) -> str:
         assert browser.execute_script("return document.referrer") == ""
         seen = browser.execute_script(SEEN)
     assert "http://127.0.0.1:" in seen
-    return seen
+    assert "file:" not in seen
+    assert tmp_path.name not in seen
 
 
 # What a page knows of where it comes from, and whether it has an answer.

@@ -56,10 +56,10 @@ def test_a_system_is_shown_and_played_and_one_page_shows_every_node_without_the_
     try:
         page = SystemPage(driver, address)
         check_played(page)
+        check_bad_file_refused(page)  # and what is shown can still be changed
         command = check_state_in_the_address(page)
         page.find('[data-file="html"]').click()
         file = wait_for(tmp_path / "run.html")
-        check_bad_file_refused(page)
         assert errors_of(driver) == []
         ended(process)
         check_alone(SystemPage(driver, file.as_uri()), command, path)

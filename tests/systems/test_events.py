@@ -32,7 +32,7 @@ def test_one_disc_as_a_system_has_the_same_events(monkeypatch):
 @pytest.mark.parametrize("seed", [2, 5, 19, 34])
 def test_systems_have_the_events_of_cvode(seed):
     """Ramps, torques, stators, races, rolling: each event, where each contact is."""
-    exact, witness = followed(seed, 6.0), followed(seed, 6.0, method="adams", rtol=1e-11)
+    exact, witness = followed(seed, 10.0), followed(seed, 10.0, method="adams", rtol=1e-11)
     assert exact.sizes["event"] > 3
     np.testing.assert_array_equal(exact.event_kind, witness.event_kind)
     np.testing.assert_array_equal(exact.event_contact, witness.event_contact)
@@ -244,7 +244,7 @@ def test_a_stator_without_mass_is_the_limit_of_light_ones(friction):
     assert apart[0] / apart[1] == pytest.approx(10.0, rel=0.1)
 
 
-@pytest.mark.parametrize(("friction", "damping"), [(0.3, 1.5), (1.0, 0.4)])
+@pytest.mark.parametrize(("friction", "damping"), [(0.0, 0.0), (0.3, 1.5), (1.0, 0.4)])
 def test_events_on_a_stator_without_mass_are_those_of_cvode(friction, damping):
     runs = [
         on_a_stator(0.0, friction, damping=damping, **how)

@@ -59,7 +59,7 @@ def drawn():
     """Return rotors all over the plane with a stable whirl in contact each."""
     random = np.random.default_rng(7)
     rotors = []
-    while len(rotors) < 16:
+    while len(rotors) < 40:
         rotor = Rotor(
             omega=random.uniform(0.3, 4.0), zeta=10.0 ** random.uniform(-2.0, -0.5),
             delta0=random.choice([0.0, random.uniform(0.05, 3.0)]),
@@ -79,7 +79,7 @@ LITTLE_DAMPING = [
     Rotor(omega=16.5, zeta=1.1e-6, delta0=2e-4),
 ]
 # Parts of the way to an end, closer where it begins and ends.
-PARTS = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 0.99, 2000))
+PARTS = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 0.99, 4000))
 
 
 @pytest.mark.parametrize("rotor", ROTORS, ids=str)
@@ -120,7 +120,7 @@ def test_a_whirl_that_never_fits_into_the_clearance_ends_at_folds(omega, zeta, d
         assert np.nanmin(np.abs(found / omega - 1.0)) < 1e-7
 
 
-@pytest.mark.parametrize("rotor", ROTORS[:8], ids=str)
+@pytest.mark.parametrize("rotor", ROTORS[:15], ids=str)
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_up_to_there_the_whirl_can_be_followed(rotor, name):
     """In small steps, each to the nearest stable whirl: none jumps before the end."""
