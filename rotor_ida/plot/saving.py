@@ -31,8 +31,6 @@ _CANVASES: dict[str, Callable[[Figure], FigureCanvasBase]] = {
     "pdf": FigureCanvasPdf,
 }
 _DOTS_PER_INCH = 200
-# The layout is solved this number of times: the second time from where the first left the axes.
-_PASSES = 2
 
 
 def save_figure(
@@ -104,7 +102,7 @@ def _settled_layout(figure: Figure) -> Iterator[None]:
     """Fix the layout, so that no file depends on what was drawn before."""
     engine = figure.get_layout_engine()
     if engine is not None:
-        for _ in range(_PASSES):
+        for _ in range(2):
             engine.execute(figure)
         _round_positions(figure)
     figure.set_layout_engine("none")

@@ -40,9 +40,8 @@ def program(
 
 @pytest.fixture(autouse=True)
 def _coarse_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures of few dots, laid out once; `tests/plot/test_saving.py` looks at whole ones."""
+    """Figures of few dots; `tests/plot/test_saving.py` looks at whole ones."""
     monkeypatch.setattr("rotor_ida.plot.saving._DOTS_PER_INCH", 50)
-    monkeypatch.setattr("rotor_ida.plot.saving._PASSES", 1)
 
 
 @pytest.fixture(scope="session")

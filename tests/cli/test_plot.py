@@ -51,7 +51,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("kind", "name"),
     [
         *((kind, "machine.nc") for kind in FUNCTIONS),
-        *((kind, "probes.csv") for kind in ("polar", "trace")),
+        *((kind, "probes.csv") for kind in ("polar", "full-spectrum", "centreline", "trace")),
         ("orbit", "run.nc"),
     ],
 )
@@ -308,8 +308,7 @@ def systems(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("run.nc", ["--kind", "forces", "--contact", "0", "--times", "0s", "0.1s"]),
         ("run.nc", ["--kind", "history", "--node", "seal"]),
         ("run.nc", ["--kind", "shape", "--at", "100ms"]),
-        # at a node there are the signals of two probes, of which every kind is drawn above
-        *(("up.nc", ["--kind", kind, "--node", "seal"]) for kind in ("bode", "cascade")),
+        *(("up.nc", ["--kind", kind, "--node", "seal"]) for kind in FUNCTIONS),
     ],
 )
 def test_a_run_of_a_system_is_drawn_whole_or_at_a_node(

@@ -34,7 +34,6 @@ def test_scenario_writes_archives_and_figures_with_words(name, tmp_path, monkeyp
     # both formats are written below, in full
     monkeypatch.setattr(paper_scenario, "save_figure", partial(save_figure, formats="png"))
     monkeypatch.setattr(saving, "_DOTS_PER_INCH", 50)
-    monkeypatch.setattr(saving, "_PASSES", 1)
     module = run_quickly(name, tmp_path / name)
     check_words(module, tmp_path / name)
 

@@ -9,7 +9,7 @@ from numpy.lib.recfunctions import structured_to_unstructured
 from scipy.optimize import brentq
 
 from rotor_ida import Rotor, SimulationError, simulate
-from rotor_ida.simulation import reference
+from rotor_ida.simulation import integration
 from rotor_ida.simulation.mechanics import FLIGHT, PRESSED, SpinningRotor, rates_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
@@ -143,7 +143,7 @@ def test_grazes_below_its_tolerance_are_missed_and_no_others():
 
 @pytest.mark.parametrize("delta0", [0.0, 1.0])
 def test_a_solver_that_gives_up_raises_with_time_and_state(monkeypatch, delta0):
-    true_solver = reference.CVODE
+    true_solver = integration.CVODE
 
     class GivesUp:
         def __init__(self, *given, **options):
@@ -158,7 +158,7 @@ def test_a_solver_that_gives_up_raises_with_time_and_state(monkeypatch, delta0):
                 return self.solver.step(*given)
             return SimpleNamespace(success=False, message="corrector failed\n")
 
-    monkeypatch.setattr(reference, "CVODE", GivesUp)
+    monkeypatch.setattr(integration, "CVODE", GivesUp)
     rotor = Rotor(omega=0.0, zeta=0.0, delta0=delta0)
     with pytest.raises(SimulationError, match=r"corrector failed \(at t = .*, state") as caught:
         simulate(rotor, start=(2.0, 0, 0, 0), duration=1.0, backend="python")
@@ -184,7 +184,7 @@ def test_a_solver_that_gets_nowhere_is_given_up(monkeypatch, found, message):
         def step(self, *given):
             return SimpleNamespace(success=True, t=found[0], y=np.full(5, found[1]), nfev=1)
 
-    monkeypatch.setattr(reference, "CVODE", Idle)
+    monkeypatch.setattr(integration, "CVODE", Idle)
     with pytest.raises(SimulationError, match=message):
         run(BOUNCING, REST, 1.0, np.empty(0), Options(backend="python"))
 

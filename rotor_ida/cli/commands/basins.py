@@ -164,7 +164,7 @@ def continue_attractors(
     Over 15 speeds, drawn as basin fractions:
 
         rotor-ida continue-attractors --omega 0.2:3:8 --zeta 0.07 --delta0 2 \
-            --x=-15:15 --y=-15:15 --starts 50 --out atlas.nc --figure atlas
+            --x=-15:15 --y=-15:15 --starts 200 --out atlas.nc --figure atlas
     """
     output.check()
     if output.figure is not None:
