@@ -164,8 +164,8 @@ void keep_peaks(struct work *work, double point, double until);
 
 /* system_tangent.c: small changes of the motion */
 void open_columns(struct work *work);
-/* A change of the start is a state beside it, which slides where the run itself begins to roll:
- * take away its slip, as friction does at once. */
+/* Remove the slip from the changes of a start that rolls: a neighbouring start slides at first, and
+ * friction stops that at once. */
 void begin_columns(struct work *work);
 /* Move them to a point of the step, before the motion itself; and through an event, with it. */
 void move_columns(struct work *work, double point);

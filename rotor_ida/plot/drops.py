@@ -30,6 +30,7 @@ from rotor_ida.plot.appearance import (
 from rotor_ida.plot.decimation import kept_in_columns
 from rotor_ida.plot.drop_grids import grid_figure
 from rotor_ida.plot.labels import label_axis
+from rotor_ida.results.files import check_target, file_to_write
 from rotor_ida.results.run import check_system_run
 from rotor_ida.results.si_units import in_suitable_units
 
@@ -210,7 +211,12 @@ def _draw_distribution(ax: Axes, drops: xr.Dataset, name: str, number: int) -> N
 
 
 def save_orbit_film(
-    run: xr.Dataset, path: str | os.PathLike[str], *, frames: int = 100, rate: int = 20
+    run: xr.Dataset,
+    path: str | os.PathLike[str],
+    *,
+    frames: int = 100,
+    rate: int = 20,
+    overwrite: bool = False,
 ) -> Path:
     """Write a film of the orbits in all bearings, as GIF, or as MP4 where ffmpeg is installed.
 
@@ -224,6 +230,8 @@ def save_orbit_film(
         Number of frames, spread evenly over the samples of the run.
     rate : int
         Frames per second.
+    overwrite : bool
+        Whether an existing file may be replaced.
 
     Returns
     -------
@@ -233,7 +241,9 @@ def save_orbit_film(
     Raises
     ------
     InputError
-        If the file has another ending, or ffmpeg is missing for MP4.
+        If the file has another ending or exists, or ffmpeg is missing for MP4.
+    ArchiveError
+        If the file cannot be written.
     """
     from matplotlib.animation import (  # noqa: PLC0415 - takes a moment
         AbstractMovieWriter,
@@ -243,7 +253,8 @@ def save_orbit_film(
     )
 
     run = in_suitable_units(check_system_run(run))
-    target, count = check_film(path), check_count("frames", frames, minimum=2, maximum=MOST_FRAMES)
+    target = check_film(path, overwrite=overwrite)
+    count = check_count("frames", frames, minimum=2, maximum=MOST_FRAMES)
     speed = check_count("rate", rate, minimum=1, maximum=100)
     contacts = run.sizes["contact"]
     if not contacts:
@@ -274,15 +285,18 @@ def save_orbit_film(
         writer: AbstractMovieWriter = (
             PillowWriter(fps=speed) if target.suffix == ".gif" else FFMpegWriter(fps=speed)
         )
-        film.save(target, writer=writer, dpi=120)
+        with file_to_write("film", target, overwrite=overwrite) as part:
+            film.save(part, writer=writer, dpi=120)
     return target
 
 
-def check_film(path: str | os.PathLike[str]) -> Path:
+def check_film(
+    path: str | os.PathLike[str], *, overwrite: bool, permission: str = "overwrite is true"
+) -> Path:
     """Return the path of a film that can be written here."""
     from matplotlib.animation import FFMpegWriter  # noqa: PLC0415 - takes a moment
 
-    target = Path(path)
+    target = check_target("film", path, overwrite=overwrite, permission=permission)
     if target.suffix not in ENDINGS:
         raise InputError(f"film must end in .gif or .mp4, got {shown(str(path))}")
     if target.suffix == ".mp4" and not FFMpegWriter.isAvailable():

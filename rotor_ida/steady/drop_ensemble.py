@@ -184,8 +184,7 @@ def drop_ensemble(
         "phase": phase, "friction": friction, "contact_damping": contact_damping,
         "unbalance_factor": unbalance_factor, "clearance_factor": clearance_factor,
     }  # fmt: skip
-    axes = _axes(given)
-    varied = _grid(axes) if drops is None else _random(axes, given, drops, seed)
+    axes, varied = design_of(given, drops, seed)
     case: dict[str, Any] = {
         "system": system, "bearings": bearings, "speed": check_real("speed", speed),
         "duration": check_positive("duration", duration), "supports": supports,
@@ -224,6 +223,14 @@ def _example(plan: Drops) -> xr.Dataset:
             refused = refused or error
     assert refused is not None
     raise refused
+
+
+def design_of(
+    given: Mapping[str, object], drops: int | None = None, seed: object = 0
+) -> tuple[dict[str, Values], dict[str, Values]]:
+    """Return the values or ranges of what varies, and its value in each drop."""
+    axes = _axes(given)
+    return axes, _grid(axes) if drops is None else _random(axes, given, drops, seed)
 
 
 def _axes(given: Mapping[str, object]) -> dict[str, Values]:

@@ -185,3 +185,16 @@ def test_pages_of_the_pdf_hold_all_that_is_written_on_them():
         assert box.x1 < page.x1
         assert box.y0 > page.y0
         assert box.y1 < page.y1
+
+
+@pytest.mark.usefixtures("here")
+def test_bad_input_is_refused_before_a_file_is_written(capfd):
+    Path("rotor.toml").write_text(FILE.replace("[0.05, 0.2]", "[0.2, 0.05]"))
+    assert main(["drop", "rotor.toml", "--out", "report", "--drops", "3"]) == 2
+    assert "friction must be a range of two numbers, the lower first" in capfd.readouterr().err
+    assert not Path("report").exists()
+    Path("rotor.toml").write_text(FILE)
+    Path("mine.gif").write_text("mine")
+    assert main(["drop", "rotor.toml", "--out", "report", "--film", "mine.gif"]) == 2
+    assert "film must not exist unless --force is given" in capfd.readouterr().err
+    assert not Path("report").exists()

@@ -86,7 +86,7 @@ def graze(draw, kind):
 
 @cache
 def grazes(kind, count):
-    """Return so many of a kind, about which all methods are asked."""
+    """Return grazes of a kind; they are searched for once, for all methods."""
     draw = np.random.default_rng(11)
     return [graze(draw, kind) for _ in range(count)]
 

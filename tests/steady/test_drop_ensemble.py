@@ -89,7 +89,7 @@ def test_a_drop_that_touches_at_once_is_lost_alone_wherever_it_stands():
         lost = np.array(factors) == 0.001
         assert many.status.values.tolist() == lost.astype(int).tolist()
         assert ["must be clear" in str(each) for each in many.message.values] == lost.tolist()
-        assert many.clearance.values.tolist() == [2e-4]  # as given: the factors stand beside it
+        assert many.clearance.values.tolist() == [2e-4]  # as given, whatever the factors
     with pytest.raises(InputError, match="must be clear of the levitated rotor"):
         drop_ensemble(DISC, **GIVEN, clearance_factor=[0.001, 0.002], workers=1)
 

@@ -95,7 +95,7 @@ def rolling_request():
 
 
 def test_a_change_of_a_start_that_rolls_has_no_slip_left():
-    """A start beside it slides for a moment: by differences of runs."""
+    """A neighbouring start slides for a moment; the witness is a difference of two runs."""
     request = rolling_request()
     run = follow_system(replace(request, columns=np.eye(5)))
     assert run.event_kinds.size == 0

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import rotor_ida
 from rotor_ida.checks import shown
 from rotor_ida.cli import options
 from rotor_ida.cli.option_types import IN_OUTPUT, count_option, path_option, quantity_option
-from rotor_ida.cli.output import working
+from rotor_ida.cli.output import FORCED, working
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
+
+if TYPE_CHECKING:
+    from rotor_ida.results.system_file import SystemFile
 
 # What only one drop takes.
 NOT_OF_MANY = {"phase", "more_modes"}
@@ -68,34 +72,23 @@ def drop(
     case = rotor_ida.load_system(system)
     if case.system.units != "SI":
         raise InputError(f"system must be in SI units for a report, got {shown(str(system))}")
-    given, vary = dict(case.drop), dict(case.grid or case.vary)
-    given |= {name: each for name, each in (("speed", speed), ("duration", duration))
-              if each is not None}  # fmt: skip
-    for name in ("speed", "duration"):
-        if given.get(name) is None:
-            raise InputError(f"{name} must be given with --{name} or in {system}")
-    if case.grid:
-        if drops is not None:
-            raise InputError(f"drops must be left out with the drop.grid of {system}")
-        vary.setdefault("phase", [given.get("phase", 0.0)])
-    elif drops is not None:
-        vary["drops"] = drops
-    many = bool(case.grid) or "drops" in vary
+    told = {"speed": speed, "duration": duration, "drops": drops}
+    given, vary = _asked(case, system, told)
+    many = bool(vary)
     if study is not None and not many:
         raise InputError("study must be left out without drops")
     if film is not None:
-        check_film(film)
+        check_film(film, overwrite=force, permission=FORCED)
     files = report_files(out, many=many)
     _make(out)
     for path in files:
-        check_target("out", path, overwrite=force, permission="--force is given")
+        check_target("out", path, overwrite=force, permission=FORCED)
     with working("drop [%]") as progress:
         run = rotor_ida.drop(case.system, **given, progress=progress)
     rotor_ida.save(run, files[0], overwrite=force)
     everything = _many(case.system, given, vary, jobs, study) if many else None
     if everything is not None:
         rotor_ida.save(everything, files[1], overwrite=force)
-    told = {"speed": speed, "duration": duration, "drops": drops}
     asked = [each for name, value in told.items() if value is not None
              for each in (f"--{name}", repr(value))]  # fmt: skip
     pages = write_report(out, system, run, everything, asked)
@@ -103,13 +96,40 @@ def drop(
     if film is not None:
         from rotor_ida.plot import save_orbit_film  # noqa: PLC0415 - heavy
 
-        written.append(save_orbit_film(run, film))
+        written.append(save_orbit_film(run, film, overwrite=force))
     record, parts = describe(run, most=0)
     parts = [sentence_of(run, everything), *parts[1:2]]  # the bearings; the rest is in the report
     if everything is not None:
         record |= {"drops": describe(everything, most=0)[0]}
     parts += [f"wrote {each}" for each in written]
     return Report(record=record, parts=parts, as_json=as_json)
+
+
+def _asked(
+    case: SystemFile, system: Path, told: Mapping[str, Any]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the arguments of one drop, and those that many have besides, if there are many.
+
+    What varies is checked here, before anything is computed.
+    """
+    from rotor_ida.steady.drop_ensemble import design_of  # noqa: PLC0415 - heavy
+
+    given, vary, drops = dict(case.drop), dict(case.grid or case.vary), told["drops"]
+    given |= {name: told[name] for name in ("speed", "duration") if told[name] is not None}
+    for name in ("speed", "duration"):
+        if given.get(name) is None:
+            raise InputError(f"{name} must be given with --{name} or in {system}")
+    if case.grid and drops is not None:
+        raise InputError(f"drops must be left out with the drop.grid of {system}")
+    if case.grid:
+        vary.setdefault("phase", [given.get("phase", 0.0)])
+    elif drops is not None:
+        vary["drops"] = drops
+    if not (case.grid or "drops" in vary):
+        return given, {}
+    varied = {name: each for name, each in vary.items() if name not in {"drops", "seed"}}
+    design_of(varied, vary.get("drops"), vary.get("seed", 0))
+    return given, vary
 
 
 def _make(folder: Path) -> None:
