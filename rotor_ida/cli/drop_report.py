@@ -24,6 +24,7 @@ from rotor_ida.cli.drop_tables import (
     run_tables,
 )
 from rotor_ida.cli.report import shown
+from rotor_ida.results.files import file_to_write
 from rotor_ida.results.toml_files import read_toml
 
 if TYPE_CHECKING:
@@ -73,6 +74,8 @@ def write_report(
     run: xr.Dataset,
     drops: xr.Dataset | None,
     options: Sequence[str] = (),
+    *,
+    overwrite: bool,
 ) -> list[Path]:
     """Write the pages of a report, computed with options, into a folder; return them."""
     allowed = acceptance(run, drops)
@@ -88,8 +91,10 @@ def write_report(
         "figures": [(title, _png(figure)) for title, figure in _figures(run, drops)],
     }  # fmt: skip
     html, pdf = folder / "report.html", folder / "report.pdf"
-    html.write_text(_page(parts), encoding="utf-8")
-    _write_pdf(pdf, parts)
+    with file_to_write("out", html, overwrite=overwrite) as part:
+        part.write_text(_page(parts), encoding="utf-8")
+    with file_to_write("out", pdf, overwrite=overwrite) as part:
+        _write_pdf(part, parts)
     return [html, pdf]
 
 

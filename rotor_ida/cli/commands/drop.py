@@ -91,7 +91,7 @@ def drop(
         rotor_ida.save(everything, files[1], overwrite=force)
     asked = [each for name, value in told.items() if value is not None
              for each in (f"--{name}", repr(value))]  # fmt: skip
-    pages = write_report(out, system, run, everything, asked)
+    pages = write_report(out, system, run, everything, asked, overwrite=force)
     written = [*files[:-2], *pages]
     if film is not None:
         from rotor_ida.plot import save_orbit_film  # noqa: PLC0415 - heavy
