@@ -31,7 +31,7 @@ from tests.explorer.asking import CHATTER, RUB, WHIP
 
 pytest.importorskip("selenium", reason="there is no selenium")
 
-from selenium.webdriver import Keys
+from selenium.webdriver import ActionChains, Keys
 
 from tests.explorer.browser import (
     PATIENCE,
@@ -955,6 +955,24 @@ def test_radii_times_and_lines_are_read_under_the_pointer(whole):
     assert hovered(whole, '[data-panel="orbit"]', mark).startswith("once a revolution")
     text = hovered(whole, '[data-panel="starts"]', [0.0, 0.0])
     assert text.startswith("bouncing")
+
+
+def test_the_cursor_stays_under_the_pointer_when_the_page_moves(page):
+    over = page.find('[data-panel="response"] .u-over')
+    page.run("scrollTo(0, 0)")
+    ActionChains(page.driver).move_to_element(over).perform()
+    page.run("document.body.style.paddingTop = '31px'")
+    try:
+        ActionChains(page.driver).move_to_element_with_offset(over, 9, 0).perform()
+        across, down = page.run(
+            "const { cursor } = rotorIda.plotOf(arguments[0]);"
+            "const { width, height } = arguments[0].getBoundingClientRect();"
+            "return [cursor.left - width / 2, cursor.top - height / 2];", over
+        )  # fmt: skip
+    finally:
+        page.run("document.body.style.paddingTop = ''")
+    assert across == pytest.approx(9, abs=1)
+    assert down == pytest.approx(0, abs=1)
 
 
 def test_a_box_is_zoomed_into_and_out_of(page):

@@ -215,6 +215,9 @@ export class Plot {
 
   #listen() {
     const { over } = this.plot;
+    // uPlot keeps the plot's place until the page is scrolled; answers above the plot also move it
+    over.addEventListener("pointermove", () => this.plot.syncRect(true), true);
+    over.addEventListener("pointerdown", () => this.plot.syncRect(true), true);
     over.addEventListener("pointerdown", (event) => {
       const wanted = this.boxing || event.ctrlKey || event.metaKey || (!this.isDragged && event.pointerType === "mouse");
       if (event.button !== 0 || !wanted) return;
