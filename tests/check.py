@@ -42,10 +42,20 @@ def started(arguments, **how):
     )
 
 
-def run(name, arguments):
-    """Run one check and return whether it passed."""
-    print(f"== {name}", flush=True)
-    return started(arguments).wait() == 0
+def begun(checks):
+    """Start checks, all at once."""
+    together = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    return {name: started(arguments, **together) for name, arguments in checks.items()}
+
+
+def ended(checks):
+    """Print what the checks say, one after the other, and return which have passed."""
+    passed = {}
+    for name, check in checks.items():
+        print(f"== {name}", flush=True)
+        print(check.communicate()[0], end="", flush=True)
+        passed[name] = check.returncode == 0
+    return passed
 
 
 def run_tests():
@@ -64,13 +74,10 @@ def run_tests():
 
 def main():
     """Run every check, even after one has failed; exit 1 if one has."""
-    passed = {name: run(name, arguments) for name, arguments in FIRST.items()}
-    together = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
-    beside = {name: started(arguments, **together) for name, arguments in BESIDE.items()}
+    passed = ended(begun(FIRST))
+    beside = begun(BESIDE)
     passed["tests"] = run_tests()
-    for name, check in beside.items():
-        print(f"== {name}", check.communicate()[0].rstrip(), sep="\n", flush=True)
-        passed[name] = check.returncode == 0
+    passed |= ended(beside)
     failed = [name for name, right in passed.items() if not right]
     print(f"== failed: {', '.join(failed)}" if failed else "== all passed", flush=True)
     return 1 if failed else 0
