@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from scipy.special import gammaincinv
 
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.basins.fates import APERIODIC
@@ -243,6 +242,8 @@ def _with_lifetime(chaos: Attractor, followed: FollowedStarts) -> Attractor:
 
     The rate of leaving is taken as constant: n orbits left during a total observed time t.
     """
+    from scipy.special import gammaincinv  # noqa: PLC0415 - takes long to import
+
     most = float(gammaincinv(followed.left + 1.0, CERTAINTY))
     return replace(
         chaos,

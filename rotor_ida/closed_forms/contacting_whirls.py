@@ -27,7 +27,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.closed_forms.double_double import DoubleDouble
@@ -362,6 +361,8 @@ def root_between(function: Callable[[float], float], low: float, high: float) ->
 
     It may be smaller than the bracket by many powers of ten.
     """
+    from scipy.optimize import brentq  # noqa: PLC0415 - takes long to import
+
     return float(
         brentq(function, low, high, xtol=1e-300, rtol=4.0 * ROUNDING, maxiter=_MOST_STEPS_OF_BRENT)
     )

@@ -8,7 +8,6 @@ from functools import lru_cache
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import minimize_scalar
 
 from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.contact_laws import RestoringLaw
@@ -320,6 +319,7 @@ def cusp(
 
 def _worst_clearance() -> float:
     """Return the clearance whose cusp has the largest damping, its only maximum."""
+    from scipy.optimize import minimize_scalar  # noqa: PLC0415 - takes long to import
 
     def falling(delta0: float) -> float:
         return -_cusp(RestoringLaw(float(delta0))).zeta

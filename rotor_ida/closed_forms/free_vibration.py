@@ -12,7 +12,6 @@ import math
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from scipy.special import beta
 
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_points, check_real
 from rotor_ida.closed_forms.contact_laws import RestoringLaw
@@ -335,6 +334,8 @@ def _flight_time(depth: float, law: RestoringLaw) -> float:
 
 def _leaving_time(depth: float, law: RestoringLaw) -> float:
     """Return the time from rest at the largest indentation to the end of contact."""
+    from scipy.special import beta  # noqa: PLC0415 - takes long to import
+
     kappa, clearance, power = law.shaft_stiffness, law.delta0, law.contact_exponent + 1.0
     if kappa == 0.0:
         factor = float(beta(1.0 / power, 0.5)) / math.sqrt(2.0 * power)

@@ -28,7 +28,6 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from scipy.special import ai_zeros
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, is_scalar
@@ -41,7 +40,7 @@ from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.schema import labelled
 
 # The solution of ``x' = t + x**2`` that begins on the whirl is at infinity at this time.
-AIRY = -float(ai_zeros(1)[0][0])
+AIRY = 2.338107410459767  # the first zero of Ai(-t)
 # Largest relative change of a coefficient when amplitude or speed is rounded otherwise.
 UNSURE = 0.01
 

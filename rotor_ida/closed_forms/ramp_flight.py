@@ -16,7 +16,6 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import wofz
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import (
@@ -141,6 +140,8 @@ def _drawn_in(
     sign is chosen so that w does not overflow at t. If it would at 0, on the other side of the
     resonance, ``w(x) = 2 exp(-x**2) - w(-x)`` is used.
     """
+    from scipy.special import wofz  # noqa: PLC0415 - takes long to import
+
     p, q = 0.5j * rate, 1j * omega - root
     k, c = np.sqrt(-p), 0.5 * q / p
     k = np.where((k * (times + c)).real < 0.0, -k, k)

@@ -40,7 +40,6 @@ import math
 from itertools import combinations
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from rotor_ida.arrays import ComplexValues
 from rotor_ida.cycles.special_points import Orbit
@@ -145,6 +144,8 @@ def multipliers_near(multipliers: ComplexValues, shot: Orbit) -> ComplexValues:
 
     Rounding alone decides the order by modulus of several on one circle.
     """
+    from scipy.optimize import linear_sum_assignment  # noqa: PLC0415 - takes long to import
+
     others = multipliers_of(shot)
     if shot.pair_product is not None:
         return others

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,9 +12,7 @@ from sksundae.ida import IDA
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.errors import SimulationError
-from rotor_ida.simulation.mechanics import IMPULSE, Rates
-
-Function = Callable[[float, Values], float]
+from rotor_ida.simulation.mechanics import IMPULSE, Function, Rates
 
 # SUNDIALS may need a few calls for a step: after a reading the first one only returns to its end.
 MOST_IDLE_STEPS = 100

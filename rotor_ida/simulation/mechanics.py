@@ -34,6 +34,7 @@ from rotor_ida.simulation.orbit import (
 from rotor_ida.simulation.spin import ANGLE, GAINED, SPEED, Driven, Spin, Steady
 
 Rates = Callable[[float, Values, Values], None]
+Function = Callable[[float, Values], float]
 
 # The first derivative of the radius above rounding decides whether a start on the stator is in
 # contact.

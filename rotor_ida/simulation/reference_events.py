@@ -13,13 +13,14 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.core.interface import MESSAGES, RUNAWAY, STALLED
 from rotor_ida.model.contact import force_over_radius
-from rotor_ida.simulation.integration import Function, Integration
+from rotor_ida.simulation.integration import Integration
 from rotor_ida.simulation.mechanics import (
     FLIGHT,
     HIDDEN,
     LOOSE,
     ROLLING,
     SLIDING,
+    Function,
     Rates,
     SpinningRotor,
     hidden_hold,

@@ -14,7 +14,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.core.systems import SystemRequest
 from rotor_ida.errors import SimulationError
-from rotor_ida.simulation.integration import Function
+from rotor_ida.simulation.mechanics import Function
 from rotor_ida.simulation.orbit import FLIES, IS_LOOSE, ROLLS
 from rotor_ida.simulation.spin import SpeedProfile
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from types import ModuleType
 from typing import Any, Literal
 
 import numpy as np
@@ -26,7 +27,7 @@ from rotor_ida.checks import (
     is_scalar,
 )
 from rotor_ida.core.systems import SystemRequest, SystemResult
-from rotor_ida.errors import InputError
+from rotor_ida.errors import InputError, InstallationError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
 from rotor_ida.parallel import Progress, interruptible
@@ -52,7 +53,6 @@ from rotor_ida.systems.speed_changes import (
     rate_of,
 )
 from rotor_ida.systems.starts import Start, start_of
-from rotor_ida.systems.witness import follow_by_cvode, run_by_cvode
 
 SystemMethod = Literal["taylor", "adams", "bdf"]
 METHODS = ("taylor", "adams", "bdf")
@@ -371,6 +371,18 @@ def run_of_cases(
     )  # fmt: skip
 
 
+def solvers(method: str) -> ModuleType:
+    """Return the runs by CVODE, or raise `InstallationError` without scikit-sundae."""
+    try:
+        from rotor_ida.systems import witness  # noqa: PLC0415
+    except ImportError as error:
+        raise InstallationError(
+            f"method {method!r} of a rotor system needs scikit-sundae: "
+            f"pip install scikit-sundae ({error})"
+        ) from error
+    return witness
+
+
 def _followed(
     first: _Prepared, second: Sequence[_Prepared], profile: SpeedProfile, rtol: float,
     method: SystemMethod, progress: Progress | None,
@@ -382,7 +394,9 @@ def _followed(
         if method == "taylor":
             followed = follow_twice(first.request, stop, watch)
         else:
-            followed = follow_by_cvode(first.request, profile, rtol, method, stop, watch)
+            followed = solvers(method).follow_by_cvode(
+                first.request, profile, rtol, method, stop, watch
+            )
         moved = [shifts_of(followed.result, each.request, stop, watch) for each in second]
         return followed, moved[0] if moved else None
 
@@ -431,6 +445,9 @@ def _sampled_at(
     def follow(stop: Stop) -> SystemResult:
         if method == "taylor":
             return follow_system_again(request, stop)
-        return run_by_cvode(request, profile, rtol, method, stop, [])
+        result: SystemResult = solvers(method).run_by_cvode(
+            request, profile, rtol, method, stop, []
+        )
+        return result
 
     return replace(followed, result=interruptible(follow))

@@ -93,6 +93,21 @@ def test_without_scikit_sundae_the_reference_says_so(monkeypatch, asked_anew):
         simulate(BOUNCING, start=REST, duration=1.0, backend="python")
 
 
+def test_without_scikit_sundae_a_system_has_taylor_series_and_cvode_says_so(monkeypatch):
+    system, contacts, unbalance = BOUNCING.system()
+    given = {"speed": BOUNCING.omega, "contacts": contacts, "unbalance": unbalance}
+    for name in [name for name in sys.modules if name.startswith("sksundae")]:
+        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.setitem(sys.modules, "sksundae", None)
+    for name in ("rotor_ida.simulation.integration", "rotor_ida.systems.witness"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    monkeypatch.delattr("rotor_ida.systems.witness", raising=False)
+    assert simulate(system, **given, duration=20.0).sizes["event"] > 2
+    message = r"^method 'adams' of a rotor system needs scikit-sundae: pip inst"
+    with pytest.raises(InstallationError, match=message):
+        simulate(system, **given, duration=1.0, method="adams")
+
+
 @pytest.mark.parametrize("name", ["libsundials_core.7.9.0.dylib", "sundials_core-db7c109a.dll"])
 def test_the_layouts_of_other_systems_are_known(tmp_path, name):
     (tmp_path / name).touch()
