@@ -7,21 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rotor_ida.schema import OF_DROP
+
 if TYPE_CHECKING:
     import xarray as xr
-
-# What may vary between drops, as words.
-VARIED = {
-    "phase": "angle of the rotor [rad]", "friction": "friction",
-    "contact_damping": "contact damping [s/m]", "unbalance_factor": "factor of the unbalance",
-    "clearance_factor": "factor of the clearances",
-}  # fmt: skip
 
 
 def varying(drops: xr.Dataset, prefix: str = "drop") -> list[str]:
     """Return the names of what differs between drops, or between cells."""
     return [
-        name for name in VARIED
+        name for name in OF_DROP
         if f"{prefix}_{name}" in drops.variables and np.ptp(drops[f"{prefix}_{name}"].values) > 0.0
     ]  # fmt: skip
 
@@ -48,7 +43,7 @@ def place_of(drops: xr.Dataset, number: int) -> str:
 
 def places_in(drops: xr.Dataset) -> str:
     """Return what the numbers of a place are."""
-    return ", ".join(VARIED[name].removesuffix(" [rad]") for name in varying(drops))
+    return ", ".join(OF_DROP[name] for name in varying(drops))
 
 
 def cells_in(drops: xr.Dataset) -> list[str]:

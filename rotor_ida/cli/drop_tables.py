@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.cli.drop_grids import VARIED, cells_in, place_of, places_in, varying
-from rotor_ida.schema import OF_BEARING, WHIRL_DIRECTION
+from rotor_ida.cli.drop_grids import cells_in, place_of, places_in, varying
+from rotor_ida.schema import OF_BEARING, OF_DROP, WHIRL_DIRECTION
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -171,15 +171,15 @@ def _varied(drops: xr.Dataset) -> Listed:
     """Return what varies between drops."""
     heads, rows = ["", "smallest", "largest"], []
     is_grid = "cell" in drops.sizes
-    for name, words in VARIED.items():
+    for name, words in OF_DROP.items():
         if f"drop_{name}" not in drops.variables:
             continue
-        values = np.unique(drops[f"drop_{name}"].values)
+        varied = drops[f"drop_{name}"]
+        values = np.unique(varied.values)
+        unit = {"radian": " [deg]", "s m-1": " [s/m]"}.get(str(varied.attrs.get("units")), "")
         if name == "phase":
             values = np.degrees(values)
-        rows.append(
-            [words.replace("[rad]", "[deg]"), number(float(values[0])), number(float(values[-1]))]
-        )
+        rows.append([words + unit, number(float(values[0])), number(float(values[-1]))])
         rows[-1] += [str(values.size)] if is_grid else []
     if is_grid:
         heads.append("values")

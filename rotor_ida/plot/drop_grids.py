@@ -9,14 +9,9 @@ from matplotlib.figure import Figure
 
 from rotor_ida.plot.appearance import look, new_figure, shared_legend, style
 from rotor_ida.plot.labels import label_axis
+from rotor_ida.schema import OF_DROP
 
 WIDTH, HEIGHT = 7.2, 5.0
-# What varies, as words of an axis.
-ACROSS = {
-    "friction": "friction coefficient", "contact_damping": "contact damping",
-    "unbalance_factor": "factor of the unbalance", "clearance_factor": "factor of the clearances",
-    "phase": "angle of the rotor [rad]",
-}  # fmt: skip
 RANGES = {
     "largest_force": "largest force", "excursion": "largest radius over clearance",
     "total_heat": "heat of friction",
@@ -28,7 +23,7 @@ def grid_figure(drops: xr.Dataset) -> Figure:
     drops = drops.isel(drop=drops["status"].values == 0)
     # by number of values, the phase last unless it alone varies
     names = sorted(
-        (name for name in ACROSS if f"drop_{name}" in drops.variables),
+        (name for name in OF_DROP if f"drop_{name}" in drops.variables),
         key=lambda name: (-_values(drops, name).size * (name != "phase"), name != "phase"),
     )
     name, other = names[0], names[1] if len(names) > 1 else "phase"
@@ -55,8 +50,8 @@ def _values(drops: xr.Dataset, name: str) -> np.ndarray:
 
 
 def _label(drops: xr.Dataset, name: str) -> str:
-    unit = str(drops[f"drop_{name}"].attrs.get("units", "1"))
-    return f"{ACROSS[name]} [s/m]" if unit == "s m-1" else ACROSS[name]
+    unit = str(drops[f"drop_{name}"].attrs.get("units"))
+    return OF_DROP[name] + {"radian": " [rad]", "s m-1": " [s/m]"}.get(unit, "")
 
 
 def _by_value(drops: xr.Dataset, name: str, values: np.ndarray) -> list[np.ndarray]:

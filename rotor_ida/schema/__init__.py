@@ -40,14 +40,15 @@ from rotor_ida.schema.flags import (
 )  # fmt: skip
 from rotor_ida.schema.quantities import (
     OF_BEARING,
+    OF_DROP,
     QUANTITIES,
     WITH_EXTENTS,
     Quantity,
 )  # fmt: skip
 
 __all__ = [
-    "CONVENTIONS", "DAMPED_EVENT_KIND", "END", "ENDING", "ENDS_IN_WORDS", "EVENT_KIND",
-    "EXACT", "FATE", "LINE_KIND", "MODE", "NO_YES", "OF_BEARING", "OF_FRICTION_EVENT_KIND",
+    "CONVENTIONS", "DAMPED_EVENT_KIND", "END", "ENDING", "ENDS_IN_WORDS", "EVENT_KIND", "EXACT",
+    "FATE", "LINE_KIND", "MODE", "NO_YES", "OF_BEARING", "OF_DROP", "OF_FRICTION_EVENT_KIND",
     "QUANTITIES", "RESPONSE", "RESULT_KIND", "SPECIAL", "STABILITY", "STATUS", "TRAPPING",
     "VERDICT", "WHIRL_DIRECTION", "WHIRL_KIND", "WITH_EXTENTS", "Column", "Quantity",
     "by_number", "check_dimensionless", "decode_flags", "flags_of", "labelled",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -37,9 +38,7 @@ class Quantity:
 
     long_name: str
     units: str = "1"  # "1" if dimensionless; empty for text
-    # Scale of a machine that converts it to SI units, empty if none:
-    # length, time, velocity, force, impulse, energy or rate.
-    scale: str = ""
+    scale: str = ""  # scale of a machine that converts it to SI units, empty if none
     flags: Mapping[str, int] = field(default_factory=dict)  # the number of each word of a category
 
     def attributes(self) -> dict[str, object]:
@@ -52,6 +51,16 @@ class Quantity:
             attributes["flag_meanings"] = " ".join(self.flags)
         return attributes
 
+
+# Quantities with the scales of a machine; `speed` is that of the spin.
+length = partial(Quantity, scale="length")
+time = partial(Quantity, scale="time")
+velocity = partial(Quantity, scale="velocity")
+speed = partial(Quantity, scale="speed")
+rate = partial(Quantity, scale="rate")
+force = partial(Quantity, scale="force")
+impulse = partial(Quantity, scale="impulse")
+energy = partial(Quantity, scale="energy")
 
 # Parameters whose range of existence is computed for attractors, where they are not 0.
 WITH_EXTENTS = ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "friction")
@@ -83,20 +92,18 @@ QUANTITIES: dict[str, Quantity] = {
     "unit": Quantity("unit of the value", ""),
     "covariance": Quantity("covariance of two values, in their units", ""),
     "record": Quantity("number of the record of signals"),
-    "fitted_forward_whirl_amplitude": Quantity("fitted amplitude of forward whirl", scale="length"),
-    "fitted_backward_whirl_amplitude": Quantity(
-        "fitted amplitude of backward whirl", scale="length"
-    ),
+    "fitted_forward_whirl_amplitude": length("fitted amplitude of forward whirl"),
+    "fitted_backward_whirl_amplitude": length("fitted amplitude of backward whirl"),
     "fitted_forward_phase_lag": Quantity("fitted phase lag of forward whirl", "radian"),
     "fitted_backward_phase_lag": Quantity("fitted phase lag of backward whirl", "radian"),
-    "measured_time": Quantity("measured time of contact entry or exit", scale="time"),
-    "fitted_time": Quantity("fitted time of contact entry or exit", scale="time"),
-    "time_error": Quantity("standard error of a measured contact time", scale="time"),
+    "measured_time": time("measured time of contact entry or exit"),
+    "fitted_time": time("fitted time of contact entry or exit"),
+    "time_error": time("standard error of a measured contact time"),
     "compared": Quantity("1 where a measured contact time is compared, else 0"),
     "touch_record": Quantity("number of the record with the contact"),
     "chi_square": Quantity("sum of squared residuals over their variances"),
     "degrees_of_freedom": Quantity("number of data less number of fitted parameters"),
-    "noise": Quantity("standard deviation of the noise in each direction", scale="length"),
+    "noise": length("standard deviation of the noise in each direction"),
     # parameters
     **{name: Quantity(each.meaning) for name, each in OF_ROTOR.items()},
     **_states(
@@ -111,18 +118,18 @@ QUANTITIES: dict[str, Quantity] = {
         {"rotating_": "", "event_rotating_": " at the event", "special_": ""},
     ),
     # a run
-    "t": Quantity("time", scale="time"),
+    "t": time("time"),
     "starts_in_contact": Quantity("whether the run starts in contact", flags=NO_YES),
-    "event_time": Quantity("time of contact entry or exit", scale="time"),
+    "event_time": time("time of contact entry or exit"),
     "event_kind": Quantity("kind of contact event", flags=EVENT_KIND),
     # a rotor system
     "node": Quantity("node of a rotor system", ""),
-    "axial_position": Quantity("position of a node along the axis", scale="length"),
+    "axial_position": length("position of a node along the axis"),
     "contact_node": Quantity("node of a contact", ""),
-    "clearance": Quantity("radial clearance of a contact", scale="length"),
+    "clearance": length("radial clearance of a contact"),
     "contact_stator": Quantity("stator of a contact, empty for the ground", ""),
     **{
-        f"{of}_{axis}": Quantity(f"{word} {noun}", scale="length")
+        f"{of}_{axis}": length(f"{word} {noun}")
         for axis, word in (("x", "horizontal"), ("y", "vertical"))
         for of, noun in (
             ("centre", "offset of the centre of a stator from the place of rest"),
@@ -131,27 +138,23 @@ QUANTITIES: dict[str, Quantity] = {
         )
     },
     "event_contact": Quantity("number of the contact of an event"),
-    "node_amplitude": Quantity("amplitude of a node at the spin speed", scale="length"),
+    "node_amplitude": length("amplitude of a node at the spin speed"),
     "contact_stiffness": Quantity("stiffness of springs at the contacts"),
     "eigenvalue": Quantity("number of the eigenvalue, in order of whirl speed"),
     "damping_ratio": Quantity("damping ratio of the motion, negative if it grows"),
-    "branch_amplitude": Quantity("amplitude of a whirl at a contact", scale="length"),
+    "branch_amplitude": length("amplitude of a whirl at a contact"),
     "branch_stability": Quantity("stability of a whirl", flags=STABILITY),
     # a report on close clearances
     "case": Quantity("number of the case of unbalance"),
     "probe": Quantity("node at which vibration is measured", ""),
-    "major_axis": Quantity(
-        "largest axis of the orbit at a contact, from peak to peak", scale="length"
-    ),
-    "probe_major_axis": Quantity(
-        "largest axis of the orbit at a probe, from peak to peak", scale="length"
-    ),
+    "major_axis": length("largest axis of the orbit at a contact, from peak to peak"),
+    "probe_major_axis": length("largest axis of the orbit at a probe, from peak to peak"),
     "scale_factor": Quantity("vibration limit over the largest axis at a probe, at most 6"),
-    "vibration_limit": Quantity("vibration limit, from peak to peak", scale="length"),
+    "vibration_limit": length("vibration limit, from peak to peak"),
     "running_share": Quantity(
         "scaled largest axis over the diametral clearance, at continuous speeds"
     ),
-    "running_share_speed": Quantity("continuous speed of the largest such share", scale="speed"),
+    "running_share_speed": speed("continuous speed of the largest such share"),
     "passage_share": Quantity(
         "scaled largest axis over the diametral clearance, from rest to the trip speed"
     ),
@@ -161,7 +164,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "applied_unbalance": Quantity("unbalance at a node in a case"),
     "applied_phase": Quantity("angle of the unbalance at a node in a case", "radian"),
-    "critical_speed": Quantity("critical speed", scale="speed"),
+    "critical_speed": speed("critical speed"),
     "amplification_factor": Quantity("speed of a peak over its width at 0.707 of its height"),
     "separation_margin": Quantity(
         "distance of a critical speed from the continuous speeds over the nearer of their ends"
@@ -179,9 +182,9 @@ QUANTITIES: dict[str, Quantity] = {
             ("stability", "stability of", "", STABILITY),
         )
     },
-    "whip_speed": Quantity("whirl speed of dry whip, negative", scale="rate"),
-    "whip_amplitude": Quantity("amplitude of dry whip at the contact", scale="length"),
-    "whip_force": Quantity("normal force of dry whip", scale="force"),
+    "whip_speed": rate("whirl speed of dry whip, negative"),
+    "whip_amplitude": length("amplitude of dry whip at the contact"),
+    "whip_force": force("normal force of dry whip"),
     "whip_stability": Quantity("stability of dry whip", flags=STABILITY),
     "node_phase_lag": Quantity(
         "phase by which the motion of a node at the spin speed lags", "radian"
@@ -190,7 +193,7 @@ QUANTITIES: dict[str, Quantity] = {
     "final_state": Quantity(
         "displacement and velocity of all coordinates, and speeds of races, at the end"
     ),
-    "event_race_speed": Quantity("speed of the race of a contact at an event", scale="speed"),
+    "event_race_speed": speed("speed of the race of a contact at an event"),
     "episode_contact": Quantity("number of the contact that an episode is of"),
     **{
         f"{name}_matrix": Quantity(f"{words} matrix of the rotor, in the units of its coordinates")
@@ -210,15 +213,15 @@ QUANTITIES: dict[str, Quantity] = {
     "law_exponent": Quantity("exponent of the contact force"),
     "law_damping": Quantity("contact damping: relative increase of force per approach speed"),
     "law_friction": Quantity("friction coefficient of the contact"),
-    "law_radius": Quantity("radius of the surface of the rotor in a contact", scale="length"),
-    "race_radius": Quantity("radius of the surface of a race", scale="length"),
+    "law_radius": length("radius of the surface of the rotor in a contact"),
+    "race_radius": length("radius of the surface of a race"),
     "race_inertia": Quantity("moment of inertia of a race"),
     "race_drag": Quantity("drag torque of a race over its speed"),
-    "race_speed": Quantity("speed of a race at time 0", scale="speed"),
-    "race_speed_max": Quantity("maximum of the speed of a race", scale="speed"),
-    "race_speed_max_time": Quantity("time of the maximum of the speed of a race", scale="time"),
-    "race_speed_min": Quantity("minimum of the speed of a race", scale="speed"),
-    "race_speed_min_time": Quantity("time of the minimum of the speed of a race", scale="time"),
+    "race_speed": speed("speed of a race at time 0"),
+    "race_speed_max": speed("maximum of the speed of a race"),
+    "race_speed_max_time": time("time of the maximum of the speed of a race"),
+    "race_speed_min": speed("minimum of the speed of a race"),
+    "race_speed_min_time": time("time of the minimum of the speed of a race"),
     "stator_mass": Quantity("mass of a moving stator"),
     "stator_stiffness": Quantity("stiffness of the mount of a moving stator"),
     "stator_damping": Quantity("damping of the mount of a moving stator"),
@@ -226,26 +229,24 @@ QUANTITIES: dict[str, Quantity] = {
     "unbalance_moment": Quantity("unbalance: mass times eccentricity"),
     "unbalance_phase": Quantity("angle of an unbalance from the x axis at time 0", "radian"),
     # a drop
-    "largest_force_time": Quantity("time of the largest contact force", scale="time"),
-    "largest_impulse": Quantity("largest impulse of one complete contact", scale="impulse"),
-    "total_contact_time": Quantity("time in contact", scale="time"),
-    "longest_contact_time": Quantity("duration of the longest contact", scale="time"),
-    "mean_contact_force": Quantity("mean normal force while in contact", scale="force"),
-    "load_capacity": Quantity("load capacity of a bearing, as given", scale="force"),
+    "largest_force_time": time("time of the largest contact force"),
+    "largest_impulse": impulse("largest impulse of one complete contact"),
+    "total_contact_time": time("time in contact"),
+    "longest_contact_time": time("duration of the longest contact"),
+    "mean_contact_force": force("mean normal force while in contact"),
+    "load_capacity": force("load capacity of a bearing, as given"),
     "load_ratio": Quantity("largest contact force over the load capacity"),
-    "first_roll_time": Quantity("time at which the surfaces first roll", scale="time"),
-    "largest_race_speed": Quantity("largest speed of the race of a contact", scale="speed"),
-    "race_speed_time": Quantity("time of the largest speed of the race", scale="time"),
+    "first_roll_time": time("time at which the surfaces first roll"),
+    "largest_race_speed": speed("largest speed of the race of a contact"),
+    "race_speed_time": time("time of the largest speed of the race"),
     "whirl_turns": Quantity("turns of the longest whirl in a bearing, negative if backward"),
-    "rest_time": Quantity("time from which the contact lasts to the end", scale="time"),
-    "standstill_time": Quantity(
-        "time from which the speed stays below 1 % of that at the drop", scale="time"
-    ),
-    "node_clearance": Quantity("close clearance at a node", scale="length"),
+    "rest_time": time("time from which the contact lasts to the end"),
+    "standstill_time": time("time from which the speed stays below 1 % of that at the drop"),
+    "node_clearance": length("close clearance at a node"),
     "node_excursion": Quantity("largest distance from the axis over the clearance at a node"),
     # many drops
     "drop": Quantity("number of the drop"),
-    "first_touch_time": Quantity("time of the first touch", scale="time"),
+    "first_touch_time": time("time of the first touch"),
     "drop_phase": Quantity("angle of the rotor at the drop", "radian"),
     "drop_friction": Quantity("friction coefficient of all bearings in a drop"),
     "drop_contact_damping": Quantity("contact damping of all bearings in a drop"),
@@ -271,9 +272,7 @@ QUANTITIES: dict[str, Quantity] = {
     "cell_contact_damping": Quantity("contact damping of all bearings in a cell of the grid"),
     "cell_unbalance_factor": Quantity("factor of all unbalance in a cell of the grid"),
     "cell_clearance_factor": Quantity("factor of all clearances in a cell of the grid"),
-    "cell_largest_force": Quantity(
-        "largest contact force over the phases of a cell", scale="force"
-    ),
+    "cell_largest_force": force("largest contact force over the phases of a cell"),
     "cell_excursion": Quantity("largest radius over the clearance over the phases of a cell"),
     "cell_backward_whirl_fraction": Quantity(
         "fraction of the phases of a cell with a backward whirl in the bearing"
@@ -282,33 +281,31 @@ QUANTITIES: dict[str, Quantity] = {
     "support_fails": Quantity("whether a support fails", flags=NO_YES),
     "support_stiffness": Quantity("stiffness of a support, by axis"),
     "support_damping": Quantity("damping of a support, by axis"),
-    "support_load": Quantity("static force of a support on the rotor", scale="force"),
-    "event_time_error": Quantity("estimated error of the event time", scale="time"),
-    "event_time_shift": Quantity("how far the event moves with more modes", scale="time"),
-    "horizon": Quantity("time up to which the start determines the orbit", scale="time"),
-    "entry_time": Quantity("time at which the contact begins", scale="time"),
-    "exit_time": Quantity("time at which the contact ends", scale="time"),
-    "peak_force_time": Quantity("time of the largest force in the contact", scale="time"),
-    "peak_time": Quantity("time of largest indentation in the contact", scale="time"),
-    "peak_indentation": Quantity("largest indentation in the contact", scale="length"),
-    "peak_force": Quantity("largest contact force in the contact", scale="force"),
-    "contact_duration": Quantity("time from entry to exit", scale="time"),
-    "impulse": Quantity("impulse of the contact force", scale="impulse"),
-    "entry_speed": Quantity("speed at entry", scale="velocity"),
+    "support_load": force("static force of a support on the rotor"),
+    "event_time_error": time("estimated error of the event time"),
+    "event_time_shift": time("how far the event moves with more modes"),
+    "horizon": time("time up to which the start determines the orbit"),
+    "entry_time": time("time at which the contact begins"),
+    "exit_time": time("time at which the contact ends"),
+    "peak_force_time": time("time of the largest force in the contact"),
+    "peak_time": time("time of largest indentation in the contact"),
+    "peak_indentation": length("largest indentation in the contact"),
+    "peak_force": force("largest contact force in the contact"),
+    "contact_duration": time("time from entry to exit"),
+    "impulse": impulse("impulse of the contact force"),
+    "entry_speed": velocity("speed at entry"),
     "entry_angle": Quantity("angle from the stator's normal to the velocity at entry", "radian"),
-    "energy_lost": Quantity("kinetic energy at entry less that at exit", scale="energy"),
-    "contact_loss": Quantity("energy lost in the contact by its damping", scale="energy"),
-    "heat": Quantity("heat of slipping in the contact", scale="energy"),
-    "slip_distance": Quantity("slip distance of the surfaces in the contact", scale="length"),
-    "rolling_time": Quantity("rolling time of the disc in the contact", scale="time"),
+    "energy_lost": energy("kinetic energy at entry less that at exit"),
+    "contact_loss": energy("energy lost in the contact by its damping"),
+    "heat": energy("heat of slipping in the contact"),
+    "slip_distance": length("slip distance of the surfaces in the contact"),
+    "rolling_time": time("rolling time of the disc in the contact"),
     "mode": Quantity("mode of motion: flight, slipping, rolling or loose", flags=MODE),
-    "slip_speed": Quantity(
-        "speed of the disc's rim relative to the stator, positive forwards", scale="velocity"
-    ),
-    "normal_force": Quantity("normal force of the contact", scale="force"),
-    "speed": Quantity("instantaneous spin speed over the reference frequency", scale="speed"),
+    "slip_speed": velocity("speed of the disc's rim relative to the stator, positive forwards"),
+    "normal_force": force("normal force of the contact"),
+    "speed": speed("instantaneous spin speed over the reference frequency"),
     "angle": Quantity("angle of the unbalance", "radian"),
-    "event_speed": Quantity("spin speed at the event", scale="speed"),
+    "event_speed": speed("spin speed at the event"),
     "revolutions": Quantity("number of revolutions in the run"),
     "event_angle": Quantity("angle of the unbalance at the event", "radian"),
     "whirl_direction": Quantity(
@@ -318,82 +315,64 @@ QUANTITIES: dict[str, Quantity] = {
     "contact_count": Quantity("number of contacts"),
     "contacts_per_revolution": Quantity("number of contacts per revolution"),
     "contact_fraction": Quantity("fraction of the time in contact"),
-    "largest_force": Quantity("largest contact force", scale="force"),
-    "mean_peak_force": Quantity("mean of the largest forces of the contacts", scale="force"),
-    "total_impulse": Quantity("impulse of all complete contacts", scale="impulse"),
-    "impulse_per_revolution": Quantity(
-        "impulse of complete contacts per revolution", scale="impulse"
-    ),
-    "energy_lost_per_revolution": Quantity(
-        "kinetic energy lost in complete contacts per revolution", scale="energy"
-    ),
-    "total_heat": Quantity("heat of slipping in contacts", scale="energy"),
-    "heat_per_revolution": Quantity("heat of slipping in contacts per revolution", scale="energy"),
-    "total_slip_distance": Quantity("slip distance of the surfaces", scale="length"),
-    "slip_distance_per_revolution": Quantity(
-        "slip distance of the surfaces per revolution", scale="length"
-    ),
+    "largest_force": force("largest contact force"),
+    "mean_peak_force": force("mean of the largest forces of the contacts"),
+    "total_impulse": impulse("impulse of all complete contacts"),
+    "impulse_per_revolution": impulse("impulse of complete contacts per revolution"),
+    "energy_lost_per_revolution": energy("kinetic energy lost in complete contacts per revolution"),
+    "total_heat": energy("heat of slipping in contacts"),
+    "heat_per_revolution": energy("heat of slipping in contacts per revolution"),
+    "total_slip_distance": length("slip distance of the surfaces"),
+    "slip_distance_per_revolution": length("slip distance of the surfaces per revolution"),
     "rolling_fraction": Quantity("fraction of the contact time in which the disc rolls"),
-    "total_contact_loss": Quantity("energy lost in contacts by their damping", scale="energy"),
+    "total_contact_loss": energy("energy lost in contacts by their damping"),
     "forward_fraction": Quantity("fraction of the contacts in forward whirl"),
     # sections, spectra and forces
     "crossing": Quantity("number of the point of the section"),
-    "crossing_time": Quantity("time at which the motion crosses the section", scale="time"),
-    "frequency": Quantity("circular frequency, positive for forward whirl", scale="rate"),
+    "crossing_time": time("time at which the motion crosses the section"),
+    "frequency": rate("circular frequency, positive for forward whirl"),
     "frequency_over_omega": Quantity("frequency over spin speed, positive for forward whirl"),
-    "whirl_amplitude": Quantity("amplitude of the whirl at the frequency", scale="length"),
-    "force": Quantity("contact force", scale="force"),
-    "force_x": Quantity("horizontal contact force on the rotor", scale="force"),
-    "force_y": Quantity("vertical contact force on the rotor", scale="force"),
-    "tangential_force": Quantity(
-        "tangential contact force on the rotor, positive backward", scale="force"
-    ),
+    "whirl_amplitude": length("amplitude of the whirl at the frequency"),
+    "force": force("contact force"),
+    "force_x": force("horizontal contact force on the rotor"),
+    "force_y": force("vertical contact force on the rotor"),
+    "tangential_force": force("tangential contact force on the rotor, positive backward"),
     "peak_fraction": Quantity("fraction of the contacts with no larger peak force"),
     # signals of probes and a keyphasor
-    "keyphasor": Quantity("time of a pulse of the keyphasor", scale="time"),
+    "keyphasor": time("time of a pulse of the keyphasor"),
     "window": Quantity("number of the window"),
     "order": Quantity("frequency as a multiple of the spin speed"),
-    "forward_whirl_amplitude": Quantity("amplitude of the forward whirl", scale="length"),
-    "backward_whirl_amplitude": Quantity("amplitude of the backward whirl", scale="length"),
+    "forward_whirl_amplitude": length("amplitude of the forward whirl"),
+    "backward_whirl_amplitude": length("amplitude of the backward whirl"),
     "forward_phase_lag": Quantity("phase by which the forward whirl lags the mark", "radian"),
     "backward_phase_lag": Quantity("phase by which the backward whirl lags the mark", "radian"),
-    "forward_amplitude_error": Quantity(
-        "standard error of the amplitude of the forward whirl", scale="length"
-    ),
-    "backward_amplitude_error": Quantity(
-        "standard error of the amplitude of the backward whirl", scale="length"
-    ),
-    "filter_error": Quantity(
-        "standard error of a displacement filtered to one order", scale="length"
-    ),
+    "forward_amplitude_error": length("standard error of the amplitude of the forward whirl"),
+    "backward_amplitude_error": length("standard error of the amplitude of the backward whirl"),
+    "filter_error": length("standard error of a displacement filtered to one order"),
     "whirl_phase": Quantity("phase of the whirl at the time 0", "radian"),
-    "offset_x": Quantity("mean horizontal displacement", scale="length"),
-    "offset_y": Quantity("mean vertical displacement", scale="length"),
-    "window_residual": Quantity(
-        "root mean square of the residual after the orders", scale="length"
-    ),
+    "offset_x": length("mean horizontal displacement"),
+    "offset_y": length("mean vertical displacement"),
+    "window_residual": length("root mean square of the residual after the orders"),
     "whirl_over_spin": Quantity("whirl speed over spin speed, negative for backward whirl"),
     "whirl_sense": Quantity("direction of the whirl", flags=WHIRL_DIRECTION),
-    "bandwidth": Quantity("equivalent noise bandwidth, as a circular frequency", scale="rate"),
-    "noise_floor": Quantity("amplitude of noise in one line of the spectrum", scale="length"),
+    "bandwidth": rate("equivalent noise bandwidth, as a circular frequency"),
+    "noise_floor": length("amplitude of noise in one line of the spectrum"),
     # Lyapunov exponents
     "exponent": Quantity("number of the Lyapunov exponent, the largest first"),
-    "lyapunov_exponent": Quantity("Lyapunov exponent", scale="rate"),
-    "lyapunov_error": Quantity("standard error of the Lyapunov exponent", scale="rate"),
-    "running_exponent": Quantity("mean rate of stretching up to the time", scale="rate"),
-    "exponent_sum": Quantity("sum of the four Lyapunov exponents", scale="rate"),
-    "divergence": Quantity(
-        "divergence of the flow, minus four times the damping ratio", scale="rate"
-    ),
+    "lyapunov_exponent": rate("Lyapunov exponent"),
+    "lyapunov_error": rate("standard error of the Lyapunov exponent"),
+    "running_exponent": rate("mean rate of stretching up to the time"),
+    "exponent_sum": rate("sum of the four Lyapunov exponents"),
+    "divergence": rate("divergence of the flow, minus four times the damping ratio"),
     # extrema of the radius
     "extremum_count": Quantity("number of extrema of the distance from the bearing axis"),
-    "extremum_radius": Quantity("distance from the bearing axis at its extremum", scale="length"),
+    "extremum_radius": length("distance from the bearing axis at its extremum"),
     "extremum_kind": Quantity("kind of the extremum", flags=EXTREMUM),
-    "extremum_speed": Quantity("spin speed at the extremum", scale="speed"),
+    "extremum_speed": speed("spin speed at the extremum"),
     # closed forms
     "branch": Quantity("number of the synchronous whirl, in order of amplitude"),
     "fold": Quantity("number of the fold, in order of speed"),
-    "amplitude": Quantity("amplitude of the motion at the spin speed", scale="length"),
+    "amplitude": length("amplitude of the motion at the spin speed"),
     "phase_lag": Quantity(
         "phase by which the motion at the spin speed lags the unbalance", "radian"
     ),
@@ -405,9 +384,9 @@ QUANTITIES: dict[str, Quantity] = {
     "driven_stability": Quantity(
         "stability of the synchronous whirl where a drive maintains the speed", flags=STABILITY
     ),
-    "growth_rate": Quantity("largest real part of the whirl's eigenvalues", scale="rate"),
+    "growth_rate": rate("largest real part of the whirl's eigenvalues"),
     "fold_omega": Quantity("spin speed of the fold over the reference frequency"),
-    "fold_amplitude": Quantity("amplitude of the synchronous whirl at the fold", scale="length"),
+    "fold_amplitude": length("amplitude of the synchronous whirl at the fold"),
     "fold_drift": Quantity("coefficient of the excess speed in the amplitude's growth at the fold"),
     "fold_curvature": Quantity(
         "coefficient of the squared excess amplitude in its growth at the fold"
@@ -422,83 +401,67 @@ QUANTITIES: dict[str, Quantity] = {
     "jump_omega": Quantity("spin speed at which the rotor has jumped from the fold"),
     "hopf": Quantity("number of the Hopf point, in order of speed"),
     "hopf_omega": Quantity("spin speed of the Hopf point over the reference frequency"),
-    "hopf_amplitude": Quantity(
-        "amplitude of the synchronous whirl at the Hopf point", scale="length"
-    ),
-    "hopf_frequency": Quantity(
-        "circular frequency, on rotating axes, of the cycle born there", scale="rate"
-    ),
+    "hopf_amplitude": length("amplitude of the synchronous whirl at the Hopf point"),
+    "hopf_frequency": rate("circular frequency, on rotating axes, of the cycle born there"),
     "whirl": Quantity("number of the backward whirl"),
-    "backward_amplitude": Quantity("radius of the backward whirl", scale="length"),
-    "whirl_speed": Quantity("angular speed of the whirl, negative if backward", scale="rate"),
+    "backward_amplitude": length("radius of the backward whirl"),
+    "whirl_speed": rate("angular speed of the whirl, negative if backward"),
     "backward_kind": Quantity("motion of the disc on the stator", flags=WHIRL_KIND),
     "backward_stability": Quantity("stability of the backward whirl", flags=STABILITY),
-    "backward_normal_force": Quantity("normal force of the contact", scale="force"),
-    "backward_tangential_force": Quantity("tangential force of the contact", scale="force"),
+    "backward_normal_force": force("normal force of the contact"),
+    "backward_tangential_force": force("tangential force of the contact"),
     "birth_omega": Quantity("lowest spin speed of dry whip over the reference frequency"),
-    "landing_amplitude": Quantity("amplitude of the other whirl at a fold", scale="length"),
+    "landing_amplitude": length("amplitude of the other whirl at a fold"),
     "cusp_zeta": Quantity("damping ratio at the cusp, above which the response curve has no fold"),
     "cusp_omega": Quantity("spin speed at the cusp, where the last folds merge"),
-    "cusp_amplitude": Quantity("amplitude at the cusp, where the last folds merge", scale="length"),
-    "peak_amplitude": Quantity("largest amplitude of a contacting whirl", scale="length"),
+    "cusp_amplitude": length("amplitude at the cusp, where the last folds merge"),
+    "peak_amplitude": length("largest amplitude of a contacting whirl"),
     "peak_omega": Quantity("spin speed at which the amplitude is largest"),
-    "peak_contact_force": Quantity("contact force where the amplitude is largest", scale="force"),
-    "indentation": Quantity("indentation of the contact", scale="length"),
+    "peak_contact_force": force("contact force where the amplitude is largest"),
+    "indentation": length("indentation of the contact"),
     "rest_stability": Quantity("stability of the rest position", flags=STABILITY),
-    "radial_frequency": Quantity("undamped circular frequency along the radius", scale="rate"),
-    "tangential_frequency": Quantity("undamped circular frequency across the radius", scale="rate"),
-    "rest_growth_rate": Quantity("largest real part of the eigenvalues at rest", scale="rate"),
+    "radial_frequency": rate("undamped circular frequency along the radius"),
+    "tangential_frequency": rate("undamped circular frequency across the radius"),
+    "rest_growth_rate": rate("largest real part of the eigenvalues at rest"),
     "restitution": Quantity("coefficient of restitution: speed at exit over that at entry"),
-    "restoring_x": Quantity("horizontal restoring force", scale="force"),
-    "restoring_y": Quantity("vertical restoring force", scale="force"),
-    "potential": Quantity("energy stored in the contact", scale="energy"),
-    "energy": Quantity("kinetic energy and energy stored in the contact", scale="energy"),
-    "circular_period": Quantity("period of a free whirl on a circle", scale="time"),
-    "planar_period": Quantity("period of free vibration on a line", scale="time"),
-    "period": Quantity("period of the motion", scale="time"),
-    "solution_x": Quantity("horizontal displacement of a claimed solution", scale="length"),
-    "solution_y": Quantity("vertical displacement of a claimed solution", scale="length"),
+    "restoring_x": force("horizontal restoring force"),
+    "restoring_y": force("vertical restoring force"),
+    "potential": energy("energy stored in the contact"),
+    "energy": energy("kinetic energy and energy stored in the contact"),
+    "circular_period": time("period of a free whirl on a circle"),
+    "planar_period": time("period of free vibration on a line"),
+    "period": time("period of the motion"),
+    "solution_x": length("horizontal displacement of a claimed solution"),
+    "solution_y": length("vertical displacement of a claimed solution"),
     # sweeps
     "start": Quantity("number of the start"),
     "direction": Quantity("direction in which the speed is swept", flags=DIRECTION),
     "response": Quantity("kind of response over the final window", flags=RESPONSE),
-    "radius_min": Quantity(
-        "smallest distance from the bearing axis over the final window", scale="length"
-    ),
-    "radius_max": Quantity(
-        "largest distance from the bearing axis over the final window", scale="length"
-    ),
-    "window_start": Quantity("time at which the final window begins", scale="time"),
-    "window_end": Quantity("time at which the final window and the run end", scale="time"),
+    "radius_min": length("smallest distance from the bearing axis over the final window"),
+    "radius_max": length("largest distance from the bearing axis over the final window"),
+    "window_start": time("time at which the final window begins"),
+    "window_end": time("time at which the final window and the run end"),
     "status": Quantity("whether the run was completed", flags=STATUS),
     "cycle_distance": Quantity(
         "estimated distance from the settled motion at the end, relative to its size"
     ),
     "touched": Quantity("whether the contact is touched in the final window", flags=NO_YES),
-    "node_radius_min": Quantity(
-        "smallest distance of a node from the axis over the final window", scale="length"
-    ),
-    "node_radius_max": Quantity(
-        "largest distance of a node from the axis over the final window", scale="length"
-    ),
+    "node_radius_min": length("smallest distance of a node from the axis over the final window"),
+    "node_radius_max": length("largest distance of a node from the axis over the final window"),
     "message": Quantity("why the run failed or its response is unresolved", ""),
     "event_count": Quantity("number of contact events of the run"),
     # many run-ups
     "to": Quantity("spin speed at the end of the ramp over the reference frequency"),
     "phase": Quantity("angle of the unbalance at time 0", "radian"),
     "ending": Quantity("how the run-up ends, after a time at the last speed", flags=ENDING),
-    "largest_radius": Quantity(
-        "largest distance from the bearing axis on the ramp", scale="length"
-    ),
-    "smallest_gap": Quantity(
-        "clearance less the largest distance from the bearing axis", scale="length"
-    ),
-    "largest_radius_speed": Quantity("spin speed where the distance is largest", scale="speed"),
-    "largest_force_speed": Quantity("spin speed where the force is largest", scale="speed"),
-    "first_touch_speed": Quantity("spin speed at the first touch", scale="speed"),
-    "last_exit_speed": Quantity("spin speed at the last exit", scale="speed"),
-    "first_roll_speed": Quantity("spin speed where the disc first rolls", scale="speed"),
-    "contact_time": Quantity("time in contact on the ramp", scale="time"),
+    "largest_radius": length("largest distance from the bearing axis on the ramp"),
+    "smallest_gap": length("clearance less the largest distance from the bearing axis"),
+    "largest_radius_speed": speed("spin speed where the distance is largest"),
+    "largest_force_speed": speed("spin speed where the force is largest"),
+    "first_touch_speed": speed("spin speed at the first touch"),
+    "last_exit_speed": speed("spin speed at the last exit"),
+    "first_roll_speed": speed("spin speed where the disc first rolls"),
+    "contact_time": time("time in contact on the ramp"),
     "end_angle": Quantity("angle of the unbalance at the end of the ramp", "radian"),
     "failed_count": Quantity("number of run-ups that failed"),
     **{
@@ -512,33 +475,22 @@ QUANTITIES: dict[str, Quantity] = {
     # basins
     "attractor": Quantity("number of the attractor"),
     "label": Quantity("number of the attractor on which the start ends"),
-    "settling_time": Quantity(
-        "time at which the orbit was decided, or the simulation ended", scale="time"
-    ),
+    "settling_time": time("time at which the orbit was decided, or the simulation ended"),
     "kind": Quantity("kind of response on the attractor", flags=RESPONSE),
     "trapping": Quantity("evidence for the trapping region of the attractor", flags=TRAPPING),
-    "lifetime": Quantity(
-        "mean time after which the motion ends, infinite where that was not seen", scale="time"
-    ),
-    "lifetime_low": Quantity("lower 95 % confidence bound of the lifetime", scale="time"),
+    "lifetime": time("mean time after which the motion ends, infinite where that was not seen"),
+    "lifetime_low": time("lower 95 % confidence bound of the lifetime"),
     "confirmed": Quantity("whether CVODE has followed a start to the attractor", flags=NO_YES),
     "count": Quantity("number of starts that end on the attractor"),
     "fraction": Quantity("fraction of computed starts that end on the attractor"),
     "fraction_error": Quantity(
         "standard error of the fraction, for starts drawn at random from their range"
     ),
-    "settling_median": Quantity(
-        "median of the times at which starts on the attractor were decided",
-        scale="time",
-    ),
-    "settling_95": Quantity("time by which 95 % of them were decided", scale="time"),
-    "mean_force": Quantity("mean contact force: the impulse in a unit of time", scale="force"),
-    "dissipation_per_revolution": Quantity(
-        "energy dissipated by damping per revolution", scale="energy"
-    ),
-    "contact_loss_per_revolution": Quantity(
-        "energy dissipated by contact damping per revolution", scale="energy"
-    ),
+    "settling_median": time("median of the times at which starts on the attractor were decided"),
+    "settling_95": time("time by which 95 % of them were decided"),
+    "mean_force": force("mean contact force: the impulse in a unit of time"),
+    "dissipation_per_revolution": energy("energy dissipated by damping per revolution"),
+    "contact_loss_per_revolution": energy("energy dissipated by contact damping per revolution"),
     "excursion": Quantity("largest distance from the bearing axis over the clearance"),
     "missed_fraction": Quantity(
         "largest basin fraction of an attractor that is missed with a probability of 5 %"
@@ -547,26 +499,20 @@ QUANTITIES: dict[str, Quantity] = {
     "boundary_entropy": Quantity("mean entropy over the boxes with more than one attractor"),
     # distances from the basin boundary
     "target": Quantity("number of the attractor reached after the shock"),
-    "velocity_shock": Quantity(
-        "smallest velocity shock found that leads to the target", scale="velocity"
-    ),
-    "displacement_shock": Quantity(
-        "smallest displacement shock found that leads to the target", scale="length"
-    ),
+    "velocity_shock": velocity("smallest velocity shock found that leads to the target"),
+    "displacement_shock": length("smallest displacement shock found that leads to the target"),
     "velocity_shock_scatter": Quantity(
         "relative excess of the velocity shock found from another random draw"
     ),
     "displacement_shock_scatter": Quantity(
         "relative excess of the displacement shock found from another random draw"
     ),
-    "velocity_shock_bound": Quantity(
-        "velocity shock below which no orbit leaves the attractor", scale="velocity"
+    "velocity_shock_bound": velocity("velocity shock below which no orbit leaves the attractor"),
+    "displacement_shock_bound": length(
+        "displacement shock below which no orbit leaves the attractor"
     ),
-    "displacement_shock_bound": Quantity(
-        "displacement shock below which no orbit leaves the attractor", scale="length"
-    ),
-    "velocity_shock_largest": Quantity("largest velocity shock tried", scale="velocity"),
-    "displacement_shock_largest": Quantity("largest displacement shock tried", scale="length"),
+    "velocity_shock_largest": velocity("largest velocity shock tried"),
+    "displacement_shock_largest": length("largest displacement shock tried"),
     **{
         f"{kind}_shock_{when}_{name}": Quantity(
             f"{name} {when} the {kind} shock", scale="velocity" if name[0] == "v" else "length"
@@ -594,15 +540,15 @@ QUANTITIES: dict[str, Quantity] = {
     "response_fraction": Quantity("fraction of computed starts that end on a response of the kind"),
     "response_fraction_error": Quantity("standard error of the fraction of the kind of response"),
     # limit cycles
-    "cycle_period": Quantity("period of the limit cycle on the rotating axes", scale="time"),
-    "cycle_radius_min": Quantity("smallest distance from the bearing axis", scale="length"),
-    "cycle_radius_max": Quantity("largest distance from the bearing axis", scale="length"),
+    "cycle_period": time("period of the limit cycle on the rotating axes"),
+    "cycle_radius_min": length("smallest distance from the bearing axis"),
+    "cycle_radius_max": length("largest distance from the bearing axis"),
     "cycle_response": Quantity("kind of response", flags=RESPONSE),
     "cycle_stability": Quantity("stability of the limit cycle", flags=STABILITY),
     "cycle_contact_count": Quantity("number of contacts in a period"),
-    "cycle_t": Quantity("time since the start of the period", scale="time"),
-    "period_error": Quantity("estimated error of the period", scale="time"),
-    "impulse_per_period": Quantity("impulse of the contact force in a period", scale="impulse"),
+    "cycle_t": time("time since the start of the period"),
+    "period_error": time("estimated error of the period"),
+    "impulse_per_period": impulse("impulse of the contact force in a period"),
     "multiplier": Quantity("number of the multiplier, by falling modulus"),
     "multiplier_real": Quantity("real part of the multiplier"),
     "multiplier_imag": Quantity("imaginary part of the multiplier"),
@@ -624,21 +570,17 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     # branches of limit cycles, and their bifurcations
     "special": Quantity("number of the special point, in order along the branch"),
-    "special_speed": Quantity("spin speed at the special point", scale="speed"),
+    "special_speed": speed("spin speed at the special point"),
     "special_kind": Quantity("kind of the special point", flags=SPECIAL),
     "special_value": Quantity("continued parameter at the special point"),
     "special_second_value": Quantity("second continued parameter at the special point"),
-    "special_period": Quantity("period at the special point", scale="time"),
+    "special_period": time("period at the special point"),
     "special_point": Quantity("number of the point of the branch before the special one"),
     "special_state": Quantity(
         "displacement and velocity of all coordinates, and speeds of races, at the special point"
     ),
-    "special_radius_min": Quantity(
-        "smallest distance from the bearing axis at the special point", scale="length"
-    ),
-    "special_radius_max": Quantity(
-        "largest distance from the bearing axis at the special point", scale="length"
-    ),
+    "special_radius_min": length("smallest distance from the bearing axis at the special point"),
+    "special_radius_max": length("largest distance from the bearing axis at the special point"),
     "slope": Quantity("rate of the continued parameter along the branch, by arclength"),
     # comparison
     "matched_branch": Quantity("number of the branch with the response, -1 if none"),
@@ -648,21 +590,21 @@ QUANTITIES: dict[str, Quantity] = {
         "simulated minus exact amplitude on each branch, relative to the exact one"
     ),
     "branch_phase_error": Quantity("simulated minus exact phase lag on each branch", "radian"),
-    "exact_amplitude": Quantity("amplitude of each exact synchronous whirl", scale="length"),
-    "exact_offset": Quantity(
-        "exact distance below the bearing axis of the mean position", scale="length"
-    ),
+    "exact_amplitude": length("amplitude of each exact synchronous whirl"),
+    "exact_offset": length("exact distance below the bearing axis of the mean position"),
     "exact_phase_lag": Quantity("phase lag of each exact synchronous whirl", "radian"),
     "lies_on": Quantity("kind of exact response that matches the simulated one", flags=EXACT),
-    "exact_period": Quantity("period of the exact limit cycle", scale="time"),
-    "exact_radius_min": Quantity(
-        "smallest distance from the bearing axis on the exact limit cycle", scale="length"
-    ),
-    "exact_radius_max": Quantity(
-        "largest distance from the bearing axis on the exact limit cycle", scale="length"
-    ),
+    "exact_period": time("period of the exact limit cycle"),
+    "exact_radius_min": length("smallest distance from the bearing axis on the exact limit cycle"),
+    "exact_radius_max": length("largest distance from the bearing axis on the exact limit cycle"),
     "digits": Quantity("decimal digits to which simulated and exact response agree"),
 }
+# What may vary between drops, in words.
+OF_DROP = {
+    "phase": "angle of the rotor", "friction": "friction coefficient",
+    "contact_damping": "contact damping", "unbalance_factor": "factor of the unbalance",
+    "clearance_factor": "factor of the clearances",
+}  # fmt: skip
 # Figures of a bearing in a drop, of which many drops give statistics.
 OF_BEARING = (
     "contact_count", "total_contact_time", "longest_contact_time",

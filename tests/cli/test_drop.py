@@ -163,7 +163,7 @@ unbalance_factor = { from = 1, to = 2, count = 3 }"""
     assert main(["show", "report/drops.nc"]) == 0
     told = capfd.readouterr().out
     assert "Cells of the grid" in told
-    assert "Each extreme lies at: friction, factor of the unbalance." in told
+    assert "Each extreme lies at: friction coefficient, factor of the unbalance." in told
     assert main([*words, "--force", "--drops", "3"]) == 2
     assert "drops must be left out with the drop.grid" in capfd.readouterr().err
 

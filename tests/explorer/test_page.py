@@ -340,9 +340,9 @@ def test_the_response_has_hopf_points_and_the_whirls_that_friction_keeps_up(page
     for words in ("Hopf point", "dry whip without unbalance", "slipping backward whirl, a saddle"):
         assert words in key
     at = np.searchsorted(omega, 1.2)
+    page.settle("settled")
     told = hovered(page, '[data-panel="response"]', [omega[at], saddle])
     assert told.startswith("slipping backward whirl")
-    page.settle("settled")
     assert page.words().startswith("What it does\nIt settles on dry whip")
 
 
@@ -905,12 +905,14 @@ def hovered(page, panel, value):
         const x = plot.valToPos(arguments[1][0], "x"), y = plot.valToPos(arguments[1][1], "y");
         const box = over.getBoundingClientRect();"""
     offset = "return [x - box.width / 2, y - box.height / 2]"
-    near = "return Math.hypot(left - x, top - y) < 3"
+    read = """
+        const readout = document.querySelector(arguments[0] + " .readout");
+        return Math.hypot(left - x, top - y) < 3 ? readout.textContent : null"""
     over = page.find(f"{panel} .u-over")
     for _ in range(50):
         page.pointer_on(over, *page.run(place + offset, panel, value)).perform()
-        if page.run(place + near, panel, value):
-            return page.find(f"{panel} .readout").get_property("textContent")
+        if (text := page.run(place + read, panel, value)) is not None:
+            return text
         page.pointer_on(over).perform()
     raise AssertionError(f"the cursor never came to {value} of {panel}")
 
