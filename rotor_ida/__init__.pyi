@@ -1,3 +1,6 @@
+from . import closed_forms as closed_forms
+from . import plot as plot
+from . import testing as testing
 from .basins import basin as basin
 from .basins import basin_fractions as basin_fractions
 from .basins.atlas import continue_attractors as continue_attractors
