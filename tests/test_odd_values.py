@@ -407,7 +407,7 @@ def study_in(folder: Path) -> Path:
 
 
 def public() -> dict[str, Callable[..., object]]:
-    """Return what a user may call, but for modules, errors and the result that is a plain record."""
+    """Return what a user may call, without modules, errors and a plain record."""
     found = {name: getattr(rotor_ida, name) for name in rotor_ida.__all__}
     found |= {name: getattr(closed_forms, name) for name in closed_forms.__all__}
     return {

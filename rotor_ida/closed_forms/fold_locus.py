@@ -18,7 +18,7 @@ rises and falls; each crossing of the given damping is a fold, with ``omega**2 =
 The turning points of the damping along a side are found as sign changes of its slope between nodes,
 which are closer than any turning points encountered. It is not proven that none is missed:
 ``tests/closed_forms/test_folds.py`` compares the number of folds with the real roots of a
-resultant, which is exact, and with a search at 50 digits.
+resultant, for Hertz contact without a shaft, and with the number of whirls on both sides of each.
 
 The shaft cancels in W. For Hertz contact ``W = u (A + 2 delta0)/2`` with ``u = sqrt(A - delta0)``.
 For a linear contact ``W = delta0``: without clearance such a rotor is linear and has no fold.

@@ -82,7 +82,9 @@ def folds(
     The first touch of a branch, at A = delta0, is not a fold. The locus of `fold_locus` also
     applies with a shaft or a linear contact. A linear contact has folds only with clearance and
     damping, or with friction. With friction the folds are roots of a polynomial in
-    ``u = sqrt(A - delta0)``, isolated in exact arithmetic: see `curve_polynomials`.
+    ``u = sqrt(A - delta0)``, isolated in exact arithmetic: see `curve_polynomials`. So the list is
+    complete with friction; without, it is the result of a search that is tested, not proven (see
+    `fold_locus`).
 
     References
     ----------

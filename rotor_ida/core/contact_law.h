@@ -24,7 +24,7 @@ static inline double spring_energy(const struct parameters *m, double q)
     return square * square * (m->hertz * q * 0.4 + m->linear * 0.5);
 }
 
-/* What contact damping makes of the force at a radial velocity: 1 + c d'. */
+/* The factor of contact damping on the force at a radial velocity: 1 + c d', not clipped at 0. */
 static inline double damping_factor(const struct parameters *m, double velocity)
 {
     return 1.0 + m->contact_damping * velocity;

@@ -1,5 +1,5 @@
-/* A contact, in variables that are smooth through entry and exit: where a step ends, and what it
- * hid. */
+/* A contact, in variables that are smooth through entry and exit: where a step ends, and the events
+ * that were hidden inside it. */
 #include "events.h"
 
 /* Internal steps without progress in time after which a contact counts as stuck. */

@@ -26,7 +26,7 @@ static inline int asked_to_stop(const stop_flag *stop)
 /* How a call ended; the flags of SUNDIALS are negative. */
 enum status {
     DONE = 0,           /* so far without trouble; of a run that has returned: to its end */
-    NOT_FINITE = 1001,  /* a number is none, or infinite */
+    NOT_FINITE = 1001,  /* a number is NaN or infinite */
     NO_ROOT = 1002,     /* an event was seen, but its root could not be found */
     STUCK = 1003,       /* the time no longer advances */
     STOPPED = 1004,     /* by the caller */
@@ -91,6 +91,8 @@ struct sundials {
 
 enum method { TAYLOR = 0, ADAMS = 1, BDF = 2 };
 enum where { UNDECIDED = -1, IN_FLIGHT = 0, IN_CONTACT = 1 };
+/* At EXIT the surfaces part; at RELEASE they overlap still, but contact damping has brought the
+ * force to 0 and they are loose, until PRESS. */
 enum event { ENTRY = 1, EXIT = -1, ROLL = 2, SLIP = -2, REVERSE = 3, PRESS = 4, RELEASE = -4 };
 /* How a rotor with friction moves: sliding, by the sense in which it does, 1 or -1, or else. */
 enum way { FLIES = 0, SLIDES_FORWARDS = 1, SLIDES_BACKWARDS = -1, ROLLS = 2, IS_LOOSE = 3 };
@@ -118,7 +120,7 @@ struct extremum {
 struct run {
     struct rotor rotor;
     double rtol, atol;      /* of one step */
-    double duration, slack; /* time to simulate, and how far behind it an event may lie */
+    double duration, slack; /* time to simulate, and how far after it an event may lie */
     int32_t fixed_axes; /* whether all that is reported is to be read on axes that stand still */
     int32_t method;     /* of contacts; and of flight, where that is not exact, if CVODE's */
     int32_t exact_flight;

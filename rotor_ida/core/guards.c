@@ -1,11 +1,11 @@
-/* What may end the way in which a contact goes on, before it is left: the force falls to 0 or comes
- * back, surfaces stop sliding, or the grip is not enough for the disc to roll. */
+/* What ends a mode of contact before the contact itself ends: the force falls to 0 or comes back,
+ * surfaces stop sliding, or the grip is not enough for the disc to roll. */
 #include "events.h"
 
 /* Looks a step by CVODE is given for a change; one by Taylor series is cut so that it has one at
  * most. */
 enum { LOOKS_FOR_CHANGE = 4 };
-/* So many roundings of what a margin is made of are no margin. */
+/* A margin below this many roundings of its terms is no margin. */
 static const double MARGIN_ROUNDING = 16.0 * ROUNDING;
 
 double release_velocity(const struct motion *motion)

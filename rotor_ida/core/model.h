@@ -1,4 +1,4 @@
-/* What the model of this library has: constants, by which the compiler removes what it has not.
+/* What the model of this library has: constants, by which the compiler removes what it lacks.
  *
  * A library knows one model: the paper's rotor; the general one, with a shaft, a load, another law
  * of contact and friction; or that with a speed that changes. `hatch_build.py` chooses it. This is

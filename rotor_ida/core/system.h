@@ -24,7 +24,7 @@ struct system_law {
 struct system_touch {
     double root, race, sense;
     int32_t way;
-    int32_t zeros[3]; /* that its guards have here, and are known: see system_contact.c */
+    int32_t zeros[3]; /* known zeros of its guards at this point: see system_contact.c */
 };
 
 /* The largest or smallest value so far, and its time. */

@@ -10,13 +10,11 @@ static const double SLACK = 10.0;
 static const double TOGETHER = 1e-7;
 /* Nearer to the stator, in clearances, rounding decides on which side a contact is. */
 static const double SIDE = 8.0 * 2.220446049250313e-16;
-/* Slower, in parts of the scale of velocity, rounding decides whether a contact on the stator
- * opens.
- */
+/* Below this part of the scale of velocity, rounding decides whether a contact on the stator
+ * opens. */
 static const double STILL = 1e-15;
-/* Smaller, in parts of the largest grip of this contact, rounding hides the force that rolling
- * needs.
- */
+/* Below this part of the largest grip of the contact, the force that rolling needs is lost in
+ * rounding. */
 static const double HIDDEN = 1e-12;
 /* Rounding of a sum, in parts of the sizes of its terms: of a slip, and of a rate of slip. */
 static const double ROUNDED = 64.0 * 2.220446049250313e-16;

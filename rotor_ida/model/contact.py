@@ -2,13 +2,13 @@
 
 The force, its derivative, the potential, the Jacobians, the events and the datasets take the Hertz
 exponent from this module. Some code depends on the exponent 3/2 itself, where the force is the cube
-of ``sqrt(r - delta0)``, and says so: the polynomials of the whirls and the locus of their
+of ``sqrt(r - delta0)``: the polynomials of the whirls and the locus of their
 folds, the periods of free vibration, the variables of the contact phase, and the lanes of the
 basins.
 
 The core integrates the law in these smooth variables: see `rotor_ida.model.forces.spring_of_root`
-and, for code that is not derived from the model, ``core/contact_law.h``. A new law must be added to
-all three.
+and, for code that is not derived from the model, ``core/contact_law.h``; for rotor systems,
+`rotor_ida.model.element`. CONTRIBUTING.md ("A force") lists what a new law touches.
 
 References
 ----------

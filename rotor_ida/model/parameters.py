@@ -1,7 +1,8 @@
 """The table of parameters: the meaning, symbols, units, default and range of each.
 
 Checks, coordinates, options of the command line, labels and the tables of the documentation are
-made from it.
+made from it. CONTRIBUTING.md ("A parameter") lists what a new one needs besides its row: a field of
+each rotor, its place in the forces, and the keywords of public functions.
 """
 
 from __future__ import annotations

@@ -4,6 +4,10 @@ The functions read labelled datasets only, so an archive can be plotted without 
 return the axes or figure and show nothing. All raise `rotor_ida.InputError` for data that they
 cannot draw: a Dataset that lacks a variable or has several values of a parameter that must have
 one, axes of another kind, or other units.
+
+A new plot is exported here and drawn in ``tests/plot/pictures.py``; `rotor_ida.results.kinds` names
+it if it is the figure of a kind of result, and `rotor_ida.cli.commands.plot` if the command offers
+it.
 """
 
 import os

@@ -42,11 +42,8 @@ def figure_of(dataset: xr.Dataset) -> Figure:
     kind = kind_of(dataset)
     drawn = KINDS[kind].drawn
     if not drawn:
-        raise InputError(
-            "figure must be of a run, of whirls, their folds or Hopf points, of a sweep, run-ups, "
-            "a bifurcation diagram, a basin or atlas, of limit cycles, of signals, their orders or "
-            f"spectra, or of a fit, got {kind!r}"
-        )
+        able = ", ".join(name for name, each in KINDS.items() if each.drawn)
+        raise InputError(f"figure must be of one of {able}, got {kind!r}")
     made: Axes | Figure = loaded(drawn)(dataset)
     return made if isinstance(made, Figure) else cast(Figure, made.figure)
 

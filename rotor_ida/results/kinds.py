@@ -5,7 +5,8 @@ archives of bifurcation curves it names the bifurcation.) Older archives are rec
 variables and dimensions.
 
 Functions are named here as ``module:name`` and imported when needed, so this module depends on
-none of those that compute and draw.
+none of those that compute and draw. A new kind has a row here, its variables in
+`rotor_ida.schema.quantities`, and is made by `rotor_ida.schema.labelled_dataset`.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class Kind:
         Variables and dimensions of every result of the kind. Archives without a stated kind are
         recognised by these; a kind without any is not recognised.
     along : tuple of str
-        Dimensions of the first of these variables, if they are always the same.
+        Dimensions of the first of `variables`, if they are always the same.
     shown : str
         Function of the dataset and a number of rows that returns its record and its tables.
     drawn : str
@@ -72,9 +73,10 @@ class Kind:
 _WHIRLS = "rotor_ida.plot.figures:figure_of_whirls"
 _SHOWN = "rotor_ida.cli.describe"
 _SIGNALS = "rotor_ida.cli.describe_signals"
-_SYSTEMS = "rotor_ida.cli.describe_whirls"
+_SYSTEM_WHIRLS = "rotor_ida.cli.describe_whirls"
 _DRAWN = "rotor_ida.plot.figures"
 _VERIFIED = "rotor_ida.verification.verify"
+_VERIFIED_SYSTEMS = "rotor_ida.verification.verify_systems"
 _RESUMED = "rotor_ida.verification.resume"
 
 # In the order in which archives without a stated kind are recognised.
@@ -85,7 +87,7 @@ KINDS = {
             name="drop", meaning="drop of a rotor system",
             variables=("whirl_turns", "standstill_time", "event_contact"), dims=("t", "node"),
             shown="rotor_ida.cli.describe_systems:show_drop",
-            drawn="rotor_ida.plot:drop_figure", verified=f"{_VERIFIED}_systems:SYSTEM_RUN",
+            drawn="rotor_ida.plot:drop_figure", verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_RUN",
         ),
         Kind(
             name="drop_ensemble", meaning="many drops of a rotor system",
@@ -97,7 +99,7 @@ KINDS = {
         Kind(
             name="system_run", meaning="run of a rotor system", variables=("x", "event_contact"),
             dims=("t", "node"), shown="rotor_ida.cli.describe_systems:show_system_run",
-            drawn="rotor_ida.plot:system_figure", verified=f"{_VERIFIED}_systems:SYSTEM_RUN",
+            drawn="rotor_ida.plot:system_figure", verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_RUN",
         ),
         Kind(
             name="system_sweep", meaning="sweep of a rotor system",
@@ -105,46 +107,46 @@ KINDS = {
             dims=("speed", "start", "direction"),
             shown="rotor_ida.cli.describe_systems:show_system_sweep",
             drawn="rotor_ida.plot:system_sweep_figure",
-            verified=f"{_VERIFIED}_systems:SYSTEM_SWEEP",
+            verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_SWEEP",
             study="sweep_system", resumed=f"{_RESUMED}:resume_system_sweep",
         ),
         Kind(
             name="system_branch", meaning="branch of limit cycles of a rotor system",
             variables=("multiplier_real", "special_state"), dims=("point", "contact"),
-            shown=f"{_SYSTEMS}:SYSTEM_BRANCH", drawn="rotor_ida.plot:system_branch_figure",
-            verified=f"{_VERIFIED}_systems:SYSTEM_BRANCH",
+            shown=f"{_SYSTEM_WHIRLS}:SYSTEM_BRANCH", drawn="rotor_ida.plot:system_branch_figure",
+            verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_BRANCH",
             study="branch_of_system", resumed=f"{_RESUMED}:resume_system_branch",
         ),
         Kind(
             name="system_cycle", meaning="limit cycle of a rotor system",
             variables=("multiplier_real", "node_radius_max"), dims=("t", "contact"),
-            shown=f"{_SYSTEMS}:SYSTEM_CYCLE", drawn="rotor_ida.plot:system_cycle_figure",
-            verified=f"{_VERIFIED}_systems:SYSTEM_CYCLE",
+            shown=f"{_SYSTEM_WHIRLS}:SYSTEM_CYCLE", drawn="rotor_ida.plot:system_cycle_figure",
+            verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_CYCLE",
         ),
         Kind(
             name="system_whirls", meaning="exact whirls of a rotor system",
             variables=("amplitude", "node_amplitude"), dims=("speed", "branch"),
-            shown=f"{_SYSTEMS}:WHIRLS_OF_SYSTEM", drawn="rotor_ida.plot:system_whirls_figure",
-            verified=f"{_VERIFIED}_systems:WHIRLS",
+            shown=f"{_SYSTEM_WHIRLS}:WHIRLS_OF_SYSTEM", drawn="rotor_ida.plot:system_whirls_figure",
+            verified=f"{_VERIFIED_SYSTEMS}:WHIRLS",
         ),
         Kind(
             name="system_special_points", meaning="special speeds of a rotor system",
-            variables=("special_speed",), shown=f"{_SYSTEMS}:SPECIAL_SPEEDS",
+            variables=("special_speed",), shown=f"{_SYSTEM_WHIRLS}:SPECIAL_SPEEDS",
             drawn="rotor_ida.plot:special_speeds_figure",
-            verified=f"{_VERIFIED}_systems:SPECIAL_SPEEDS",
+            verified=f"{_VERIFIED_SYSTEMS}:SPECIAL_SPEEDS",
         ),
         Kind(
             name="campbell", meaning="eigenvalues over the speed",
             variables=("whirl_speed", "damping_ratio"), dims=("eigenvalue",),
-            shown=f"{_SYSTEMS}:EIGENVALUES", drawn="rotor_ida.plot:plot_campbell",
-            verified=f"{_VERIFIED}_systems:CAMPBELL",
+            shown=f"{_SYSTEM_WHIRLS}:EIGENVALUES", drawn="rotor_ida.plot:plot_campbell",
+            verified=f"{_VERIFIED_SYSTEMS}:CAMPBELL",
         ),
         Kind(
             name="clearance_report", meaning="report on close clearances",
             variables=("running_share", "clearance_verdict"), dims=("case", "contact"),
-            shown=f"{_SYSTEMS}:show_clearance_report",
+            shown=f"{_SYSTEM_WHIRLS}:show_clearance_report",
             drawn="rotor_ida.plot:clearance_report_figure",
-            verified=f"{_VERIFIED}_systems:CLEARANCE_REPORT",
+            verified=f"{_VERIFIED_SYSTEMS}:CLEARANCE_REPORT",
         ),
         Kind(
             name="comparison", meaning="comparison", variables=("matched_branch",),

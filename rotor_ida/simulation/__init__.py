@@ -2,5 +2,6 @@
 
 *Decide the mode at the start; integrate inside the mode until an event may have occurred;
 look for a crossing that the step hid; polish the event; record it; restart in the other
-mode.* Each of these steps is a function of `loop`, `flight` or `contact_phase`.
+mode.* The compiled core takes these steps (``core/events.h`` says which file takes which), and
+`reference` takes them again in plain Python.
 """

@@ -1,4 +1,7 @@
-"""Run a rotor from a start: prepare the run, call the event loop, and check the result."""
+"""Run a rotor from a start: prepare the run, call the event loop, and check the result.
+
+The loop is in ``core/events.c``; ``enum status`` of ``core/core.h`` lists all ends of a run.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,7 @@ from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ORBIT_CONTACT, Orbit, SpeedRecord, check_orbit
 from rotor_ida.simulation.spin import SpeedProfile
 
-# Ends of a run in the core that are more than a failure of its solver.
+# Errors for the ends of a run in the core that are more than a failure of its solver.
 OF_STATUS = {UNBALANCED: InvariantError, SPENT: BudgetError}
 
 

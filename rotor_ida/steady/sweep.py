@@ -156,7 +156,8 @@ def sweep(
     -----
     The motion is observed over a window: first after 24/zeta (2,000 at most), then whenever the
     time has doubled, until its response is decided, or until 60/zeta (at least 40,000, at most
-    1,000,000; longer too for a weak shaft with strong damping). The response is, in this order,
+    600,000; for a weak shaft with strong damping, 60 of its longer decay times). The response is,
+    in this order,
 
     - ``synchronous`` or ``contact_free`` if it whirls steadily in contact, or has left the stator
       for good: both follow from one state;
@@ -169,7 +170,8 @@ def sweep(
     - ``touching`` if it touches once a revolution and 1/h, h the indentation, grows from touch to
       touch as `rotor_ida.closed_forms.touch_fading` predicts, to 10 %;
     - ``chaotic`` if it has not settled after 3,000 and 20/zeta, and its largest Lyapunov exponent,
-      over a further 20,000 or more, exceeds five of its errors. Chaos that lasts longer may still
+      over a further 20,000 or more, exceeds five of its standard errors and stretches small
+      differences by more than ``exp(20)``. Chaos that lasts longer may still
       be a transient;
     - ``unresolved`` if it is none of these: then ``message`` gives for how long it was followed,
       and what still moved. Without damping nothing settles, and only the first window is observed.

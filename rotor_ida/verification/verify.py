@@ -44,10 +44,9 @@ def rerun(
     Parameters
     ----------
     dataset : Dataset
-        A result of `simulate` or `run_up`, also of a rotor system, of `sweep`, `run_ups`, `basin`,
-        `basin_fractions`, `continue_attractors`, `limit_cycle`, `continue_cycle` or
-        `bifurcation_curve`, or of a rotor system from `synchronous_response`, `special_speeds`,
-        `campbell` or `clearance_report`; for example one loaded from an archive.
+        A result, for example one loaded from an archive, of a kind with a row `verified` in
+        `rotor_ida.results.kinds`: runs, sweeps, run-ups, basins, cycles and their branches, also of
+        rotor systems, and exact results of rotor systems.
     method : {"adams", "bdf", "ida", "taylor"}, optional
         Another solver for the contacts of a run, sweep or run-up: an independent check that shares
         no step with the first.
@@ -120,14 +119,14 @@ def _verification_of(dataset: xr.Dataset) -> Verification:
     kind = kind_of(dataset)
     place = KINDS[kind].verified
     verification: Verification | None = loaded(place) if place else None
-    if verification is None or not set(verification.variables) <= set(dataset.variables):
+    if verification is None:
+        able = ", ".join(name for name, each in KINDS.items() if each.verified)
         raise InputError(
-            "only results of simulate, run_up, sweep, run_ups, basin, basin_fractions, "
-            "continue_attractors, limit_cycle, continue_cycle, bifurcation_curve and those of "
-            "rotor systems over speed can be verified, "
-            f"got a dataset of {shown(list(map(str, dataset.data_vars)))}"
+            f"only results of the kinds {able} can be verified, "
+            f"got {kind!r} with {shown(list(map(str, dataset.data_vars)))}"
         )
-    missing = [name for name in verification.attributes if name not in dataset.attrs]
+    missing = [name for name in verification.variables if name not in dataset.variables]
+    missing += [name for name in verification.attributes if name not in dataset.attrs]
     if missing:
         raise InputError(f"this {kind} cannot be verified: it lacks {', '.join(missing)}")
     words = [name for name in verification.variables if dataset[name].dtype.kind not in "iuf"]

@@ -103,5 +103,5 @@ def test_lost_branches_and_parts_are_named():
     assert f"{made.sizes['special']} special speeds computed again" in found["trouble"]
     with pytest.raises(InputError, match="cannot be verified: a result of a rotor system must"):
         rerun(made.drop_vars("unbalance_node"))
-    with pytest.raises(InputError, match="only results of simulate"):
+    with pytest.raises(InputError, match="cannot be verified: it lacks mass_matrix"):
         rerun(made.drop_vars("mass_matrix"))
