@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "model.h"
+#include DERIVED_HEADER
 
 enum {
     LOWEST_ORDER = 6,
@@ -22,11 +23,9 @@ enum {
     WIDTH = SPEED_CHANGES ? 16
     : IS_GENERAL          ? 12
                           : 8, /* columns of a state, with room to spare */
-    LANES = SPEED_CHANGES ? 32
-    : IS_GENERAL          ? 28
-                          : 16, /* products at most */
-    FACTORS = 8,                /* series at most that differences are multiplied by */
-    DIFFERENCES = 4,            /* followed beside a motion, four components each */
+    LANES = SERIES_PRODUCTS,
+    FACTORS = SERIES_FACTORS,
+    DIFFERENCES = 4, /* followed beside a motion, four components each */
     APART = 16,
     WATCHED = 2, /* what is beside the state */
     WIDEST_ROW = 16

@@ -16,9 +16,11 @@ References
 from __future__ import annotations
 
 from collections.abc import Sequence
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from rotor_ida.model.contact import HERTZ_EXPONENT, secant_of_square
+from rotor_ida.model.parameters import ALL_PARAMETERS
 
 # A number, or any object with sums, products, quotients and constant powers.
 Number = Any
@@ -46,6 +48,12 @@ class Moment(NamedTuple):
     normal: Pair
     unbalance: Pair = (0.0, 0.0)
     down: Pair = (0.0, 0.0)
+
+
+def with_values(rotor: Any, **values: Number) -> SimpleNamespace:
+    """Return the parameters of a `Rotor`, for the functions below, some with other values."""
+    given = {name: getattr(rotor, name) for name in ALL_PARAMETERS}
+    return SimpleNamespace(**given | values)
 
 
 def accelerations(at: Moment, push: Number, rotor: Any, drag: Number = 0.0) -> Pair:

@@ -129,6 +129,12 @@ def write_spent(derived: Derived, way: str = "") -> list[str]:
     )
 
 
+def products_in(derived: Derived, factors: Sequence[Symbol] = ()) -> int:
+    """Return the number of products in the series of the state, and of factors of differences."""
+    nodes = needed([*derived.rates, *factors, *derived.watched])
+    return sum(lanes_of(node) for node in nodes if node.changes and needs_convolution(node))
+
+
 def write_series(derived: Derived, factors: Sequence[Symbol], way: str = "") -> list[str]:
     """Return the function that expands the state, and the factors of differences.
 
@@ -138,7 +144,7 @@ def write_series(derived: Derived, factors: Sequence[Symbol], way: str = "") -> 
     outputs = [*derived.rates, *factors, *derived.watched]
     nodes = [node for node in needed(outputs) if node.changes]
     names = names_of(nodes, outputs)
-    lanes = sum(lanes_of(node) for node in nodes if needs_convolution(node))
+    lanes = products_in(derived, factors)
     before, lines = recurrences(mode, nodes, names)
     writer = Writer(lambda name: name, names, one="one")
     for name, rate in zip(mode.state, derived.rates, strict=True):
@@ -163,7 +169,7 @@ def write_series(derived: Derived, factors: Sequence[Symbol], way: str = "") -> 
         "}",
     ]
     body = [line for line in body if not is_idle(line, body)]
-    fits = f"{len(mode.state)} <= WIDTH && {lanes} <= LANES && {len(factors)} <= FACTORS"
+    fits = f"{len(mode.state)} <= WIDTH"
     body.insert(0, f'_Static_assert({fits}, "series.h has no room for this mode");')
     what = "the state, and the factors of differences" if factors else "the state"
     return function_of(

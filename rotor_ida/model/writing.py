@@ -34,6 +34,7 @@ from rotor_ida.model.expressions import (
 )
 from rotor_ida.model.forces import Number
 from rotor_ida.model.mode_functions import (
+    products_in,
     write_differences,
     write_lighter,
     write_series,
@@ -282,9 +283,12 @@ def sources_of(model: Model) -> dict[str, str]:
     for mode in {mode.name: mode for other in MODELS for mode in other.modes}.values():
         if mode.name not in own:
             body += [f"const struct mode {mode.name}_mode = {{0}}; {ABSENT}", ""]
+    products, most_factors = 0, 1
     for mode in model.modes:
         derived = derive(mode, model)
-        factors, _ = factors_of(derived)
+        factors, _ = factors_of(derived) if mode.neighbour else ([], [])
+        products = max(products, products_in(derived, factors))
+        most_factors = max(most_factors, len(factors))
         names = ", ".join([*(place_of(mode, name) for name in mode.state), place_of(mode, "size")])
         declared.append(f"enum {{ {names} }};")
         for guard in mode.guards:
@@ -300,7 +304,12 @@ def sources_of(model: Model) -> dict[str, str]:
             *(write_differences(derived) if mode.neighbour else []),
             *write_table(derived, tuple(model.lighter)),
         ]
-    declared += _declare_absent(model)
+    whole_vectors = -(-products // LANES_A_VECTOR) * LANES_A_VECTOR
+    declared += [
+        "/* Products of a series, and series that differences are multiplied by, at most. */",
+        f"enum {{ SERIES_PRODUCTS = {whole_vectors}, SERIES_FACTORS = {most_factors} }};",
+        *_declare_absent(model),
+    ]
     text = "\n".join([*body, "#endif", ""]).replace("\nvoid ", "\nstatic void ")
     return {f"{stem}.c": text, f"{stem}.h": "\n".join([*declared, "", "#endif", ""])}
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import SimpleNamespace
 
 import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.model.contact import contact_force, damping_factor, secant_stiffness
-from rotor_ida.model.forces import Moment, hold_of_rolling
+from rotor_ida.model.forces import Moment, hold_of_rolling, with_values
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.run import check_one_speed, check_run, parameter_coordinates, rotor_of
 from rotor_ida.schema import MODE, Column, labelled_dataset, origin_of
@@ -120,11 +119,7 @@ def _hold(run: xr.Dataset, radius: Values, rotor: Rotor) -> Values:
         (radius, 0.0), (_outwards(run), -rim), (1.0, 0.0),
         (np.cos(angle) * c + np.sin(angle) * s, np.sin(angle) * c - np.cos(angle) * s), (-s, -c),
     )  # fmt: skip
-    of_rotor = SimpleNamespace(
-        omega=rotor.omega, zeta=rotor.zeta, shaft_stiffness=rotor.shaft_stiffness, load=rotor.load,
-        rim=rim,
-    )  # fmt: skip
-    return np.asarray(hold_of_rolling(at, size, of_rotor))
+    return np.asarray(hold_of_rolling(at, size, with_values(rotor, rim=rim)))
 
 
 @dataclass(frozen=True, slots=True)

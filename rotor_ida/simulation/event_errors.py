@@ -22,7 +22,6 @@ the reference cases.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
 
 import numpy as np
 import numpy.typing as npt
@@ -30,7 +29,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import ROUNDING, Stop, Values, Watch
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.forces import Moment, accelerations
+from rotor_ida.model.forces import Moment, accelerations, with_values
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
 from rotor_ida.simulation.orbit import ENTRY, OF_FRICTION, PRESS, ROLLS, SLIP, Orbit
@@ -343,10 +342,7 @@ def _drift(orbit: Orbit) -> Values:
     """
     x, y, vx, vy = orbit.event_states.T
     rotor, angle = orbit.rotor, orbit.event_angles
-    machine = SimpleNamespace(
-        omega=orbit.event_speeds, zeta=rotor.zeta, shaft_stiffness=rotor.shaft_stiffness,
-        load=rotor.load,
-    )  # fmt: skip
+    machine = with_values(rotor, omega=orbit.event_speeds)
     cos, sin, none = np.cos(angle), np.sin(angle), np.zeros_like(x)
     at = Moment((x, y), (vx, vy), (x, y), (cos, sin), (0.0, -1.0))
     spin_up, _ = _quickening(orbit, none, none)

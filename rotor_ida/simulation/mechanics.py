@@ -15,14 +15,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from types import SimpleNamespace
 
 import numpy as np
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
 from rotor_ida.model.contact import contact_potential, force_over_radius
-from rotor_ida.model.forces import Moment, accelerations
+from rotor_ida.model.forces import Moment, accelerations, with_values
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.orbit import (
     FLIES,
@@ -90,9 +89,7 @@ def rates_of(spinning: SpinningRotor, mode: int) -> Rates:
     rotor = spinning.rotor
     delta0, exponent, damping = rotor.delta0, rotor.contact_exponent, rotor.contact_damping
     friction = mode * rotor.friction if mode in SLIDING else 0.0
-    turning = SimpleNamespace(
-        omega=0.0, zeta=rotor.zeta, shaft_stiffness=rotor.shaft_stiffness, load=rotor.load
-    )
+    turning = with_values(rotor, omega=0.0)
 
     def rates(time: float, state: Values, rate: Values) -> None:
         seen = rolled(spinning, time, state) if mode == ROLLING else state
