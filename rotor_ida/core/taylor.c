@@ -13,8 +13,9 @@ static const double FARTHEST = 0.25;
  * where the square of the radius, or what its changes come from, adds up to less than this part. */
 static const double FROM_THE_RING = 32.0 * ROUNDING;
 enum { ROOTS_AT_A_START = 3 };
-/* The logarithm of a step that nothing limits. */
-static const double UNLIMITED = 100.0;
+/* The logarithm of a step that nothing limits, as of a free fall; its power of the highest order is
+ * finite yet. */
+static const double UNLIMITED = 23.0;
 /* Terms fall by a factor exp(2) where the order is best; so many are looked at, as some may vanish:
  * the series of a radial entry has but every fifth. */
 static const double FALL = 2.0, RATIO = 7.38905609893065;

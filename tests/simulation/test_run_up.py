@@ -483,3 +483,13 @@ def test_what_rounding_does_to_friction_is_told_by_how_fast_the_slip_changes(cou
         x, y, vx, vy = before.states.T
         slip = (x * vy - y * vx) / np.hypot(x, y) + CHATTERS.disc_radius * before.speeds
         assert abs(np.diff(slip)[0]) / apart == pytest.approx(rate, rel=1e-3)
+
+
+@pytest.mark.parametrize(("delta0", "load"), [(1.0, 0.3), (0.1, 7.0), (8.0, 0.02)])
+def test_a_disc_that_falls_freely_touches_when_it_has_fallen_by_the_clearance(delta0, load):
+    """Its flight is a polynomial, whose step nothing limits."""
+    touch = np.sqrt(2.0 * delta0 / load)
+    run = run_up(Rotor(omega=0.0, zeta=0.0, delta0=delta0, load=load),
+                 speeds=[(0.0, 0.0), (2.0 * touch, 0.0)])  # fmt: skip
+    assert run.entry_time.values[0] == pytest.approx(touch, rel=1e-13)
+    assert run.entry_speed.values[0] == pytest.approx(load * touch, rel=1e-13)
