@@ -101,11 +101,6 @@ def is_stable(shot: Orbit) -> bool:
     return fold_test(shot) > 0.0 and doubling_test(shot) > 0.0
 
 
-def has_pairs(shot: Shot) -> bool:
-    """Return whether the multipliers form pairs: damping is uniform, without friction."""
-    return shot.rotor.contact_damping == 0.0 and shot.rotor.friction == 0.0
-
-
 def nontrivial(shot: Orbit) -> ComplexValues:
     """Return the nontrivial multipliers: those of M across the field at the start.
 
@@ -170,7 +165,7 @@ def defects_of(shot: Shot) -> tuple[float, float]:
     trivial = np.linalg.norm(matrix @ rate - shot.end_rate) / np.linalg.norm(rate)
     if shot.rotor.load > 0.0:
         trivial = np.float64(math.nan)
-    if not has_pairs(shot):
+    if not shot.rotor.damps_uniformly:
         return float(trivial), math.nan
     defect = np.abs(matrix.T @ FORM @ matrix - shot.contraction * FORM).max()
     size = (np.abs(matrix).T @ np.abs(FORM) @ np.abs(matrix)).max()

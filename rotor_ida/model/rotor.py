@@ -117,6 +117,11 @@ class Rotor:
         beyond = _not_default(self)
         return beyond if self.friction > 0.0 else without(beyond, "disc_radius")
 
+    @property
+    def damps_uniformly(self) -> bool:
+        """Whether all energy is lost to viscous damping, so that areas shrink as exp(-2 zeta t)."""
+        return self.beyond.keys() <= {"shaft_stiffness", "contact_exponent", "load"}
+
     def system(self) -> tuple[RotorSystem, list[Contact], list[Unbalance]]:
         """Return the same rotor as a rotor system of one node, ``"disc"``.
 

@@ -92,8 +92,8 @@ class Shot:
     @property
     def pair_product(self) -> float | None:
         """Product of each pair of multipliers, one of them 1 and the rest; None without pairs."""
-        uniform = self.rotor.contact_damping == 0.0 and self.rotor.friction == 0.0
-        return self.contraction if uniform and self.is_autonomous else None
+        has_pairs = self.rotor.damps_uniformly and self.is_autonomous
+        return self.contraction if has_pairs else None
 
     @property
     def sizes(self) -> Values:

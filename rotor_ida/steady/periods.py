@@ -182,7 +182,7 @@ def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) ->
     if rotor.load > 0.0:
         multipliers = np.linalg.eigvals(bundle)
         return complex(multipliers[np.argmax(np.abs(multipliers))])
-    if rotor.contact_damping > 0.0 or rotor.friction > 0.0:
+    if not rotor.damps_uniformly:
         # no pairs: without the trivial one, that nearest 1
         multipliers = np.linalg.eigvals(bundle)
         rest = np.delete(multipliers, np.argmin(np.abs(multipliers - 1.0)))
