@@ -27,9 +27,9 @@ from rotor_ida.cli.variables import (
     with_units,
 )
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
-from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
-from rotor_ida.results.si_units import in_rpm, in_suitable_units, si_of
+from rotor_ida.results.si_units import MACHINE, UNITS, in_rpm, in_suitable_units, si_of
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, by_number, flags_of
 from rotor_ida.units import SPEED_UNITS
 
@@ -98,10 +98,28 @@ def origin(dataset: xr.Dataset) -> RenderableType:
     versions = attributes.pop("versions", {})
     method = attributes.pop("method", {})
     sizes = "  ".join(f"{dim} {size}" for dim, size in dataset.sizes.items())
-    shown = {"kind": kind_of(dataset), **attributes, "dimensions": sizes}
+    told = {
+        f"{name} [{unit}]" if (unit := _unit_of(attributes, name)) else name: value
+        for name, value in attributes.items()
+        if name.removesuffix("_units") not in attributes.keys() - {name}
+    }
+    shown = {"kind": kind_of(dataset), **told, "dimensions": sizes}
     for entries in (method, versions):
         shown |= entries if isinstance(entries, dict) else {}
     return pairs("Archive", shown)
+
+
+def _unit_of(attributes: Record, name: str) -> str:
+    """Return the unit of an attribute, empty if it has none."""
+    if name.endswith("_scale"):
+        return UNITS.get(name.removesuffix("_scale"), "")
+    parameter = OF_MACHINE.get(name.removeprefix(MACHINE)) if name.startswith(MACHINE) else None
+    if parameter is None:
+        unit = str(attributes.get(f"{name}_units", ""))
+        return {"s-1": "rad/s", "s-2": "rad/s2"}.get(unit, unit)
+    is_linear = attributes.get(f"{MACHINE}contact_exponent") == 1.0
+    unit = parameter.shown_unit.replace("m^1.5", "m" if is_linear else "m^1.5")
+    return "" if unit == "1" else unit
 
 
 def show_run(dataset: xr.Dataset, most: int | None) -> Description:

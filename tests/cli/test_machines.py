@@ -168,6 +168,9 @@ def test_every_command_takes_a_machine_and_its_archive_is_of_use(
     assert archived.attrs["length_scale"] == SMALL.length_scale
     shown = program("show", "si.nc")
     assert (shown.status, shown.err) == (0, "")
+    for words in ("length scale [m]", "machine mass [kg]", "machine contact stiffness [N/m^1.5]"):
+        assert words in shown.out
+    assert " units " not in shown.out
     if name not in {"whirls", "folds", "hopf points", "diagram", "touchdown"}:
         verified = program("verify", "si.nc", "--json")
         assert (verified.status, verified.err) == (0, ""), verified.out
