@@ -101,7 +101,7 @@ def origin(dataset: xr.Dataset) -> RenderableType:
     told = {
         f"{name} [{unit}]" if (unit := _unit_of(attributes, name)) else name: value
         for name, value in attributes.items()
-        if name.removesuffix("_units") not in attributes.keys() - {name}
+        if not (name.endswith("_units") and name.removesuffix("_units") in attributes)
     }
     shown = {"kind": kind_of(dataset), **told, "dimensions": sizes}
     for entries in (method, versions):

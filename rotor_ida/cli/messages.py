@@ -126,7 +126,12 @@ def rewritten(message: str, given: Sequence[Given], machine: DimensionalRotor | 
     writing = _Writing(given, named, machine, in_si)
     new = {} if machine is None else IS_OF_MACHINE
     head = re.sub(r"\w+", lambda name: new.get(name[0], name[0]), head)
-    return f"{where}{colon}{head}{must}{''.join(writing.words(subject, body))}"
+    line = f"{where}{colon}{head}{must}{''.join(writing.words(subject, body))}"
+    if machine is not None and head in {"clearance", "disc_radius"} and "to be simulated" in body:
+        # a nearly balanced machine has large ratios of its lengths to the eccentricity
+        micrometres = 1e6 * machine.eccentricity
+        line += f"; the limits are proportional to the eccentricity, {micrometres:.3g} um"
+    return line
 
 
 @dataclass(frozen=True, slots=True)

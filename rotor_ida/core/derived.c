@@ -193,7 +193,7 @@ static void contact_by_parameters(const struct parameters *m,
 static void contact_expand(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(7 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(7 <= WIDTH && 12 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][CONTACT_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -242,7 +242,7 @@ static void contact_expand(const struct parameters *m,
 static void contact_expand_with_factors(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(7 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(7 <= WIDTH && 15 <= LANES && 4 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][CONTACT_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -462,7 +462,7 @@ static void cartesian_by_parameters(const struct parameters *m,
 static void cartesian_expand(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(4 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(4 <= WIDTH && 6 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double x_first = series->terms[0][CARTESIAN_X];
     const double y_first = series->terms[0][CARTESIAN_Y];
     const double first_w3 = sqrt(sqrt(x_first * x_first + y_first * y_first));
@@ -497,7 +497,7 @@ static void cartesian_expand(const struct parameters *m,
 static void cartesian_expand_with_factors(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(4 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(4 <= WIDTH && 13 <= LANES && 4 <= FACTORS, "series.h has no room for this mode");
     const double x_first = series->terms[0][CARTESIAN_X];
     const double y_first = series->terms[0][CARTESIAN_Y];
     const double first_w3 = sqrt(sqrt(x_first * x_first + y_first * y_first));

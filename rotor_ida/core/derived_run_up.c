@@ -336,7 +336,7 @@ static void contact_jacobian(const struct parameters *m,
 static void contact_expand(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(13 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(13 <= WIDTH && 27 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][CONTACT_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -465,7 +465,7 @@ static void contact_spent(const struct parameters *m,
 static void contact_expand_prescribed(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(13 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(13 <= WIDTH && 20 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][CONTACT_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -575,7 +575,7 @@ static void contact_spent_prescribed(const struct parameters *m,
 static void contact_expand_plain(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(13 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(13 <= WIDTH && 16 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][CONTACT_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -776,7 +776,7 @@ static void cartesian_jacobian(const struct parameters *m,
 static void cartesian_expand(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(8 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(8 <= WIDTH && 13 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double x_first = series->terms[0][CARTESIAN_X];
     const double y_first = series->terms[0][CARTESIAN_Y];
     const double first_w6 = sqrt(sqrt(x_first * x_first + y_first * y_first));
@@ -831,7 +831,7 @@ static void cartesian_expand(const struct parameters *m,
 static void cartesian_expand_prescribed(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(8 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(8 <= WIDTH && 13 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double x_first = series->terms[0][CARTESIAN_X];
     const double y_first = series->terms[0][CARTESIAN_Y];
     const double first_w6 = sqrt(sqrt(x_first * x_first + y_first * y_first));
@@ -881,7 +881,7 @@ static void cartesian_expand_prescribed(const struct parameters *m,
 static void cartesian_expand_plain(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(8 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(8 <= WIDTH && 11 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double x_first = series->terms[0][CARTESIAN_X];
     const double y_first = series->terms[0][CARTESIAN_Y];
     const double first_w6 = sqrt(sqrt(x_first * x_first + y_first * y_first));
@@ -1321,7 +1321,7 @@ static void rub_jacobian(const struct parameters *m,
 static void rub_expand(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(14 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(14 <= WIDTH && 29 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][RUB_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -1465,7 +1465,7 @@ static void rub_spent(const struct parameters *m,
 static void rub_expand_prescribed(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(14 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(14 <= WIDTH && 21 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][RUB_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -1589,7 +1589,7 @@ static void rub_spent_prescribed(const struct parameters *m,
 static void rub_expand_plain(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(14 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(14 <= WIDTH && 17 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][RUB_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -2180,7 +2180,7 @@ static void rolling_watched(const struct parameters *m,
 static void rolling_expand(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(14 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(14 <= WIDTH && 29 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][ROLLING_Q];
     const double c_first = series->terms[0][ROLLING_C];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
@@ -2333,7 +2333,7 @@ static void rolling_spent(const struct parameters *m,
 static void rolling_expand_prescribed(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(14 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(14 <= WIDTH && 19 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][ROLLING_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -2458,7 +2458,7 @@ static void rolling_spent_prescribed(const struct parameters *m,
 static void rolling_expand_plain(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(14 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(14 <= WIDTH && 15 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][ROLLING_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */

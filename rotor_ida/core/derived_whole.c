@@ -301,7 +301,7 @@ static void contact_by_parameters(const struct parameters *m,
 static void contact_expand(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(11 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(11 <= WIDTH && 16 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][CONTACT_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -391,7 +391,7 @@ static void contact_spent(const struct parameters *m,
 static void contact_expand_with_factors(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(11 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(11 <= WIDTH && 26 <= LANES && 6 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][CONTACT_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -677,7 +677,7 @@ static void cartesian_by_parameters(const struct parameters *m,
 static void cartesian_expand(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(6 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(6 <= WIDTH && 6 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double x_first = series->terms[0][CARTESIAN_X];
     const double y_first = series->terms[0][CARTESIAN_Y];
     const double first_w3 = sqrt(sqrt(x_first * x_first + y_first * y_first));
@@ -717,7 +717,7 @@ static void cartesian_expand(const struct parameters *m,
 static void cartesian_expand_with_factors(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(6 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(6 <= WIDTH && 13 <= LANES && 4 <= FACTORS, "series.h has no room for this mode");
     const double x_first = series->terms[0][CARTESIAN_X];
     const double y_first = series->terms[0][CARTESIAN_Y];
     const double first_w3 = sqrt(sqrt(x_first * x_first + y_first * y_first));
@@ -1141,7 +1141,7 @@ static void rub_by_parameters(const struct parameters *m,
 static void rub_expand(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(12 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(12 <= WIDTH && 16 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][RUB_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -1241,7 +1241,7 @@ static void rub_spent(const struct parameters *m,
 static void rub_expand_with_factors(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(12 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(12 <= WIDTH && 28 <= LANES && 8 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][RUB_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -1723,7 +1723,7 @@ static void rolling_watched(const struct parameters *m,
 static void rolling_expand(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(12 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(12 <= WIDTH && 13 <= LANES && 0 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][ROLLING_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */
@@ -1817,7 +1817,7 @@ static void rolling_spent(const struct parameters *m,
 static void rolling_expand_with_factors(const struct parameters *m,
     struct series *series, int order)
 {
-    _Static_assert(12 <= WIDTH, "series.h has no room for this mode");
+    _Static_assert(12 <= WIDTH && 27 <= LANES && 8 <= FACTORS, "series.h has no room for this mode");
     const double q_first = series->terms[0][ROLLING_Q];
     const double inverse_r = inverse(m->delta0 + q_first * q_first);
     double one = 1.0; /* coefficient n of 1 */

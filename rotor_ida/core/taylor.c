@@ -13,8 +13,8 @@ static const double FARTHEST = 0.25;
  * where the square of the radius, or what its changes come from, adds up to less than this part. */
 static const double FROM_THE_RING = 32.0 * ROUNDING;
 enum { ROOTS_AT_A_START = 3 };
-/* The logarithm of a step that nothing limits, as of a free fall; its power of the highest order is
- * finite yet. */
+/* The logarithm of a step that nothing limits, as in a free fall: the highest power of such a step
+ * is finite. */
 static const double UNLIMITED = 23.0;
 /* Terms fall by a factor exp(2) where the order is best; so many are looked at, as some may vanish:
  * the series of a radial entry has but every fifth. */

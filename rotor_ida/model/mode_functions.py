@@ -169,7 +169,7 @@ def write_series(derived: Derived, factors: Sequence[Symbol], way: str = "") -> 
         "}",
     ]
     body = [line for line in body if not is_idle(line, body)]
-    fits = f"{len(mode.state)} <= WIDTH"
+    fits = f"{len(mode.state)} <= WIDTH && {lanes} <= LANES && {len(factors)} <= FACTORS"
     body.insert(0, f'_Static_assert({fits}, "series.h has no room for this mode");')
     what = "the state, and the factors of differences" if factors else "the state"
     return function_of(

@@ -43,7 +43,7 @@ def figure_of(dataset: xr.Dataset) -> Figure:
     drawn = KINDS[kind].drawn
     if not drawn:
         able = ", ".join(name for name, each in KINDS.items() if each.drawn)
-        raise InputError(f"figure must be of one of {able}, got {kind!r}")
+        raise InputError(f"figure must be of one of the kinds {able}, got {kind!r}")
     made: Axes | Figure = loaded(drawn)(dataset)
     return made if isinstance(made, Figure) else cast(Figure, made.figure)
 

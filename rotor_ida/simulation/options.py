@@ -31,8 +31,6 @@ STEP_SAFETY = 0.03
 
 # For larger starts the tolerances lose their meaning.
 LARGEST = 1e6
-# A machine that is nearly balanced has large ratios of its lengths to the eccentricity.
-PROPORTIONAL = "; its limits are proportional to the eccentricity"
 # The final window contains whole revolutions: for slower rotors they take too long, and for faster
 # ones there are too many.
 SLOWEST_TO_SETTLE, FASTEST_TO_SETTLE = 1e-3, 1e3
@@ -119,22 +117,17 @@ def check_can_be_followed(rotor: Rotor, start: State, *, settling: bool = False)
     """Raise `InputError` for a rotor or start that cannot be simulated (until it settles)."""
     for name in PARAMETERS:
         value, least, most = getattr(rotor, name), OF_ROTOR[name].smallest, OF_ROTOR[name].largest
-        because = PROPORTIONAL if name == "delta0" else ""
         if value > most:
-            raise InputError(
-                f"{name} must be at most {most:g} to be simulated, got {value!r}{because}"
-            )
+            raise InputError(f"{name} must be at most {most:g} to be simulated, got {value!r}")
         if 0.0 < value < least:
             raise InputError(
-                f"{name} must be 0 or at least {least:g} to be simulated, got {value!r}{because}"
+                f"{name} must be 0 or at least {least:g} to be simulated, got {value!r}"
             )
     for name, value in rotor.beyond.items():
         least, most = OF_ROTOR[name].smallest, OF_ROTOR[name].largest
         if value != 0.0 and not least <= value <= most:
-            because = PROPORTIONAL if name == "disc_radius" else ""
             raise InputError(
-                f"{name} must be 0, or from {least:g} to {most:g}, to be simulated, "
-                f"got {value!r}{because}"
+                f"{name} must be 0, or from {least:g} to {most:g}, to be simulated, got {value!r}"
             )
     if settling and rotor.omega and not SLOWEST_TO_SETTLE <= rotor.omega <= FASTEST_TO_SETTLE:
         raise InputError(

@@ -371,7 +371,7 @@ def run_of_cases(
     )  # fmt: skip
 
 
-def solvers(method: str) -> ModuleType:
+def _witness(method: str) -> ModuleType:
     """Return the runs by CVODE, or raise `InstallationError` without scikit-sundae."""
     try:
         from rotor_ida.systems import witness  # noqa: PLC0415
@@ -394,7 +394,7 @@ def _followed(
         if method == "taylor":
             followed = follow_twice(first.request, stop, watch)
         else:
-            followed = solvers(method).follow_by_cvode(
+            followed = _witness(method).follow_by_cvode(
                 first.request, profile, rtol, method, stop, watch
             )
         moved = [shifts_of(followed.result, each.request, stop, watch) for each in second]
@@ -445,7 +445,7 @@ def _sampled_at(
     def follow(stop: Stop) -> SystemResult:
         if method == "taylor":
             return follow_system_again(request, stop)
-        result: SystemResult = solvers(method).run_by_cvode(
+        result: SystemResult = _witness(method).run_by_cvode(
             request, profile, rtol, method, stop, []
         )
         return result

@@ -44,9 +44,9 @@ def rerun(
     Parameters
     ----------
     dataset : Dataset
-        A result, for example one loaded from an archive, of a kind with a row `verified` in
-        `rotor_ida.results.kinds`: runs, sweeps, run-ups, basins, cycles and their branches, also of
-        rotor systems, and exact results of rotor systems.
+        A result, for example one loaded from an archive: a run, sweep, run-ups, a basin, a cycle,
+        its branch or bifurcation curve, also of rotor systems, or an exact result of a rotor
+        system. `rotor_ida.results.kinds` lists the kinds that can be verified.
     method : {"adams", "bdf", "ida", "taylor"}, optional
         Another solver for the contacts of a run, sweep or run-up: an independent check that shares
         no step with the first.

@@ -274,7 +274,10 @@ MISTAKES = [
     ("show {empty}", "is not an archive of rotor_ida: it is not netCDF-4"),
     ("show {cut}", "is damaged, was altered or is not an archive"),
     ("show {run} --figure nowhere/a.png", "figure must be in a folder that exists"),
-    ("show {report} --figure a.png", "figure must be of one of drop, drop_ensemble, system_run"),
+    (
+        "show {report} --figure a.png",
+        "figure must be of one of the kinds drop, drop_ensemble",
+    ),
     ("compare {run}", "compare needs a sweep"),
     ("compare {text}", "is not an archive of rotor_ida"),
     ("compare {sweep} --out {sweep} --force", "out must not be the file that is compared"),
@@ -282,7 +285,10 @@ MISTAKES = [
     # plots
     ("plot {run} --order 2", "kind must be given with order"),
     ("plot {run} --exact", "kind must be given with exact"),
-    ("plot {report} --figure a", "figure must be of one of drop, drop_ensemble, system_run"),
+    (
+        "plot {report} --figure a",
+        "figure must be of one of the kinds drop, drop_ensemble",
+    ),
     ("plot {run} --kind cascde --figure a", "got 'cascde'; did you mean 'cascade'?"),
     ("plot {run} --kind trace --figure a --times 1s 2s", "times must have no unit, got '1s'"),
     ("plot {run} --kind orbit --figure a --clearance 1um", "clearance must have no unit, got"),

@@ -33,7 +33,7 @@ OF_MACHINE = {
         "m.toml: speed must be zero or positive, got -100 rpm",
     "simulate --duration 1 --clearance 1e9mm":
         "clearance must be at most 10000 mm to be simulated, got 1e+09 mm; "
-        "its limits are proportional to the eccentricity",
+        "the limits are proportional to the eccentricity, 10 um",
     "simulate --duration 1 --damping 1e30":
         "damping must be at most 2e+10 N s/m to be simulated, got 1e+30 N s/m",
     "run-up --to 6000rpm --rate -100rpm/s":

@@ -17,7 +17,16 @@ from rotor_ida.closed_forms.rest import rest
 from rotor_ida.model.equations import rotated
 from rotor_ida.schema import RESPONSE, STABILITY
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import follow_to_steady_state, longest_time
+from rotor_ida.steady.decision import CLEAR_STRETCH
+from rotor_ida.steady.follow import (
+    DECAY_TIMES,
+    LONGEST,
+    LONGEST_DECAY_TIMES,
+    LONGEST_FIRST_WAIT,
+    LONGEST_OF_ALL,
+    follow_to_steady_state,
+    longest_time,
+)
 from rotor_ida.steady.periods import slowest_multiplier
 from tests.rotors import KNOCKED, WHIP
 from tests.steady.following import LOADED, REST, SHAFT, followed, of_paper
@@ -438,3 +447,13 @@ def test_a_run_that_is_asked_to_stop_has_failed():
     assert settled.response == "failed"
     assert "interrupted" in settled.message
     assert math.isnan(settled.features.amplitude)
+
+
+def test_the_docstring_of_sweep_states_the_waits_of_this_code():
+    first = f"first after {DECAY_TIMES:g}/zeta ({LONGEST_FIRST_WAIT:,.0f} at most)"
+    bounds = f"at least {LONGEST:,.0f}, at most {LONGEST_OF_ALL:,.0f}"
+    last = f"until {LONGEST_DECAY_TIMES:g}/zeta ({bounds}"
+    words = " ".join((sweep.__doc__ or "").split())
+    assert first in words
+    assert last in words
+    assert f"``exp({CLEAR_STRETCH:g})``" in words

@@ -139,7 +139,7 @@ def test_a_chain_that_is_lost_with_its_worker_is_labelled(monkeypatch):
         ),
         (
             {"delta0": [0.0, 1e-13, 2.0]},
-            "delta0 must be 0 or at least 1e-12 to be simulated, got 1e-13; .* eccentricity",
+            "delta0 must be 0 or at least 1e-12 to be simulated, got 1e-13",
         ),
         ({"workers": 0}, "workers must be at least 1, got 0"),
         ({"executor": "gpu"}, "executor must be one of 'auto', 'serial', .*, got 'gpu'"),
