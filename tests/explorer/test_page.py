@@ -35,6 +35,7 @@ from selenium.webdriver import ActionChains, Keys
 
 from tests.explorer.browser import (
     PATIENCE,
+    WINDOW,
     Page,
     chromium_in,
     ended,
@@ -385,6 +386,7 @@ def test_the_whole_machine_in_si_units_is_the_same_rotor(page, address):
     page.find("#weight").click()
     page.settle()
     assert page.state()["load"] == pytest.approx(4 * 9.80665, rel=1e-14)
+    page.run("scrollTo(0, 0)")  # from under the verdict, which stays at the top
     page.find('[name="units"][value="none"]').click()
     page.settle()
     rotor = page.facts("motion")["rotor"]
@@ -667,6 +669,40 @@ def test_a_passage_that_cannot_be_followed_says_why_and_rests(page):
     page.find("#run-up").click()
     at_rest(page)
     assert page.state()["omega"] > 2.0
+
+
+# Where a button lies at each frame, and what the verdict says, until a run-up has ended.
+WATCH = """
+window.seen = { places: [], verdicts: [] };
+const look = () => {
+  seen.places.push(document.getElementById("run-up").getBoundingClientRect().y);
+  seen.verdicts.push(document.getElementById("verdict").textContent);
+  if (!seen.ended) requestAnimationFrame(look);
+};
+look();"""
+
+
+def test_the_page_does_not_move_while_a_rotor_runs_up(page):
+    """The verdict changes its length at each piece, here between one line and two."""
+    page.driver.set_window_size(1280, 720)
+    try:
+        page.settle("settled")
+        page.type("#ramp", 0.01)
+        page.run(WATCH)
+        page.find("#run-up").click()
+        page.until("rotorIda.passage.speed > 2.5")
+        page.find("#run-up").click()
+        at_rest(page)
+        page.settle("settled")
+        page.until("seen.verdicts.at(-1).includes('Held at this speed')")
+        seen = page.run("seen.ended = true; return seen")
+    finally:
+        page.driver.set_window_size(*WINDOW)
+    running = [each for each in seen["verdicts"] if each.startswith("From")]
+    assert len(set(map(len, running))) > 3
+    assert np.ptp(seen["places"]) < 0.5
+    held = {each.partition("Held at this speed: ")[2] for each in running} - {""}
+    assert held == {page.facts("settled")["verdict"]}  # never the one before the run-up
 
 
 def test_two_rotors_pass_side_by_side(page):

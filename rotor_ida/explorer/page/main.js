@@ -419,11 +419,17 @@ function showVerdict() {
     if (track && (passage.running || passage.waiting.size)) return [track.now, which + (track.words || "Running up …")];
     const run = track && track.words ? `${track.words} ` : "";
     if (!motion) return ["unknown", "Computing …"];
-    if (settled?.number === motion.number) return [settled.facts.level, `${which}${run}${run ? "Held at this speed: " : ""}${settled.facts.verdict}`];
-    if (unsettled?.number === motion.number || motion.facts.rotor.zeta === 0) return ["unknown", `${which}${run}${motion.facts.words[0]}`];
+    // the motion before the run-up was at another speed
+    const old = run && motion.number !== number;
+    if (!old && settled?.number === motion.number) return [settled.facts.level, `${which}${run}${run ? "Held at this speed: " : ""}${settled.facts.verdict}`];
+    if (!old && (unsettled?.number === motion.number || motion.facts.rotor.zeta === 0)) return ["unknown", `${which}${run}${motion.facts.words[0]}`];
     return ["unknown", `${which}${run}Following the rotor until it settles …`];
   });
-  $("verdict").replaceChildren(...lines.map(([level, textContent]) => Object.assign(document.createElement("span"), { className: level, textContent })));
+  const box = $("verdict");
+  box.replaceChildren(...lines.map(([level, textContent]) => Object.assign(document.createElement("span"), { className: level, textContent })));
+  // during a run-up the text changes its length many times a second: the buttons below must not move
+  box.style.minHeight = passage.begun ? `${box.offsetHeight}px` : "";
+  document.documentElement.style.setProperty("--verdict", `${box.offsetHeight}px`);
 }
 
 function complain(text) {
