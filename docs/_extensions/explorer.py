@@ -70,7 +70,7 @@ def _draw_system(driver: Any, address: str) -> None:
 
 
 def _draw(driver: Any, address: str) -> None:
-    page = Page(driver, address)
+    page = Page(driver, address, basin=True)
     page.settle("settled")
     page.until("rotorIda.shown[0].basin?.facts.finest")
     _save(page, "explorer", None)

@@ -27,7 +27,8 @@ from selenium.webdriver.common.by import By  # noqa: E402
 
 # Width and height of the window: what lies beyond it, no pointer reaches.
 WINDOW = (1400, 1000)
-PATIENCE = 200.0  # seconds, on a machine that does other things too
+# Seconds, on a machine that does other things too; selenium itself gives up after 120.
+PATIENCE = 110.0
 PIXELS = """
 const seen = Array.from(document.querySelectorAll("canvas")).filter((each) => each.offsetParent);
 return seen.map((canvas) => {
