@@ -27,6 +27,7 @@ from rotor_ida import (
     Unbalance,
     closed_forms,
 )
+from tests.kinds import KINDS
 
 LONGEST_MESSAGE = 300
 PATHS = ("path", "study", "folder")
@@ -459,6 +460,37 @@ def test_odd_values_are_refused_in_one_line_or_used(name, tmp_path, monkeypatch)
     monkeypatch.chdir(tmp_path)
     troubles = [f"{call}: {trouble}" for call, trouble in odd_calls(name, tmp_path) if trouble]
     assert not troubles, "\n".join(troubles)
+
+
+def calls_with_results(folder: Path) -> Iterator[tuple[str, str, bool]]:
+    """Yield each function, each of its arguments that is a result, and whether it is a list."""
+    for name, function in public().items():
+        parameters = inspect.signature(function).parameters.values()
+        if any("xr.Dataset" in str(each.annotation) for each in parameters):
+            for argument, value in GIVEN[name](folder).items():
+                if isinstance(value, xr.Dataset):
+                    yield name, argument, False
+                elif isinstance(value, list) and isinstance(value[0], xr.Dataset):
+                    yield name, argument, True
+
+
+def test_results_of_another_kind_are_refused_in_one_line_or_used(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    results = {kind: make() for kind, make in KINDS.items()}
+    troubles, calls = [], 0
+    for name, argument, several in calls_with_results(tmp_path):
+        for kind, result in results.items():
+            given = GIVEN[name](tmp_path) | {argument: [result, result] if several else result}
+            calls += 1
+            try:
+                public()[name](**given)
+            except RotorError as error:
+                if "\n" in str(error):
+                    troubles.append(f"{name}({argument} = {kind}): {error}")
+            except Exception as error:
+                troubles.append(f"{name}({argument} = {kind}): raw {type(error).__name__}: {error}")
+    assert not troubles, "\n".join(troubles)
+    assert calls > 600
 
 
 def test_labelled_values_are_numbers_starts_and_ranges():

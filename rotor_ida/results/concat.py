@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import check_instance, shown
+from rotor_ida.checks import check_instance, listed, shown
 from rotor_ida.errors import InputError
 from rotor_ida.schema import flags_of
 
@@ -63,6 +63,11 @@ def concat(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
     for each in given:
         if dim not in each.variables:
             raise InputError(f"dim must be in all datasets, got {shown(dim)}, which one lacks")
+        if dim not in each.dims and each[dim].ndim:
+            on = listed([str(other) for other in each[dim].dims])
+            raise InputError(
+                f"dim must be a dimension or a scalar, got {shown(dim)}, which is on {on}"
+            )
     tables = {
         name: str(variable.attrs[COUNTS])
         for name, variable in given[0].data_vars.items()

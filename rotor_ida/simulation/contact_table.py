@@ -13,6 +13,7 @@ from rotor_ida.checks import check_instance
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.results.run import is_of_system
 from rotor_ida.schema import (
     WHIRL_DIRECTION,
     Column,
@@ -112,6 +113,11 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
     (22, 0.867548)
     """
     check_instance("run", run, xr.Dataset)
+    if is_of_system(run):
+        raise InputError(
+            "run must be of one disc, got a run of a rotor system, whose contacts are in its table "
+            "of episodes: episode_contact, entry_time, peak_force and so on"
+        )
     if "entry_time" not in run or "duration" not in run.attrs:
         raise InputError("run must be a run of simulate, got one without a table of contacts")
     check_dimensionless("run", run)
