@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from rotor_ida import Rotor, simulate
-from rotor_ida.core.flight import fly
+from tests.core.flight import fly
 
 SIZES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 MULTIPLES = (10.0, 1e2, 1e3, 1e4)

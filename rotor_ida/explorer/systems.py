@@ -108,7 +108,7 @@ def _case_in(path: Path) -> Case:
         raise InputError(str(error).replace(f"{path.parent}{os.sep}", "")) from error
 
 
-def show_system_file(upload: SystemUpload) -> Iterator[Answer]:
+def show_opened_file(upload: SystemUpload) -> Iterator[Answer]:
     """Yield the name of a file that can be shown."""
     assert upload.path is not None
     _case_in(upload.path)

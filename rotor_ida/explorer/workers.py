@@ -40,9 +40,8 @@ SHOWN_BY = {
     "starts": ("starts", "show_starts"),
 }
 OF_SYSTEMS = {
-    about: ("systems", f"show_{about}")
-    for about in ("system_run", "system_map", "system_run_up", SystemUpload.about)
-}
+    about: ("systems", f"show_{about}") for about in ("system_run", "system_map", "system_run_up")
+} | {SystemUpload.about: ("systems", "show_opened_file")}
 # Seconds after which a part is interrupted again.
 SOON = 0.01
 # Bytes of the length of an answer, little-endian.

@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 
 from rotor_ida import InputError, Rotor, SimulationError
 from rotor_ida.basins import kernel
-from rotor_ida.core import faults, flight, interface, runs, sundials
+from rotor_ida.core import faults, interface, runs, sundials
 from rotor_ida.core.interface import (
     DONE,
     MESSAGES,
@@ -39,6 +39,7 @@ from rotor_ida.core.systems import EPISODE, LAW, RACE, TOUCH, SystemRunStruct
 from rotor_ida.errors import BudgetError
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
+from tests.core import flight
 
 ROOT = Path(__file__).parents[2]
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)

@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.core import flight, runs
+from rotor_ida.core import runs
 from rotor_ida.core.interface import DONE
+from tests.core import flight
 
 NEVER = math.inf
 SPANS = (1e-6, 0.013, 0.7, 2.3, 19.0, 300.0)

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.core import flight, runs
+from rotor_ida.core import runs
 from rotor_ida.model.equations import rotated
 from rotor_ida.simulation import mechanics
 from rotor_ida.simulation.spin import Steady
+from tests.core import flight
 
 NEVER = math.inf
 

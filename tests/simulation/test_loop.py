@@ -7,10 +7,10 @@ import pytest
 from scipy.special import beta
 
 from rotor_ida import InputError, Rotor, simulate
-from rotor_ida.core.flight import starts_in_contact
 from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.model.equations import angular_momentum, energy
 from rotor_ida.model.parameters import OF_ROTOR
+from tests.core.flight import starts_in_contact
 
 LEAVING = beta(0.4, 0.5) / math.sqrt(5.0)  # time from rest at A to the ring, times (A-delta0)^1/4
 REST = (0.0, 0.0, 0.0, 0.0)
