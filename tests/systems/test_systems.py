@@ -1,6 +1,7 @@
 """Rotor systems themselves: what they hold, files, reduction, and what is refused."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -29,6 +30,7 @@ from rotor_ida.cli.describe import describe
 from rotor_ida.core import systems as core_systems
 from rotor_ida.systems import following
 from rotor_ida.systems.archived import problem_of
+from tests.systems.axisymmetric_systems import random_axisymmetric
 from tests.systems.random_systems import random_system
 
 PLAIN = {"mass": np.eye(4), "stiffness": 2.0 * np.eye(4), "nodes": {"disc": (0, 1), "end": (2, 3)}}
@@ -374,6 +376,22 @@ def test_what_is_sampled_does_not_change_the_run():
     runs = [simulate(system, speed=1.1, duration=10.0, samples=n, **around) for n in (2, 1000)]
     for name in ("event_time", "impulse", "slip_distance", "heat", "final_state"):
         np.testing.assert_array_equal(runs[0][name], runs[1][name])
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_a_negative_speed_gives_the_mirror_image(seed):
+    """With gyroscopic terms, friction and moving stators; unbalance at the mirrored phases."""
+    system, contacts, unbalance = random_axisymmetric(seed)
+    mirrored = [replace(each, phase=-each.phase) for each in unbalance]
+    run, image = (
+        simulate(system, contacts=contacts, unbalance=each, speed=speed, duration=30.0, samples=50)
+        for speed, each in ((1.3, unbalance), (-1.3, mirrored))
+    )
+    assert run.sizes["event"] > 5
+    np.testing.assert_allclose(image.event_time, run.event_time, rtol=1e-7)
+    np.testing.assert_allclose(image.x, run.x, atol=1e-7)
+    np.testing.assert_allclose(image.y, -run.y, atol=1e-7)
+    np.testing.assert_allclose(image.heat, run.heat, atol=1e-7)
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-9])
