@@ -72,8 +72,8 @@ void begin_system_piece(struct work *work)
     const struct piece *piece = &run->pieces[run->piece];
     work->has_torque = piece->inverse_inertia > 0.0;
     work->has_rate = work->has_torque || piece->rate != 0.0;
-    if (!work->has_torque)
-        run->speed = piece->speed;
+    if (!work->has_torque) /* a run that goes on with more room is within a piece */
+        turn_as_prescribed(run);
     if (run->gyroscopic == NULL || work->has_rate)
         return;
     for (int64_t i = 0; i < run->size * run->stride; i++)

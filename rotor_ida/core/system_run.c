@@ -197,8 +197,6 @@ int core_system_run(struct system_run *run)
     if (!run->began) {
         if (!has_room_for_step(run))
             return FULL;
-        if (!work->has_torque)
-            turn_as_prescribed(run);
         begin_races(run);
         status = begin_contacts(work);
         run->began = 1;

@@ -378,6 +378,24 @@ def test_what_is_sampled_does_not_change_the_run():
         np.testing.assert_array_equal(runs[0][name], runs[1][name])
 
 
+@pytest.mark.parametrize("change", [
+    {"speed": 1.3}, {"speed": 0.5, "rate": 0.05}, {"speed": 0.5, "to": 1.3, "rate": 0.2},
+    {"speeds": [(0.0, 0.5), (12.0, 1.2), (20.0, 0.8), (40.0, 1.3)]},
+    {"speed": 1.0, "torque": (1.5, 0.4), "inertia": 4.0},
+])  # fmt: skip
+def test_room_for_few_events_at_a_time_changes_no_bit(change, monkeypatch):
+    """Its tables full, the core ends, and goes on with larger ones."""
+    system, contacts, unbalance = random_axisymmetric(4)
+    around = {"contacts": contacts, "unbalance": unbalance, "duration": 40.0, "samples": 50}
+    follow = simulate if set(change) == {"speed"} else run_up
+    whole = follow(system, **change, **around)
+    assert whole.sizes["event"] > 20
+    monkeypatch.setattr(core_systems, "FIRST_ROOM", 1)
+    parts = follow(system, **change, **around)
+    for name in ("event_time", "event_state", "x", "y", "heat", "final_state"):
+        np.testing.assert_array_equal(parts[name], whole[name])
+
+
 @pytest.mark.parametrize("seed", [1, 5])
 def test_a_negative_speed_gives_the_mirror_image(seed):
     """With gyroscopic terms, friction and moving stators; unbalance at the mirrored phases."""
