@@ -26,6 +26,7 @@ from rotor_ida import (
     Support,
     Unbalance,
     closed_forms,
+    decode_flags,
 )
 from tests.kinds import KINDS
 
@@ -477,20 +478,29 @@ def calls_with_results(folder: Path) -> Iterator[tuple[str, str, bool]]:
 def test_results_of_another_kind_are_refused_in_one_line_or_used(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     results = {kind: make() for kind, make in KINDS.items()}
+    results |= {f"{kind}, in words": decode_flags(each) for kind, each in results.items()}
     troubles, calls = [], 0
+    answers: dict[tuple[str, str, str], object] = {}
     for name, argument, several in calls_with_results(tmp_path):
         for kind, result in results.items():
             given = GIVEN[name](tmp_path) | {argument: [result, result] if several else result}
             calls += 1
             try:
-                public()[name](**given)
+                found = public()[name](**given)
             except RotorError as error:
                 if "\n" in str(error):
                     troubles.append(f"{name}({argument} = {kind}): {error}")
             except Exception as error:
                 troubles.append(f"{name}({argument} = {kind}): raw {type(error).__name__}: {error}")
+            else:
+                # words are refused, or make no difference
+                numbers = answers.setdefault((name, argument, kind.partition(",")[0]), found)
+                if isinstance(found, xr.Dataset) and not decode_flags(found).equals(
+                    decode_flags(numbers)
+                ):
+                    troubles.append(f"{name}({argument} = {kind}): another result")
     assert not troubles, "\n".join(troubles)
-    assert calls > 600
+    assert calls > 1200
 
 
 def test_labelled_values_are_numbers_starts_and_ranges():

@@ -19,7 +19,7 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress
-from rotor_ida.schema import EXACT, check_dimensionless
+from rotor_ida.schema import EXACT, check_as_computed
 
 NEEDED = ("lies_on", "exact_period", "exact_radius_max", *(f"end_{name}" for name in COMPONENTS))
 # Two cycles of one rotor are the same if period and largest radius differ by less than this.
@@ -70,7 +70,7 @@ def branches_through(
     check_instance("compared", compared, xr.Dataset)
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
     check_progress(progress)
-    check_dimensionless("compared", compared)
+    check_as_computed("compared", compared)
     missing = [name for name in (*NEEDED, *PARAMETERS) if name not in compared.variables]
     if missing:
         raise InputError(f"compared must be a comparison of a sweep; it lacks {', '.join(missing)}")

@@ -12,7 +12,7 @@ from rotor_ida.checks import COMPONENTS, check_between, check_state, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.schema import SPECIAL, by_number, check_dimensionless
+from rotor_ida.schema import SPECIAL, by_number, check_as_computed
 
 DOUBLING = "period_doubling"
 NO_CYCLE = "start must be a limit cycle, got a result without one"
@@ -60,7 +60,7 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
         return Guess(rotor, state, check_between("period", period, SHORTEST_PERIOD, LONGEST_PERIOD))
     if period is not None:
         raise InputError("period must be left out with a start that has one")
-    check_dimensionless("start", start)
+    check_as_computed("start", start)
     if "special_value" in start and start["special_value"].ndim == 0:
         return _of_special(rotor, start)
     needed = ("period", *COMPONENTS, *PARAMETERS)

@@ -21,7 +21,7 @@ from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import INK, KIND_SHADES, drawing, legend_below
 from rotor_ida.plot.datasets import check_dataset, parameters_in, table_of
 from rotor_ida.plot.labels import KIND_WORDS, LABELS, label_axis, number_text, title_of, unit_of
-from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, check_dimensionless, flags_of, words_of
+from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, check_as_computed, flags_of, words_of
 
 NEEDED = (*PARAMETERS, "label", "kind", "amplitude", "radius_min", "radius_max", "count")
 UNDECIDED, NOT_COMPUTED = INK, "white"
@@ -254,7 +254,7 @@ def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str =
     check_choice("by", by, ("kind", "force", "shock"))
     if by == "shock" and "velocity_shock" not in dataset:
         raise InputError("dataset must have been computed with shocks to be mapped by them")
-    check_dimensionless("dataset", dataset)
+    check_as_computed("dataset", dataset)
     varying, plane = _varying_part(dataset, 2, "two parameters to be mapped")
     right, upwards = varying
     places, alone = (plane[right].values, plane[upwards].values), ax is None

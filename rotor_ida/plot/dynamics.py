@@ -44,6 +44,7 @@ from rotor_ida.plot.labels import (
     with_error,
 )
 from rotor_ida.plot.responses import plot_amplitude
+from rotor_ida.results.rows import own_rows
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of
 
@@ -234,6 +235,7 @@ class _Extrema(NamedTuple):
 
 def _extrema_of(found: xr.Dataset, over: str, delta0: float | None) -> _Extrema:
     """Return the extrema over a parameter, for one clearance or all."""
+    found = own_rows(found)
     counts = found["extremum_count"]
     places = xr.broadcast(found[over], found["delta0"], found["response"], counts)
     across, clearance, response = (

@@ -10,10 +10,8 @@ import xarray as xr
 
 from rotor_ida.checks import check_instance, listed, shown
 from rotor_ida.errors import InputError
+from rotor_ida.results.rows import counted, counts_in, own_rows
 from rotor_ida.schema import flags_of
-
-# Attribute of a variable that counts rows of a table, one block of rows for each value.
-COUNTS = "sample_dimension"
 
 
 def concat(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
@@ -68,20 +66,20 @@ def concat(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
             raise InputError(
                 f"dim must be a dimension or a scalar, got {shown(dim)}, which is on {on}"
             )
-    tables = {
-        name: str(variable.attrs[COUNTS])
-        for name, variable in given[0].data_vars.items()
-        if COUNTS in variable.attrs
-    }
+    given = [own_rows(each) for each in given]
+    tables = counts_in(given[0])
+    if any(counts_in(each) != tables for each in given):
+        raise InputError("datasets must be of one kind, got some with a table of events and others")
     for counts in tables:
         _check_one_grid([each[counts] for each in given], dim)
-    result = _joined([each.drop_dims(tables.values()) for each in given], dim)
+    result = _joined([each.drop_dims(list(tables.values())) for each in given], dim)
     for counts, table in tables.items():
         rows = _rows([each[counts] for each in given], dim)
         for name, variable in given[0].data_vars.items():
             if table in variable.dims:
                 values = np.concatenate([each[name].values for each in given])
                 result[name] = xr.Variable(variable.dims, values[rows], variable.attrs)
+        result = result.assign(counted(counts, result[counts].variable, table))
     return result
 
 

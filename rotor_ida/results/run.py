@@ -20,7 +20,7 @@ from rotor_ida.schema import (
     RESULT_KIND,
     Column,
     Quantity,
-    check_dimensionless,
+    check_as_computed,
     labelled,
 )
 
@@ -94,7 +94,7 @@ def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
     several = [name for name in ALL_PARAMETERS if name in run.variables and run[name].ndim]
     if several:
         raise InputError(f"run must be one run; its {several[0]} must be a scalar")
-    check_dimensionless("run", run)
+    check_as_computed("run", run)
     check_columns(run, needed)
     return run
 

@@ -8,7 +8,7 @@ from rotor_ida.arrays import Column
 from rotor_ida.schema.datasets import (
     CONVENTIONS,
     RESULT_KIND,
-    check_dimensionless,
+    check_as_computed,
     labelled,
     labelled_dataset,
     origin_of,
@@ -51,6 +51,6 @@ __all__ = [
     "FATE", "LINE_KIND", "MODE", "NO_YES", "OF_BEARING", "OF_DROP", "OF_FRICTION_EVENT_KIND",
     "QUANTITIES", "RESPONSE", "RESULT_KIND", "SPECIAL", "STABILITY", "STATUS", "TRAPPING",
     "VERDICT", "WHIRL_DIRECTION", "WHIRL_KIND", "WITH_EXTENTS", "Column", "Quantity",
-    "by_number", "check_dimensionless", "decode_flags", "flags_of", "labelled",
+    "by_number", "check_as_computed", "decode_flags", "flags_of", "labelled",
     "labelled_dataset", "origin_of", "words_of",
 ]  # fmt: skip

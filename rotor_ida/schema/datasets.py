@@ -91,9 +91,15 @@ def origin_of(dataset: xr.Dataset) -> dict[str, object]:
     return {str(name): value for name, value in dataset.attrs.items() if name not in own}
 
 
-def check_dimensionless(name: str, dataset: xr.Dataset) -> None:
-    """Raise `InputError` for a result in SI units, as its attributes are dimensionless."""
+def check_as_computed(name: str, dataset: xr.Dataset) -> None:
+    """Raise `InputError` for a result in SI units, or with words in place of flags."""
     if "length_scale" in dataset.attrs:
         raise InputError(
             f"{name} must be dimensionless, got one in SI units: convert the result instead"
         )
+    for flag, variable in dataset.variables.items():
+        if variable.dtype.kind in "UO" and flag in QUANTITIES and QUANTITIES[str(flag)].flags:
+            raise InputError(
+                f"{name} must have its flags as numbers, got words in {flag}: give the result from "
+                "before decode_flags"
+            )

@@ -187,10 +187,9 @@ def _speed_record_of(result: RunResult, request: RunRequest, profile: SpeedProfi
 
 
 def _contacts_of(rows: Rows, rotor: Rotor) -> Rows:
-    """Return contacts with their largest indentation; only whole ones have an impulse."""
+    """Return contacts with their largest indentation."""
     contacts = rows.astype(ORBIT_CONTACT)
     contacts["peak_indentation"] = rows["peak_root"] ** 2
-    if rotor.delta0 > 0.0:
-        whole = np.isfinite(rows["entry"] + rows["exit"])
-        contacts["impulse"][~whole] = np.nan
+    if rotor.delta0 > 0.0:  # one that begins at the very end has none yet
+        contacts["impulse"][np.isnan(rows["impulse"])] = 0.0
     return contacts

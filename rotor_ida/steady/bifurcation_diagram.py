@@ -34,6 +34,7 @@ from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import Rotors, rotors_of
 from rotor_ida.parallel import FailedJob, Progress, Stop, Workers, choose, run_all
+from rotor_ida.results.rows import counted
 from rotor_ida.schema import STATUS, labelled
 from rotor_ida.simulation.extrema import Extrema, check_knots, radius_extrema
 from rotor_ida.simulation.options import LARGEST, Method, Options
@@ -321,8 +322,7 @@ def _extremum_table(
     """Return the extrema of all points, in their order, and how many each has, as variables."""
     sizes = np.array([part.size for part in columns["extremum_radius"]])
     counts = labelled("extremum_count", dims, sizes.reshape(shape))
-    counts.attrs["sample_dimension"] = "extremum"
-    return {"extremum_count": counts} | {
+    return counted("extremum_count", counts, "extremum") | {
         name: labelled(name, "extremum", np.concatenate(parts)) for name, parts in columns.items()
     }
 

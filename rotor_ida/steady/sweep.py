@@ -26,6 +26,7 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import Rotors, rotors_of
 from rotor_ida.parallel import Progress, Stop, Workers, choose
 from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.rows import counted
 from rotor_ida.results.run import event_columns
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESPONSE, STATUS, labelled, labelled_dataset
@@ -241,7 +242,7 @@ def sweep_rotors(
         Ramps(grid, options), task, design, study=study, workers=workers, progress=progress
     )
     variables = grid.labelled(columns.points)
-    variables["event_count"].attrs["sample_dimension"] = "event"
+    variables |= counted("event_count", variables["event_count"], "event")
     variables |= {name: labelled(name, "event", column) for name, column in columns.events.items()}
     times, kinds = columns.events["event_time"], columns.events["event_kind"]
     variables |= event_columns(times, kinds, *rotors.extremes())

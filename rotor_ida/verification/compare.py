@@ -23,7 +23,7 @@ from rotor_ida.schema import (
     EXACT,
     RESPONSE,
     STABILITY,
-    check_dimensionless,
+    check_as_computed,
     labelled,
     labelled_dataset,
     origin_of,
@@ -200,12 +200,17 @@ def summarise(compared: xr.Dataset) -> list[dict[str, object]]:
 
 def _check_is_sweep(dataset: xr.Dataset) -> None:
     check_instance("dataset", dataset, xr.Dataset)
-    check_dimensionless("dataset", dataset)
+    check_as_computed("dataset", dataset)
     missing = [name for name in (*NEEDED, *PARAMETERS) if name not in dataset.variables]
-    missing += [name for name in PARAMETERS if name not in dataset.dims and name not in missing]
     if missing:
         names = ", ".join(missing)
         raise InputError(f"compare needs a sweep over omega, zeta and delta0; it lacks {names}")
+    single = [name for name in PARAMETERS if name not in dataset.dims]
+    if single:
+        raise InputError(
+            f"compare needs a sweep over omega, zeta and delta0 as dimensions, got {single[0]} as "
+            f"a single value: select with a list, such as .sel({single[0]}=[...])"
+        )
 
 
 def _exact_whirls(dataset: xr.Dataset) -> xr.Dataset:

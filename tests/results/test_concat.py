@@ -9,6 +9,8 @@ from rotor_ida import (
     Rotor,
     bifurcation_diagram,
     concat,
+    load,
+    save,
     simulate,
     sweep,
     synchronous_response,
@@ -43,8 +45,35 @@ def test_a_joined_sweep_verifies():
 def test_xarray_joins_sweeps_without_their_events():
     parts = [sweep(omega=omega, **OTHERS) for omega in ([1.0, 1.5], [2.0])]
     whole = sweep(omega=[1.0, 1.5, 2.0], **OTHERS)
-    joined = xr.concat([each.drop_dims("event") for each in parts], dim="omega")
-    xr.testing.assert_identical(joined, whole.drop_dims("event"))
+    parts = [each.drop_dims("event").drop_vars("event_row") for each in parts]
+    joined = xr.concat(parts, dim="omega")
+    xr.testing.assert_identical(joined, whole.drop_dims("event").drop_vars("event_row"))
+
+
+@pytest.mark.parametrize("compute", [sweep, bifurcation_diagram])
+def test_parts_of_a_result_keep_the_rows_of_their_own_runs(compute, tmp_path):
+    given = {"zeta": [0.07, 0.1], "delta0": [2.0, 1.0]}
+    whole, expected = (compute(omega=omega, **given) for omega in ([1.0, 1.5, 2.0], [1.0, 2.0]))
+    parts = [whole.isel(omega=[place]) for place in (0, 2)]
+    xr.testing.assert_identical(concat(parts, "omega"), expected)
+    selected = whole.isel(omega=[2, 0])
+    again = load(save(selected, tmp_path / "part.nc")).isel(omega=[1, 0])
+    xr.testing.assert_equal(concat([again], "omega"), expected)
+    alone = load(save(whole.sel(omega=2.0, zeta=0.1, delta0=2.0), tmp_path / "one.nc"))
+    table = "event" if compute is sweep else "extremum"
+    assert alone.sizes[table] == alone[f"{table}_count"].sum()
+
+
+def test_cut_tables_are_refused():
+    found = sweep(omega=[1.0, 1.5], **OTHERS)
+    with pytest.raises(InputError, match="select runs, not rows"):
+        concat([found.isel(event=slice(0, 5))], "omega")
+    older = found.drop_vars("event_row")
+    assert concat([older], "omega").identical(found)
+    with pytest.raises(InputError, match="cannot be told apart without event_row"):
+        concat([older.isel(omega=[1])], "omega")
+    with pytest.raises(InputError, match="must be of one kind"):
+        concat([found, synchronous_response(omega=[2.0], **OTHERS | {"delta0": 0.5})], "omega")
 
 
 def test_runs_become_one_dataset_over_a_parameter():

@@ -4,10 +4,18 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import simpson
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
-from rotor_ida import InputError, Rotor, contact_summary, simulate, synchronous_response
+from rotor_ida import (
+    InputError,
+    Rotor,
+    contact_forces,
+    contact_summary,
+    simulate,
+    synchronous_response,
+)
 from rotor_ida.model.contact import contact_force
 from tests.rotors import MOTIONS, ROTORS, RUBBING, WAYS
 from tests.witness import rub_hold, rub_slip, rubbed
@@ -67,11 +75,11 @@ def test_impulse_is_the_integral_of_the_force():
     assert run.impulse.values[0] == pytest.approx(integral, rel=1e-9)
 
 
-def test_open_contacts_hold_nan_where_an_end_is_missing():
+def test_open_contacts_are_nan_where_an_end_is_missing():
     run = simulate(Rotor(omega=0.0, zeta=0.0, delta0=1.0), start=(2.0, 0, 0, 0), duration=6.2)
     assert run.starts_in_contact == 1
     assert np.isnan(run.entry_time.values[0])
-    assert np.isnan(run.impulse.values[0])
+    assert run.impulse.values[0] == pytest.approx(np.sqrt(0.8), rel=1e-10)  # m v at the exit
     assert np.isnan(run.entry_speed.values[0])
     assert run.peak_indentation.values[0] == 1.0
     assert np.isfinite(run.exit_time.values[0])
@@ -87,6 +95,29 @@ def test_the_summary_of_a_synchronous_whirl_is_the_closed_form_s():
     assert summary.forward_fraction == 1.0
     assert summary.largest_force.item() >= (exact - 0.5) ** 1.5 - 1e-9
     assert summary.contacts_per_revolution.item() == pytest.approx(2 * np.pi / (1.2 * 400.0))
+
+
+@pytest.mark.parametrize(("rotor", "start"), [
+    (Rotor(omega=1.0, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0), (6.9, 0, 0, -10)),
+    (Rotor(omega=2.0, zeta=0.07, delta0=2.0), REST),
+])  # fmt: skip
+def test_the_impulse_of_a_run_has_that_of_contacts_without_an_end(rotor, start):
+    run = simulate(rotor, start=start, duration=20.0, samples=40_001)
+    assert np.isnan(run.exit_time.values[-1])
+    summary, forces = contact_summary(run), contact_forces(run)
+    force = forces["normal_force" if rotor.friction else "force"]
+    whole = float(simpson(force, x=force.t))
+    assert summary.total_impulse.item() == pytest.approx(whole, rel=1e-6)
+    turns = 20.0 * rotor.omega / (2.0 * np.pi)
+    assert summary.impulse_per_revolution.item() == pytest.approx(whole / turns, rel=1e-6)
+    known = np.isfinite(run.exit_time + run.entry_time).any()
+    assert np.isfinite(summary.energy_lost_per_revolution) == known
+
+
+def test_without_clearance_the_impulse_is_not_known():
+    summary = contact_summary(simulate(Rotor(omega=1.7, zeta=0.07, delta0=0.0), duration=20.0))
+    assert np.isnan(summary.total_impulse)
+    assert np.isnan(summary.energy_lost_per_revolution)
 
 
 def test_a_summary_needs_a_run():

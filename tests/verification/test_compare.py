@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import InputError, compare, save, simulate, sweep, synchronous_response
+from rotor_ida import InputError, compare, decode_flags, save, simulate, sweep, synchronous_response
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import EXACT, RESPONSE, STABILITY
 from rotor_ida.verification.compare import summarise
@@ -117,6 +117,13 @@ def test_a_run_is_not_a_sweep():
     run = simulate(Rotor(omega=1.0, zeta=0.1, delta0=1.0), start=(0, 0, 0, 0), duration=1.0)
     with pytest.raises(InputError, match="it lacks response, amplitude, phase_lag"):
         compare(run)
+    one = sweep(omega=[1.2, 1.4], zeta=0.5, delta0=0.5)
+    with pytest.raises(InputError, match="got zeta as a single value: select with a list"):
+        compare(one.squeeze())
+    with pytest.raises(InputError, match="got words in response: give the result from before"):
+        compare(decode_flags(one))
+    with pytest.raises(InputError, match=r"write sweep\(omega=1.2, zeta=0.5, delta0=0\)"):
+        sweep(Rotor(omega=1.2, zeta=0.5, delta0=0.0))
     with pytest.raises(InputError, match="dataset must be a Dataset, got"):
         compare("run.nc")
 

@@ -16,6 +16,7 @@ import xarray as xr
 
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
+from rotor_ida.results.rows import own_rows
 from rotor_ida.schema import CONVENTIONS
 
 FORMAT = "rotor_ida_format"
@@ -81,7 +82,7 @@ def archived_form(dataset: xr.Dataset) -> xr.Dataset:
         raise InputError(f"dataset must be an xarray Dataset, got {type(dataset).__name__}")
     for name in (*dataset.sizes, *dataset.variables):
         _check_name("name", name, "the dataset")
-    dataset = _labels_in_place(dataset)
+    dataset = _labels_in_place(own_rows(dataset))
     stored = xr.Dataset(
         {name: _stored_variable(str(name), dataset.variables[name]) for name in dataset.data_vars},
         {name: _stored_variable(str(name), dataset.variables[name]) for name in dataset.coords},

@@ -81,6 +81,8 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
     ``content_sha256``, the checksum by `content_sha256`, which `load` verifies. They describe the
     file: a loaded dataset that was changed has the old ones until it is saved again.
 
+    A selection of runs, such as a part of a sweep, is saved with its own events alone.
+
     Numbers that are not in memory, but in another file or to be computed by dask, are written
     block by block. The disk must have room for the numbers uncompressed, at most 32 MiB at a time.
 
