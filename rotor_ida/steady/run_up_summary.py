@@ -27,6 +27,7 @@ from rotor_ida.schema import (
     MODE,
     OF_FRICTION_EVENT_KIND,
     RESPONSE,
+    WHIRL_DIRECTION,
     Column,
     labelled_dataset,
     origin_of,
@@ -109,7 +110,9 @@ def summary(run: xr.Dataset) -> xr.Dataset:
     columns: dict[str, Column] = {name: ((), value) for name, value in values.items()}
     coordinates = {name: plain[name].variable for name in rotor.given}
     attributes = {name: each for name, each in origin_of(plain).items() if name not in OF_CHANGE}
-    attributes["sentence"] = _in_words(facts, ended, rotor, float(plain["speed"][-1]), machine)
+    backward = int((plain["whirl_direction"] == WHIRL_DIRECTION["backward"]).sum())
+    last = float(plain["speed"][-1])
+    attributes["sentence"] = _in_words(facts, ended, rotor, last, machine, backward)
     found = labelled_dataset(
         "Summary of a run-up", columns, coordinates, attributes, kind="run_up_summary"
     )
@@ -188,8 +191,9 @@ def _in_words(
     rotor: Rotor,
     last: float,
     machine: DimensionalRotor | None,
+    backward: int,
 ) -> str:
-    """Return a summary in sentences, the verdict first."""
+    """Return a summary in sentences, the verdict first, given the contacts that whirl backward."""
     held = f"Held at {_speed(last, machine)} it"
     sentences = [contact_in_words(facts, ended.ending, rotor, machine)]
     if facts["contact_count"] and "first_roll_speed" in facts:
@@ -199,6 +203,11 @@ def _in_words(
             if math.isnan(rolls)
             else f"The disc first rolls on the stator at {_speed(rolls, machine)}."
         )
+        if backward and math.isnan(rolls):
+            sentences.append(
+                f"But friction makes it whirl backward, slipping, in {backward:,} of its "
+                f"{facts['contact_count']:,} contacts."
+            )
     if ended.ending == CONTACT_FREE:
         sentences.append(f"{held} {'runs clear of' if facts['contact_count'] else 'stays off'} "
                          "the stator.")  # fmt: skip

@@ -58,6 +58,22 @@ def test_the_words_say_how_it_ends():
     assert "it stays in dry whip: it whirls backwards, rolling on the stator" in said["whip"]
 
 
+def test_a_backward_whirl_that_slips_is_told():
+    """A fan that never rolls: its slipping whirl is backward, at its natural frequency."""
+    rotor = Rotor(
+        omega=0.09, zeta=0.0027, delta0=10.0, shaft_stiffness=0.0184, contact_exponent=1.0,
+        friction=0.15, disc_radius=2500.0,
+    )  # fmt: skip
+    run = run_up(rotor, to=0.17, rate=2e-5, method="taylor")
+    backward = int((run.whirl_direction == -1).sum())
+    assert 0 < backward < run.sizes["contact"]
+    told = f"whirl backward, slipping, in {backward} of its {run.sizes['contact']} contacts."
+    assert (
+        f"the disc never rolls on the stator. But friction makes it {told}"
+        in (summary(run).attrs["sentence"])
+    )
+
+
 PUMP = DimensionalRotor(
     mass=12.0, contact_stiffness=1e8, damping=415.7, eccentricity=6.6e-6, clearance=1.5e-4,
     speed=0.0, shaft_stiffness=4e6, contact_exponent=1.0, friction=0.12, disc_radius=0.06,
