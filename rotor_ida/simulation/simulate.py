@@ -97,8 +97,8 @@ def simulate(
     exactly on the stator is in contact if it moves outwards, or is about to. Grazes
     below an indentation of about 1e-13 of the lengths involved may be missed or invented.
     ``event_time_error`` comes from a second run by Taylor series with tighter tolerances (of very
-    long runs by CVODE with looser ones), and includes the spacing of doubles. It is infinite after ``horizon``, where
-    the start no longer determines the orbit at these tolerances.
+    long runs by CVODE with looser ones), and includes the spacing of doubles. It is infinite after
+    ``horizon``, where the start no longer determines the orbit at these tolerances.
 
     References
     ----------
