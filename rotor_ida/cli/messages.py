@@ -46,9 +46,11 @@ OPTION = {"begin": "from"}
 # Quoted words stay, and numbers of radians; a number in rad/s is a speed.
 TOKEN = re.compile(
     r"'[^']*'|(?P<name>[A-Za-z_]\w*)"
-    r"|(?<![\w.])(?P<number>[-+]?\d+\.?\d*(?:e[-+]?\d+)?)(?![\w.]*\w)"
+    r"|(?<![\w.^])(?P<number>[-+]?\d+\.?\d*(?:e[-+]?\d+)?)(?![\w.]*\w)"
     r"(?P<in_si> rad/s\b)?(?P<other> rad(?:ians)?\b)?"
 )
+# Sizes and indices are no quantities.
+COUNTED = re.compile(r"\bshape\b|\bindices\b")
 STATE = ("state (x, y, vx, vy) =", "state")
 # Messages have some numbers in six digits.
 SIX_DIGITS, EXACT = 5e-6, 1e-12
@@ -110,6 +112,8 @@ def rewritten(message: str, given: Sequence[Given], machine: DimensionalRotor | 
     ...           "-10.471975511965976", given)
     'rate must be positive to change the speed from 0 to 6000 rpm, got -100 rpm/s'
     """
+    if COUNTED.search(message):
+        return message
     if machine is not None:
         message = message.replace(*STATE)
     head, must, body = message.rpartition(" must ")

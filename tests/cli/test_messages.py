@@ -127,6 +127,26 @@ def test_a_run_that_fails_tells_its_time_and_state_in_si_units():
     )
 
 
+@pytest.mark.parametrize(
+    "message",
+    [
+        "stiffness must have the shape of mass, (20, 20), got (16, 16)",
+        "node 'seal' must be two indices from 0 to 19, got array([ 4, 40])",
+        "the unit of stiffness must be N/m, N/mm or N/m^1.5, got '2e7 N.m'",
+    ],
+)
+def test_sizes_indices_and_exponents_have_no_unit(message):
+    given = [Given("mass", 20.0, "kg"), Given("seal", 0.25, "mm"), Given("stiffness", 2e7, "N/m")]
+    assert rewritten(message, given) == message
+
+
+def test_an_undamped_system_is_refused_at_a_speed(program):
+    Path("s.toml").write_text(SYSTEM.replace("damping = [90, 90], ", ""))
+    answer = program("clearance-report", "s.toml", "--speed", "1rpm", "2rpm", "--probes", "disc")
+    assert answer.status == 2
+    assert answer.err.endswith("for a report, got no damping at 1509.88 rpm\n")
+
+
 def test_numbers_without_units_stay():
     for said in ("exactly two of x, y, vx, vy must be arrays and two numbers, got 1 arrays: x",
                  "samples must be at least 2, got 1", "friction must be zero or positive, got -1.0",

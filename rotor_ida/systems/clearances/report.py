@@ -176,7 +176,7 @@ def clearance_report(
         if not mode.decay > UNDAMPED * mode.speed:
             raise InputError(
                 "system must be damped at its critical speeds for a report, got no damping at "
-                f"{mode.speed:.6g}"
+                f"{mode.speed:.6g}{' rad/s' if system.units == 'SI' else ''}"
             )
     if unbalance is not None:
         assemble(system, [], unbalance, None, None)  # refuses other types
