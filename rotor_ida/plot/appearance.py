@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any, Literal
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -14,9 +14,9 @@ import numpy.typing as npt
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.layout_engine import LayoutEngine
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend import Legend
-from matplotlib.transforms import ScaledTranslation
+from matplotlib.transforms import Bbox, ScaledTranslation
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_count
@@ -106,6 +106,8 @@ _SETTINGS: Any = {
     # journals refuse the default, type 3
     "pdf.fonttype": 42,
 }
+# A layout is settled when no edge moves by more than this part of the figure in a pass.
+UNMOVED, MOST_PASSES = 2e-4, 20
 # Whether pyplot registers new figures; set for each thread or worker.
 _KNOWN_TO_PYPLOT: ContextVar[bool] = ContextVar("known_to_pyplot", default=True)
 
@@ -139,10 +141,41 @@ def without_pyplot() -> Iterator[None]:
         _KNOWN_TO_PYPLOT.reset(token)
 
 
-def new_figure(
-    width: float, height: float, *, layout: LayoutEngine | Literal["constrained"] = "constrained"
-) -> Figure:
+class SettledLayout(ConstrainedLayoutEngine):
+    """Constrained layout, repeated until the axes stay where they are.
+
+    A pass measures the labels where they were before it. One pass alone would cut off texts in the
+    first drawing of axes of a fixed aspect, and each drawing would differ from the one before.
+    """
+
+    def execute(self, fig: Figure) -> None:
+        """Move and resize the axes of a figure."""
+        before = places_of(fig)
+        for _ in range(MOST_PASSES):
+            super().execute(fig)
+            after = places_of(fig)
+            if np.abs(after - before).max(initial=0.0) < UNMOVED:
+                break
+            before = after
+        put_axes(fig, before)
+
+
+def places_of(figure: Figure) -> Values:
+    """Return the corners of all axes of a figure."""
+    return np.array([ax.get_position(original=True).get_points() for ax in figure.axes])
+
+
+def put_axes(figure: Figure, places: Values) -> None:
+    """Move the axes that the layout places to corners, and leave them to the layout."""
+    for ax, place in zip(figure.axes, places, strict=True):
+        if ax.get_in_layout():
+            ax.set_position(Bbox(place), which="original")
+            ax.set_in_layout(True)
+
+
+def new_figure(width: float, height: float, *, layout: SettledLayout | None = None) -> Figure:
     """Return an empty figure of a size [inch], registered in pyplot."""
+    layout = layout or SettledLayout()
     if not _KNOWN_TO_PYPLOT.get():
         return Figure(figsize=(width, height), layout=layout)
     from matplotlib import pyplot  # noqa: PLC0415 - chooses a backend, which is for who draws

@@ -12,7 +12,6 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patheffects import Stroke
 
 from rotor_ida.arrays import Values
@@ -26,6 +25,7 @@ from rotor_ida.plot.appearance import (
     INK,
     PURPLE,
     RED,
+    SettledLayout,
     draw_marks,
     draw_ring,
     drawing,
@@ -105,7 +105,7 @@ def plot_run(run: xr.Dataset) -> Figure:
     path, rubs = path_of(run), "mode" in run.variables
     rows = 5 if rubs else 4
     with style():
-        layout = ConstrainedLayoutEngine(h_pad=0.03, hspace=0.0)
+        layout = SettledLayout(h_pad=0.03, hspace=0.0)
         figure = new_figure(7.2, 1.2 * rows, layout=layout)
         grid = figure.add_gridspec(rows, 2, width_ratios=(1.0, 1.0))
         first = figure.add_subplot(grid[0, 0])
@@ -224,7 +224,7 @@ def plot_drawn_out(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         label_axis(solid.zaxis, "y_alone", run["y"])
         solid.xaxis.labelpad, solid.yaxis.labelpad, solid.zaxis.labelpad = -4, -6, -6
         solid.view_init(elev=22, azim=-58)
-        finish_solid(solid, zoom=1.12)
+        finish_solid(solid, zoom=1.0)
     return cast(Axes, solid)
 
 
