@@ -13,7 +13,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida.arrays import ComplexValues
-from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
@@ -77,7 +76,7 @@ def cycle_figure(cycle: xr.Dataset) -> Figure:
     >>> [ax.get_ylabel() for ax in figure.axes][1:]
     ['$\\operatorname{Im}\\,\\mu$', 'whirl amplitude $|c|$']
     """
-    cycle = _checked_cycle(cycle, CYCLE)
+    cycle = check_dataset("cycle", cycle, CYCLE)
     with style():
         figure = new_figure(7.2, 5.4)
         grid = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
@@ -114,7 +113,7 @@ def plot_cycle(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> ax.get_xlabel()
     'along the unbalance $\\operatorname{Re}\\,z\\,e^{-i\\omega t}$'
     """
-    cycle = _checked_cycle(cycle, CYCLE)
+    cycle = check_dataset("cycle", cycle, CYCLE)
     ring = clearance_of(cycle, "cycle")
     path, crossings = _path_of(cycle, ring)
     with drawing(ax, width=4.0, height=4.9) as ax:
@@ -163,7 +162,7 @@ def plot_multipliers(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> ax.get_legend_handles_labels()[1][0]
     '$\\sqrt{q} = 0.7265$'
     """
-    cycle = _checked_cycle(cycle, MULTIPLIERS)
+    cycle = check_dataset("cycle", cycle, MULTIPLIERS)
     period = one_value("cycle", cycle, "period") / scale_of(cycle, "time")
     q = math.exp(-2.0 * one_value("cycle", cycle, "zeta") * period)
     multipliers = cycle["multiplier_real"].values + 1j * cycle["multiplier_imag"].values
@@ -220,7 +219,7 @@ def plot_lines(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> ax.get_xlabel()
     'frequency over spin speed $\\Omega/\\omega$'
     """
-    cycle = _checked_cycle(cycle, LINES)
+    cycle = check_dataset("cycle", cycle, LINES)
     height, kinds = cycle["whirl_amplitude"].values, cycle["line_kind"].values
     flags = flags_of(cycle["line_kind"])
     highest = float(height.max())
@@ -246,14 +245,6 @@ class _Known(NamedTuple):
     values: list[float]
     words: str
     others: str
-
-
-def _checked_cycle(cycle: object, needed: Sequence[str]) -> xr.Dataset:
-    """Return a dataset if it contains a limit cycle."""
-    checked = check_dataset("cycle", cycle, needed)
-    if math.isnan(one_value("cycle", checked, "period")):
-        raise InputError("cycle must contain a limit cycle, got a result without one")
-    return checked
 
 
 def _path_of(cycle: xr.Dataset, ring: float) -> tuple[Path, npt.NDArray[np.intp]]:

@@ -23,6 +23,8 @@ from rotor_ida.plot import (
     plot_cycle,
     plot_lines,
     plot_multipliers,
+    plot_orbit,
+    plot_trace,
 )
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import labelled
@@ -260,6 +262,10 @@ def test_what_cannot_be_drawn_is_refused(cycle, branch, curve):
     for draw in (plot_cycle, plot_multipliers, plot_lines, cycle_figure):
         with pytest.raises(InputError, match="cycle must contain a limit cycle"):
             draw(none)
+    missed = limit_cycle(Rotor(omega=1.7, zeta=0.07, delta0=0.0))
+    for draw in (plot_orbit, plot_trace, plot_multipliers, cycle_figure):
+        with pytest.raises(InputError, match="must contain a limit cycle, but the search found no"):
+            draw(missed)
     with pytest.raises(InputError, match="branch must name what was varied in its attribute"):
         plot_branch(branch.drop_attrs(deep=False))
     with pytest.raises(InputError, match="it lacks"):
