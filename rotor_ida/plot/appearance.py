@@ -31,6 +31,8 @@ INK = "#1a1a1a"
 DASHES = (0, (4, 2))
 # Where a legend under the axes begins, clear of ticks and label [point].
 BELOW = 36.0
+# Longest legend inside the axes.
+MOST_INSIDE = 4
 SHADE = "#ffe3c4"
 # Colour and dashes, so that the curves are distinguishable without colour too.
 LOOKS: tuple[tuple[str, object], ...] = (
@@ -314,9 +316,21 @@ def _fitting_legend(figure: Figure | SubFigure, axes: Sequence[Axes], columns: i
     return legend
 
 
-def own_legend(ax: Axes) -> Legend:
-    """Replace the legend of `ax` by one without duplicates."""
-    return ax.legend(*_entries([ax]), handlelength=2.4)
+def own_legend(ax: Axes, *, inside: bool = False) -> Legend:
+    """Replace the legend of `ax` by one without duplicates.
+
+    A long one, which would hide curves, has its place below the label unless `inside`.
+    """
+    handles, labels = _entries([ax])
+    if inside or len(handles) <= MOST_INSIDE:
+        return ax.legend(handles, labels, handlelength=2.4)
+    place = ax.get_subplotspec()
+    room = ax.figure.bbox.width / (place.get_gridspec().ncols if place else 1)
+    for columns in (3, 2, 1):
+        legend = legend_below(ax, columns=columns)
+        if legend.get_window_extent().width <= room:
+            break
+    return legend
 
 
 def legend_below(ax: Axes, *, columns: int = 3, handles: Sequence[Artist] | None = None) -> Legend:

@@ -113,6 +113,15 @@ def test_the_first_drawing_is_complete_and_the_same_as_the_second(name):
 
 
 @every_picture
+def test_a_long_legend_hides_no_curve(picture):
+    ax = both(PICTURES.index(picture))[0]
+    ax.figure.draw_without_rendering()
+    legend = ax.get_legend()
+    if legend is not None and len(legend.get_texts()) > 4:
+        assert legend.get_window_extent().y1 < ax.get_window_extent().y0
+
+
+@every_picture
 def test_is_drawn_on_the_axes_given(picture):
     ax = Figure().subplots()
     assert picture.drawn(ax=ax) is ax
