@@ -73,8 +73,8 @@ WAYS: tuple[tuple[tuple[str, ...], str, str, object, float], ...] = (
     (("slipping_backward",), "slips backwards", PURPLE, (0, (1.2, 0.7)), 1.7),
     (("rolling",), "rolls", DARK_BROWN, "-", 3.0),
 )
-# Rolling has cross ticks, so that it differs from the others without colour too.
-SLEEPERS = {"dash_offset": 0.0, "dash_list": [2.0, 2.5]}
+# Rolling is a double line, so that it differs from the others without colour too.
+CORE = "#f3e9e4"
 
 
 def plot_run(run: xr.Dataset) -> Figure:
@@ -324,9 +324,7 @@ def _draw_ways(
         line: Any = {"color": colour, "lw": heavier * width, "ls": dashes, "label": label}
         if label == "rolls":
             line["solid_capstyle"] = "butt"
-            line["path_effects"] = [
-                Stroke(), Stroke(linewidth=width, foreground="white", dashes=SLEEPERS)
-            ]  # fmt: skip
+            line["path_effects"] = [Stroke(), Stroke(linewidth=width, foreground=CORE)]
         ax.plot(*path.stretches(chosen, *columns), **line)
 
 
