@@ -216,7 +216,7 @@ def plot_drawn_out(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     'time $t$'
     """
     run = check_dataset("run", run, NEEDED)
-    path = path_of(run)
+    path, alone = path_of(run), ax is None
     with solid_drawing(ax) as solid:
         draw_motion(solid, path, path.time, path.x, path.y, width=0.7)
         label_axis(solid.xaxis, "t", run["t"])
@@ -224,7 +224,7 @@ def plot_drawn_out(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         label_axis(solid.zaxis, "y_alone", run["y"])
         solid.xaxis.labelpad, solid.yaxis.labelpad, solid.zaxis.labelpad = -4, -6, -6
         solid.view_init(elev=22, azim=-58)
-        finish_solid(solid, zoom=1.0)
+        finish_solid(solid, zoom=1.0 if alone else 1.12)
     return cast(Axes, solid)
 
 
