@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any, Literal
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -14,9 +14,9 @@ import numpy.typing as npt
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.layout_engine import LayoutEngine
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend import Legend
-from matplotlib.transforms import ScaledTranslation
+from matplotlib.transforms import Bbox, ScaledTranslation
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_count
@@ -31,6 +31,8 @@ INK = "#1a1a1a"
 DASHES = (0, (4, 2))
 # Where a legend under the axes begins, clear of ticks and label [point].
 BELOW = 36.0
+# Longest legend inside the axes.
+MOST_INSIDE = 4
 SHADE = "#ffe3c4"
 # Colour and dashes, so that the curves are distinguishable without colour too.
 LOOKS: tuple[tuple[str, object], ...] = (
@@ -106,6 +108,8 @@ _SETTINGS: Any = {
     # journals refuse the default, type 3
     "pdf.fonttype": 42,
 }
+# A layout is settled when no edge moves by more than this part of the figure in a pass.
+UNMOVED, MOST_PASSES = 2e-4, 20
 # Whether pyplot registers new figures; set for each thread or worker.
 _KNOWN_TO_PYPLOT: ContextVar[bool] = ContextVar("known_to_pyplot", default=True)
 
@@ -139,10 +143,41 @@ def without_pyplot() -> Iterator[None]:
         _KNOWN_TO_PYPLOT.reset(token)
 
 
-def new_figure(
-    width: float, height: float, *, layout: LayoutEngine | Literal["constrained"] = "constrained"
-) -> Figure:
+class SettledLayout(ConstrainedLayoutEngine):
+    """Constrained layout, repeated until the axes stay where they are.
+
+    A pass measures the labels where they were before it. One pass alone would cut off texts in the
+    first drawing of axes of a fixed aspect, and each drawing would differ from the one before.
+    """
+
+    def execute(self, fig: Figure) -> None:
+        """Move and resize the axes of a figure."""
+        before = places_of(fig)
+        for _ in range(MOST_PASSES):
+            super().execute(fig)
+            after = places_of(fig)
+            if np.abs(after - before).max(initial=0.0) < UNMOVED:
+                break
+            before = after
+        put_axes(fig, before)
+
+
+def places_of(figure: Figure) -> Values:
+    """Return the corners of all axes of a figure."""
+    return np.array([ax.get_position(original=True).get_points() for ax in figure.axes])
+
+
+def put_axes(figure: Figure, places: Values) -> None:
+    """Move the axes that the layout places to corners, and leave them to the layout."""
+    for ax, place in zip(figure.axes, places, strict=True):
+        if ax.get_in_layout():
+            ax.set_position(Bbox(place), which="original")
+            ax.set_in_layout(True)
+
+
+def new_figure(width: float, height: float, *, layout: SettledLayout | None = None) -> Figure:
     """Return an empty figure of a size [inch], registered in pyplot."""
+    layout = layout or SettledLayout()
     if not _KNOWN_TO_PYPLOT.get():
         return Figure(figsize=(width, height), layout=layout)
     from matplotlib import pyplot  # noqa: PLC0415 - chooses a backend, which is for who draws
@@ -281,9 +316,21 @@ def _fitting_legend(figure: Figure | SubFigure, axes: Sequence[Axes], columns: i
     return legend
 
 
-def own_legend(ax: Axes) -> Legend:
-    """Replace the legend of `ax` by one without duplicates."""
-    return ax.legend(*_entries([ax]), handlelength=2.4)
+def own_legend(ax: Axes, *, inside: bool = False) -> Legend:
+    """Replace the legend of `ax` by one without duplicates.
+
+    A long one, which would hide curves, has its place below the label unless `inside`.
+    """
+    handles, labels = _entries([ax])
+    if inside or len(handles) <= MOST_INSIDE:
+        return ax.legend(handles, labels, handlelength=2.4)
+    place = ax.get_subplotspec()
+    room = ax.figure.bbox.width / (place.get_gridspec().ncols if place else 1)
+    for columns in (3, 2, 1):
+        legend = legend_below(ax, columns=columns)
+        if legend.get_window_extent().width <= room:
+            break
+    return legend
 
 
 def legend_below(ax: Axes, *, columns: int = 3, handles: Sequence[Artist] | None = None) -> Legend:

@@ -149,7 +149,8 @@ def plot_attractor_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axe
     needed = (*PARAMETERS, "kind", "fraction", "fraction_error", "amplitude", "radius_min",
               "radius_max")  # fmt: skip
     dataset = check_dataset("dataset", dataset, needed)
-    shades, shares = _shades(dataset["kind"]), dataset["fraction"].values
+    shares = table_of("dataset", dataset, "fraction", ("attractor",)).values
+    shades = _shades(dataset["kind"])
     names = [_name(dataset.isel(attractor=number)) for number in range(shares.size)]
     errors = dataset["fraction_error"].values.tolist()
     rows = [*zip(names, shares.tolist(), errors, shades, strict=True)]

@@ -190,6 +190,9 @@ def plot_portrait(runs: xr.Dataset, *, along: str = "x", ax: Axes | None = None)
     """
     check_choice("along", along, ("x", "y"))
     runs = check_dataset("runs", runs, (along, f"v{along}", "amplitude", "period"))
+    for name, axes in ((along, ("start", "t")), (f"v{along}", ("start", "t")),
+                       ("amplitude", ("start",)), ("period", ("start",))):  # fmt: skip
+        table_of("runs", runs, name, axes)
     unit = unit_of(runs["period"])
     with drawing(ax) as ax:
         label_axis(ax.xaxis, along, runs[along])

@@ -12,8 +12,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rotor_ida.arrays import ComplexValues
-from rotor_ida.errors import InputError
+from rotor_ida.arrays import ComplexValues, Values
+from rotor_ida.checks import COMPONENTS
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
@@ -32,16 +32,19 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.datasets import check_dataset, clearance_of, one_value
 from rotor_ida.plot.labels import LABELS, label_axis, title_of
-from rotor_ida.plot.runs import draw_motion
+from rotor_ida.plot.runs import WAYS, draw_motion
+from rotor_ida.results.run import rotor_of
 from rotor_ida.results.si_units import scale_of
-from rotor_ida.schema import flags_of
+from rotor_ida.schema import MODE, flags_of
 from rotor_ida.signals.path import Path
 
-CYCLE = (*PARAMETERS, "t", "x", "y", "period", "response")
+CYCLE = (*PARAMETERS, "t", *COMPONENTS, "period", "response")
 MULTIPLIERS = (*PARAMETERS, "period", "multiplier_real", "multiplier_imag")
 LINES = ("omega", "period", "frequency", "whirl_amplitude", "line_kind")
 # Lines of a spectrum are shown down to this fraction of the strongest.
 FLOOR = 1e-5
+# While the disc rolls, its slip over the speed of the rim is below this.
+ROLLS = 1e-9
 # How the kinds of lines are drawn.
 LINE_LOOKS = {
     "backward": ("backward whirl", ORANGE, "v"),
@@ -77,7 +80,7 @@ def cycle_figure(cycle: xr.Dataset) -> Figure:
     >>> [ax.get_ylabel() for ax in figure.axes][1:]
     ['$\\operatorname{Im}\\,\\mu$', 'whirl amplitude $|c|$']
     """
-    cycle = _checked_cycle(cycle, CYCLE)
+    cycle = check_dataset("cycle", cycle, CYCLE)
     with style():
         figure = new_figure(7.2, 5.4)
         grid = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
@@ -92,7 +95,8 @@ def cycle_figure(cycle: xr.Dataset) -> Figure:
 def plot_cycle(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     r"""Draw one period of a limit cycle on axes that rotate with the unbalance, with the stator.
 
-    An arrow shows the direction of motion.
+    An arrow shows the direction of motion. With friction, slip and rolling are distinguished as in
+    `plot_run`.
 
     Parameters
     ----------
@@ -114,7 +118,7 @@ def plot_cycle(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> ax.get_xlabel()
     'along the unbalance $\\operatorname{Re}\\,z\\,e^{-i\\omega t}$'
     """
-    cycle = _checked_cycle(cycle, CYCLE)
+    cycle = check_dataset("cycle", cycle, CYCLE)
     ring = clearance_of(cycle, "cycle")
     path, crossings = _path_of(cycle, ring)
     with drawing(ax, width=4.0, height=4.9) as ax:
@@ -131,7 +135,7 @@ def plot_cycle(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ax.set_aspect("equal", adjustable="datalim")
         ax.autoscale_view()
         ax.set_title(title_of("cycle", cycle))
-        legend_below(ax)
+        legend_below(ax, columns=3 if path.mode is None else 2)
     return ax
 
 
@@ -163,7 +167,7 @@ def plot_multipliers(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> ax.get_legend_handles_labels()[1][0]
     '$\\sqrt{q} = 0.7265$'
     """
-    cycle = _checked_cycle(cycle, MULTIPLIERS)
+    cycle = check_dataset("cycle", cycle, MULTIPLIERS)
     period = one_value("cycle", cycle, "period") / scale_of(cycle, "time")
     q = math.exp(-2.0 * one_value("cycle", cycle, "zeta") * period)
     multipliers = cycle["multiplier_real"].values + 1j * cycle["multiplier_imag"].values
@@ -220,7 +224,7 @@ def plot_lines(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> ax.get_xlabel()
     'frequency over spin speed $\\Omega/\\omega$'
     """
-    cycle = _checked_cycle(cycle, LINES)
+    cycle = check_dataset("cycle", cycle, LINES)
     height, kinds = cycle["whirl_amplitude"].values, cycle["line_kind"].values
     flags = flags_of(cycle["line_kind"])
     highest = float(height.max())
@@ -248,14 +252,6 @@ class _Known(NamedTuple):
     others: str
 
 
-def _checked_cycle(cycle: object, needed: Sequence[str]) -> xr.Dataset:
-    """Return a dataset if it contains a limit cycle."""
-    checked = check_dataset("cycle", cycle, needed)
-    if math.isnan(one_value("cycle", checked, "period")):
-        raise InputError("cycle must contain a limit cycle, got a result without one")
-    return checked
-
-
 def _path_of(cycle: xr.Dataset, ring: float) -> tuple[Path, npt.NDArray[np.intp]]:
     """Return one period as a path with its stator crossings, and their indices."""
     time, x, y = (cycle[name].values for name in ("t", "x", "y"))
@@ -272,13 +268,40 @@ def _path_of(cycle: xr.Dataset, ring: float) -> tuple[Path, npt.NDArray[np.intp]
     # a segment that begins on the stator belongs to the side that it enters
     inside = np.insert(gap >= 0.0, after, gap[after] >= 0.0)
     crossings = after + np.arange(after.size)
-    return Path(times, across, up, inside), crossings
+    slip = _slip_of(cycle)
+    if slip is None:
+        return Path(times, across, up, inside), crossings
+    slip = np.insert(slip, after, slip[before] + part * (slip[after] - slip[before]))
+    return Path(times, across, up, inside, mode=_modes(slip, inside)), crossings
+
+
+def _slip_of(cycle: xr.Dataset) -> Values | None:
+    """Return the slip speed along a cycle over the speed of the rim; None without friction."""
+    rotor = rotor_of(cycle)
+    if rotor.friction == 0.0 or rotor.disc_radius is None:
+        return None
+    x, y, vx, vy = (cycle[name].values for name in COMPONENTS)
+    rim = rotor.disc_radius * rotor.omega * scale_of(cycle, "velocity")
+    return np.asarray(((x * vy - y * vx) / np.hypot(x, y) + rim) / abs(rim))
+
+
+def _modes(slip: Values, inside: npt.NDArray[np.bool_]) -> npt.NDArray[np.int8]:
+    """Return the mode of the stretch that begins at each point: a number of `MODE`."""
+    end = np.append(slip[1:], slip[-1])
+    modes = np.where(slip + end < 0.0, MODE["slipping_backward"], MODE["slipping_forward"])
+    modes[np.maximum(abs(slip), abs(end)) < ROLLS] = MODE["rolling"]
+    modes[~inside] = MODE["flight"]
+    return modes.astype(np.int8)
 
 
 def _draw_arrow(ax: Axes, path: Path) -> None:
     """Show the direction of motion, at the largest radius."""
     place = min(int(np.argmax(path.radius)), path.time.size - 2)
     colour = RED if path.in_contact[place] else BLUE
+    if path.mode is not None:
+        colour = next(
+            shade for modes, _, shade, *_ in WAYS if path.mode[place] in {*map(MODE.get, modes)}
+        )
     ax.annotate(
         "", (path.x[place + 1], path.y[place + 1]), (path.x[place], path.y[place]), zorder=3.0,
         arrowprops={"arrowstyle": "-|>", "color": colour, "shrinkA": 0.0, "shrinkB": 0.0},

@@ -18,7 +18,7 @@ from rotor_ida.schema import QUANTITIES
 
 
 def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Dataset:
-    """Return `dataset` in suitable units; refuse one that lacks a needed variable."""
+    """Return `dataset` in suitable units; refuse one without a needed variable or its cycle."""
     if not isinstance(dataset, xr.Dataset):
         raise InputError(f"{name} must be a Dataset, got {type(dataset).__name__}")
     if not all(isinstance(variable, str) for variable in needed):
@@ -28,6 +28,9 @@ def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Datas
     if missing:
         refuse_system(name, dataset)
         raise InputError(f"{name} must contain {', '.join(needed)}; it lacks {', '.join(missing)}")
+    period = dataset.variables.get("period")
+    if period is not None and not period.ndim and np.isnan(period.values):
+        raise InputError(f"{name} must contain a limit cycle, but the search found none")
     return in_suitable_units(dataset)
 
 

@@ -74,7 +74,7 @@ WITH_EXTREMA = (*PARAMETERS, "response", "extremum_count", "extremum_radius", "e
 
 
 def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    """Draw the points of a section.
+    r"""Draw the points of a section.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
     >>> ax = plot_section(poincare_section(rotor, start=(0, 0, 0, 0), revolutions=9))
     >>> ax.get_title()
-    'once a revolution'
+    '$\\omega = 1.7$,  $\\zeta = 0.07$,  $\\delta_0 = 0.5$\nonce a revolution'
     """
     needed = (*PARAMETERS, "rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
     section = check_dataset("section", section, needed)
@@ -114,10 +114,11 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         _leave_room(ax, *scales)
         if not z.size:
             say_in_middle(ax, "no crossing")
-        words = WORDS.get(at, title_of("section", section))
+        words = WORDS.get(at, "")
         if phase := float(section.attrs.get("phase", 0.0)):
             words = f"unbalance at {math.degrees(phase):.4g}°"
-        ax.set_title(words + _counted(z))
+        title = f"{title_of('section', section)}\n{words}{_counted(z)}"
+        ax.set_title(title.removesuffix("\n"))
     return ax
 
 

@@ -121,7 +121,7 @@ def plot_fit(
         axes[1].set_ylabel(f"{LABELS['phase_lag']} [°]")
         for ax in axes:
             ax.set_xlabel(str(over.attrs["label"]))
-        own_legend(axes[0])
+        own_legend(axes[0], inside=True)
     return axes
 
 

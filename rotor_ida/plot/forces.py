@@ -15,6 +15,7 @@ from rotor_ida.plot.appearance import (
     draw_marks,
     drawing,
     legend_below,
+    own_legend,
     say_in_middle,
 )
 from rotor_ida.plot.datasets import check_dataset
@@ -22,6 +23,7 @@ from rotor_ida.plot.decimation import COLUMNS
 from rotor_ida.plot.labels import LABELS, label_axis
 
 PEAK = "peak of a contact"
+CUT = "contact cut off by the run: at least"
 # A peak of the force is on the curve of its samples from this part of it on.
 ON_CURVE = 0.98
 
@@ -69,6 +71,9 @@ def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw the cumulative distribution of peak contact forces.
 
+    A contact in which the run begins or ends does not count: its peak may be larger than the
+    largest force in the run, which is a mark on the curve.
+
     Parameters
     ----------
     forces : Dataset
@@ -87,12 +92,18 @@ def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     peaks, share = forces["peak_force"].values, forces["peak_fraction"].values
     whole = np.flatnonzero(np.isfinite(share))
     order = whole[np.argsort(peaks[whole], kind="stable")]
+    cut = peaks[~np.isfinite(share) & np.isfinite(peaks)]
     peaks, share = peaks[order], share[order]
     with drawing(ax) as ax:
         label_axis(ax.xaxis, "peak_force", forces["peak_force"])
         if peaks.size > 1:
             ax.step(np.append(peaks[0], peaks), np.append(0.0, share), where="post", color=RED)
-            ax.set_xlim(0.0, 1.08 * float(peaks[-1]))
+            ax.set_xlim(0.0, 1.08 * max(float(peaks[-1]), *cut))
+            if cut.size:
+                heights = np.append(0.0, share)[np.searchsorted(peaks, cut, side="right")]
+                draw_marks(ax, cut, heights, ">", RED, size=5.0, face="white", edge=0.9,
+                           label=CUT, clip=False)  # fmt: skip
+                own_legend(ax)
         else:
             say_in_middle(ax, "fewer than two whole contacts")
         ax.set_ylim(0.0, 1.02)

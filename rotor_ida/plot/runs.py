@@ -12,7 +12,6 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patheffects import Stroke
 
 from rotor_ida.arrays import Values
@@ -26,6 +25,7 @@ from rotor_ida.plot.appearance import (
     INK,
     PURPLE,
     RED,
+    SettledLayout,
     draw_marks,
     draw_ring,
     drawing,
@@ -73,8 +73,8 @@ WAYS: tuple[tuple[tuple[str, ...], str, str, object, float], ...] = (
     (("slipping_backward",), "slips backwards", PURPLE, (0, (1.2, 0.7)), 1.7),
     (("rolling",), "rolls", DARK_BROWN, "-", 3.0),
 )
-# Rolling has cross ticks, so that it differs from the others without colour too.
-SLEEPERS = {"dash_offset": 0.0, "dash_list": [2.0, 2.5]}
+# Rolling is a double line, so that it differs from the others without colour too.
+CORE = "#f3e9e4"
 
 
 def plot_run(run: xr.Dataset) -> Figure:
@@ -105,7 +105,7 @@ def plot_run(run: xr.Dataset) -> Figure:
     path, rubs = path_of(run), "mode" in run.variables
     rows = 5 if rubs else 4
     with style():
-        layout = ConstrainedLayoutEngine(h_pad=0.03, hspace=0.0)
+        layout = SettledLayout(h_pad=0.03, hspace=0.0)
         figure = new_figure(7.2, 1.2 * rows, layout=layout)
         grid = figure.add_gridspec(rows, 2, width_ratios=(1.0, 1.0))
         first = figure.add_subplot(grid[0, 0])
@@ -216,7 +216,7 @@ def plot_drawn_out(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     'time $t$'
     """
     run = check_dataset("run", run, NEEDED)
-    path = path_of(run)
+    path, alone = path_of(run), ax is None
     with solid_drawing(ax) as solid:
         draw_motion(solid, path, path.time, path.x, path.y, width=0.7)
         label_axis(solid.xaxis, "t", run["t"])
@@ -224,7 +224,7 @@ def plot_drawn_out(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         label_axis(solid.zaxis, "y_alone", run["y"])
         solid.xaxis.labelpad, solid.yaxis.labelpad, solid.zaxis.labelpad = -4, -6, -6
         solid.view_init(elev=22, azim=-58)
-        finish_solid(solid, zoom=1.12)
+        finish_solid(solid, zoom=1.0 if alone else 1.12)
     return cast(Axes, solid)
 
 
@@ -324,9 +324,7 @@ def _draw_ways(
         line: Any = {"color": colour, "lw": heavier * width, "ls": dashes, "label": label}
         if label == "rolls":
             line["solid_capstyle"] = "butt"
-            line["path_effects"] = [
-                Stroke(), Stroke(linewidth=width, foreground="white", dashes=SLEEPERS)
-            ]  # fmt: skip
+            line["path_effects"] = [Stroke(), Stroke(linewidth=width, foreground=CORE)]
         ax.plot(*path.stretches(chosen, *columns), **line)
 
 

@@ -12,11 +12,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
-from matplotlib.transforms import Bbox
 
 from rotor_ida.checks import check_choice
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import style
+from rotor_ida.plot.appearance import places_of, put_axes, style
 from rotor_ida.results.files import check_path, check_target, file_to_write
 
 # Metadata that depend on the date or the version are left out.
@@ -104,25 +103,13 @@ def _settled_layout(figure: Figure) -> Iterator[None]:
     if engine is not None:
         for _ in range(2):
             engine.execute(figure)
-        _round_positions(figure)
+        # the last digits change with each pass, and clip names in an SVG are hashes of them
+        put_axes(figure, places_of(figure).round(9))
     figure.set_layout_engine("none")
     try:
         yield
     finally:
         figure.set_layout_engine(engine)
-
-
-def _round_positions(figure: Figure) -> None:
-    """Round the positions of the axes.
-
-    Their last digits change each time the layout is solved, and clip names in an SVG are hashes
-    of them.
-    """
-    for ax in figure.axes:
-        if ax.get_in_layout():
-            place = ax.get_position(original=True)
-            ax.set_position(Bbox(place.get_points().round(9)), which="original")
-            ax.set_in_layout(True)
 
 
 def _draw(figure: Figure, path: Path) -> None:

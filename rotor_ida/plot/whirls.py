@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     DARK_BROWN,
@@ -225,14 +226,15 @@ def plot_by_clearance(
     with drawing(ax) as ax:
         for number, (name, words) in enumerate(names.items()):
             colour, line = look(number)
-            column = table[name].squeeze().transpose("delta0", ...)
-            if column.ndim == 1:
-                ax.plot(table["delta0"].values, column.values, color=colour, ls=line, label=words,
-                        zorder=2.6)  # fmt: skip
+            if "delta0" not in table[name].dims:
+                raise InputError(f"table must contain {name} along delta0")
+            delta0 = table["delta0"].values
+            column = table[name].transpose("delta0", ...).values.reshape(delta0.size, -1)
+            if column.shape[1] == 1:
+                ax.plot(delta0, column, color=colour, ls=line, label=words, zorder=2.6)
                 continue
-            delta0 = np.repeat(table["delta0"].values, column.shape[1])
-            ax.plot(delta0, column.values.ravel(), ls="", marker=".", ms=2.8, mew=0.0,
-                    color=colour, label=words)  # fmt: skip
+            ax.plot(np.repeat(delta0, column.shape[1]), column.ravel(), ls="", marker=".",
+                    ms=2.8, mew=0.0, color=colour, label=words)  # fmt: skip
         ax.set_xlabel(LABELS["delta0"])
         label_axis(ax.yaxis, "", table[next(iter(names))], words=label)
         if len(names) > 1:

@@ -23,10 +23,13 @@ from rotor_ida.plot import (
     plot_cycle,
     plot_lines,
     plot_multipliers,
+    plot_orbit,
+    plot_trace,
 )
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import labelled
 from tests.plot.pictures import BOUNCING, made
+from tests.plot.test_every_picture import in_units
 
 
 @pytest.fixture(scope="module")
@@ -108,6 +111,19 @@ def test_lines_are_those_of_the_spectrum(cycle):
     np.testing.assert_allclose(
         lines["forward whirl"].get_xdata()[strongest], cycle.side_line_over_spin
     )
+
+
+@pytest.mark.parametrize("convert", [lambda each: each, in_units])
+def test_slip_and_rolling_along_a_cycle_are_distinguished(convert):
+    """This whip rolls while it is near the stator, and slips on the rest of its way."""
+    rotor = Rotor(omega=1.0, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+    cycle = limit_cycle(rotor, start=(6.928, 0.0, 0.0, -10.0))
+    slip = 10.0 + (cycle.x * cycle.vy - cycle.y * cycle.vx) / np.hypot(cycle.x, cycle.y)
+    lines = lines_of(plot_cycle(convert(cycle)))
+    assert {"rolls", "slips forwards"} < set(lines)
+    assert not {"slips backwards", "flight", "contact"} & set(lines)
+    drawn = np.isfinite(lines["rolls"].get_xdata()).sum()
+    assert drawn == (abs(slip) < 1e-9).sum() > 400
 
 
 def test_figure_of_a_cycle_has_all_three(cycle):
@@ -260,6 +276,10 @@ def test_what_cannot_be_drawn_is_refused(cycle, branch, curve):
     for draw in (plot_cycle, plot_multipliers, plot_lines, cycle_figure):
         with pytest.raises(InputError, match="cycle must contain a limit cycle"):
             draw(none)
+    missed = limit_cycle(Rotor(omega=1.7, zeta=0.07, delta0=0.0))
+    for draw in (plot_orbit, plot_trace, plot_multipliers, cycle_figure):
+        with pytest.raises(InputError, match="must contain a limit cycle, but the search found no"):
+            draw(missed)
     with pytest.raises(InputError, match="branch must name what was varied in its attribute"):
         plot_branch(branch.drop_attrs(deep=False))
     with pytest.raises(InputError, match="it lacks"):

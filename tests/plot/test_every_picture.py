@@ -1,15 +1,16 @@
 """What holds for every picture: its labels, its units, its place, and what it refuses."""
 
+import io
 from functools import cache
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from rotor_ida import InputError, dimensional
+from rotor_ida import InputError, Rotor, basin, dimensional, limit_cycle, plot
 from rotor_ida.plot import mixed_panels
 from rotor_ida.plot.labels import IN_UNITS, LABELS
-from tests.plot.pictures import MACHINE, PICTURES
+from tests.plot.pictures import BOUNCING, MACHINE, PICTURES, made
 
 UNITS = {"length": "µm", "time": "ms", "velocity": "mm/s"}
 # What each kind of quantity is written in then, and what a dimensionless 1 is.
@@ -79,6 +80,45 @@ def test_no_text_is_cut_off(picture):
         assert box.y0 >= -0.02
         assert box.x1 <= figure.get_figwidth() + 0.02
         assert box.y1 <= figure.get_figheight() + 0.02
+
+
+def pixels(figure):
+    """Return the colours of the dots of a figure, as `savefig` writes them."""
+    with io.BytesIO() as file:
+        figure.savefig(file, format="rgba")
+        dots = np.frombuffer(file.getvalue(), np.uint8)
+    return dots.reshape(round(figure.bbox.height), -1, 4)
+
+
+WHIP = Rotor(omega=1.0, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+WIDE = np.linspace(-12.0, 12.0, 25)
+FIGURES = {
+    "run": lambda: plot.plot_run(made("run")),
+    "machine": lambda: plot.plot_machine(in_units(made("run"))),
+    "drawn_out": lambda: plot.plot_drawn_out(made("run")).figure,
+    "drawn_out_in_si": lambda: plot.plot_drawn_out(in_units(made("run"))).figure,
+    "surface": lambda: plot.plot_surface(made("field"), "potential").figure,
+    "whip": lambda: plot.cycle_figure(limit_cycle(WHIP, start=(6.928, 0.0, 0.0, -10.0))),
+    "wide_basin": lambda: plot.plot_basin(basin(BOUNCING, x=WIDE, y=WIDE)).figure,
+} | {str(each): lambda each=each: each.drawn().figure for each in PICTURES}
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_the_first_drawing_is_complete_and_the_same_as_the_second(name):
+    figure = FIGURES[name]()
+    first = pixels(figure)
+    for edge in (first[0], first[-1], first[:, 0], first[:, -1]):
+        assert (edge == 255).all()
+    np.testing.assert_array_equal(pixels(figure), first)
+
+
+@every_picture
+def test_a_long_legend_hides_no_curve(picture):
+    ax = both(PICTURES.index(picture))[0]
+    ax.figure.draw_without_rendering()
+    legend = ax.get_legend()
+    if legend is not None and len(legend.get_texts()) > 4:
+        assert legend.get_window_extent().y1 < ax.get_window_extent().y0
 
 
 @every_picture

@@ -24,6 +24,16 @@ def test_forces_and_their_peaks():
     assert texts == ["fewer than two whole contacts"]
 
 
+def test_force_of_a_contact_that_the_run_cuts_off_is_a_mark():
+    """It is the largest so far, and may exceed all whole contacts."""
+    forces = contact_forces(simulate(BOUNCING, start=REST, duration=20.0))
+    ax = plot_force_peaks(forces)
+    mark = lines_of(ax)["contact cut off by the run: at least"]
+    assert mark.get_xdata().tolist() == forces.peak_force[-1:].values.tolist()
+    assert mark.get_ydata().tolist() == [1.0]
+    assert ax.get_xlim()[1] > mark.get_xdata()[0] > ax.lines[0].get_xdata()[-1]
+
+
 def test_largest_force_at_the_end_of_a_run_is_no_peak():
     """A run that ends inside a contact while the force grows has not seen its peak."""
     run = simulate(BOUNCING, start=REST, duration=6.0, samples=601)

@@ -255,7 +255,7 @@ def test_orbit_and_radius_show_slip_and_rolling_apart(rubbing):
         assert {"flight", *RUBBED} <= lines.keys()
         looks = {(lines[name].get_color(), str(lines[name].get_linestyle())) for name in RUBBED}
         assert len(looks) == 3
-        assert lines["rolls"].get_path_effects()  # told without colour too
+        assert len(lines["rolls"].get_path_effects()) == 2  # a double line, told without colour too
     assert "contact" not in labels(orbit)
     assert (force.get_ylabel(), slip.get_ylabel()) == ("normal force $N$", "slip speed $v_s$")
     rolling = next(line for line in orbit.lines if line.get_label() == "rolls")

@@ -32,7 +32,7 @@ from rotor_ida.plot.signals.beneath import Beneath
 from rotor_ida.plot.signals.exact_motion import Trace, centres_of, orbits_of, traces_of
 from rotor_ida.plot.signals.speeds import mark_speeds, title_of_signals
 from rotor_ida.plot.signals.units import is_one_speed, units_of
-from rotor_ida.results.run import samples_in
+from rotor_ida.results.run import check_columns, samples_in
 from rotor_ida.schema import flags_of
 from rotor_ida.signals.orders import centre_line
 from rotor_ida.signals.path import path_of
@@ -290,6 +290,7 @@ def _within(run: xr.Dataset) -> xr.Dataset:
     """Return a part of a run with its events only."""
     if not {"event_time", "event_kind", "starts_in_contact"} <= set(run.variables):
         return run
+    check_columns(run, ("t", "event_time"))
     events, (first, last) = run["event_time"].values, run["t"].values[[0, -1]]
     before = run["event_kind"].values[events < first]
     part = run.isel(event=(events >= first) & (events <= last))

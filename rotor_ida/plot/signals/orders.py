@@ -126,7 +126,7 @@ def plot_bode(
         upper.set_xlabel("")
         upper.tick_params(labelbottom=False)
         upper.set_title(one.title)
-        own_legend(upper)
+        own_legend(upper, inside=True)
     return [upper, lower]
 
 

@@ -83,7 +83,7 @@ def plot_spectrum(lines: xr.Dataset, *, span: float = 4.0, ax: Axes | None = Non
         ax.set_xlim(-limit, limit)
         # room for the legend
         ax.set_ylim(FLOOR * highest, 30.0 * highest)
-        own_legend(ax).set_loc("upper left")
+        own_legend(ax, inside=True).set_loc("upper left")
     return ax
 
 
