@@ -65,7 +65,7 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
     assert "<td>python</td>" in page
     assert Path("report/report.pdf").read_bytes().startswith(b"%PDF")
     case = rotor_ida.load_system("rotor.toml")
-    run = rotor_ida.drop(case.system, **{**case.drop, "duration": 0.03})
+    run = rotor_ida.drop(**{**case.drop, "duration": 0.03})
     assert rotor_ida.load("report/drop.nc").equals(run)
     version = run.attrs["rotor_ida_version"]
     assert f"rotor.toml, computed with rotor_ida {version}, report of 20" in page
@@ -99,7 +99,7 @@ def test_the_system_file_of_the_tutorial_is_the_machine_of_the_tutorial():
     text = page.read_text("utf-8")
     Path("machine.toml").write_text(text.split("```toml\n")[1].split("```")[0])
     case = rotor_ida.load_system("machine.toml")
-    run = rotor_ida.drop(case.system, **{**case.drop, "duration": 0.02})
+    run = rotor_ida.drop(**{**case.drop, "duration": 0.02})
     stated = re.search(r"\(array\(\[(\d+)\., (\d+)\.\]\), array\(\[1\.064", text)
     expected = [float(each) for each in stated.groups()]
     np.testing.assert_allclose(run.largest_force, expected, rtol=1.5e-3)  # rounded stiffness

@@ -84,9 +84,9 @@ def drop(
     for path in files:
         check_target("out", path, overwrite=force, permission=FORCED)
     with working("drop [%]") as progress:
-        run = rotor_ida.drop(case.system, **given, progress=progress)
+        run = rotor_ida.drop(**given, progress=progress)
     rotor_ida.save(run, files[0], overwrite=force)
-    everything = _many(case.system, given, vary, jobs, study) if many else None
+    everything = _many(given, vary, jobs, study) if many else None
     if everything is not None:
         rotor_ida.save(everything, files[1], overwrite=force)
     asked = [each for name, value in told.items() if value is not None
@@ -143,12 +143,11 @@ def _make(folder: Path) -> None:
 
 
 def _many(
-    system: rotor_ida.RotorSystem, given: dict[str, Any], vary: dict[str, Any],
-    jobs: options.JobOptions, study: Path | None,
+    given: dict[str, Any], vary: dict[str, Any], jobs: options.JobOptions, study: Path | None
 ) -> Any:  # fmt: skip
     """Return the ensemble of drops."""
     ways = {name: each for name, each in given.items() if name not in NOT_OF_MANY}
     with working("drops", study) as progress:
         return rotor_ida.drop_ensemble(
-            system, **ways, **vary, **jobs.on_every_core(), study=study, progress=progress
+            **ways, **vary, **jobs.on_every_core(), study=study, progress=progress
         )
