@@ -24,6 +24,8 @@ VERSION = "_version"
 # Attributes for internal use, or shown as the kind.
 HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format", RESULT_KIND)
 
+# Words for variables whose names say too little.
+WORDS = {"standstill_time": "below 1 % of the speed at the drop from"}
 SPEEDS = (
     "speed", "event_speed", "special_speed", "critical_speed", "running_share_speed", "rub_speed",
     "passage_rub_speed",
@@ -283,7 +285,8 @@ def with_unit(dataset: xr.Dataset, name: str) -> str:
         unit = dataset[name].attrs.get("units", "1")
     if name in SPEEDS and unit == "s-1":
         unit = "rad/s"
-    return name.replace("_", " ") + (f" [{unit}]" if unit not in {"", "1", "radian"} else "")
+    words = WORDS.get(name, name.replace("_", " "))
+    return words + (f" [{unit}]" if unit not in {"", "1", "radian"} else "")
 
 
 def span(values: np.ndarray[Any, Any], digits: int) -> str:

@@ -74,7 +74,15 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
     assert ((many.drop_friction >= 0.05) & (many.drop_friction <= 0.2)).all()
     assert main(["verify", "report/drop.nc"]) == 0
     assert main(["show", "report/drops.nc"]) == 0
-    assert "95 % interval" in capfd.readouterr().out
+    shown = capfd.readouterr().out
+    assert "95 % interval" in shown
+    heads = ["quantity", "drops", "mean", "mean from", "mean to", "5 %", "50 %", "95 %",
+             "95 % from", "95 % to"]  # fmt: skip
+    (line,) = (each for each in shown.splitlines() if each.startswith("quantity"))
+    assert re.split("  +", line.strip()) == heads
+    assert re.search(r"rest time \[s\] +0( +-){8}", shown)
+    assert "in contact to the end from [ms], in 0 of 3 drops" in page
+    assert "below 1 % of the speed at the drop (48 rpm) from [ms]" in page
     assert main(words) == 2
     assert "--force" in capfd.readouterr().err
 
