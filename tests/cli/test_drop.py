@@ -42,7 +42,8 @@ def here(tmp_path, monkeypatch):
 
 
 @pytest.mark.usefixtures("here")
-def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
+def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd, monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)
     words = ["drop", "rotor.toml", "--out", "report", "--drops", "3", "--executor", "serial"]
     assert main([*words, "--duration", "30ms"]) == 0
     told = capfd.readouterr().out
@@ -136,6 +137,7 @@ def test_the_system_file_of_the_tutorial_is_the_machine_of_the_tutorial():
             [],
             "drop.grid.friction.to and drop.grid.friction.count must be given",
         ),
+        (('{ disc = "0.5 mm"', "{ dics = 1"), [], "got 'dics'; did you mean 'disc'"),
         (("", ""), ["--study", "many"], "study must be left out without drops"),
         (("", ""), ["--film", "drop.avi"], "must end in .gif or .mp4"),
     ],
@@ -146,6 +148,7 @@ def test_bad_input_is_one_line_and_status_2(change, options, words, capfd):
     said = capfd.readouterr().err
     assert words in said
     assert said.count("\n") == 1
+    assert not Path("report").exists()
 
 
 @pytest.mark.usefixtures("here")

@@ -80,11 +80,16 @@ def drop(
     if film is not None:
         check_film(film, overwrite=force, permission=FORCED)
     files = report_files(out, many=many)
-    _make(out)
-    for path in files:
-        check_target("out", path, overwrite=force, permission=FORCED)
-    with working("drop [%]") as progress:
-        run = rotor_ida.drop(**given, progress=progress)
+    made = _make(out)
+    try:
+        for path in files:
+            check_target("out", path, overwrite=force, permission=FORCED)
+        with working("drop [%]") as progress:
+            run = rotor_ida.drop(**given, progress=progress)
+    except BaseException:
+        for folder in made:
+            folder.rmdir()
+        raise
     rotor_ida.save(run, files[0], overwrite=force)
     everything = _many(given, vary, jobs, study) if many else None
     if everything is not None:
@@ -132,14 +137,16 @@ def _asked(
     return given, vary
 
 
-def _make(folder: Path) -> None:
-    """Make the folder of the report."""
+def _make(folder: Path) -> list[Path]:
+    """Make the folder of the report, and return the new folders, the innermost first."""
+    new = [each for each in (folder, *folder.parents) if not each.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(
             f"out must be a folder, got {shown(str(folder))}: {error.strerror}"
         ) from error
+    return new
 
 
 def _many(
