@@ -402,6 +402,7 @@ QUANTITIES: dict[str, Quantity] = {
     "hopf": Quantity("number of the Hopf point, in order of speed"),
     "hopf_omega": Quantity("spin speed of the Hopf point over the reference frequency"),
     "hopf_amplitude": length("amplitude of the synchronous whirl at the Hopf point"),
+    "grazed_contact": Quantity("number of the contact that a whirl just touches"),
     "hopf_frequency": rate("circular frequency, on rotating axes, of the cycle born there"),
     "whirl": Quantity("number of the backward whirl"),
     "backward_amplitude": length("radius of the backward whirl"),
