@@ -181,8 +181,9 @@ def special_speeds(
         On ``special``, in order of speed: ``special_speed`` and ``special_kind``: ``fold``, where
         two whirls meet and vanish; ``hopf``, where a whirl loses its stability to an oscillation,
         with ``hopf_frequency`` on turning axes; and ``graze``, where a whirl just touches another
-        contact, the number ``grazed_contact``. On ``(special, contact)``: ``amplitude`` and ``in_contact``. The whirls between:
-        ``branch_amplitude`` on ``(speed, branch, contact)`` and ``branch_stability``.
+        contact, the number ``grazed_contact``. On ``(special, contact)``: ``amplitude`` and
+        ``in_contact``. The whirls between: ``branch_amplitude`` on ``(speed, branch, contact)``
+        and ``branch_stability``.
 
     Raises
     ------
