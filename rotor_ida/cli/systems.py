@@ -17,7 +17,6 @@ from rotor_ida.cli.parsing import refuse_units
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
 from rotor_ida.errors import InputError
-from rotor_ida.model.supports import levitated_system
 
 if TYPE_CHECKING:
     from rotor_ida.model.rotor_system import RotorSystem
@@ -191,6 +190,8 @@ def linear_system(case: SystemFile, system: RotorSystem | None = None) -> RotorS
 
 def weighed(case: SystemFile, *, without_gravity: bool) -> dict[str, Any]:
     """Return the system with its weight as a static force, its contacts and unbalance."""
+    from rotor_ida.model.supports import levitated_system  # noqa: PLC0415 - heavy
+
     gravity = None if without_gravity else case.gravity
     system = linear_system(case, levitated_system(case.rotor, case.supports, gravity))
     if gravity is not None:
