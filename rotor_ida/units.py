@@ -110,7 +110,9 @@ USUAL = (
     *("N s/m", "N s/mm", "s/m", "s/mm", "kg m", "g mm", "N m", "N m s", "kg m2", "rad", "deg"),
 )
 _LETTERS = r"[^\W\d_]+|°"
-_FACTOR = re.compile(rf"({_LETTERS})(?:\^?(-?\d+(?:\.\d+)?))?[\s.*]*")
+_FACTOR = re.compile(rf"({_LETTERS})(?:\^?(-?\d+(?:\.\d+)?))?(?:[\s.*]|-(?={_LETTERS}))*")
+# Abbreviations with two meanings, here gram and gram metre, and what to write instead.
+AMBIGUOUS = {"gm": "'g m' or 'g mm'"}
 _LOOKALIKES = str.maketrans({"µ": "u", "μ": "u", "²": "2", "³": "3", "·": " ", "⋅": " ", "−": "-"})
 _BY_LOWER_CASE = {
     name.lower(): name
@@ -138,7 +140,7 @@ def symbol_of(name: str, *, any_case: bool = True) -> str:
 def unit_of(text: str) -> Unit | None:
     """Return the unit that a text denotes, or None if it is not a unit.
 
-    Factors may be joined by blanks, dots, asterisks or nothing at all, if the reading is
+    Factors may be joined by blanks, dots, asterisks, hyphens or nothing at all, if the reading is
     unique; their exponents may have a caret.
 
     Examples
@@ -213,6 +215,8 @@ def _product(text: str) -> Unit | None:
 
 def _run_together(letters: str, exponent: float) -> Unit | None:
     """Return the unique unit or product that letters denote; the exponent is the last factor's."""
+    if letters in AMBIGUOUS:
+        return None
     symbol = symbol_of(letters, any_case=False)
     readings = {_multiplied(symbols, exponent) for symbols in _splits(letters)}
     if not symbol and not readings:  # Ns is N s, not ns

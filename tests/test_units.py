@@ -40,7 +40,8 @@ def test_a_prefix_moves_the_point_and_rounds_once(number: str):
     [
         ("N s/m", "Ns/m", "N s m-1", "N*s/m", "N.s/m", "N\N{MIDDLE DOT}s/m", "kg/s"),
         ("N/m^1.5", "N m-1.5", "N/m1.5"),
-        ("N m", "Nm", "kg m2 s-2"),
+        ("N m", "Nm", "N-m", "kg m2 s-2"),
+        ("g mm", "g-mm", "g\N{MIDDLE DOT}mm", "g.mm", "kg m", "kg-m", "kgm", "gcm"),
         ("rad/s2", "rad/s^2", "rad/s\N{SUPERSCRIPT TWO}", "rad/s/s", "rad s-2"),
         ("rpm", "RPM", "rev/min", "r/min"),
     ],
@@ -52,8 +53,10 @@ def test_a_unit_may_be_written_in_any_usual_way(texts: tuple[str, ...]):
 
 
 @pytest.mark.parametrize(
-    "text", ["", " ", "/", "N/", "/s", "furlong", "Nmm", "mNm", "N m 2", "5", "m^", "m^x", "m,s"]
-)
+    "text",
+    ["", " ", "/", "N/", "/s", "furlong", "Nmm", "mNm", "gm", "gm/s", "kg-", "-m", "N m 2", "5",
+     "m^", "m^x", "m,s"],
+)  # fmt: skip
 def test_what_is_no_unit_or_has_two_readings_is_none(text: str):
     assert unit_of(text) is None
 

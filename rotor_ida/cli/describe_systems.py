@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.cli.describe import change_of_speed, count_of_kinds
-from rotor_ida.cli.drop_grids import cells_in, place_of, places_in
+from rotor_ida.cli.drop_grids import cells_in, count_of, place_of, places_in
 from rotor_ida.cli.report import pairs, shown, table
 from rotor_ida.cli.variables import (
     Description,
@@ -152,17 +152,25 @@ def _statistics(own: xr.Dataset, name: str) -> Record:
         f"{100 * float(level):g} %": float(value)
         for level, value in zip(own["quantile"], own[f"{name}_quantile"], strict=True)
     }
-    low, high = own[f"{name}_quantile_low"].values[-1], own[f"{name}_quantile_high"].values[-1]
+    of_mean = {"mean from": "mean_low", "mean to": "mean_high"}
+    of_last = {f"{list(quantiles)[-1]} {word}": float(own[f"{name}_quantile_{end}"][-1])
+               for word, end in (("from", "low"), ("to", "high"))}  # fmt: skip
     return {
-        "quantity": with_unit(own, name),
-        **{word: float(own[f"{name}_{word}"]) for word in ("mean", "mean_low", "mean_high")},
-        **quantiles, "from": float(low), "to": float(high),
+        "quantity": with_unit(own, name), "drops": count_of(own, name),
+        "mean": float(own[f"{name}_mean"]),
+        **{word: float(own[f"{name}_{end}"]) for word, end in of_mean.items()},
+        **quantiles, **{word: _finite(each) for word, each in of_last.items()},
     }  # fmt: skip
+
+
+def _finite(value: float) -> float:
+    """Return an end of an interval, NaN where there is none."""
+    return value if math.isfinite(value) else math.nan
 
 
 def _over_grid(own: xr.Dataset, name: str) -> Record:
     """Return range and mean of one figure of a bearing over a grid, and where its ends lie."""
-    found: Record = {"quantity": with_unit(own, name)}
+    found: Record = {"quantity": with_unit(own, name), "drops": count_of(own, name)}
     for end, word in (("min", "smallest"), ("max", "largest")):
         at = int(own[f"{name}_{end}_drop"])
         found |= {word: float(own[f"{name}_{end}"]), f"{word} at": place_of(own, at)}

@@ -47,11 +47,11 @@ SPECIAL_SPEEDS = Sheet(
     (
         Rows(
             title="Special speeds", key="special_speeds", lead="special_speed", prefix="special_",
-            names=("special_speed", "special_kind", "hopf_frequency"),
+            names=("special_speed", "special_kind", "grazed_contact", "hopf_frequency"),
         ),
         Rows(
             title="At contacts", key="contacts", lead="amplitude",
-            names=("special", "contact", "amplitude", "in_contact"),
+            names=("special", "contact", "contact_node", "amplitude", "in_contact"),
         ),
     ),
 )  # fmt: skip

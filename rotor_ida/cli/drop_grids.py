@@ -46,6 +46,11 @@ def places_in(drops: xr.Dataset) -> str:
     return ", ".join(OF_DROP[name] for name in varying(drops))
 
 
+def count_of(drops: xr.Dataset, name: str) -> int:
+    """Return the number of drops that have a figure: some bearings never whirl, roll or rest."""
+    return int((drops[name].notnull() & (drops["status"] == 0)).sum())
+
+
 def cells_in(drops: xr.Dataset) -> list[str]:
     """Return the names of the variables of cells, in the order of their table."""
     return [f"cell_{name}" for name in varying(drops, "cell")]

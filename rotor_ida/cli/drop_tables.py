@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.cli.drop_grids import cells_in, place_of, places_in, varying
+from rotor_ida.cli.drop_grids import cells_in, count_of, place_of, places_in, varying
 from rotor_ida.schema import OF_BEARING, OF_DROP, WHIRL_DIRECTION
 
 if TYPE_CHECKING:
@@ -257,7 +257,7 @@ def _of_rotor(run: xr.Dataset) -> Listed:
         first, last = (RPM * float(run["speed"][place]) for place in (0, -1))
         rows += [["speed at the end [rpm]", number(last, 5)],
                  ["mean deceleration [rpm/s]", number((first - last) / end)],
-                 ["coast-down: standstill after [ms]",
+                 [f"below 1 % of the speed at the drop ({number(0.01 * first)} rpm) from [ms]",
                   number(1e3 * standstill) if math.isfinite(standstill)
                   else f"not within {number(1e3 * end)}"]]  # fmt: skip
     rows.append(["determined by the parameters up to [ms]", number(1e3 * float(run["horizon"]), 5)])
@@ -301,7 +301,8 @@ def _how(drops: xr.Dataset) -> str:
                 "over the grid, not estimates from a sample: no sampling error applies. In "
                 "brackets by how much they change when every other value of each axis is left out "
                 "(unknown with too few values).")  # fmt: skip
-    return "In brackets 95 % intervals for a sample of this size."
+    return ("In brackets 95 % intervals for a sample of this size; no intervals and no quantiles "
+            "of what fewer than six drops have.")  # fmt: skip
 
 
 def _facts(own: xr.Dataset) -> str:
@@ -324,6 +325,8 @@ def _facts(own: xr.Dataset) -> str:
 def _statistics(own: xr.Dataset, name: str) -> list[str]:
     """Return the statistics of a figure as a row."""
     unit, parts = _unit(own[name], name)
+    count, total = count_of(own, name), int((own["status"].values == 0).sum())
+    head = _head(name, unit) + (f", in {count} of {total} drops" if count < total else "")
 
     def one(end: str) -> float:
         return parts * float(own[f"{name}_{end}"])
@@ -333,11 +336,10 @@ def _statistics(own: xr.Dataset, name: str) -> list[str]:
         margin = "unknown" if math.isnan(change) else number(change, 2)
         mean = "-" if math.isnan(one("mean")) else f"{number(one('mean'))} ({margin})"
         at = [place_of(own, int(own[f"{name}_{end}_drop"])) for end in ("min", "max")]
-        return [_head(name, unit), number(one("min")), at[0], mean, number(one("max")), at[1]]
+        return [head, number(one("min")), at[0], mean, number(one("max")), at[1]]
     ends = [parts * own[f"{name}_quantile{end}"].values for end in ("", "_low", "_high")]
     mean_of = (one("mean"), one("mean_low"), one("mean_high"))
-    return [_head(name, unit), *(_with_interval(*each)
-                                 for each in [mean_of, *zip(*ends, strict=True)])]  # fmt: skip
+    return [head, *(_with_interval(*each) for each in [mean_of, *zip(*ends, strict=True)])]
 
 
 def _cells(drops: xr.Dataset) -> Listed:
@@ -380,7 +382,7 @@ def _head(name: str, unit: str) -> str:
 
 
 def _with_interval(value: float, low: float, high: float) -> str:
-    """Return a value with its interval, of which an end may be unknown.
+    """Return a value with its interval, if it has one, of which an end may be unknown.
 
     Examples
     --------
@@ -388,9 +390,11 @@ def _with_interval(value: float, low: float, high: float) -> str:
     ('2 (1 to 3.5)', '2 (below 3)')
     >>> _with_interval(2.0, 1.0, np.inf), _with_interval(2.0, -np.inf, np.inf)
     ('2 (above 1)', '2 (unknown)')
+    >>> _with_interval(2.0, np.nan, np.nan), _with_interval(np.nan, np.nan, np.nan)
+    ('2', '-')
     """
-    if math.isnan(value):
-        return "-"
+    if math.isnan(value) or math.isnan(low):
+        return number(float(value), 3)
     first, last = number(float(low), 3), number(float(high), 3)
     known = math.isfinite(low), math.isfinite(high)
     words = {(True, True): f"{first} to {last}", (False, True): f"below {last}",

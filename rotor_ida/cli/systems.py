@@ -178,20 +178,24 @@ def case_of(file: Path, given: Mapping[str, Any]) -> SystemFile:
     return case
 
 
-def linear_system(case: SystemFile) -> RotorSystem:
-    """Return the rotor of a file, in a few modes if it says so."""
+def linear_system(case: SystemFile, system: RotorSystem | None = None) -> RotorSystem:
+    """Return the rotor of a file, or a given one, in a few modes if the file says so."""
+    rotor = case.system if system is None else system
     if case.modes is None:
-        return case.system
+        return rotor
     held = [each.node for each in case.contacts]
     held += [each.stator for each in case.contacts if isinstance(each.stator, str)]
-    return case.system.reduced(modes=case.modes, keep=list(dict.fromkeys(held)))
+    return rotor.reduced(modes=case.modes, keep=list(dict.fromkeys(held)))
 
 
 def weighed(case: SystemFile, *, without_gravity: bool) -> dict[str, Any]:
     """Return the system with its weight as a static force, its contacts and unbalance."""
-    system = linear_system(case)
-    if case.gravity is not None and not without_gravity:
+    from rotor_ida.model.supports import levitated_system  # noqa: PLC0415 - heavy
+
+    gravity = None if without_gravity else case.gravity
+    system = linear_system(case, levitated_system(case.rotor, case.supports, gravity))
+    if gravity is not None:
         own = 0.0 if system.static_force is None else system.static_force
-        weight = system.mass @ (system.unit_translations() @ np.array(case.gravity))
+        weight = system.mass @ (system.unit_translations() @ np.array(gravity))
         system = replace(system, static_force=own + weight)
     return {"system": system, "contacts": case.contacts, "unbalance": case.unbalance}

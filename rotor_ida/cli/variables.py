@@ -15,7 +15,7 @@ from rotor_ida.cli.report import pairs, table
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.si_units import in_rpm, si_of
-from rotor_ida.schema import NO_YES, RESULT_KIND, flags_of, words_of
+from rotor_ida.schema import NO_YES, RESULT_KIND, flags_of, unit_of, words_of
 
 Record = dict[str, object]
 Description = tuple[Record, list[RenderableType]]
@@ -24,6 +24,8 @@ VERSION = "_version"
 # Attributes for internal use, or shown as the kind.
 HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format", RESULT_KIND)
 
+# Words for variables whose names say too little.
+WORDS = {"standstill_time": "below 1 % of the speed at the drop from"}
 SPEEDS = (
     "speed", "event_speed", "special_speed", "critical_speed", "running_share_speed", "rub_speed",
     "passage_rub_speed",
@@ -280,10 +282,9 @@ def with_unit(dataset: xr.Dataset, name: str) -> str:
     elif name not in dataset.variables:
         unit = "1"
     else:
-        unit = dataset[name].attrs.get("units", "1")
-    if name in SPEEDS and unit == "s-1":
-        unit = "rad/s"
-    return name.replace("_", " ") + (f" [{unit}]" if unit not in {"", "1", "radian"} else "")
+        unit = unit_of(name, dataset[name].attrs.get("units", "1"))
+    words = WORDS.get(name, name.replace("_", " "))
+    return words + (f" [{unit}]" if unit not in {"", "1", "radian"} else "")
 
 
 def span(values: np.ndarray[Any, Any], digits: int) -> str:

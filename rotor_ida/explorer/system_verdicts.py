@@ -49,7 +49,8 @@ def _verdict_of_drop(run: xr.Dataset) -> str:
     ]
     stands = float(run["standstill_time"])
     if math.isfinite(stands):
-        said.append(f"the rotor stands still after {stands:.3g} {_unit(run, 't')}".strip())
+        time = f"{stands:.3g} {_unit(run, 't')}".strip()
+        said.append(f"the speed stays below 1 % of that at the drop from {time} on")
     return f"Drop: {'; '.join(said)}."
 
 

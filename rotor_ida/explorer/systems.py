@@ -123,7 +123,8 @@ def _read(path: Path, _changed: int) -> Case:
         speed = file.speed if file.speed is not None else file.change.get("to")
         if speed is None:
             raise InputError(f"{path.name}: speed must be given")
-        return Case(system=file.system, contacts=file.contacts, unbalance=file.unbalance,
+        system = file.rotor if "duration" in file.fall else file.system
+        return Case(system=system, contacts=file.contacts, unbalance=file.unbalance,
                     speed=speed, file=file)  # fmt: skip
     try:
         run = load(path)
@@ -150,7 +151,7 @@ def _computed(question: SystemQuestion, _changed: int) -> xr.Dataset:
         given = case.file.drop | {
             "bearings": case.contacts, "unbalance": case.unbalance, "speed": case.speed
         }  # fmt: skip
-        return drop(case.system, **given)
+        return drop(**given)
     around = case.file.around | {"contacts": case.contacts, "unbalance": case.unbalance}
     return simulate_system(case.system, **around, speed=case.speed,
                            duration=_duration(case, question.revolutions))  # fmt: skip
@@ -372,7 +373,7 @@ def lines_of(question: SystemQuestion) -> str:
         lines += [
             'given = {**case.drop, "bearings": contacts, "unbalance": unbalance, '
             f'"speed": {case.speed!r}}}',
-            "run = drop(case.system, **given)",
+            "run = drop(**given)",
         ]
     else:
         lines += [

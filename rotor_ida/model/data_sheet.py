@@ -169,7 +169,9 @@ def in_si(name: str, value: object, *allowed: str) -> float:
     known = units.unit_of(word)
     if known is None or known.dimension not in map(units.dimension_of, allowed):
         wanted = "left out" if "1" in allowed else units.usual(*allowed)
-        raise InputError(f"the unit of {name} must be {wanted}, got {shown(value)}")
+        clear = units.AMBIGUOUS.get(word)
+        hint = f"; did you mean {clear}?" if clear else ""
+        raise InputError(f"the unit of {name} must be {wanted}, got {shown(value)}{hint}")
     return check_real(name, known.in_si(number))
 
 

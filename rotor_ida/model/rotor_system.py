@@ -253,6 +253,10 @@ def _nodes(given: object, size: int) -> Mapping[str, Node]:
                 raise InputError(
                     f"{where} must be two indices from 0 to {size - 1}, got {shown(node)}"
                 )
+            if indices[0] == indices[1]:
+                raise InputError(
+                    f"{where} must have different indices along x and y, got {shown(node)}"
+                )
             nodes[name] = (indices[0], indices[1])
         elif values.shape == (2, size):
             values.setflags(write=False)
@@ -267,6 +271,11 @@ def _nodes(given: object, size: int) -> Mapping[str, Node]:
 
 def _positions(given: object, nodes: Mapping[str, Node]) -> Mapping[str, float]:
     """Return the axial positions of all nodes."""
-    if not isinstance(given, Mapping) or set(given) != set(nodes):
+    if not isinstance(given, Mapping):
         raise InputError(f"positions must map each name of a node to a number, got {shown(given)}")
+    for name in given:
+        check_choice("node in positions", name, list(nodes))
+    for name in nodes:
+        if name not in given:
+            raise InputError(f"positions must map each name of a node to a number, got no {name!r}")
     return {name: check_real(f"position of node {name!r}", given[name]) for name in nodes}

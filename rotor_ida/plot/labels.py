@@ -15,6 +15,7 @@ import xarray as xr
 from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
+from rotor_ida import schema
 from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.plot.datasets import hold_units, one_value, units_in
 from rotor_ida.results.si_units import in_rpm, machine_of, scale_of, si_of
@@ -151,7 +152,7 @@ def unit_of(variable: xr.DataArray | xr.Variable) -> str:
 
 
 def label_of(name: str, variable: xr.DataArray, *, words: str | None = None) -> str:
-    """Return the label of an axis: name and symbol, and the unit of the variable, if it has one.
+    r"""Return the label of an axis: name and symbol, and the unit of the variable, if it has one.
 
     Examples
     --------
@@ -159,10 +160,14 @@ def label_of(name: str, variable: xr.DataArray, *, words: str | None = None) -> 
     'radius $|Z|$ [µm]'
     >>> label_of("radius", xr.DataArray([1.0], attrs={"units": "1"}))
     'radius $|z|$'
+    >>> label_of("whirl_speed", xr.DataArray([1.0], attrs={"units": "s-1"}))
+    'whirl speed $\\Omega$ [rad/s]'
     """
     unit = unit_of(variable)
     if not unit:
         return words or LABELS[name]
+    if schema.unit_of(name, units_in(variable)) == "rad/s":
+        unit = "rad/s"
     return f"{words or IN_UNITS[name]} [{unit}]"
 
 

@@ -129,13 +129,15 @@ def draw_clearance(ax: Axes, part: xr.Dataset) -> None:
 
 
 def _mark_special(ax: Axes, special: xr.Dataset, contact: int) -> None:
-    """Mark folds, Hopf points and grazes at a contact."""
-    needed = ("special_speed", "special_kind", "amplitude")
+    """Mark folds, Hopf points, and the grazes of a contact."""
+    needed = ("special_speed", "special_kind", "grazed_contact", "amplitude")
     special = check_dataset("special", special, needed)
     speeds, kinds = speeds_in(special["special_speed"]), special["special_kind"].values
     amplitude = special["amplitude"].isel(contact=contact).values
     for word, (label, mark, size) in SPECIALS.items():
         chosen = kinds == SPECIAL[word]
+        if word == "graze":
+            chosen &= special["grazed_contact"].values == contact
         if chosen.any():
             draw_marks(ax, speeds[chosen], amplitude[chosen], mark, INK, size=size, face="white",
                        label=label, level=3.7)  # fmt: skip

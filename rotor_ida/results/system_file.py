@@ -49,6 +49,7 @@ from rotor_ida.checks import check_array, check_choice, check_count, did_you_mea
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, units_of
 from rotor_ida.model.rotor_system import UNITS, RotorSystem
+from rotor_ida.model.supports import check_supports, levitated_system
 from rotor_ida.model.system_files import read_system
 from rotor_ida.model.system_parts import (
     STARTS,
@@ -96,7 +97,10 @@ class SystemFile:
     Parameters
     ----------
     system : RotorSystem
-        The rotor, with the static force.
+        The rotor, with the static force; with its magnetic bearings, if it has any: their springs,
+        dampers and static loads.
+    rotor : RotorSystem
+        The rotor without magnetic bearings.
     contacts : tuple of Contact
         Its contacts.
     unbalance : tuple of Unbalance
@@ -114,7 +118,7 @@ class SystemFile:
     change : dict
         The arguments of `run_up` for the change of speed.
     supports : tuple of Support
-        The magnetic bearings, for `drop`.
+        The magnetic bearings.
     fall : dict
         The arguments of `drop` alone.
     vary : dict
@@ -124,6 +128,7 @@ class SystemFile:
     """
 
     system: RotorSystem
+    rotor: RotorSystem
     contacts: tuple[Contact, ...] = ()
     unbalance: tuple[Unbalance, ...] = ()
     gravity: tuple[float, float] | None = None
@@ -139,8 +144,9 @@ class SystemFile:
 
     @property
     def drop(self) -> dict[str, Any]:
-        """The arguments of `drop` but for the system."""
-        given = {"bearings": self.contacts, "supports": self.supports, **self.fall}
+        """The arguments of `drop`, of which the system is the rotor without magnetic bearings."""
+        given = {"system": self.rotor, "bearings": self.contacts, "supports": self.supports}
+        given |= self.fall
         names = ("speed", "unbalance", "gravity", "modes", "more_modes")
         given |= {name: getattr(self, name) for name in names}
         return given | ({} if isinstance(self.start, str | None) else {"start": self.start})
@@ -165,8 +171,7 @@ def load_system(path: str | os.PathLike[str]) -> SystemFile:
     SystemFile
         ``system``, ``around`` (contacts, unbalance, gravity, start, modes, more_modes), ``speed``
         and ``change``: ``simulate(case.system, **case.around, speed=case.speed, duration=...)`` and
-        ``run_up(case.system, **case.around, **case.change)``; and ``drop(case.system,
-        **case.drop)``.
+        ``run_up(case.system, **case.around, **case.change)``; and ``drop(**case.drop)``.
 
     Raises
     ------
@@ -206,15 +211,18 @@ def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:
     if "system" not in entries and entries and entries.keys() <= KEYS.keys():
         raise InputError("system must be given, got the file of a machine: give it with --machine")
     file.check(TOP, needed=("system",))
-    system = _system(file, folder)
+    system = _loaded(_system(file, folder), file)
     stators = _stators(file)
     contacts = tuple(_contacts(file, stators, system))
     check_contacts(contacts)
+    supports = check_supports(system, tuple(_supports(file, system)))
+    gravity = file.pair("gravity", "m s-2") if "gravity" in entries else None
     return SystemFile(
-        system=_loaded(system, file),
+        system=levitated_system(system, supports, gravity),
+        rotor=system,
         contacts=contacts,
         unbalance=tuple(_unbalance(file, system)),
-        gravity=file.pair("gravity", "m s-2") if "gravity" in entries else None,
+        gravity=gravity,
         start=_start(file),
         modes=check_count("modes", entries["modes"], minimum=0) if "modes" in entries else None,
         more_modes=check_count("more_modes", entries["more_modes"])
@@ -222,7 +230,7 @@ def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:
         else None,
         speed=file.number("speed", "rad s-1") if "speed" in entries else None,
         change=_change(file.table("run_up")),
-        supports=tuple(_supports(file, system)),
+        supports=tuple(supports),
         fall=_fall(file.table("drop")),
         vary=_vary(file.table("drop").table("vary")),
         grid=_grid(file.table("drop")),

@@ -44,6 +44,7 @@ from rotor_ida.schema.quantities import (
     QUANTITIES,
     WITH_EXTENTS,
     Quantity,
+    unit_of,
 )  # fmt: skip
 
 __all__ = [
@@ -52,5 +53,5 @@ __all__ = [
     "QUANTITIES", "RESPONSE", "RESULT_KIND", "SPECIAL", "STABILITY", "STATUS", "TRAPPING",
     "VERDICT", "WHIRL_DIRECTION", "WHIRL_KIND", "WITH_EXTENTS", "Column", "Quantity",
     "by_number", "check_as_computed", "decode_flags", "flags_of", "labelled",
-    "labelled_dataset", "origin_of", "words_of",
+    "labelled_dataset", "origin_of", "unit_of", "words_of",
 ]  # fmt: skip

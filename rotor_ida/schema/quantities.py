@@ -40,6 +40,7 @@ class Quantity:
     units: str = "1"  # "1" if dimensionless; empty for text
     scale: str = ""  # scale of a machine that converts it to SI units, empty if none
     flags: Mapping[str, int] = field(default_factory=dict)  # the number of each word of a category
+    angular: bool = False  # whether it is an angular speed, whose unit s-1 is read as rad/s
 
     def attributes(self) -> dict[str, object]:
         """Return the attributes of a variable with this quantity."""
@@ -56,8 +57,9 @@ class Quantity:
 length = partial(Quantity, scale="length")
 time = partial(Quantity, scale="time")
 velocity = partial(Quantity, scale="velocity")
-speed = partial(Quantity, scale="speed")
+speed = partial(Quantity, scale="speed", angular=True)
 rate = partial(Quantity, scale="rate")
+turning = partial(Quantity, scale="rate", angular=True)
 force = partial(Quantity, scale="force")
 impulse = partial(Quantity, scale="impulse")
 energy = partial(Quantity, scale="energy")
@@ -182,7 +184,7 @@ QUANTITIES: dict[str, Quantity] = {
             ("stability", "stability of", "", STABILITY),
         )
     },
-    "whip_speed": rate("whirl speed of dry whip, negative"),
+    "whip_speed": turning("whirl speed of dry whip, negative"),
     "whip_amplitude": length("amplitude of dry whip at the contact"),
     "whip_force": force("normal force of dry whip"),
     "whip_stability": Quantity("stability of dry whip", flags=STABILITY),
@@ -330,7 +332,7 @@ QUANTITIES: dict[str, Quantity] = {
     # sections, spectra and forces
     "crossing": Quantity("number of the point of the section"),
     "crossing_time": time("time at which the motion crosses the section"),
-    "frequency": rate("circular frequency, positive for forward whirl"),
+    "frequency": turning("circular frequency, positive for forward whirl"),
     "frequency_over_omega": Quantity("frequency over spin speed, positive for forward whirl"),
     "whirl_amplitude": length("amplitude of the whirl at the frequency"),
     "force": force("contact force"),
@@ -355,7 +357,7 @@ QUANTITIES: dict[str, Quantity] = {
     "window_residual": length("root mean square of the residual after the orders"),
     "whirl_over_spin": Quantity("whirl speed over spin speed, negative for backward whirl"),
     "whirl_sense": Quantity("direction of the whirl", flags=WHIRL_DIRECTION),
-    "bandwidth": rate("equivalent noise bandwidth, as a circular frequency"),
+    "bandwidth": turning("equivalent noise bandwidth, as a circular frequency"),
     "noise_floor": length("amplitude of noise in one line of the spectrum"),
     # Lyapunov exponents
     "exponent": Quantity("number of the Lyapunov exponent, the largest first"),
@@ -403,10 +405,11 @@ QUANTITIES: dict[str, Quantity] = {
     "hopf": Quantity("number of the Hopf point, in order of speed"),
     "hopf_omega": Quantity("spin speed of the Hopf point over the reference frequency"),
     "hopf_amplitude": length("amplitude of the synchronous whirl at the Hopf point"),
-    "hopf_frequency": rate("circular frequency, on rotating axes, of the cycle born there"),
+    "grazed_contact": Quantity("number of the contact that a whirl just touches"),
+    "hopf_frequency": turning("circular frequency, on rotating axes, of the cycle born there"),
     "whirl": Quantity("number of the backward whirl"),
     "backward_amplitude": length("radius of the backward whirl"),
-    "whirl_speed": rate("angular speed of the whirl, negative if backward"),
+    "whirl_speed": turning("angular speed of the whirl, negative if backward"),
     "backward_kind": Quantity("motion of the disc on the stator", flags=WHIRL_KIND),
     "backward_stability": Quantity("stability of the backward whirl", flags=STABILITY),
     "backward_normal_force": force("normal force of the contact"),
@@ -421,8 +424,8 @@ QUANTITIES: dict[str, Quantity] = {
     "peak_contact_force": force("contact force where the amplitude is largest"),
     "indentation": length("indentation of the contact"),
     "rest_stability": Quantity("stability of the rest position", flags=STABILITY),
-    "radial_frequency": rate("undamped circular frequency along the radius"),
-    "tangential_frequency": rate("undamped circular frequency across the radius"),
+    "radial_frequency": turning("undamped circular frequency along the radius"),
+    "tangential_frequency": turning("undamped circular frequency across the radius"),
     "rest_growth_rate": rate("largest real part of the eigenvalues at rest"),
     "restitution": Quantity("coefficient of restitution: speed at exit over that at entry"),
     "restoring_x": force("horizontal restoring force"),
@@ -634,3 +637,15 @@ QUANTITIES |= {
     for name in (*OF_BEARING, "node_excursion")
     for end, words in (("min", "smallest"), ("max", "largest"))
 }
+
+
+def unit_of(name: str, unit: str) -> str:
+    """Return the unit of a variable as people read it: that of an angular speed is rad/s.
+
+    Examples
+    --------
+    >>> unit_of("whirl_speed", "s-1"), unit_of("growth_rate", "s-1"), unit_of("speed", "1")
+    ('rad/s', 's-1', '1')
+    """
+    known = QUANTITIES.get(name)
+    return "rad/s" if unit == "s-1" and known is not None and known.angular else unit

@@ -58,6 +58,7 @@ MOST_DROPS = 100_000
 # Drops of which one must be possible.
 MOST_TRIED = 20
 FIGURES = {**NUMBERS, "excursion": np.float64}
+SIGNED = ("whirl_turns", "whirl_speed")
 OF_NODES = "node_excursion"
 OF_DROP = ("first_touch_time", "standstill_time", "horizon")
 
@@ -147,10 +148,11 @@ def drop_ensemble(
     Intervals of fractions are Wilson's; those of quantiles are the order statistics between which
     the quantile lies with 95 % by the binomial distribution, whatever the distribution of the
     figure, and infinite where the sample is too small. Those of means are Hall's, which allow for
-    skewness, joined with Student's; no sample tells of what it does not hold, so that an event of
-    one drop in 20 needs some 100 drops. ``backward_whirl_fraction``
-    counts drops with a backward whirl of three turns or more, ``rest_fraction`` those that stay in
-    contact at the end.
+    skewness, joined with Student's, and end where the figure must: a force at 0, a time at the
+    duration. A figure that fewer than six drops have has neither quantiles nor intervals. No sample
+    tells of what it does not hold, so that an event of one drop in 20 needs some 100 drops.
+    ``backward_whirl_fraction`` counts drops with a backward whirl of three turns or more,
+    ``rest_fraction`` those that stay in contact at the end.
 
     A mean over a grid is the integral over its ranges by the trapezoidal rule, over their size;
     angles that go round count by the arcs around them. It is no estimate from a sample, so no
@@ -413,7 +415,8 @@ def _dataset(
     capacities = example["load_capacity"].values if "load_capacity" in example else None
     if capacities is not None:
         variables["load_capacity"] = ("contact", capacities)
-    variables |= _statistics(columns, capacities, axes)
+    duration = float(example.attrs["duration"])
+    variables |= _statistics(columns, capacities, axes, duration)
     title = "Rotor system: many drops on touchdown bearings"
     return labelled_dataset(title, variables, coordinates, provenance(told), kind="drop_ensemble")
 
@@ -422,6 +425,7 @@ def _statistics(
     columns: Mapping[str, npt.NDArray[Any]],
     capacities: Values | None,
     axes: Mapping[str, Values] | None,
+    duration: float,
 ) -> dict[str, Column]:
     """Return statistics of a sample, or of a grid by its axes."""
     done = columns["status"] == STATUS["done"]
@@ -438,7 +442,16 @@ def _statistics(
     known = {name: np.where(done[:, np.newaxis], each, math.nan) for name, each in facts.items()}
     along = {OF_NODES: "node"}
     if axes is None:
-        return statistics_of(numbers, {name: each[done] for name, each in facts.items()}, along)
+        of_done = {name: each[done] for name, each in facts.items()}
+        possible = {name: _possible(name, duration) for name in numbers}
+        return statistics_of(numbers, of_done, along, possible)
     largest = {name: numbers[name] for name in ("largest_force", "excursion")}
     whirls = {"backward_whirl": known["backward_whirl"]}
     return grid_statistics_of(numbers, known, axes, along) | cells_of(largest, whirls, axes)
+
+
+def _possible(name: str, duration: float) -> tuple[float, float]:
+    """Return the least and the largest value that a figure can have."""
+    if name in SIGNED:
+        return -math.inf, math.inf
+    return 0.0, duration if name.endswith("_time") else math.inf

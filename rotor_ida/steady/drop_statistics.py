@@ -11,17 +11,22 @@ from scipy.stats import binom, norm, t
 from rotor_ida.arrays import Column, Flags, Values
 
 QUANTILES = (0.05, 0.5, 0.95)
-# Confidence of intervals.
+# Confidence of intervals, and the fewest drops whose range holds the median with it.
 LEVEL = 0.95
+FEWEST = 6
 
 
 def statistics_of(
-    numbers: Mapping[str, Values], facts: Mapping[str, Flags], along: Mapping[str, str]
+    numbers: Mapping[str, Values],
+    facts: Mapping[str, Flags],
+    along: Mapping[str, str],
+    possible: Mapping[str, tuple[float, float]],
 ) -> dict[str, Column]:
     """Return statistics of figures of shape (drop, contact), by name.
 
-    A figure that is NaN in a drop does not count there. ``along`` names its other dimension, where
-    it is not the contact.
+    A figure that is NaN in a drop does not count there; one that fewer than `FEWEST` have has no
+    quantiles and no intervals. ``along`` names its other dimension, where it is not the contact,
+    and ``possible`` its least and its largest value, which bound the interval of the mean.
     """
     found: dict[str, Column] = {}
     levels = np.array(QUANTILES)
@@ -29,11 +34,15 @@ def statistics_of(
         dim = along.get(name, "contact")
         columns = [column[~np.isnan(column)] for column in values.T]
         means = np.array([mean_of(column) for column in columns])
+        few = np.array([column.size < FEWEST for column in columns])
+        means[:, 2:] = np.clip(means[:, 2:], *possible[name])
+        means[few, 2:] = np.nan
         for word, each in zip(("", "_error", "_low", "_high"), means.T, strict=True):
             found[f"{name}_mean{word}"] = (dim, each)
         of_all = [quantiles_of(column, levels) for column in columns]
         quantile, low, high = map(np.array, zip(*of_all, strict=True))
         for word, each in (("", quantile), ("_low", low), ("_high", high)):
+            each[few] = np.nan
             found[f"{name}_quantile{word}"] = (("quantile", dim), each.T)
     for name, flags in facts.items():
         fraction, low, high = wilson(flags.sum(axis=0), len(flags))

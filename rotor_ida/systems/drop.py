@@ -15,13 +15,14 @@ from rotor_ida.checks import check_choice, check_nonnegative, check_positive, ch
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.supports import with_supports
 from rotor_ida.model.system_parts import Contact, Support, Unbalance
 from rotor_ida.parallel import Progress
 from rotor_ida.schema import labelled
 from rotor_ida.simulation.spin import SpeedProfile, steady
 from rotor_ida.systems.assembly import assemble, check_parts
 from rotor_ida.systems.drop_figures import figures_of_drop
-from rotor_ida.systems.levitation import Levitated, check_supports, levitated, with_supports
+from rotor_ida.systems.levitation import Levitated, check_failing, levitated
 from rotor_ida.systems.modes import check_modes, in_modes
 from rotor_ida.systems.simulate import SystemMethod, run_of_cases
 from rotor_ida.systems.speed_changes import MOST_RADIANS, profile_of
@@ -155,7 +156,7 @@ def drop(
     gaps = _by_node(("clearances", "clearance"), clearances, list(system.nodes))
     limits = _by_node(("capacities", "capacity"), capacities, [each.node for each in bearings])
     check_modes(modes, more_modes)
-    found, fails = check_supports(system, supports, failing)
+    found, fails = check_failing(system, supports, failing)
     if gravity is None and system.units == "SI":
         gravity = (0.0, -GRAVITY)
     around: dict[str, Any] = {

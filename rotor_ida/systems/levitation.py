@@ -1,27 +1,24 @@
-"""A rotor that magnetic bearings levitate, and what is left of it when they fail.
+"""The steady state of a rotor that magnetic bearings levitate, and which of them fail.
 
-Each support holds its node at the centre and carries its static load, whatever that is, as the
-integral part of a controller does; about the centre it is a spring and a damper. When supports
-fail, both are gone at once. A support that stays keeps its spring, its damper and the load that it
-carried: its integrator is too slow for a drop.
+When a support fails, its spring, its damper and its static load are gone at once. A support that
+stays keeps its spring, its damper and the load that it carried: its integrator is too slow for a
+drop.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_instance, listed, shown
+from rotor_ida.checks import listed, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.supports import check_supports, held_at_centre
 from rotor_ida.model.system_parts import Support
 from rotor_ida.systems.assembly import Assembly
-
-# Forces that the supports must balance do so to this part of the largest.
-BALANCED = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,19 +37,11 @@ class Levitated:
     loads: Values
 
 
-def check_supports(
+def check_failing(
     system: RotorSystem, supports: object, failing: object
 ) -> tuple[list[Support], list[bool]]:
-    """Return supports at different nodes of a system, and which of them fail."""
-    if isinstance(supports, Support) or not isinstance(supports, Sequence):
-        raise InputError(f"supports must be a list of Support, got {shown(supports)}")
-    found: list[Support] = []
-    for each in supports:
-        check_instance("supports", each, Support)
-        system.rows(each.node)  # raises if it is unknown
-        if any(each.node == other.node for other in found):
-            raise InputError(f"supports must be at different nodes, got {each.node!r} twice")
-        found.append(each)
+    """Return the supports of a system, and which of them fail."""
+    found = check_supports(system, supports)
     names = [each.node for each in found]
     if failing is None:
         return found, [True] * len(found)
@@ -65,17 +54,6 @@ def check_supports(
             )
             raise InputError(f"failing must be nodes of supports, {allowed}, got {shown(name)}")
     return found, [name in failing for name in names]
-
-
-def with_supports(system: RotorSystem, supports: Sequence[Support]) -> RotorSystem:
-    """Return a system with the springs and dampers of supports."""
-    stiffness = system.stiffness.copy()
-    damping = np.zeros_like(stiffness) if system.damping is None else system.damping.copy()
-    for each in supports:
-        rows = system.rows(each.node)
-        stiffness += rows.T @ np.diag(np.asarray(each.stiffness)) @ rows
-        damping += rows.T @ np.diag(np.asarray(each.damping)) @ rows
-    return replace(system, stiffness=stiffness, damping=damping if damping.any() else None)
 
 
 def levitated(assembly: Assembly, supports: Sequence[Support], speed: float) -> Levitated:
@@ -100,27 +78,10 @@ def levitated(assembly: Assembly, supports: Sequence[Support], speed: float) -> 
     rows = np.zeros((2 * len(supports), size))
     for number, each in enumerate(supports):
         rows[2 * number : 2 * number + 2, : system.size] = system.rows(each.node)
-    still, loads = _held(assembly, rows)
+    still, loads = held_at_centre(assembly.stiffness, assembly.force, rows)
     whirl = _whirl(assembly, speed)
     start = np.array([still + whirl.real, (1j * speed * whirl).real])
     return Levitated(start, loads.reshape(-1, 2))
-
-
-def _held(assembly: Assembly, rows: Values) -> tuple[Values, Values]:
-    """Return the displacement at rest with some rows of it held at zero, and their loads."""
-    size, stiffness = assembly.size, assembly.stiffness
-    if not len(rows):  # held by nothing but its own stiffness, if it has any
-        found = np.linalg.lstsq(stiffness, assembly.force)[0]
-        left = stiffness @ found - assembly.force
-        held = np.abs(left).max(initial=0.0) <= BALANCED * np.abs(assembly.force).max(initial=0.0)
-        return np.asarray(found if held else np.zeros(size)), np.zeros(0)
-    scale = float(np.abs(stiffness).max()) or 1.0
-    both = np.block([[stiffness, -scale * rows.T], [scale * rows, np.zeros((len(rows),) * 2)]])
-    right = np.concatenate([assembly.force, np.zeros(len(rows))])
-    found = np.linalg.lstsq(both, right)[0]
-    if not np.abs(both @ found - right).max() <= BALANCED * np.abs(right).max(initial=0.0):
-        raise InputError("supports must hold the rotor against its static forces, got too few")
-    return found[:size], scale * found[size:]
 
 
 def _whirl(assembly: Assembly, speed: float) -> Values:

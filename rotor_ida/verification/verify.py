@@ -120,10 +120,10 @@ def _verification_of(dataset: xr.Dataset) -> Verification:
     place = KINDS[kind].verified
     verification: Verification | None = loaded(place) if place else None
     if verification is None:
-        able = ", ".join(name for name, each in KINDS.items() if each.verified)
+        command = str(dataset.attrs.get("command", ""))
+        way = f" with {shown(command)}" if command.startswith("rotor-ida ") else ""
         raise InputError(
-            f"only results of the kinds {able} can be verified, "
-            f"got {kind!r} with {shown(list(map(str, dataset.data_vars)))}"
+            f"a result of the kind {kind!r} cannot be verified: compute it again{way}, and compare"
         )
     missing = [name for name in verification.variables if name not in dataset.variables]
     missing += [name for name in verification.attributes if name not in dataset.attrs]

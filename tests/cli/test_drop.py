@@ -42,7 +42,8 @@ def here(tmp_path, monkeypatch):
 
 
 @pytest.mark.usefixtures("here")
-def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
+def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd, monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)
     words = ["drop", "rotor.toml", "--out", "report", "--drops", "3", "--executor", "serial"]
     assert main([*words, "--duration", "30ms"]) == 0
     told = capfd.readouterr().out
@@ -65,7 +66,7 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
     assert "<td>python</td>" in page
     assert Path("report/report.pdf").read_bytes().startswith(b"%PDF")
     case = rotor_ida.load_system("rotor.toml")
-    run = rotor_ida.drop(case.system, **{**case.drop, "duration": 0.03})
+    run = rotor_ida.drop(**{**case.drop, "duration": 0.03})
     assert rotor_ida.load("report/drop.nc").equals(run)
     version = run.attrs["rotor_ida_version"]
     assert f"rotor.toml, computed with rotor_ida {version}, report of 20" in page
@@ -73,8 +74,20 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd):
     assert many.sizes["drop"] == 3
     assert ((many.drop_friction >= 0.05) & (many.drop_friction <= 0.2)).all()
     assert main(["verify", "report/drop.nc"]) == 0
+    assert main(["verify", "report/drops.nc"]) == 2
+    error = capfd.readouterr().err
+    assert "'drop_ensemble' cannot be verified: compute it again" in error
+    assert error.count("\n") == 1
     assert main(["show", "report/drops.nc"]) == 0
-    assert "95 % interval" in capfd.readouterr().out
+    shown = capfd.readouterr().out
+    assert "95 % interval" in shown
+    heads = ["quantity", "drops", "mean", "mean from", "mean to", "5 %", "50 %", "95 %",
+             "95 % from", "95 % to"]  # fmt: skip
+    (line,) = (each for each in shown.splitlines() if each.startswith("quantity"))
+    assert re.split("  +", line.strip()) == heads
+    assert re.search(r"rest time \[s\] +0( +-){8}", shown)
+    assert "in contact to the end from [ms], in 0 of 3 drops" in page
+    assert "below 1 % of the speed at the drop (48 rpm) from [ms]" in page
     assert main(words) == 2
     assert "--force" in capfd.readouterr().err
 
@@ -99,7 +112,7 @@ def test_the_system_file_of_the_tutorial_is_the_machine_of_the_tutorial():
     text = page.read_text("utf-8")
     Path("machine.toml").write_text(text.split("```toml\n")[1].split("```")[0])
     case = rotor_ida.load_system("machine.toml")
-    run = rotor_ida.drop(case.system, **{**case.drop, "duration": 0.02})
+    run = rotor_ida.drop(**{**case.drop, "duration": 0.02})
     stated = re.search(r"\(array\(\[(\d+)\., (\d+)\.\]\), array\(\[1\.064", text)
     expected = [float(each) for each in stated.groups()]
     np.testing.assert_allclose(run.largest_force, expected, rtol=1.5e-3)  # rounded stiffness
@@ -128,6 +141,7 @@ def test_the_system_file_of_the_tutorial_is_the_machine_of_the_tutorial():
             [],
             "drop.grid.friction.to and drop.grid.friction.count must be given",
         ),
+        (('{ disc = "0.5 mm"', "{ dics = 1"), [], "got 'dics'; did you mean 'disc'"),
         (("", ""), ["--study", "many"], "study must be left out without drops"),
         (("", ""), ["--film", "drop.avi"], "must end in .gif or .mp4"),
     ],
@@ -138,6 +152,7 @@ def test_bad_input_is_one_line_and_status_2(change, options, words, capfd):
     said = capfd.readouterr().err
     assert words in said
     assert said.count("\n") == 1
+    assert not Path("report").exists()
 
 
 @pytest.mark.usefixtures("here")

@@ -121,7 +121,7 @@ def test_spectra_are_told_by_peaks_bandwidth_and_floor(measured):
     assert record["peaks"][0]["whirl_amplitude"] == pytest.approx(3.0, rel=2e-3)
     assert record["noise_floor"] == found.noise_floor
     assert "noise floor [um]" in text
-    assert "bandwidth [s-1]" in text
+    assert "bandwidth [rad/s]" in text
 
 
 def test_lines_by_least_squares_are_told_by_height(measured):

@@ -269,6 +269,24 @@ def test_results_over_the_speed_are_those_of_python(program: Program, plain: str
     assert (shown.status, "freedom too" in shown.out.partition("dimensions")[0]) == (0, False)
 
 
+SUPPORTED = """
+supports = [ { node = "disc", stiffness = "3 kN/mm", damping = 900 } ]
+"""
+
+
+@pytest.mark.parametrize("command", ["simulate", *OVER_SPEED])
+def test_supports_hold_the_rotor_in_every_command(program: Program, plain: str, command: str):
+    """As springs and dampers at the node."""
+    options = ("--duration", 0.01) if command == "simulate" else OVER_SPEED[command][0]
+    Path(plain).write_text(SUPPORTED + Path(plain).read_text())
+    answer = program(command, plain, *options, "--out", "found.nc")
+    assert (answer.status, answer.err) == (0, "")
+    found, added = rotor_ida.load("found.nc"), np.diag([3e6, 3e6, 0.0, 0.0])
+    np.testing.assert_array_equal(found["stiffness_matrix"][:4, :4], MATRICES["stiffness"] + added)
+    disc = found["damping_matrix"].values[0, 0] - MATRICES["damping"][0, 0]
+    assert disc == pytest.approx(900.0)
+
+
 def test_a_report_begins_with_its_words_and_weight_has_no_whirl(program: Program, plain: str):
     given = ("--speed", "680", "840", "--probes", "disc", "--points", 40)
     answer = program("clearance-report", plain, *given, STILL)

@@ -97,15 +97,17 @@ def test_special_speeds_are_drawn_on_their_whirls_at_each_contact():
     )  # fmt: skip
     axes = figure_of(special).axes
     assert [ax.get_title() for ax in axes] == ["contact 0 at node 3", "contact 1 at node 6"]
-    grazes = (special.special_kind == SPECIAL["graze"]).values
-    assert grazes.sum() == 4
+    assert (special.special_kind == SPECIAL["graze"]).sum() == 4
     for number, ax in enumerate(axes):
+        grazes = (special.grazed_contact == number).values
+        assert grazes.sum() == 2
         marks = {line.get_label(): line for line in ax.lines}
         drawn = marks["graze"]
         np.testing.assert_allclose(drawn.get_xdata(), special.special_speed[grazes] * 30 / np.pi)
         np.testing.assert_allclose(
             drawn.get_ydata(), 1e6 * special.amplitude.values[grazes, number]
         )
+        np.testing.assert_allclose(drawn.get_ydata(), 100.0)  # the clearance
         shown = np.concatenate(
             [marks[f"{each} whirl"].get_ydata() for each in ("stable", "unstable")]
         )

@@ -112,6 +112,27 @@ def test_a_static_force_acts_on_nodes_or_on_coordinates(load):
     np.testing.assert_array_equal(by_coordinate.system.static_force, by_node.system.static_force)
 
 
+LEVITATED = 'supports = [ { node = "disc", stiffness = [5e5, 7e5], damping = 30 } ]\n'
+
+
+def test_supports_are_part_of_the_system(load):
+    """Springs, dampers, and the static load that keeps their node at the centre under gravity."""
+    case = load(LEVITATED + "gravity = [0, -9.81]\n" + SMALL)
+    added = np.diag([5e5, 7e5, 0.0, 0.0])
+    np.testing.assert_array_equal(case.system.stiffness, case.rotor.stiffness + added)
+    np.testing.assert_array_equal(case.system.damping, np.diag([30.0, 30.0, 0.0, 0.0]))
+    np.testing.assert_allclose(case.system.static_force, [0, 4 * 9.81, 0, 0], atol=1e-9)
+    run = simulate(case.system, **case.around | {"start": "rest"}, speed=100.0, duration=0.01)
+    np.testing.assert_allclose(run["y"][-1], [0.0, -4 * 9.81 / 1e5], atol=1e-12)
+    assert load(LEVITATED + SMALL).system.static_force is None
+
+
+def test_a_drop_has_the_rotor_without_its_supports(load):
+    case = load(LEVITATED + SMALL + TOUCH)
+    assert case.drop["system"] is case.rotor
+    assert case.rotor.damping is None
+
+
 def test_starts_and_changes_of_speed(load):
     assert load('start = "settled"\n' + SMALL).around["start"] == "settled"
     q, velocity = load("start = { q = [1, 0, 0, 0], velocity = [0, 0, 0, 2] }\n" + SMALL).start
@@ -137,6 +158,9 @@ MISTAKES = [
     (SMALL + 'units = "inch"', "units must be one of 'SI', '1', got 'inch'"),
     (SMALL + 'speed = "60 um"', "the unit of speed must be rad/s, rpm or Hz, got '60 um'"),
     (SMALL + 'gravity = "9.81 m/s2"', "gravity must be two numbers, got '9.81 m/s2'"),
+    (SMALL + '[[unbalance]]\nnode = "end"\nmoment = "200 gm"',
+     "moment must be kg m or g mm, got '200 gm'; did you mean 'g m' or 'g mm'"),
+    (SMALL.replace("[0, 1]", "[0, 0]"), "node 'disc' must have different indices along x and y"),
     (SMALL + 'gravity = [0, "-9.81 m"]', "the unit of gravity must be m/s2, got '-9.81 m'"),
     (SMALL + "modes = 2.5", "modes must be a whole number, got 2.5"),
     (SMALL + 'start = "fall"',

@@ -16,7 +16,7 @@ from rotor_ida import (
     resume,
 )
 from rotor_ida.steady.drop_grid import grid_statistics_of
-from rotor_ida.steady.drop_statistics import mean_of, quantiles_of, wilson
+from rotor_ida.steady.drop_statistics import mean_of, quantiles_of, statistics_of, wilson
 
 DISC = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
 GIVEN = {
@@ -170,6 +170,22 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     counts = draw.binomial(30, 0.1, size=2000)
     _, low, high = wilson(counts, 30)
     assert 0.93 < np.mean((low <= 0.1) & (high >= 0.1)) < 0.99
+
+
+def test_intervals_end_where_a_figure_must_and_few_drops_have_none():
+    """One large value of ten: the plain interval of the mean reaches below 0 and beyond 5."""
+    values = np.full((10, 2), 0.1)
+    values[0] = 4.9
+    values[5:, 1] = np.nan
+    inside = statistics_of({"f": values}, {}, {}, {"f": (0.0, 2.0)})
+    free = statistics_of({"f": values}, {}, {}, {"f": (-np.inf, np.inf)})
+    assert free["f_mean_low"][1][0] < 0.0
+    assert free["f_mean_high"][1][0] > 2.0
+    assert (inside["f_mean_low"][1][0], inside["f_mean_high"][1][0]) == (0.0, 2.0)
+    np.testing.assert_array_equal(inside["f_mean"][1], free["f_mean"][1])
+    for name in ("f_mean_low", "f_mean_high", "f_quantile", "f_quantile_low", "f_quantile_high"):
+        assert np.isnan(inside[name][1][..., 1]).all()
+        assert not np.isnan(inside[name][1][..., 0]).any()
 
 
 def test_a_failed_drop_has_its_reason(monkeypatch):

@@ -217,9 +217,13 @@ def test_a_forged_result_of_many_points_does_not_verify(kind, forge, trouble):
 def test_another_kind_of_dataset_cannot_be_verified():
     with pytest.raises(
         InputError,
-        match=r"^only results of the kinds drop, .*, run, .* can be verified, got 'folds' with",
+        match=r"^a result of the kind 'folds' cannot be verified: compute it again, and compare$",
     ):
         rerun(folds(zeta=0.07, delta0=0.0))
+    with pytest.raises(
+        InputError, match=r"compute it again with 'rotor-ida folds 1', and compare$"
+    ):
+        rerun(folds(zeta=0.07, delta0=0.0).assign_attrs(command="rotor-ida folds 1"))
     run = simulate(ROTOR, start=(0, 0, 0, 0), duration=5.0)
     del run.attrs["rtol"]
     with pytest.raises(InputError, match="this run cannot be verified: it lacks rtol"):

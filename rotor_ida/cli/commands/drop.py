@@ -80,13 +80,18 @@ def drop(
     if film is not None:
         check_film(film, overwrite=force, permission=FORCED)
     files = report_files(out, many=many)
-    _make(out)
-    for path in files:
-        check_target("out", path, overwrite=force, permission=FORCED)
-    with working("drop [%]") as progress:
-        run = rotor_ida.drop(case.system, **given, progress=progress)
+    made = _make(out)
+    try:
+        for path in files:
+            check_target("out", path, overwrite=force, permission=FORCED)
+        with working("drop [%]") as progress:
+            run = rotor_ida.drop(**given, progress=progress)
+    except BaseException:
+        for folder in made:
+            folder.rmdir()
+        raise
     rotor_ida.save(run, files[0], overwrite=force)
-    everything = _many(case.system, given, vary, jobs, study) if many else None
+    everything = _many(given, vary, jobs, study) if many else None
     if everything is not None:
         rotor_ida.save(everything, files[1], overwrite=force)
     asked = [each for name, value in told.items() if value is not None
@@ -132,23 +137,24 @@ def _asked(
     return given, vary
 
 
-def _make(folder: Path) -> None:
-    """Make the folder of the report."""
+def _make(folder: Path) -> list[Path]:
+    """Make the folder of the report, and return the new folders, the innermost first."""
+    new = [each for each in (folder, *folder.parents) if not each.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(
             f"out must be a folder, got {shown(str(folder))}: {error.strerror}"
         ) from error
+    return new
 
 
 def _many(
-    system: rotor_ida.RotorSystem, given: dict[str, Any], vary: dict[str, Any],
-    jobs: options.JobOptions, study: Path | None,
+    given: dict[str, Any], vary: dict[str, Any], jobs: options.JobOptions, study: Path | None
 ) -> Any:  # fmt: skip
     """Return the ensemble of drops."""
     ways = {name: each for name, each in given.items() if name not in NOT_OF_MANY}
     with working("drops", study) as progress:
         return rotor_ida.drop_ensemble(
-            system, **ways, **vary, **jobs.on_every_core(), study=study, progress=progress
+            **ways, **vary, **jobs.on_every_core(), study=study, progress=progress
         )

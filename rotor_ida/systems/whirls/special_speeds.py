@@ -12,7 +12,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -127,13 +127,14 @@ class RubProblem:
 
 @dataclass(frozen=True, slots=True)
 class _Point:
-    """A special point: its speed and kind, what touches, and its unknowns and frequency."""
+    """A special point: speed, kind, what touches, unknowns, frequency, and what it grazes."""
 
     speed: float
     kind: str
     touching: Touching
     v: Values
     frequency: float = np.nan
+    grazed: float = np.nan
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,8 +181,9 @@ def special_speeds(
         On ``special``, in order of speed: ``special_speed`` and ``special_kind``: ``fold``, where
         two whirls meet and vanish; ``hopf``, where a whirl loses its stability to an oscillation,
         with ``hopf_frequency`` on turning axes; and ``graze``, where a whirl just touches another
-        contact. On ``(special, contact)``: ``amplitude`` and ``in_contact``. The whirls between:
-        ``branch_amplitude`` on ``(speed, branch, contact)`` and ``branch_stability``.
+        contact, the number ``grazed_contact``. On ``(special, contact)``: ``amplitude`` and
+        ``in_contact``. The whirls between: ``branch_amplitude`` on ``(speed, branch, contact)``
+        and ``branch_stability``.
 
     Raises
     ------
@@ -332,7 +334,7 @@ def _grazes(problem: RubProblem, pieces: Sequence[_Piece]) -> Iterator[_Point]:
                 v = piece.at(problem, omega)
                 return float(_gaps(problem, touching, v[np.newaxis], np.array([omega]))[0, other])
 
-            yield _between(problem, piece, gap, "graze")
+            yield replace(_between(problem, piece, gap, "graze"), grazed=float(other))
 
 
 def _gaps(problem: RubProblem, touching: Touching, v: Values, speeds: Values) -> Values:
@@ -395,6 +397,7 @@ def _dataset(problem: RubProblem, points: Sequence[_Point], whirls: xr.Dataset) 
         "special_speed": ("special", np.array([each.speed for each in points])),
         "special_kind": ("special", kinds),
         "hopf_frequency": ("special", np.array([each.frequency for each in points])),
+        "grazed_contact": ("special", np.array([each.grazed for each in points])),
         "amplitude": (("special", "contact"), amplitude),
         "in_contact": (("special", "contact"), touches),
     }

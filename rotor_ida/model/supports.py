@@ -1,0 +1,88 @@
+"""A rotor that magnetic bearings levitate.
+
+Each support holds its node at the centre and carries its static load, whatever that is, as the
+integral part of a controller does; about the centre it is a spring and a damper.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_instance, shown
+from rotor_ida.errors import InputError
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parts import Support
+
+# Forces that the supports must balance do so to this part of the largest.
+BALANCED = 1e-9
+
+
+def check_supports(system: RotorSystem, supports: object) -> list[Support]:
+    """Return supports at different nodes of a system."""
+    if isinstance(supports, Support) or not isinstance(supports, Sequence):
+        raise InputError(f"supports must be a list of Support, got {shown(supports)}")
+    found: list[Support] = []
+    for each in supports:
+        check_instance("supports", each, Support)
+        system.rows(each.node)  # raises if it is unknown
+        if any(each.node == other.node for other in found):
+            raise InputError(f"supports must be at different nodes, got {each.node!r} twice")
+        found.append(each)
+    return found
+
+
+def with_supports(system: RotorSystem, supports: Sequence[Support]) -> RotorSystem:
+    """Return a system with the springs and dampers of supports."""
+    stiffness = system.stiffness.copy()
+    damping = np.zeros_like(stiffness) if system.damping is None else system.damping.copy()
+    for each in supports:
+        rows = system.rows(each.node)
+        stiffness += rows.T @ np.diag(np.asarray(each.stiffness)) @ rows
+        damping += rows.T @ np.diag(np.asarray(each.damping)) @ rows
+    return replace(system, stiffness=stiffness, damping=damping if damping.any() else None)
+
+
+def levitated_system(
+    system: RotorSystem, supports: Sequence[Support], gravity: tuple[float, float] | None
+) -> RotorSystem:
+    """Return a system with its supports: springs, dampers, and the static loads that they carry.
+
+    Its static force leaves the weight out, which gravity adds in a run.
+    """
+    if not supports:
+        return system
+    held = with_supports(system, supports)
+    own = np.zeros(system.size) if system.static_force is None else system.static_force
+    force = own
+    if gravity is not None:
+        force = own + system.mass @ (system.unit_translations() @ np.array(gravity))
+    if not force.any():
+        return held
+    rows = np.concatenate([system.rows(each.node) for each in supports])
+    return replace(held, static_force=own + rows.T @ held_at_centre(held.stiffness, force, rows)[1])
+
+
+def held_at_centre(stiffness: Values, force: Values, rows: Values) -> tuple[Values, Values]:
+    """Return the displacement at rest with some rows of it held at zero, and their loads.
+
+    Notes
+    -----
+    ``K q = f + B' p`` and ``B q = 0``, with the rows B and their loads p.
+    """
+    size = len(stiffness)
+    if not len(rows):  # held by nothing but its own stiffness, if it has any
+        found = np.linalg.lstsq(stiffness, force)[0]
+        left = stiffness @ found - force
+        held = np.abs(left).max(initial=0.0) <= BALANCED * np.abs(force).max(initial=0.0)
+        return np.asarray(found if held else np.zeros(size)), np.zeros(0)
+    scale = float(np.abs(stiffness).max()) or 1.0
+    both = np.block([[stiffness, -scale * rows.T], [scale * rows, np.zeros((len(rows),) * 2)]])
+    right = np.concatenate([force, np.zeros(len(rows))])
+    found = np.linalg.lstsq(both, right)[0]
+    if not np.abs(both @ found - right).max() <= BALANCED * np.abs(right).max(initial=0.0):
+        raise InputError("supports must hold the rotor against its static forces, got too few")
+    return found[:size], scale * found[size:]
