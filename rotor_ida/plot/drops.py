@@ -165,6 +165,7 @@ def drops_figure(drops: xr.Dataset) -> Figure:
     """
     drops = check_instance("drops", drops, xr.Dataset)
     missing = [name for name in (*WORDS, "contact_node") if name not in drops.variables]
+    missing += [] if "drop" in drops.dims else ["the dimension drop"]
     if missing:
         raise InputError(f"drops must be a result of drop_ensemble; it lacks {missing[0]}")
     drops = in_suitable_units(drops)

@@ -24,8 +24,6 @@ BESIDE = {
     "plot_surface": {"name": "x"},
     "save_orbit_film": {"path": "film.gif", "frames": 2},
 }
-# One drop has all the variables that `drops_figure` asks of many, but not their shapes.
-UNTRIED = {("drops_figure", "drop")}
 PLOTS = [
     name
     for name in plot.__all__
@@ -43,7 +41,7 @@ def test_other_kinds_are_refused_in_one_line_or_drawn(name, tmp_path, monkeypatc
     monkeypatch.chdir(tmp_path)
     troubles = []
     with without_pyplot():
-        for kind in (each for each in KINDS if (name, each) not in UNTRIED):
+        for kind in KINDS:
             try:
                 getattr(plot, name)(made(kind), **BESIDE.get(name, {}))
             except RotorError as error:
