@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from functools import cache, partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -104,7 +104,7 @@ def campbell(
     springs = _springs(contact_stiffness, contacts)
     assembly = assemble(system, contacts, [], None, None)
     most = None if modes is None else check_count("modes", modes, maximum=2 * assembly.size)
-    motions_at = _motions(assembly)
+    motions_at = cache(_motions(assembly))  # asked again about critical speeds
     found = [motions_at(spring, omega) for spring in springs for omega in speeds]
     widest = max(each.senses.size for each in found)
     shape = (springs.size, speeds.size, min(widest, most or widest))

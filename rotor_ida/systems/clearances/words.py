@@ -36,7 +36,8 @@ def _of_contact(report: xr.Dataset, number: int) -> str:
     scales, by, unscaled = report["scale_factor"].values, "", ""
     if (scales < 1.0).any():
         by = f" with the scale factor {scales[worst]:.3g}"
-        unscaled = f", that of the applied unbalance {_per_cent(float((shares / scales).max()))}"
+        applied = np.divide(shares, scales, out=np.full_like(shares, np.inf), where=scales > 0.0)
+        unscaled = f", that of the applied unbalance {_per_cent(float(applied.max()))}"
     said = (
         f"Contact {number} at {own['contact_node'].item()!r} {verdict}{by}: the scaled orbit fills "
         f"at most {_per_cent(shares[worst])} of the clearance at {where}{unscaled}; 75 % are "
