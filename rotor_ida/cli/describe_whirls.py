@@ -59,6 +59,12 @@ EIGENVALUES = Sheet(
     "Eigenvalues",
     (
         Rows(
+            title="Critical speeds", key="critical_speeds", lead="critical_speed",
+            prefix="critical_",
+            names=("critical_stiffness", "critical_speed", "critical_sense",
+                   "critical_damping_ratio"),
+        ),
+        Rows(
             title="Eigenvalues", key="eigenvalues", lead="whirl_speed", gaps=True,
             names=("contact_stiffness", "speed", "eigenvalue", "whirl_speed", "damping_ratio",
                    "whirl_sense"),

@@ -54,6 +54,8 @@ SENSES = {"forward": (BLUE, "^"), "backward": (ORANGE, "v"), "none": (GREY, "o")
 MOST_NODES = 5
 # Eigenvalues above this many times the largest speed are cut off.
 HIGHEST = 3.0
+# Upper end of the axis over the largest value that is drawn.
+ABOVE = 1.08
 
 
 def plot_system_whirls(
@@ -373,7 +375,8 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     found : Dataset
-        Result of `rotor_ida.campbell`. Stiffer contacts are drawn fainter.
+        Result of `rotor_ida.campbell`. Stiffer contacts are drawn fainter, critical speeds as
+        rings.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -384,7 +387,7 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> plot_campbell(campbell(system, speed=[0.0, 0.5, 1.0])).get_ylabel()
     'size of the whirl speed'
     """
-    needed = ("speed", "contact_stiffness", "whirl_speed", "whirl_sense")
+    needed = ("speed", "contact_stiffness", "whirl_speed", "whirl_sense", "critical_speed")
     found = check_dataset("found", found, needed)
     springs = found["contact_stiffness"].values
     with drawing(ax) as ax:
@@ -393,7 +396,8 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         if (turns := in_rpm(found["whirl_speed"])) is not None:
             whirl, unit = np.abs(turns), "rpm"
         ax.set_ylabel("size of the whirl speed" + ("" if unit in ("", "1") else f" [{unit}]"))
-        highest = HIGHEST * float(np.abs(speeds).max(initial=0.0)) or float(np.nanmax(whirl))
+        highest = HIGHEST * float(np.abs(speeds).max(initial=0.0)) or np.inf
+        drawn = whirl[whirl <= highest]
         senses = found["whirl_sense"].values
         for word, (colour, mark) in SENSES.items():
             for number, faint in enumerate(np.linspace(1.0, 0.35, springs.size)):
@@ -402,8 +406,14 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
                 ax.plot(across[chosen], whirl[number][chosen], ls="", marker=mark, ms=2.8,
                         color=colour, alpha=float(faint), mec="none")  # fmt: skip
         ax.plot(speeds, np.abs(speeds), color=INK, lw=0.9, ls="--", label="spin speed")
-        ax.set_ylim(0.0, highest)
         handles = [ax.lines[-1], *_handles(senses, springs, units_in(found["contact_stiffness"]))]
+        critical = speeds_in(found["critical_speed"])
+        if critical.size:
+            draw_marks(ax, critical, critical, "o", INK, size=5.0, face="none",
+                       label="critical speed", level=3.7)  # fmt: skip
+            handles.append(ax.lines[-1])
+        top = float(np.append(drawn, critical).max(initial=0.0))
+        ax.set_ylim(0.0, ABOVE * top or 1.0)
         legend_below(ax, handles=handles)
     return ax
 

@@ -167,6 +167,11 @@ QUANTITIES: dict[str, Quantity] = {
     "applied_unbalance": Quantity("unbalance at a node in a case"),
     "applied_phase": Quantity("angle of the unbalance at a node in a case", "radian"),
     "critical_speed": speed("critical speed"),
+    "critical_stiffness": Quantity("stiffness of springs at the contacts at the critical speed"),
+    "critical_damping_ratio": Quantity("damping ratio of the motion at the critical speed"),
+    "critical_sense": Quantity(
+        "direction of the whirl at the critical speed", flags=WHIRL_DIRECTION
+    ),
     "amplification_factor": Quantity("speed of a peak over its width at 0.707 of its height"),
     "separation_margin": Quantity(
         "distance of a critical speed from the continuous speeds over the nearer of their ends"

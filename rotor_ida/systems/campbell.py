@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, partial
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from scipy.optimize import brentq
 
 from rotor_ida.arrays import Column, ComplexValues, Values
 from rotor_ida.checks import check_axis, check_count
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact
-from rotor_ida.schema import labelled_dataset
+from rotor_ida.schema import WHIRL_DIRECTION, labelled_dataset
 from rotor_ida.systems.archived import described_problem
 from rotor_ida.systems.assembly import Assembly, assemble, canonical
 from rotor_ida.systems.axisymmetric import check_masses, forward_motions
@@ -67,7 +70,10 @@ def campbell(
     Dataset
         On ``(contact_stiffness, speed, eigenvalue)``: ``whirl_speed``, negative if the motion is
         backward, ``damping_ratio``, negative if it grows, and ``whirl_sense``; in order of the size
-        of the whirl speed, padded with NaN.
+        of the whirl speed, padded with NaN. On ``critical``, where a whirl speed is the spin speed
+        in size, between neighbouring speeds from 0 on: ``critical_speed``, ``critical_stiffness``
+        of the contacts, ``critical_damping_ratio`` and ``critical_sense``. Unbalance excites the
+        forward ones; the others only if the system is not axisymmetric.
 
     Raises
     ------
@@ -98,7 +104,7 @@ def campbell(
     springs = _springs(contact_stiffness, contacts)
     assembly = assemble(system, contacts, [], None, None)
     most = None if modes is None else check_count("modes", modes, maximum=2 * assembly.size)
-    motions_at = _motions(assembly)
+    motions_at = cache(_motions(assembly))  # asked again about critical speeds
     found = [motions_at(spring, omega) for spring in springs for omega in speeds]
     widest = max(each.senses.size for each in found)
     shape = (springs.size, speeds.size, min(widest, most or widest))
@@ -119,6 +125,7 @@ def campbell(
     variables: dict[str, Column] = {
         "whirl_speed": (along, whirl + 0.0), "damping_ratio": (along, damping),
         "whirl_sense": (along, senses), **described_problem(assembly, []),
+        **_critical(motions_at, springs, np.sort(speeds[speeds >= 0.0])),
     }  # fmt: skip
     coordinates: dict[str, Column] = {
         "contact_stiffness": ("contact_stiffness", springs), "speed": ("speed", speeds),
@@ -132,8 +139,52 @@ def campbell(
         "Eigenvalues of a rotor system", variables, coordinates, told, kind="campbell"
     )
     if system.units == "SI":
-        dataset["contact_stiffness"].attrs["units"] = "N m-1"
+        for name in ("contact_stiffness", "critical_stiffness"):
+            dataset[name].attrs["units"] = "N m-1"
     return with_system_units(dataset, system)
+
+
+def _critical(
+    motions_at: Callable[[float, float], _Motions], springs: Values, speeds: Values
+) -> dict[str, Column]:
+    """Return the speeds at which a motion whirls with the spin speed, as variables."""
+    found = [
+        (spring, sense, *each)
+        for spring in springs.tolist()
+        for sense in WHIRL_DIRECTION.values()
+        for each in _crossings(partial(motions_at, spring), sense, speeds.tolist())
+    ]
+    rows = np.array(sorted(found, key=lambda row: (row[0], row[2]))).reshape(-1, 4)
+    return {
+        "critical_speed": ("critical", rows[:, 2]),
+        "critical_stiffness": ("critical", rows[:, 0]),
+        "critical_damping_ratio": ("critical", rows[:, 3]),
+        "critical_sense": ("critical", rows[:, 1].astype(np.int8)),
+    }
+
+
+def _crossings(
+    motions_at: Callable[[float], _Motions], sense: int, speeds: Sequence[float]
+) -> Iterator[tuple[float, float]]:
+    """Yield speeds that are whirl speeds of one sense, with the damping ratios."""
+
+    def motions(omega: float) -> ComplexValues:
+        found = motions_at(omega)
+        own = found.eigenvalues[found.senses == sense]
+        return np.asarray(own[np.argsort(np.abs(own.imag), kind="stable")])
+
+    def gap(omega: float, number: int) -> float:
+        own = motions(omega)
+        return float(abs(own[min(number, own.size - 1)].imag)) - omega
+
+    for low, high in pairwise(speeds):
+        before, behind = (np.abs(motions(each).imag) - each for each in (low, high))
+        if before.size != behind.size:
+            continue  # a motion ceases to whirl
+        for number in np.flatnonzero((before > 0.0) != (behind > 0.0)).tolist():
+            speed = float(brentq(gap, low, high, args=(number,)))
+            here = motions(speed)[number]
+            yield speed, float(-here.real / abs(here))
 
 
 def _springs(given: object, contacts: Sequence[Contact]) -> Values:

@@ -79,11 +79,17 @@ def test_a_campbell_diagram_has_forward_and_backward_whirls():
     )  # fmt: skip
     (ax,) = figure_of(found).axes
     assert ax.get_ylabel() == "size of the whirl speed [rpm]"
-    *marks, spin = ax.lines
+    *marks, spin, critical = ax.lines
     np.testing.assert_allclose(spin.get_ydata(), SPEEDS * 30 / np.pi)
     assert sum(len(line.get_ydata()) for line in marks) == 2 * 6 * SPEEDS.size
+    np.testing.assert_allclose(critical.get_xdata(), found.critical_speed * 30 / np.pi)
+    np.testing.assert_array_equal(critical.get_xdata(), critical.get_ydata())
     words = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert words == ["spin speed", "forward", "backward", "contacts 0 N/m", "contacts 5e+06 N/m"]
+    assert words == ["spin speed", "forward", "backward", "contacts 0 N/m", "contacts 5e+06 N/m",
+                     "critical speed"]  # fmt: skip
+    values = np.concatenate([line.get_ydata() for line in marks])
+    drawn = values[values <= 3.0 * SPEEDS[-1] * 30 / np.pi].max()
+    assert ax.get_ylim() == (0.0, pytest.approx(1.08 * drawn))
     figure = ax.figure
     figure.draw_without_rendering()
     assert figure.get_tightbbox().y0 >= -0.02

@@ -37,6 +37,21 @@ def test_a_disc_that_tilts_is_stiffened_forwards_and_softened_backwards():
     np.testing.assert_allclose(found.damping_ratio, 0.0, atol=1e-12)
 
 
+def test_critical_speeds_are_those_of_whirls_with_the_spin_speed():
+    """At 2 of the translation, and at sqrt(k/(I + I_p)) of the backward tilt; none at 0."""
+    found = campbell(overhung(), speed=[-3.0, 3.0, 0.0, 1.9])
+    expected = [2.0, 2.0, np.sqrt(8.0 / 1.5)]
+    np.testing.assert_allclose(found.critical_speed, expected, rtol=1e-10)
+    assert sorted(found.critical_sense.values[:2]) == [-1, 1]  # equal but for rounding
+    assert found.critical_sense[2] == -1
+    damped = RotorSystem(mass=np.eye(2), stiffness=np.diag([4.0, 9.0]), damping=0.4 * np.eye(2),
+                         nodes={"d": (0, 1)}, units="1")  # fmt: skip
+    found = campbell(damped, speed=[0.0, 5.0])
+    np.testing.assert_allclose(found.critical_speed, [2 * np.sqrt(0.99), 3 * np.sqrt(1 - 1 / 225)])
+    np.testing.assert_allclose(found.critical_damping_ratio, [0.1, 1 / 15])
+    assert not campbell(damped, speed=1.0).sizes["critical"]
+
+
 def test_damping_ratios_are_those_of_a_damped_oscillator():
     system = RotorSystem(mass=np.eye(2), stiffness=4 * np.eye(2), damping=0.4 * np.eye(2),
                          nodes={"d": (0, 1)}, units="1")  # fmt: skip

@@ -69,7 +69,7 @@ def test_matrices_are_copies_that_nobody_writes_into():
         ({"stiffness": np.eye(3)}, "stiffness must have the shape of mass"),
         ({"gyroscopic": np.eye(4)}, "gyroscopic must be skew-symmetric"),
         ({"positions": {"disc": 0.1}}, "positions must map each name .* to a number, got no 'end'"),
-        ({"positions": {"disc": 0.1, "edn": 0.2}}, "got 'edn'; did you mean 'end'"),
+        ({"positions": {"disc": 0.1, "endd": 0.2}}, "got 'endd'; did you mean 'end'"),
         ({"positions": [0.1]}, "positions must map each name of a node to a number"),
         (
             {"positions": {"disc": 0.1, "end": "b"}},

@@ -16,9 +16,10 @@ def sentences(report: xr.Dataset) -> str:
     """Return a line for each clearance, one on critical speeds, and one on the probes if needed."""
     lines = [_of_contact(report, number) for number in range(report.sizes["contact"])]
     lines.append(_of_critical_speeds(report))
-    if (report["scale_factor"].values < 1.0).any():
+    if (least := float(report["scale_factor"].min())) < 1.0:
         lines.append(
-            "At the probes the response exceeds the vibration limit: the scale factor is below 1."
+            "At the probes the response exceeds the vibration limit: the scale factor is "
+            f"{least:.3g}, below 1."
         )
     if "not_exact" in report.attrs:
         lines.append(f"What follows a touch is not known: {report.attrs['not_exact']}.")
@@ -32,10 +33,15 @@ def _of_contact(report: xr.Dataset, number: int) -> str:
     worst = int(np.argmax(shares))
     where = _speed(report, float(own["running_share_speed"].values[worst]))
     verdict = words_of(own["clearance_verdict"])[0]
+    scales, by, unscaled = report["scale_factor"].values, "", ""
+    if (scales < 1.0).any():
+        by = f" with the scale factor {scales[worst]:.3g}"
+        applied = np.divide(shares, scales, out=np.full_like(shares, np.inf), where=scales > 0.0)
+        unscaled = f", that of the applied unbalance {_per_cent(float(applied.max()))}"
     said = (
-        f"Contact {number} at {own['contact_node'].item()!r} {verdict}: the scaled orbit fills at "
-        f"most {_per_cent(shares[worst])} of the clearance at {where}; 75 % are allowed. "
-        f"{_passage(own)}"
+        f"Contact {number} at {own['contact_node'].item()!r} {verdict}{by}: the scaled orbit fills "
+        f"at most {_per_cent(shares[worst])} of the clearance at {where}{unscaled}; 75 % are "
+        f"allowed. {_passage(own)}"
     )
     if "not_exact" in report.attrs:
         return said
