@@ -17,7 +17,7 @@ from rotor_ida.errors import RotorError
 from rotor_ida.fitting.arguments import problem_of
 from rotor_ida.fitting.problem import MOST_TRIALS, FitProblem, SearchEnded
 from rotor_ida.fitting.records import noise_of
-from rotor_ida.fitting.result import dataset_of
+from rotor_ida.fitting.result import CONVERGED, dataset_of
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.parallel.interruptible import interruptible
@@ -102,8 +102,8 @@ def fit(
     -------
     Dataset
         On ``unknown``: ``estimate``, ``standard_error``, ``lower`` and ``upper`` of the interval,
-        ``first_guess``, ``told`` (whether its standard error is at most half of its value) and
-        ``unit``; on (``unknown``, ``unknown_too``) ``covariance``. On ``window``, over all records,
+        ``first_guess``, ``told`` (whether the search converged and the standard error is at most
+        half of the value) and ``unit``; on (``unknown``, ``unknown_too``) ``covariance``. On ``window``, over all records,
         the compared tracks: measured ``forward_whirl_amplitude``, ``forward_phase_lag`` and so on,
         as in `rotor_ida.orders`, and fitted ``fitted_forward_whirl_amplitude`` and so on;
         ``record``, ``t``, ``speed``. On ``touch``, where contact times are compared,
@@ -181,7 +181,7 @@ def _solved(problem: FitProblem, noise: float | None) -> tuple[Values, str]:
     first = problem.begin()
     try:
         solution, converged = _refined(problem, _searched(problem, first), noise, time_error)
-        how = "converged" if converged else f"not converged in {problem.evaluations} trials"
+        how = CONVERGED if converged else f"not converged in {problem.evaluations} trials"
         solution = _without_contact(problem, solution)
     except SearchEnded as ended:
         how, converged = str(ended), False

@@ -311,6 +311,9 @@ def test_a_search_that_must_end_returns_its_best_trial(up, monkeypatch):
     monkeypatch.setattr("rotor_ida.fitting.problem.MOST_TRIALS", 12)
     short = fit(seen, GUESS, SOUGHT, noise=NOISE)
     assert short.attrs["search"].startswith("stopped after 12 trials: this is the best trial")
+    assert "is known to" not in short.attrs["identifiability"]
+    assert "the search did not converge" in short.attrs["identifiability"]
+    assert not short.told.values.any()
     assert float(whole.chi_square) < float(short.chi_square)
     first = fit(seen, GUESS, SOUGHT, noise=NOISE, limit=1e-9)
     assert float(short.chi_square) < float(first.chi_square)
