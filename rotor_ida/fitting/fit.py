@@ -75,7 +75,8 @@ def fit(
         ``clearance``, ``shaft_stiffness``, ``contact_stiffness``, ``contact_damping``, ``load`` or
         ``friction``. For a `Rotor`: ``zeta``, ``delta0``, ``shaft_stiffness``,
         ``contact_damping``, ``load`` or ``friction``. For both: ``unbalance_angle``, the angle by
-        which the unbalance leads the keyphasor mark [rad]; 0 if it is not fitted.
+        which the unbalance leads the keyphasor mark [rad]; 0 if it is not fitted. Its first guess
+        comes from the phase of the whirl before contact, or is 0 where that says nothing.
     orders : array_like, shape (k,)
         Multiples of the speed whose amplitudes and phases are compared, forward and backward [1];
         0 is the mean position.
@@ -103,10 +104,10 @@ def fit(
     Dataset
         On ``unknown``: ``estimate``, ``standard_error``, ``lower`` and ``upper`` of the interval,
         ``first_guess``, ``told`` (whether the search converged and the standard error is at most
-        half of the value) and ``unit``; on (``unknown``, ``unknown_too``) ``covariance``. On ``window``, over all records,
-        the compared tracks: measured ``forward_whirl_amplitude``, ``forward_phase_lag`` and so on,
-        as in `rotor_ida.orders`, and fitted ``fitted_forward_whirl_amplitude`` and so on;
-        ``record``, ``t``, ``speed``. On ``touch``, where contact times are compared,
+        half of the value) and ``unit``; on (``unknown``, ``unknown_too``) ``covariance``. On
+        ``window``, over all records, the compared tracks: measured ``forward_whirl_amplitude``,
+        ``forward_phase_lag`` and so on, as in `rotor_ida.orders`, and fitted
+        ``fitted_forward_whirl_amplitude`` and so on; ``record``, ``t``, ``speed``. On ``touch``, where contact times are compared,
         ``measured_time``, ``fitted_time``, ``event_kind``, ``compared``. ``chi_square``,
         ``degrees_of_freedom`` and ``noise``. The attributes ``search``, ``identifiability``,
         ``remainder`` and ``contact_times`` state in words how the search ended (``converged``, or

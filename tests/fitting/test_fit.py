@@ -168,6 +168,35 @@ def test_a_machine_in_si_units_and_its_mark(up):
     assert "unbalance_angle is known to" in found.attrs["identifiability"]
 
 
+@pytest.mark.parametrize("ahead", [-2.8, 0.0, 1.5])
+def test_the_whirl_before_contact_gives_a_guess_of_the_unbalance_angle(up, ahead):
+    """To 0.3 rad: the run-up is fast, and the guesses of the machine are a fifth off."""
+    seen = noisy(signals_of(up), np.random.default_rng(2))
+    seen["angle"] = seen.angle - ahead
+    found = fit(seen, GUESS, [*SOUGHT, "unbalance_angle"], limit=1e-9)
+    assert abs(float(found.first_guess[-1]) - ahead) < 0.3
+
+
+def test_without_a_whirl_before_contact_the_guess_of_the_unbalance_angle_is_0(up):
+    rubbing = signals_of(up).sel(t=slice(60.0, None))
+    found = fit(rubbing, replace(TRUE, delta0=0.5), ["unbalance_angle"], limit=1e-9)
+    assert float(found.first_guess[0]) == 0.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_unknown_unbalance_angle_does_not_mislead_the_other_unknowns(seed):
+    """A lightly damped fan in a run-up into contact; its angle is 2.5 rad off."""
+    fan = replace(MACHINE, damping=16.0, clearance=8e-5)
+    seen = noisy(signals_of(in_si(fan, to=120.0, rate=15.0, samples=4001)),
+                 np.random.default_rng(seed), 1.0)  # fmt: skip
+    seen["angle"] = seen.angle - 2.5
+    sought = ["damping", "eccentricity", "clearance", "shaft_stiffness", "unbalance_angle"]
+    found = fit(seen, fan, sought)
+    assert found.attrs["search"] == "converged"
+    off = (found.estimate - [16.0, 1e-5, 8e-5, 4e4, 2.5]) / found.standard_error
+    assert (np.abs(off) < 4.0).all()
+
+
 def test_several_records_tell_more_than_one(up):
     rng = np.random.default_rng(4)
     whirl = simulate(Rotor(omega=1.4, zeta=0.1, delta0=1.5, shaft_stiffness=1.0),
