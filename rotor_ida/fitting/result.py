@@ -99,17 +99,15 @@ def _scales(problem: FitProblem, solution: Values) -> Values:
 
 def _left_over(problem: FitProblem, solution: Values, motions: list[Motion]) -> float:
     """Return chi-square of all residuals, including those of the guessed starts."""
-    total = 0.0
+    parts = []
     for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
-        left = each.tracks.weighed((motion.z - each.record.z)[:, None]) / problem.noise
-        total += float((left**2).sum())
+        parts.append(each.tracks.weighed((motion.z - each.record.z)[:, None])[:, 0] / problem.noise)
         if problem.starts is None:
             place = len(problem.unknown) + 4 * number
-            guessed = (solution[place : place + 4] - each.start) / each.spread
-            total += float((guessed**2).sum())
+            parts.append((solution[place : place + 4] - each.start) / each.spread)
         for found in problem.touches(number, motion).values():
-            total += float((found.apart[found.compared] ** 2).sum()) / problem.time_error**2
-    return total
+            parts.append(np.where(found.compared, found.apart, 0.0) / problem.time_error)
+    return float((problem.independent(np.concatenate(parts)) ** 2).sum())
 
 
 def _at_bounds(problem: FitProblem, solution: Values) -> list[str]:
