@@ -134,13 +134,13 @@ def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None) -> Rep
     in_study = None if study is None or output.out is not None else study / RESULT
     if "status" in dataset:
         report = answer(dataset, output, result=in_study)
-        return _troubled(report, _failures(dataset), FAILED)
+        return troubled(report, _failures(dataset), FAILED)
     if "special_kind" in dataset:
         return answer(dataset, output, result=in_study)
     if "missed_fraction" in dataset:
         reason = dataset.attrs.get("not_computed_reason", "")
         report = answer(dataset, output, result=None if reason else in_study)
-        return _troubled(report, f"not all was computed: {reason}", FAILED) if reason else report
+        return troubled(report, f"not all was computed: {reason}", FAILED) if reason else report
     missing = int(dataset["not_computed_count"])
     interrupted = bool(dataset.attrs["interrupted"])
     if not missing and not interrupted:
@@ -148,10 +148,11 @@ def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None) -> Rep
     # a study can continue, and has a result when complete
     report = answer(dataset, output if study is None else Output(as_json=output.as_json))
     trouble = f"{_reason(dataset, missing)}{going_on(study)}"
-    return _troubled(report, trouble, INTERRUPTED if interrupted else FAILED)
+    return troubled(report, trouble, INTERRUPTED if interrupted else FAILED)
 
 
-def _troubled(report: Report, trouble: str, status: int) -> Report:
+def troubled(report: Report, trouble: str, status: int) -> Report:
+    """Return a report with trouble before that which it has."""
     both = "; ".join(filter(None, [trouble, report.trouble]))
     return replace(report, trouble=both, status=status)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from rotor_ida.checks import (
     did_you_mean,
     shown,
 )
+from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.errors import InputError
 from rotor_ida.fitting.identifiability import ANGLE
 from rotor_ida.fitting.problem import FitProblem, Unknown
@@ -25,6 +27,7 @@ from rotor_ida.fitting.records import Measured, measured, noise_of
 from rotor_ida.model.parameters import OF_MACHINE, OPTIONAL
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.signals.record import integrated
+from rotor_ida.signals.windows import fit_orders
 from rotor_ida.simulation.orbit import ENTRY, EXIT
 
 # Parameters that can be fitted: their units for a machine; for a dimensionless rotor, the machine's
@@ -40,6 +43,9 @@ OF_ROTOR = {
 POSITIVE = (*(name for name, each in OF_MACHINE.items() if each.positive), "clearance")
 LEAST = 1e-3
 MOST_ORDERS, LARGEST_ORDER = 20, 20.0
+# Whirls up to this part of the clearance are without contact; and at speeds closer than this part
+# to the guessed critical speed, their phase depends on the guess.
+FREE, RESONANT = 0.5, 0.25
 # Smallest errors allowed, relative to the length or size of the signals: rounding.
 SHARPEST = 1e-12
 
@@ -85,6 +91,10 @@ def problem_of(
         )
         for n, each in enumerate(given)
     ]  # fmt: skip
+    sought = [
+        replace(each, guess=_unbalance_angle(guess, records)) if each.field == ANGLE else each
+        for each in sought
+    ]
     problem = FitProblem(guess, sought, records, 1.0)
     problem.time_error = _checked_time_error(time_error, records)
     problem.starts = _starts(start, records)
@@ -130,6 +140,28 @@ def _unknowns(unknown: object, machine: DimensionalRotor, *, in_si: bool) -> lis
         least = -math.inf if field == ANGLE else LEAST * guess if field in POSITIVE else 0.0
         found.append(Unknown(name, field, factor, guess, least))
     return found
+
+
+def _unbalance_angle(machine: DimensionalRotor, records: list[Measured]) -> float:
+    """Return a guess of the angle of the unbalance ahead of the mark; 0 if there is none.
+
+    It is the angle by which the first measured whirls lead those of the guessed machine without
+    contact, away from its critical speed.
+    """
+    lead = 0.0j
+    for each in records:
+        windows = each.tracks.windows
+        whirl = fit_orders(each.record, windows, np.array([1.0, -1.0, 0.0])).amplitudes[:, 0]
+        narrow = min(machine.clearance, float(np.abs(whirl).max()))
+        wide = np.append(np.abs(whirl) > FREE * narrow, True)
+        speeds = windows.speeds
+        free = np.arange(speeds.size) < wide.argmax()
+        free &= np.abs(speeds - machine.critical_speed) > RESONANT * machine.critical_speed
+        expected = complex_amplitude(
+            speeds, 0.5 * machine.damping / machine.mass, machine.shaft_stiffness / machine.mass
+        )
+        lead += complex((whirl * np.exp(-1j * np.angle(expected)))[free].sum())
+    return float(np.angle(lead))
 
 
 def _checked_orders(orders: npt.ArrayLike) -> Values:

@@ -17,7 +17,7 @@ from rotor_ida.errors import RotorError
 from rotor_ida.fitting.arguments import problem_of
 from rotor_ida.fitting.problem import MOST_TRIALS, FitProblem, SearchEnded
 from rotor_ida.fitting.records import noise_of
-from rotor_ida.fitting.result import dataset_of
+from rotor_ida.fitting.result import CONVERGED, dataset_of
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.parallel.interruptible import interruptible
@@ -75,7 +75,8 @@ def fit(
         ``clearance``, ``shaft_stiffness``, ``contact_stiffness``, ``contact_damping``, ``load`` or
         ``friction``. For a `Rotor`: ``zeta``, ``delta0``, ``shaft_stiffness``,
         ``contact_damping``, ``load`` or ``friction``. For both: ``unbalance_angle``, the angle by
-        which the unbalance leads the keyphasor mark [rad]; 0 if it is not fitted.
+        which the unbalance leads the keyphasor mark [rad]; 0 if it is not fitted. Its first guess
+        comes from the phase of the whirl before contact, or is 0 where that says nothing.
     orders : array_like, shape (k,)
         Multiples of the speed whose amplitudes and phases are compared, forward and backward [1];
         0 is the mean position.
@@ -102,16 +103,17 @@ def fit(
     -------
     Dataset
         On ``unknown``: ``estimate``, ``standard_error``, ``lower`` and ``upper`` of the interval,
-        ``first_guess``, ``told`` (whether its standard error is at most half of its value) and
-        ``unit``; on (``unknown``, ``unknown_too``) ``covariance``. On ``window``, over all records,
-        the compared tracks: measured ``forward_whirl_amplitude``, ``forward_phase_lag`` and so on,
-        as in `rotor_ida.orders`, and fitted ``fitted_forward_whirl_amplitude`` and so on;
-        ``record``, ``t``, ``speed``. On ``touch``, where contact times are compared,
-        ``measured_time``, ``fitted_time``, ``event_kind``, ``compared``. ``chi_square``,
-        ``degrees_of_freedom`` and ``noise``. The attributes ``search``, ``identifiability``,
-        ``remainder`` and ``contact_times`` state in words how the search ended (``converged``, or
-        why not, with the best trial as the estimate), how well each unknown is identified, whether
-        the residuals are noise, and which contact times are left out.
+        ``first_guess``, ``told`` (whether the search converged and the standard error is at most
+        half of the value) and ``unit``; on (``unknown``, ``unknown_too``) ``covariance``. On
+        ``window``, over all records, the compared tracks: measured ``forward_whirl_amplitude``,
+        ``forward_phase_lag`` and so on, as in `rotor_ida.orders`, and fitted
+        ``fitted_forward_whirl_amplitude`` and so on; ``record``, ``t``, ``speed``. On ``touch``,
+        where contact times are compared, ``measured_time``, ``fitted_time``, ``event_kind``,
+        ``compared``. ``chi_square``, ``degrees_of_freedom`` and ``noise``. The attributes
+        ``search``, ``identifiability``, ``remainder`` and ``contact_times`` state in words how the
+        search ended (``converged``, or why not, with the best trial as the estimate), how well each
+        unknown is identified, whether the residuals are noise, and which contact times are left
+        out.
 
     Raises
     ------
@@ -134,8 +136,12 @@ def fit(
     errors. The derivatives of the motion come from its variational equations. Those of contact
     times are ``dt = (d(clearance) - (z/|z|) . dz)/r'``, which is unbounded at a graze: so contact
     times count only if the events before and after are more than 10 of their errors away. The
-    covariance is that of least squares, with the initial states fitted too. It holds for white
-    noise that is equal in all directions and small enough for the motion to change linearly.
+    covariance is that of least squares, with the initial states fitted too. The angle by a
+    keyphasor is a smooth curve through its pulses; the errors of that curve, from pulses with a
+    standard error of ``step/sqrt(12)`` and a common one of ``step/10``, are part of the covariance
+    of the residuals. An angle that is given at each sample counts as exact. The covariance holds
+    for white noise that is equal in all directions and small enough for the motion to change
+    linearly.
 
     References
     ----------
@@ -181,7 +187,7 @@ def _solved(problem: FitProblem, noise: float | None) -> tuple[Values, str]:
     first = problem.begin()
     try:
         solution, converged = _refined(problem, _searched(problem, first), noise, time_error)
-        how = "converged" if converged else f"not converged in {problem.evaluations} trials"
+        how = CONVERGED if converged else f"not converged in {problem.evaluations} trials"
         solution = _without_contact(problem, solution)
     except SearchEnded as ended:
         how, converged = str(ended), False
@@ -203,6 +209,7 @@ def _refined(
     for _ in range(MOST_ROUNDS):
         before, clear = problem.noise, problem.clear
         _weigh(problem, solution, noise)
+        problem.renew(angle_errors=problem.errors_of_angle(solution))
         solution, converged = _least(problem, solution, TOLERANCE)
         same = all(np.array_equal(each, clear.get(key, [])) for key, each in problem.clear.items())
         if same and abs(problem.noise - before) <= SETTLED * before:
@@ -247,7 +254,7 @@ def _weigh(problem: FitProblem, solution: Values, noise: float | None) -> None:
     motions = problem.motions(solution)
     if noise is None:
         problem.renew(noise=noise_of(problem.records, [each.z for each in motions]))
-    problem.renew(clear=problem.clear_in(motions))
+    problem.renew(clear=problem.clear_in(motions), angle_errors=None)
 
 
 def _with_clearance(problem: FitProblem, sought: Values) -> Values:

@@ -14,7 +14,14 @@ import numpy.typing as npt
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.errors import BudgetError, InputError, RotorError
 from rotor_ida.fitting.identifiability import ANGLE
-from rotor_ida.fitting.motion import ANY_WORK, LARGEST_GROWTH, Motion, MotionRequest, Work
+from rotor_ida.fitting.motion import (
+    ANY_WORK,
+    LARGEST_GROWTH,
+    Motion,
+    MotionRequest,
+    Turning,
+    Work,
+)
 from rotor_ida.fitting.records import Measured
 from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.simulation.orbit import ENTRY, EXIT
@@ -79,6 +86,34 @@ class Trial:
     cost: float = math.inf
 
 
+@dataclass(frozen=True)
+class AngleErrors:
+    """Changes of the residuals by errors of the measured angle, beside independent unit noise.
+
+    Their covariance is ``1 + D D'`` of the changes D by each independent standard error.
+
+    Parameters
+    ----------
+    directions : ndarray, shape (n, k)
+        Left singular vectors of D.
+    parts : ndarray, shape (k,)
+        Part of each by which residuals are shortened to have unit noise again.
+    """
+
+    directions: Values
+    parts: Values
+
+    @classmethod
+    def of(cls, changes: Sequence[Values]) -> AngleErrors:
+        """Return them from the columns of D."""
+        directions, sizes, _ = np.linalg.svd(np.stack(changes, axis=1), full_matrices=False)
+        return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + sizes**2))
+
+    def independent(self, values: Values) -> Values:
+        """Return residuals, or columns of their derivatives, with independent unit noise."""
+        return np.asarray(values - (self.directions * self.parts) @ (self.directions.T @ values))
+
+
 @dataclass
 class FitProblem:
     """The residuals to minimise.
@@ -111,6 +146,8 @@ class FitProblem:
         Fraction of the windows, from the first, that the search uses: 1 is all.
     clear : dict
         For each record and kind, which of the measured times are compared; by default all.
+    angle_errors : AngleErrors, optional
+        The effect of errors of the measured angle.
     """
 
     machine: DimensionalRotor
@@ -126,6 +163,7 @@ class FitProblem:
     stop: Stop | None = None
     part: float = 1.0
     clear: dict[tuple[int, int], Mask] = field(default_factory=dict)
+    angle_errors: AngleErrors | None = None
     _last: Trial | None = field(default=None, repr=False)
     _best: Trial | None = field(default=None, repr=False)
     _residuals: tuple[bytes, Values, Values] | None = field(default=None, repr=False)
@@ -155,7 +193,7 @@ class FitProblem:
         return first
 
     def renew(self, **known: object) -> None:
-        """Set the noise, the error of contact times or the part, which changes the weights."""
+        """Set the noise, other errors or the part, which changes the weights."""
         for name, value in known.items():
             setattr(self, name, value)
         self._residuals = None
@@ -236,7 +274,10 @@ class FitProblem:
         self._check_end()
         self.evaluations += 1
         machine, ahead = self.machine_of(sought)
-        motions = [self._motion(number, machine, ahead, sought) for number in range(self.count)]
+        motions = [
+            self._motion(number, machine, ahead, sought, each.turning)
+            for number, each in enumerate(self.records)
+        ]
         self._last = Trial(sought.copy(), motions)
         return self._last
 
@@ -260,12 +301,17 @@ class FitProblem:
         return sought[place : place + 4] if self.starts is None else self.starts[number]
 
     def _motion(
-        self, number: int, machine: DimensionalRotor, ahead: float, sought: Values
+        self,
+        number: int,
+        machine: DimensionalRotor,
+        ahead: float,
+        sought: Values,
+        turning: Turning,
     ) -> Motion:
         """Return the motion of a machine for one record."""
         each, names = self.records[number], [unknown.field for unknown in self.unknown]
         start = self.start(sought, number)
-        request = MotionRequest(machine, each.turning, start, ahead, self.budget, self.stop)
+        request = MotionRequest(machine, turning, start, ahead, self.budget, self.stop)
         return request.motion(each.times, names)
 
     def at(self, sought: Values) -> tuple[Values, Values, list[Motion]]:
@@ -339,8 +385,29 @@ class FitProblem:
         )
         return int(measured.sum()) - lost - round(used)
 
+    def errors_of_angle(self, sought: Values) -> AngleErrors | None:
+        """Return the effect of errors of the measured angle; None if none are known."""
+        trial = self.trial(sought)
+        machine, ahead = self.machine_of(sought)
+        changes = []
+        for number, each in enumerate(self.records):
+            for turning in each.other_turnings:
+                self._check_end()
+                motions = trial.motions.copy()
+                motions[number] = self._motion(number, machine, ahead, sought, turning)
+                changes.append(self._apart(Trial(sought, motions)) - self._apart(trial))
+        return AngleErrors.of(changes) if changes else None
+
+    def independent(self, values: Values) -> Values:
+        """Return residuals, or columns of their derivatives, with independent unit noise."""
+        return values if self.angle_errors is None else self.angle_errors.independent(values)
+
     def _left(self, trial: Trial) -> Values:
         """Return the residuals of a trial, over all windows."""
+        return self.independent(self._apart(trial))
+
+    def _apart(self, trial: Trial) -> Values:
+        """Return the residuals of a trial with the measured angle taken as exact."""
         left = []
         for number, (each, motion) in enumerate(zip(self.records, trial.motions, strict=True)):
             apart = each.tracks.weighed((motion.z - each.record.z)[:, None])[:, 0]
@@ -362,7 +429,7 @@ class FitProblem:
                 for kind, found in self.touches(number, motion).items()
             ]
             slopes.append(self._by_sought(np.concatenate(own), number))
-        return np.concatenate(slopes)
+        return self.independent(np.concatenate(slopes))
 
     def _kept(self) -> Values:
         """Return 1 for each residual in the part of the windows that is searched, else 0."""

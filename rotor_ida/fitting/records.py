@@ -12,8 +12,11 @@ import xarray as xr
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import check_increasing, check_vector
 from rotor_ida.errors import InputError
+from rotor_ida.fitting.measured_angle import angle_at_samples, angle_by_pulses
 from rotor_ida.fitting.motion import Turning
+from rotor_ida.results.run import samples_in
 from rotor_ida.results.si_units import UNITS
+from rotor_ida.signals.keyphasor import check_per_revolution
 from rotor_ida.signals.orders import revolutions_for
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.windows import Windows, windows_of
@@ -22,11 +25,6 @@ from rotor_ida.units import PREFIXES
 # Integer orders up to this are fitted beside those that are asked for.
 BESIDE = 3
 MOST_SAMPLES = 1_000_000
-# Pieces of the measured angle: the fewest with at most twice the residual of the most.
-MOST_PIECES = 64
-ENOUGH = 2.0
-# Largest residual of the measured angle [rad].
-SMOOTH, EXACT = 0.05, 1e-9
 # A cubic in the first part of a revolution [rad] gives a guess of the start, not a measurement: its
 # spread is this many of its errors, and at least a tenth of the motion.
 FIRST_PART, FEWEST = 1.5, 8
@@ -112,6 +110,8 @@ class Measured:
         Times from the beginning of the signals [s].
     turning : Turning
         The measured angle.
+    other_turnings : list of Turning
+        The same with each of its independent errors, one standard deviation; none without pulses.
     tracks : Tracks
         The projection on order tracks.
     start, spread : ndarray, shape (4,)
@@ -129,6 +129,7 @@ class Measured:
     record: Record
     times: Values
     turning: Turning
+    other_turnings: list[Turning]
     tracks: Tracks
     start: Values
     spread: Values
@@ -169,11 +170,11 @@ def measured(
     begin = float(given.times[0])
     record = replace(given, times=(given.times - begin) * time, z=given.z * length)
     tracks = _tracks_of(record, orders, revolutions)
-    turning = turning_of(record)
+    turning, other_turnings = _turnings(signals, record, begin, time)
     times = np.minimum(record.times, turning.ends[-1])
     start, spread = _first_state(record, turning)
     return Measured(
-        record, times, turning, tracks, start, spread,
+        record, times, turning, other_turnings, tracks, start, spread,
         {
             kind: (_times_within(kind, each, given) - begin) * time
             for kind, each in touches.items() if each is not None
@@ -235,35 +236,15 @@ def _tracks_of(record: Record, orders: Values, revolutions: int | None) -> Track
     return Tracks(windows, kept, basis, inverse, np.asarray(root, dtype=np.complex128))
 
 
-def turning_of(record: Record) -> Turning:
-    """Return the measured angle as a quadratic spline with few pieces."""
-    from scipy.interpolate import PPoly, make_lsq_spline  # noqa: PLC0415 - takes long to import
-
-    times, angles = record.times, record.known_angles()
-    fits, left, pieces = [], [], 1
-    most = min(MOST_PIECES, max(1, times.size // FEWEST))
-    while pieces <= most:
-        inner = np.linspace(times[0], times[-1], pieces + 1)
-        spline = make_lsq_spline(times, angles, np.pad(inner, 2, mode="edge"), k=2)
-        fits.append((inner, spline))
-        left.append(float(np.sqrt(np.mean((spline(times) - angles) ** 2))))
-        if left[-1] <= EXACT * max(1.0, abs(float(angles[-1]))):
-            break
-        pieces *= 2
-    chosen = next(i for i, each in enumerate(left) if each <= ENOUGH * min(left))
-    if left[chosen] > SMOOTH:
-        raise InputError(
-            f"angle of signals must change smoothly, got a residual of {left[chosen]:.3g} rad "
-            f"with {len(fits[chosen][0]) - 1} ramps of the speed"
-        )
-    ends, spline = fits[chosen]
-    parts = PPoly.from_spline(spline).c[:, 2:-2]
-    rates, speeds, first = 2.0 * parts[0], parts[1], parts[2]
-    turning = Turning(ends, first, speeds, rates)
-    slowest = float(turning.at(ends, "left")[1].min())
-    if slowest <= 0.0:
-        raise InputError(f"signals must be of a rotor that turns, got a speed of {slowest:.3g}")
-    return turning
+def _turnings(
+    signals: xr.Dataset, record: Record, begin: float, time: float
+) -> tuple[Turning, list[Turning]]:
+    """Return the measured angle, and with its errors."""
+    if "keyphasor" not in signals.variables:
+        return angle_at_samples(record.times, record.known_angles()), []
+    pulses = (samples_in("signals", signals, "keyphasor", ("pulse",)) - begin) * time
+    step = 2.0 * math.pi / check_per_revolution(signals.attrs.get("pulses_per_revolution", 1))
+    return angle_by_pulses(pulses, step * np.arange(float(pulses.size)), record.times)
 
 
 def _first_state(record: Record, turning: Turning) -> tuple[Values, Values]:

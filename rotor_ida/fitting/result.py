@@ -24,6 +24,9 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import Column
 
+# How a search ends that has found a minimum.
+CONVERGED = "converged"
+
 
 def dataset_of(
     problem: FitProblem,
@@ -36,7 +39,10 @@ def dataset_of(
     _, slopes, motions = problem.at(solution)
     chi_square, freedom = _left_over(problem, solution, motions), problem.freedom(solution)
     slopes = slopes / widening(chi_square, freedom)
-    told = identify(slopes, _scales(problem, solution), [each.name for each in problem.unknown])
+    names = [each.name for each in problem.unknown]
+    told = identify(slopes, _scales(problem, solution), names)
+    if search != CONVERGED:
+        told = _of_no_minimum(told, names)
     in_si = isinstance(machine, DimensionalRotor)
     variables: dict[str, Column] = {
         **_estimates(problem, solution, told, level, in_si=in_si),
@@ -46,7 +52,6 @@ def dataset_of(
         "degrees_of_freedom": ((), freedom),
         "noise": ((), problem.noise / problem.records[0].metre),
     }
-    names = [each.name for each in problem.unknown]
     coordinates: dict[str, Column] = {
         "unknown": ("unknown", names),
         "unknown_too": ("unknown_too", names),
@@ -75,6 +80,15 @@ def dataset_of(
     return plain.dataset("Fit of a machine to signals", variables, coordinates, kind="fit")
 
 
+def _of_no_minimum(told: Identifiability, names: list[str]) -> Identifiability:
+    """Return that nothing is identified, as errors hold only near a minimum."""
+    words = (
+        f"the search did not converge, so the signals do not yet determine {', '.join(names)}: "
+        "start nearer, fit fewer unknowns or a shorter part, or search longer if a limit stopped it"
+    )
+    return replace(told, told=np.zeros_like(told.told), words=[words])
+
+
 def _scales(problem: FitProblem, solution: Values) -> Values:
     """Return the scale of each unknown's error: its value, or 1 for an angle."""
     return np.array([
@@ -85,17 +99,15 @@ def _scales(problem: FitProblem, solution: Values) -> Values:
 
 def _left_over(problem: FitProblem, solution: Values, motions: list[Motion]) -> float:
     """Return chi-square of all residuals, including those of the guessed starts."""
-    total = 0.0
+    parts = []
     for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
-        left = each.tracks.weighed((motion.z - each.record.z)[:, None]) / problem.noise
-        total += float((left**2).sum())
+        parts.append(each.tracks.weighed((motion.z - each.record.z)[:, None])[:, 0] / problem.noise)
         if problem.starts is None:
             place = len(problem.unknown) + 4 * number
-            guessed = (solution[place : place + 4] - each.start) / each.spread
-            total += float((guessed**2).sum())
+            parts.append((solution[place : place + 4] - each.start) / each.spread)
         for found in problem.touches(number, motion).values():
-            total += float((found.apart[found.compared] ** 2).sum()) / problem.time_error**2
-    return total
+            parts.append(np.where(found.compared, found.apart, 0.0) / problem.time_error)
+    return float((problem.independent(np.concatenate(parts)) ** 2).sum())
 
 
 def _at_bounds(problem: FitProblem, solution: Values) -> list[str]:

@@ -27,6 +27,7 @@ from rotor_ida.errors import BudgetError
 from rotor_ida.fitting.arguments import problem_of
 from rotor_ida.fitting.fit import _least, _with_stiffness
 from rotor_ida.fitting.problem import MOST_TRIALS, Unknown
+from rotor_ida.signals.keyphasor import pulses_in
 
 TRUE = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
 GUESS = Rotor(omega=0.3, zeta=0.08, delta0=1.8, shaft_stiffness=0.9)
@@ -166,6 +167,67 @@ def test_a_machine_in_si_units_and_its_mark(up):
     assert found.unit.values.tolist() == ["N s m-1", "m", "m", "rad"]
     assert found.forward_whirl_amplitude.attrs["units"] == "um"
     assert "unbalance_angle is known to" in found.attrs["identifiability"]
+
+
+@pytest.mark.parametrize("ahead", [-2.8, 0.0, 1.5])
+def test_the_whirl_before_contact_gives_a_guess_of_the_unbalance_angle(up, ahead):
+    """To 0.3 rad: the run-up is fast, and the guesses of the machine are a fifth off."""
+    seen = noisy(signals_of(up), np.random.default_rng(2))
+    seen["angle"] = seen.angle - ahead
+    found = fit(seen, GUESS, [*SOUGHT, "unbalance_angle"], limit=1e-9)
+    assert abs(float(found.first_guess[-1]) - ahead) < 0.3
+
+
+def test_without_a_whirl_before_contact_the_guess_of_the_unbalance_angle_is_0(up):
+    rubbing = signals_of(up).sel(t=slice(60.0, None))
+    found = fit(rubbing, replace(TRUE, delta0=0.5), ["unbalance_angle"], limit=1e-9)
+    assert float(found.first_guess[0]) == 0.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_unknown_unbalance_angle_does_not_mislead_the_other_unknowns(seed):
+    """A lightly damped fan in a run-up into contact; its angle is 2.5 rad off."""
+    fan = replace(MACHINE, damping=16.0, clearance=8e-5)
+    seen = noisy(signals_of(in_si(fan, to=120.0, rate=15.0, samples=4001)),
+                 np.random.default_rng(seed), 1.0)  # fmt: skip
+    seen["angle"] = seen.angle - 2.5
+    sought = ["damping", "eccentricity", "clearance", "shaft_stiffness", "unbalance_angle"]
+    found = fit(seen, fan, sought)
+    assert found.attrs["search"] == "converged"
+    off = (found.estimate - [16.0, 1e-5, 8e-5, 4e4, 2.5]) / found.standard_error
+    assert (np.abs(off) < 4.0).all()
+
+
+def test_errors_contain_those_of_pulses_that_are_rounded_to_samples():
+    """Of 10 run-ups at 600 samples a second; the bounds leave chances of about 1e-4."""
+    rng, trials = np.random.default_rng(4), 10
+    fan = replace(MACHINE, damping=16.0, clearance=8e-5)
+    run = signals_of(in_si(fan, to=120.0, rate=15.0, samples=4001))
+    sought = ["damping", "eccentricity", "clearance", "shaft_stiffness", "unbalance_angle"]
+    off = []
+    for _ in range(trials):
+        ahead = rng.uniform(-3.0, 3.0)
+        pulse = (run.angle.values - ahead) % (2.0 * math.pi) < 0.5
+        seen = noisy(run, rng, 1.0).drop_vars("angle")
+        seen["keyphasor"] = "pulse", pulses_in(run.t.values, pulse.astype(float))
+        found = fit(seen, fan, sought)
+        assert found.attrs["remainder"].startswith("the residuals are noise")
+        apart = found.estimate.values - [16.0, 1e-5, 8e-5, 4e4, ahead]
+        apart[-1] = math.remainder(apart[-1], 2.0 * math.pi)
+        off.append(apart / found.standard_error.values)
+    assert (np.abs(off) < 2.0).sum() >= binom.ppf(1e-5, 5 * trials, 0.95)
+    assert ((np.array(off) ** 2).sum(axis=0) < chi2.isf(1e-4, trials)).all()
+
+
+def test_a_part_between_a_few_of_many_pulses_is_fitted():
+    """Exact pulses, at a constant speed; the motion has its period."""
+    rotor = Rotor(omega=1.2, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
+    run = signals_of(simulate(rotor, start=(0, 0, 0, 0), duration=100.0, samples=8001))
+    run["keyphasor"] = "pulse", 2.0 * math.pi / 1.2 * np.arange(20)
+    seen = run.drop_vars(["angle", "omega"])
+    for first, last in ((15.0, 26.5), (15.71, 70.0), (0.0, 100.0)):
+        found = fit(seen.sel(t=slice(first, last)), rotor, ["zeta"], noise=1e-6)
+        np.testing.assert_allclose(found.estimate, 0.1, rtol=1e-5)
 
 
 def test_several_records_tell_more_than_one(up):
@@ -311,6 +373,9 @@ def test_a_search_that_must_end_returns_its_best_trial(up, monkeypatch):
     monkeypatch.setattr("rotor_ida.fitting.problem.MOST_TRIALS", 12)
     short = fit(seen, GUESS, SOUGHT, noise=NOISE)
     assert short.attrs["search"].startswith("stopped after 12 trials: this is the best trial")
+    assert "is known to" not in short.attrs["identifiability"]
+    assert "the search did not converge" in short.attrs["identifiability"]
+    assert not short.told.values.any()
     assert float(whole.chi_square) < float(short.chi_square)
     first = fit(seen, GUESS, SOUGHT, noise=NOISE, limit=1e-9)
     assert float(short.chi_square) < float(first.chi_square)

@@ -10,9 +10,9 @@ import rotor_ida
 from rotor_ida.cli import options
 from rotor_ida.cli.commands.plot import OF_FILE, signals_in
 from rotor_ida.cli.option_types import number_option, numbers_option, quantity_option
-from rotor_ida.cli.output import Output, answer, working
+from rotor_ida.cli.output import Output, answer, troubled, working
 from rotor_ida.cli.parsing import in_unit
-from rotor_ida.cli.report import Report
+from rotor_ida.cli.report import FAILED, Report
 from rotor_ida.cli.rotor_options import ANY_SPEED, RotorOptions
 from rotor_ida.errors import InputError
 
@@ -106,7 +106,10 @@ def fit(
     for name in OF_FILE:
         if told := dict.fromkeys(str(each.attrs[name]) for each in signals if name in each.attrs):
             found.attrs[name] = "; ".join(told)
-    return answer(found, output)
+    report = answer(found, output)
+    if found.attrs["search"] == "converged":
+        return report
+    return troubled(report, f"search {found.attrs['search']}", FAILED)
 
 
 def _all_in(name: str, values: list[float] | None, unit: str) -> list[float] | None:
