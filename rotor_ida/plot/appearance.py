@@ -32,6 +32,7 @@ DASHES = (0, (4, 2))
 # Where a legend under the axes begins, clear of ticks and label [point].
 BELOW = 36.0
 SHADE = "#ffe3c4"
+PALE_SHADE = "#fff0df"
 # Colour and dashes, so that the curves are distinguishable without colour too.
 LOOKS: tuple[tuple[str, object], ...] = (
     (INK, "-"),

@@ -370,6 +370,18 @@ def test_dry_whip_is_marked_at_its_speed_backwards():
     np.testing.assert_allclose(radius, whirls.amplitude[1].item())
 
 
+def test_an_exact_orbit_far_outside_is_named_and_leaves_the_axes_to_the_motion(bouncing, cycle):
+    part, far = signals_of(bouncing.sel(t=slice(0, 40))), cycle.copy(deep=True)
+    far["x"], far["y"] = 40.0 * far["x"], 40.0 * far["y"]
+    ax = plot_orbit(part, beneath=far)
+    (words,) = [text for text in legend_of(ax) if text.startswith("exact cycle, outside")]
+    radius = float(np.hypot(far.x, far.y).max())
+    assert float(words.partition("radius $")[2].removesuffix("$")) == pytest.approx(
+        radius, rel=5e-3
+    )
+    assert ax.get_ylim()[1] < 4.0 * float(np.hypot(part.x, part.y).max())
+
+
 def test_an_exact_cycle_lies_under_its_orbit(bouncing, cycle):
     ax = plot_orbit(signals_of(bouncing.sel(t=slice(0, 40))), beneath=cycle)
     under, orbit = line_of(ax, "exact cycle"), line_of(ax, "orbit")
