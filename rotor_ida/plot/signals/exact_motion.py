@@ -59,7 +59,7 @@ class Trace(NamedTuple):
 
 def orbits_of(beneath: Beneath, given: xr.Dataset, units: Units) -> list[Orbit]:
     """Return exact orbits under the orbit of a run or signals."""
-    one_speed = _is_of_one_speed(given)
+    one_speed = is_of_one_speed(given)
     makers = {
         "cycle": _orbit_of_cycle,
         "backward_whirl": _backward_orbits,
@@ -73,7 +73,7 @@ def orbits_of(beneath: Beneath, given: xr.Dataset, units: Units) -> list[Orbit]:
     return [each for each in orbits if np.isfinite(each.x).all()]
 
 
-def _is_of_one_speed(given: xr.Dataset) -> bool:
+def is_of_one_speed(given: xr.Dataset) -> bool:
     """Return whether the speed of a run or of signals is constant or unknown."""
     record = record_of(given)
     if record.angles is None:
