@@ -334,6 +334,10 @@ def test_noise_floor_and_bandwidth_are_those_of_the_spectrum():
     assert np.diff(bar.get_xdata())[0] == pytest.approx(lines.bandwidth.item())
 
 
+def test_a_full_spectrum_shows_multiples_of_the_largest_speed_of_a_run_up(up):
+    np.testing.assert_allclose(plot_full_spectrum(up, span=2.0).get_xlim(), (-5, 5), rtol=0.01)
+
+
 def test_order_lines_of_a_cascade_are_multiples_of_the_speed(up):
     ax = plot_cascade(up, orders=[-1, 0.5, 1, 2])
     slopes = [np.polyfit(line.get_ydata(), line.get_xdata(), 1)[0] for line in ax.get_lines()[:4]]
