@@ -7,6 +7,7 @@ pandas, lists, tuples and ranges. The results are plain floats.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Sequence, Sized
 from difflib import get_close_matches
 from numbers import Integral, Real
@@ -109,6 +110,24 @@ def check_real(name: str, value: object) -> float:
         if math.isfinite(number):
             return number
     raise InputError(f"{name} must be a finite real number, got {shown(value)}")
+
+
+def check_point(name: str, word: str) -> None:
+    """Raise `InputError` for a number with a comma, which may be decimal or between thousands.
+
+    Examples
+    --------
+    >>> check_point("clearance", "0,4mm")
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: clearance must have no comma, got '0,4mm': write 0.4mm with a point
+    """
+    if not re.match(r"\s*[-+]?\d[\d.]*,\d", word):
+        return
+    remedy = f"write {word.replace(',', '.').strip()} with a point"
+    if word.count(",") > 1 or re.search(r",\d{3}(?!\d)", word):
+        remedy = f"write {word.replace(',', '').strip()}, or a point if it is decimal"
+    raise InputError(f"{name} must have no comma, got {shown(word)}: {remedy}")
 
 
 def check_nonnegative(name: str, value: object, largest: float = math.inf) -> float:

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 from cyclopts import Token
 
 from rotor_ida import units
-from rotor_ida.checks import COMPONENTS, MOST_POINTS_OF_STUDY, State, check_real, shown
+from rotor_ida.checks import COMPONENTS, MOST_POINTS_OF_STUDY, State, check_point, check_real, shown
 from rotor_ida.errors import InputError
 
 SYSTEM_ENDING = ".toml"
@@ -88,9 +88,10 @@ def number(name: str, words: Sequence[str]) -> float:
     >>> number("omega", ["1,7"])
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: omega must be a finite real number, got '1,7'
+    rotor_ida.errors.InputError: omega must have no comma, got '1,7': write 1.7 with a point
     """
     word = words[0]
+    check_point(name, word)
     found = WITH_UNIT.fullmatch(word)
     if found is not None and units.unit_of(found["unit"]) is not None:
         raise InputError(f"{name} must be a number without a unit, got {shown(word)}")
@@ -236,8 +237,13 @@ def in_unit(name: str, value: float, unit: str) -> float:
         return value
     own, given = units.unit_of(unit), units.unit_of(value.unit)
     if own is None or given is None or own.dimension != given.dimension:
-        allowed = "no unit" if unit == "1" else f"the unit of the data, {unit}"
-        raise InputError(f"{name} must have {allowed}, got {shown(value.word)}")
+        got = f"got {shown(value.word)}"
+        if unit == "1":
+            raise InputError(
+                f"{name} must have no unit, {got}: the data have none; a measured file is given "
+                "its units by --units t=s x=um y=um"
+            )
+        raise InputError(f"{name} must have the unit of the data, {unit}, {got}")
     moved = given._replace(factor=given.factor / own.factor, power=given.power - own.power)
     return moved.in_si(value.word.removesuffix(value.unit).strip())
 

@@ -8,7 +8,14 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 
 from rotor_ida import units
-from rotor_ida.checks import check_between, check_nonnegative, check_positive, check_real, shown
+from rotor_ida.checks import (
+    check_between,
+    check_nonnegative,
+    check_point,
+    check_positive,
+    check_real,
+    shown,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import EXPONENTS, OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor
@@ -37,6 +44,9 @@ OF_LINEAR = "N m-1"
 _WORD = re.compile(
     r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\S.*?)?\s*"
 )
+
+# Running speeds over the critical speed outside of these are likely a slip of the unit.
+FASTEST, SLOWEST = 20.0, 0.01
 
 # A number in the SI unit, or text with a unit; None if not given.
 Quantity = float | str | None
@@ -158,6 +168,7 @@ def in_si(name: str, value: object, *allowed: str) -> float:
     """
     if not isinstance(value, str):
         return check_real(name, value)
+    check_point(name, value)
     found = _WORD.fullmatch(value)
     if found is None:
         raise InputError(f"{name} must be a finite real number, got {shown(value)}")
@@ -265,6 +276,12 @@ def implausible(machine: DimensionalRotor) -> list[str]:
         found.append(
             f"damping_ratio of the critical speed is {machine.damping_ratio:.3g}; rotors in "
             "bearings have 0.001 to 0.3"
+        )
+    ratio = machine.speed / machine.critical_speed if stiffness > 0.0 else 1.0
+    if not FASTEST >= ratio >= SLOWEST:
+        found.append(
+            f"speed is {float(f'{ratio:.3g}'):,.6g} times the critical speed: is the unit of one "
+            "of them wrong?"
         )
     if clearance < eccentricity:
         found.append(

@@ -34,6 +34,7 @@ BELOW = 36.0
 # Longest legend inside the axes.
 MOST_INSIDE = 4
 SHADE = "#ffe3c4"
+PALE_SHADE = "#fff0df"
 # Colour and dashes, so that the curves are distinguishable without colour too.
 LOOKS: tuple[tuple[str, object], ...] = (
     (INK, "-"),

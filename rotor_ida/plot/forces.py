@@ -10,6 +10,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.plot.appearance import (
     BLUE,
     ORANGE,
+    PALE_SHADE,
     RED,
     SHADE,
     draw_marks,
@@ -19,11 +20,13 @@ from rotor_ida.plot.appearance import (
     say_in_middle,
 )
 from rotor_ida.plot.datasets import check_dataset
-from rotor_ida.plot.decimation import COLUMNS
 from rotor_ida.plot.labels import LABELS, label_axis
 
 PEAK = "peak of a contact"
 CUT = "contact cut off by the run: at least"
+IN_AND_OUT = "in and out of contact"
+# Contacts nearer than the width of an axis over this are not told apart: half a point of a panel.
+TOLD_APART = 400
 # A peak of the force is on the curve of its samples from this part of it on.
 ON_CURVE = 0.98
 
@@ -112,7 +115,7 @@ def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 
 def shade_contacts(ax: Axes, run: xr.Dataset) -> None:
-    """Shade the contacts of a run; merge those closer than a dot."""
+    """Shade the contacts of a run; where they are too close to tell apart, all in a paler shade."""
     if not {"entry_time", "exit_time"} <= set(run.variables):
         return
     first, last = (float(each) for each in run["t"].values[[0, -1]])
@@ -122,11 +125,24 @@ def shade_contacts(ax: Axes, run: xr.Dataset) -> None:
     entries, exits = np.clip(entries[shown], first, last), np.clip(exits[shown], first, last)
     if not entries.size:
         return
-    apart = np.flatnonzero(entries[1:] - exits[:-1] > (last - first) / COLUMNS)
+    order = np.argsort(entries)
+    entries, exits = entries[order], np.maximum.accumulate(exits[order])
+    narrow = (last - first) / TOLD_APART
+    apart = np.flatnonzero(entries[1:] - exits[:-1] > narrow)
     begins, ends = np.append(0, apart + 1), np.append(apart, entries.size - 1)
-    bars = list(zip(entries[begins], exits[ends] - entries[begins], strict=True))
-    ax.broken_barh(bars, (0.0, 1.0), label="in contact", transform=ax.get_xaxis_transform(),
-                   facecolor=SHADE, linewidth=0.0, zorder=0.5)  # fmt: skip
+    several = ends > begins
+    alone = exits - entries > narrow
+    alone[begins[~several]] = True
+    _shade(ax, entries[begins[several]], exits[ends[several]], IN_AND_OUT, PALE_SHADE)
+    _shade(ax, entries[alone], exits[alone], "in contact", SHADE)
+
+
+def _shade(ax: Axes, begins: Values, ends: Values, words: str, colour: str) -> None:
+    """Shade intervals of time, each at least as wide as a thin line."""
+    if begins.size:
+        bars = list(zip(begins, ends - begins, strict=True))
+        ax.broken_barh(bars, (0.0, 1.0), label=words, transform=ax.get_xaxis_transform(),
+                       facecolor=colour, edgecolor=colour, linewidth=0.5, zorder=0.5)  # fmt: skip
 
 
 def peaks_of(dataset: xr.Dataset) -> tuple[Values, Values]:

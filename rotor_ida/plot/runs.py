@@ -89,9 +89,9 @@ def plot_run(run: xr.Dataset) -> Figure:
     -------
     Figure
         The figure. Its axes are x, y, radius and peak force over time, and the orbit. Contact
-        is shaded, and events are marked unless they are too many. With friction the figure adds
-        the slip speed, shows the normal force over time, and colours orbit and radius by forward
-        slip, backward slip and rolling.
+        is shaded, paler where contacts are too close to tell apart. Events are marked unless they
+        are too many. With friction the figure adds the slip speed, shows the normal force over
+        time, and colours orbit and radius by forward slip, backward slip and rolling.
 
     Examples
     --------

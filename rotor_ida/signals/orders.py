@@ -166,7 +166,9 @@ def centre_line(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
     Notes
     -----
     As in `orders`, the mean is fitted together with the first orders, so it does not depend on the
-    number of samples in a window.
+    number of samples in a window. A steady component at a fraction of the speed does move it: for
+    a half, choose an even number of ``revolutions``, or take ``offset_x`` and ``offset_y`` of
+    ``orders(signals, [0.5, 1])``.
 
     Examples
     --------

@@ -166,6 +166,8 @@ def read_signals(
         for each in ("x", "y"):
             found[each] = displaced(each, *found[each], sensitivity)
     times, time = times_of(found, rate, table, names)
+    if time == "1":
+        notes.append("times have no unit: give it in units (t=s)")
     length = check_probes(found, times, accept_clipped)
     if probe_angles is None:
         notes.append("probes are taken to be at 0 and 90 degrees, as no probe_angles are given")
@@ -190,7 +192,7 @@ def read_signals(
     variables = {
         "x": _labelled("x", "t", z.real, length),
         "y": _labelled("y", "t", z.imag, length),
-        **_rotation(found, times, time, keyphasor, fill_pulses),
+        **_rotation(found, times, time, keyphasor, fill_pulses, names.get("angle", "")),
     }
     coordinates = {"t": _labelled("t", "t", times, time)}
     return labelled_dataset(
@@ -230,11 +232,17 @@ def _not_used(column: str, rate: float, table: Table, units: Mapping[str, str]) 
 
 
 def _rotation(
-    found: Mapping[str, tuple[Values, str]], times: Values, time: str, keyphasor: str, fill: bool
+    found: Mapping[str, tuple[Values, str]],
+    times: Values,
+    time: str,
+    keyphasor: str,
+    fill: bool,
+    column: str,
 ) -> dict[str, xr.Variable]:
     """Return the angle of the rotor or the pulses of its keyphasor, whichever the file has."""
     if "angle" in found:
-        return {"angle": labelled("angle", "t", _angle(found["angle"], times))}
+        angles = _angle(found["angle"], times, column)
+        return {"angle": labelled("angle", "t", angles)}
     if "keyphasor" in found:
         pulses = _pulses(found["keyphasor"], times, keyphasor, fill)
         return {"keyphasor": _labelled("keyphasor", "pulse", pulses, time)}
@@ -319,9 +327,9 @@ def _unit_of(name: str, columns: Mapping[str, str], table: Table, units: Mapping
     return unit
 
 
-def _angle(column: tuple[Values, str], times: Values) -> Values:
+def _angle(measured: tuple[Values, str], times: Values, column: str) -> Values:
     """Return a measured angle as a growing one, even if it was counted from 0 to one revolution."""
-    angles, unit = column
+    angles, unit = measured
     if angles.size != times.size:
         raise InputError(f"angle must have one number for each t, got {angles.size}")
     if not (np.diff(angles) >= 0.0).all():
@@ -334,7 +342,10 @@ def _angle(column: tuple[Values, str], times: Values) -> Values:
         angles = np.unwrap(angles)
     falls = np.flatnonzero(np.diff(angles) < 0.0)
     if falls.size:
-        raise InputError(f"angle must never fall, but does after t {times[falls[0]]:.6g}")
+        raise InputError(
+            f"angle must never fall, but does after t {times[falls[0]]:.6g}; if column "
+            f"{shown(column)} holds pulses, name it in columns: keyphasor={column}"
+        )
     return angles
 
 

@@ -49,7 +49,7 @@ MISTAKES = [
     (simulate(omega="-inf"), f"omega {FINITE} -inf"),
     (simulate(omega="-1"), "omega must be zero or positive, got -1.0"),
     (simulate(omega="fast"), f"omega {FINITE} 'fast'"),
-    (simulate(omega="1,2"), f"omega {FINITE} '1,2'"),
+    (simulate(omega="1,2"), "omega must have no comma, got '1,2': write 1.2 with a point"),
     (simulate(omega="\u0661"), f"omega {FINITE} '\u0661'"),
     (simulate(samples="\u0661\u0662"), "samples must be a whole number, got '\u0661\u0662'"),
     (f"show {'a' * 100_000}", "path must be a shorter path, got 'aaa"),
@@ -291,7 +291,10 @@ MISTAKES = [
     ),
     ("plot {run} --kind cascde --figure a", "got 'cascde'; did you mean 'cascade'?"),
     ("plot {run} --kind trace --figure a --times 1s 2s", "times must have no unit, got '1s'"),
-    ("plot {run} --kind orbit --figure a --clearance 1um", "clearance must have no unit, got"),
+    (
+        "plot {run} --kind orbit --figure a --clearance 1um",
+        "clearance must have no unit, got '1um': the data have none; a measured file is given its ",
+    ),
     ("plot {run} --kind pie --figure a", "kind must be one of 'bode', 'polar', 'orders', 'orbit'"),
     (
         "plot {run} --kind orbit --figure a.gif",

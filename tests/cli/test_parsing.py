@@ -29,7 +29,7 @@ def test_a_number_may_be_written_in_any_usual_way(word: str):
     assert parsing.number("zeta", [word]) == 0.001
 
 
-@pytest.mark.parametrize("word", ["1,7", "1_7", "", "0x10", "one", "1.2.3", "1j", "--"])
+@pytest.mark.parametrize("word", ["1_7", "", "0x10", "one", "1.2.3", "1j", "--"])
 def test_what_is_no_number_is_shown_as_it_was_given(word: str):
     with pytest.raises(InputError, match=f"^zeta must be a finite real number, got '{word}'$"):
         parsing.number("zeta", [word])
@@ -62,7 +62,7 @@ def test_a_value_with_its_unit_is_in_si_units(word: str, unit: str, value: float
         ("heavy", "mass must be a finite real number, got 'heavy'"),
         ("1e999kg", "mass must be a finite real number, got inf"),
         ("1.2.3kg", "mass must be a finite real number, got '1.2.3kg'"),
-        ("1,2kg", "mass must be a finite real number, got '1,2kg'"),
+        ("1,2kg", "mass must have no comma, got '1,2kg': write 1.2kg with a point"),
     ],
 )
 def test_a_value_of_another_dimension_or_none_gets_one_line(word: str, message: str):

@@ -137,6 +137,24 @@ def test_probes_at_any_angles_are_turned(program: Program, folder: Path, monkeyp
     }  # fmt: skip
 
 
+@pytest.mark.parametrize("kind", ["bode", "polar", "centreline"])
+def test_orders_are_fitted_together_in_windows_of_a_length(
+    program: Program, folder: Path, monkeypatch, kind: str
+):
+    seen = []
+    track = rotor_ida.orders
+    monkeypatch.setattr(
+        "rotor_ida.plot.signals.orders.tracked",
+        lambda signals, orders, **given: (
+            seen.append((np.sort(orders).tolist(), given)) or track(signals, orders, **given)
+        ),
+    )
+    words = ("plot", folder / "probes.csv", "--kind", kind, "--figure", "a")
+    answer = program(*words, "--orders", 0.5, 1, "--revolutions", 4)
+    assert (answer.status, answer.err) == (0, "")
+    assert seen == [([0.5, 1.0], {"revolutions": 4})]
+
+
 def test_a_measured_file_has_no_exact_response(program: Program, folder: Path):
     words = ("plot", folder / "probes.csv", "--kind", "bode", "--figure", "a", "--exact")
     answer = program(*words)

@@ -73,7 +73,9 @@ def test_a_load_may_be_the_weight():
      ({"friction": "12 N"}, "the unit of friction must be left out, got '12 N'"),
      ({"friction": 0.1}, "disc_radius must be given with friction"),
      ({"mass": True}, "mass must be a finite real number, got True"),
-     ({"mass": "-12kg"}, "mass must be positive, got -12.0")],
+     ({"mass": "-12kg"}, "mass must be positive, got -12.0"),
+     ({"clearance": "0,4mm"}, "clearance must have no comma, got '0,4mm': write 0.4mm"),
+     ({"speed": "1,450rpm"}, "speed must have no comma, got '1,450rpm': write 1450rpm")],
 )  # fmt: skip
 def test_what_cannot_be_is_refused(given, message):
     with pytest.raises(InputError, match=f"^{message}"):
@@ -90,4 +92,7 @@ def test_what_is_unlikely_is_told_and_a_pump_is_not():
     for word in ("damping_ratio", "clearance 150 um is below", "load bends the shaft by 250 um",
                  "stiffness of the shaft", "G75.4", "friction is 2", "a tenth"):  # fmt: skip
         assert word in told
+    for speed, times in (("1.45rpm", 0.000263), ("200000rpm", 36.3)):
+        (told,) = implausible(changed(speed=speed, contact_stiffness="1e8N/m", eccentricity=1e-6))
+        assert told.startswith(f"speed is {times:g} times the critical speed")
     assert "only the contact supports" in implausible(changed(shaft_stiffness=0.0, damping=1.0))[0]

@@ -1,9 +1,12 @@
 """Forces over time, and how their peaks are distributed."""
 
 import numpy as np
+import pytest
+import xarray as xr
 
 from rotor_ida import Rotor, contact_forces, simulate
-from rotor_ida.plot import plot_force_peaks, plot_forces
+from rotor_ida.plot import panels, plot_force_peaks, plot_forces
+from rotor_ida.plot.forces import shade_contacts
 
 REST = (0.0, 0.0, 0.0, 0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -41,3 +44,28 @@ def test_largest_force_at_the_end_of_a_run_is_no_peak():
     assert rising.peak_time.size
     cut = rising.assign(peak_time=("contact", np.full(rising.sizes["contact"], 2.0)))
     assert lines_of(plot_forces(cut))["peak of a contact"].get_xdata().size == 0
+
+
+@pytest.mark.parametrize(
+    ("entries", "exits", "pale", "full"),
+    [  # in a run of 30 s, of which about 0.08 s can be seen
+        (np.arange(23.0, 30.0, 0.018), np.arange(23.0, 30.0, 0.018) + 0.003, [(23, 30)], []),
+        ([5.0, 9.0], [5.001, 12.0], [], [(5, 5.001), (9, 12)]),
+        ([5.0, 6.01, 6.03], [6.0, 6.02, 8.0], [(5, 8)], [(5, 6), (6.03, 8)]),
+    ],
+)  # fmt: skip
+def test_contacts_that_cannot_be_told_apart_are_shaded_as_in_and_out(entries, exits, pale, full):
+    run = xr.Dataset(
+        {"entry_time": ("contact", entries), "exit_time": ("contact", exits)},
+        {"t": np.linspace(0.0, 30.0, 9)},
+    )
+    ax = panels(1, 1)[1][0]
+    shade_contacts(ax, run)
+    spans = {
+        each.get_label(): [path.get_extents().intervalx for path in each.get_paths()]
+        for each in ax.collections
+    }
+    for words, wanted in (("in and out of contact", pale), ("in contact", full)):
+        assert len(spans.get(words, [])) == len(wanted)
+        for span, (begin, end) in zip(spans.get(words, []), wanted, strict=True):
+            np.testing.assert_allclose(span, (begin, end), atol=0.02 if end == 30 else 1e-9)

@@ -202,6 +202,9 @@ ODD = {
     "no speed at all": (HEAD, np.zeros(TIMES.size), "positive, not always 0, got 0"),
     "degrees that are not said": (HEAD.replace("speed_rpm", "angle"), (3600.0 * TIMES) % 360.0,
         "the unit of angle must be given in units, as it spans 358.2 and falls"),
+    "pulses that are called a phase": (HEAD.replace("speed_rpm", "phase_ref"),
+        (np.arange(TIMES.size) % 50 == 0) * 5.0,
+        "if column 'phase_ref' holds pulses, name it in columns: keyphasor=phase_ref"),
 }  # fmt: skip
 
 

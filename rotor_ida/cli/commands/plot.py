@@ -18,6 +18,7 @@ from rotor_ida.cli.option_types import (
     count_option,
     flag_option,
     number_option,
+    numbers_option,
     path_option,
     quantity_option,
 )
@@ -126,6 +127,21 @@ OneOrder = Annotated[
     float | None,
     number_option("Order in Bode and polar plots, as a multiple of the speed. Default: 1."),
 ]
+Orders = Annotated[
+    list[float] | None,
+    numbers_option(
+        "Orders to track, to fit together with the one of a Bode or polar plot or the mean "
+        "position, or to mark in a cascade or spectrogram."
+    ),
+]
+Revolutions = Annotated[
+    int | None,
+    count_option(
+        "Revolutions in each window of an order or a mean position. Default: as suits the record.",
+        1,
+        MOST_NUMBERS,
+    ),
+]
 Sense = Annotated[
     Literal["forward", "backward"] | None,
     Parameter(help="Sense of the whirl in Bode and polar plots."),
@@ -154,7 +170,8 @@ def plot(
     figure: FigureOfPlot = None,
     exact: Exact = False,
     order: OneOrder = None,
-    orders: options.Orders = None,
+    orders: Orders = None,
+    revolutions: Revolutions = None,
     sense: Sense = None,
     over: Over = None,
     span: Span = None,
@@ -196,8 +213,9 @@ def plot(
         rotor-ida plot system.nc --kind full-spectrum --node seal --figure seal
     """
     given: dict[str, Any] = {
-        "order": order, "orders": orders, "sense": sense, "over": over, "span": span,
-        "segment": segment, "clearance": clearance, "contact": contact, "t": at,
+        "order": order, "orders": orders, "revolutions": revolutions, "sense": sense,
+        "over": over, "span": span, "segment": segment, "clearance": clearance,
+        "contact": contact, "t": at,
     }  # fmt: skip
     chosen = {name: value for name, value in given.items() if value is not None}
     if kind is not None:

@@ -59,7 +59,7 @@ class Trace(NamedTuple):
 
 def orbits_of(beneath: Beneath, given: xr.Dataset, units: Units) -> list[Orbit]:
     """Return exact orbits under the orbit of a run or signals."""
-    one_speed = _is_of_one_speed(given)
+    one_speed = is_of_one_speed(given)
     makers = {
         "cycle": _orbit_of_cycle,
         "backward_whirl": _backward_orbits,
@@ -73,13 +73,19 @@ def orbits_of(beneath: Beneath, given: xr.Dataset, units: Units) -> list[Orbit]:
     return [each for each in orbits if np.isfinite(each.x).all()]
 
 
-def _is_of_one_speed(given: xr.Dataset) -> bool:
+def is_of_one_speed(given: xr.Dataset) -> bool:
     """Return whether the speed of a run or of signals is constant or unknown."""
+    speeds = speeds_along(given)
+    return not speeds.size or is_one_speed(speeds)
+
+
+def speeds_along(given: xr.Dataset) -> Values:
+    """Return mean speeds between a few times of a run or of signals; none if unknown."""
     record = record_of(given)
     if record.angles is None:
-        return True
+        return np.empty(0)
     places = np.unique(np.linspace(0, record.times.size - 1, FEW_SPEEDS).astype(int))
-    return is_one_speed(np.diff(record.angles[places]) / np.diff(record.times[places]))
+    return np.asarray(np.diff(record.angles[places]) / np.diff(record.times[places]))
 
 
 def _orbit_of_cycle(cycle: xr.Dataset, scales: Scales) -> list[Orbit]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -29,12 +30,12 @@ from rotor_ida.plot.forces import shade_contacts
 from rotor_ida.plot.labels import label_axis, label_of, title_of
 from rotor_ida.plot.runs import NEEDED, draw_orbit
 from rotor_ida.plot.signals.beneath import Beneath
-from rotor_ida.plot.signals.exact_motion import Trace, centres_of, orbits_of, traces_of
+from rotor_ida.plot.signals.exact_motion import Orbit, Trace, centres_of, orbits_of, traces_of
+from rotor_ida.plot.signals.orders import tracks_of
 from rotor_ida.plot.signals.speeds import mark_speeds, title_of_signals
-from rotor_ida.plot.signals.units import is_one_speed, units_of
+from rotor_ida.plot.signals.units import is_one_speed, length_text, units_of
 from rotor_ida.results.run import check_columns, samples_in
 from rotor_ida.schema import flags_of
-from rotor_ida.signals.orders import centre_line
 from rotor_ida.signals.path import path_of
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.sampling import check_run_sampling
@@ -45,6 +46,8 @@ BLANK = 0.03
 FEW_PULSES, MANY_PULSES = 40, 400
 # An exact orbit of more points fills its annulus, and is a thin line.
 MANY_POINTS = 20_000
+# An exact orbit this many times wider than motion and clearance would make them a dot.
+FAR = 10.0
 TRACES = {"x": (BLUE, "$x$"), "y": (ORANGE, "$y$"), "radius": (INK, "radius")}
 
 
@@ -72,7 +75,8 @@ def plot_orbit(
     beneath : Dataset or sequence of Dataset
         Exact orbits under this one: of `rotor_ida.synchronous_response`, `rotor_ida.limit_cycle`
         and `rotor_ida.backward_whirl`. Whirls at several speeds are reduced to the speed of the
-        run. Under a run-up they may be at any speed, such as the last.
+        run. Under a run-up they may be at any speed, such as the last. One more than 10 times
+        as wide as motion and clearance is only named in the legend.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -99,10 +103,7 @@ def plot_orbit(
     with drawing(ax, width=4.0, height=4.9) as ax:
         label_axis(ax.xaxis, "x", given["x"])
         label_axis(ax.yaxis, "y", given["y"])
-        for orbit in exact:
-            width = 2.6 if orbit.x.size < MANY_POINTS else 0.6
-            ax.plot(orbit.x, orbit.y, color=orbit.colour, ls=orbit.dashes, lw=width, alpha=0.5,
-                    label=orbit.words, zorder=1.9)  # fmt: skip
+        _draw_exact_orbits(ax, exact, given, _ring_of(given, clearance))
         if is_run:
             path = path_of(given)
             draw_orbit(ax, given, path)
@@ -124,7 +125,8 @@ def plot_centre_line(
     signals: xr.Dataset,
     *,
     clearance: float | None = None,
-    revolutions: int = 1,
+    orders: npt.ArrayLike = 1.0,
+    revolutions: int | None = None,
     beneath: Beneath = (),
     ax: Axes | None = None,
 ) -> Axes:
@@ -133,11 +135,13 @@ def plot_centre_line(
     Parameters
     ----------
     signals : Dataset
-        Signals, a run or run-up, or the result of `rotor_ida.centre_line`.
+        Signals, a run or run-up, or the result of `rotor_ida.centre_line` or `rotor_ida.orders`.
     clearance : float, optional
         Clearance in the unit of the signals, if they do not contain it.
-    revolutions : int
-        As in `rotor_ida.centre_line`, if that is still to be computed.
+    orders : array_like
+        Orders to fit together with the mean [1], such as 0.5 and 1 where there is a steady ½X.
+    revolutions : int, optional
+        Length of the windows [1]; default as in `plot_bode`.
     beneath : Dataset or sequence of Dataset
         Exact positions under the line: `rotor_ida.closed_forms.rest`, the mean of a
         `rotor_ida.limit_cycle`, and the centre of `rotor_ida.synchronous_response`.
@@ -154,9 +158,10 @@ def plot_centre_line(
     """
     given = check_dataset("signals", signals, ())
     ready = {"offset_x", "offset_y", "window"} <= set(given.variables)
-    means = given if ready else centre_line(given, revolutions=revolutions)
+    means = given if ready else tracks_of(given, orders, revolutions)
     units = units_of(means, "offset_x", "speed")
     speeds = units.speeds(means["speed"].values)
+    one_speed = is_one_speed(speeds.values)
     x, y = means["offset_x"].values, means["offset_y"].values
     exact = centres_of(beneath, means, units)
     with drawing(ax, width=4.2, height=4.9) as ax:
@@ -164,7 +169,10 @@ def plot_centre_line(
         label_axis(ax.yaxis, "y", units.lengths(y), words="mean displacement $y$")
         ring = _ring_of(means, clearance)
         draw_ring(ax, ring or 0.0)
-        ax.plot(*thinned(x, y), color=BLUE, lw=1.1, label="centre line", zorder=3.0)
+        if one_speed:
+            _draw_places(ax, means, x, y)
+        else:
+            ax.plot(*thinned(x, y), color=BLUE, lw=1.1, label="centre line", zorder=3.0)
         for place, words, marker in exact:
             draw_marks(ax, place.real, place.imag, marker, PURPLE, size=8.0, face="none",
                        edge=1.3, label=words, level=3.3)  # fmt: skip
@@ -172,9 +180,17 @@ def plot_centre_line(
         mark_speeds(ax, x + 1j * y, speeds, BLUE, apart=0.08 * size,
                     label=label_of("speed", speeds))  # fmt: skip
         ax.set_aspect("equal", adjustable="datalim")
-        ax.set_title(title_of_signals(means, one_speed=is_one_speed(speeds.values)))
+        ax.set_title(title_of_signals(means, one_speed=one_speed))
         legend_below(ax)
     return ax
+
+
+def _draw_places(ax: Axes, means: xr.Dataset, x: Values, y: Values) -> None:
+    """Draw the mean positions at one speed as dots, on axes as wide as the whirl about them."""
+    draw_marks(ax, x, y, "o", BLUE, size=3.0, label="mean of each window", level=3.0)
+    if "forward_whirl_amplitude" in means.variables:
+        reach = float(means["forward_whirl_amplitude"].max())
+        ax.update_datalim([(x.mean() + side * reach, y.mean() + side * reach) for side in (-1, 1)])
 
 
 def plot_trace(
@@ -205,8 +221,8 @@ def plot_trace(
     Notes
     -----
     If there are more than 20000 samples, the first, last, smallest and largest in each column of
-    dots are drawn. The picture is the same, and no spike is lost. Contacts closer than a dot are
-    shaded as one.
+    dots are drawn. The picture is the same, and no spike is lost. Contacts too close to tell apart
+    are shaded together, in a paler shade.
 
     Examples
     --------
@@ -258,6 +274,22 @@ def _draw_exact_trace(ax: Axes, trace: Trace, names: tuple[str, ...]) -> None:
         kept = kept_in_columns(trace.times, values)
         ax.plot(trace.times[kept], values[kept], color=PURPLE, lw=2.6, alpha=0.4,
                 label=trace.words, zorder=1.9)  # fmt: skip
+
+
+def _draw_exact_orbits(
+    ax: Axes, exact: Sequence[Orbit], given: xr.Dataset, ring: float | None
+) -> None:
+    """Draw exact orbits; those far outside the motion and its clearance only in the legend."""
+    extent = max(float(np.hypot(given["x"].values, given["y"].values).max()), ring or 0.0)
+    for orbit in exact:
+        x, y, words = orbit.x, orbit.y, orbit.words
+        radius = float(np.hypot(x, y).max())
+        if radius > FAR * extent > 0.0:
+            x, y = np.empty(0), np.empty(0)
+            words = f"{words}, outside:\nradius {length_text(radius, str(given['x'].units))}"
+        width = 2.6 if orbit.x.size < MANY_POINTS else 0.6
+        ax.plot(x, y, color=orbit.colour, ls=orbit.dashes, lw=width, alpha=0.5, label=words,
+                zorder=1.9)  # fmt: skip
 
 
 def _draw_orbit(ax: Axes, record: Record, *, marked: bool) -> None:

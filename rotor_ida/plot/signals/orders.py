@@ -23,9 +23,10 @@ from rotor_ida.plot.appearance import (
     own_legend,
     style,
 )
-from rotor_ida.plot.datasets import check_dataset
+from rotor_ida.plot.datasets import check_dataset, parameters_in
 from rotor_ida.plot.labels import LABELS, label_axis, label_of
 from rotor_ida.plot.signals.beneath import Beneath, Response, responses_of
+from rotor_ida.plot.signals.exact_motion import is_of_one_speed
 from rotor_ida.plot.signals.speeds import legs_of, mark_speeds, title_of_signals
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
 from rotor_ida.signals.orders import check_orders, revolutions_for
@@ -36,8 +37,12 @@ SENSES = ("forward", "backward")
 # A jump between windows exceeds this fraction of the largest amplitude, and this multiple of the
 # median step around it.
 JUMP, UNUSUAL, NEIGHBOURS = 0.1, 5.0, 33
-# Fewest windows of a curve, unless they have the longest length, and their revolutions.
-WINDOWS, LONGEST = 250, 8
+# Fewest windows of a curve and of a record at one speed, and the most revolutions of one. An even
+# number of revolutions contains no part of a period of ½X.
+WINDOWS, AT_ONE_SPEED, LONGEST = 250, 8, 8
+# Errors are drawn if, in more than a tenth of the windows, twice the error is more than this
+# fraction of the largest amplitude. A simulated run has no noise: its amplitude does change.
+NOTABLE, IN_MOST = 0.03, 0.9
 
 
 class OneOrder(NamedTuple):
@@ -48,8 +53,22 @@ class OneOrder(NamedTuple):
     speeds: xr.DataArray
     amplitude: Values
     lag: Values
+    error: Values
     words: str
     exact: list[Response]
+    simulated: bool
+
+    @property
+    def marker(self) -> str:
+        """Return the marker of a window: the line of one speed would be too short to see."""
+        return "o" if is_one_speed(self.speeds.values) else ""
+
+
+class _Fit(NamedTuple):
+    """The orders to fit together with the one drawn, and the length of the windows."""
+
+    orders: npt.ArrayLike
+    revolutions: int | None
 
 
 def plot_bode(
@@ -57,6 +76,8 @@ def plot_bode(
     *,
     order: float = 1.0,
     sense: str = "forward",
+    orders: npt.ArrayLike = (),
+    revolutions: int | None = None,
     beneath: Beneath = (),
     axes: Sequence[Axes] | None = None,
 ) -> list[Axes]:
@@ -65,12 +86,17 @@ def plot_bode(
     Parameters
     ----------
     signals : Dataset
-        Signals, a run or run-up, or the result of `rotor_ida.orders`. Signals of more than 500
-        revolutions are tracked in windows of up to 8 revolutions that leave at least 250 windows.
+        Signals, a run or run-up, or the result of `rotor_ida.orders`.
     order : float
         Multiple of the speed [1].
     sense : {"forward", "backward"}
         Direction of the whirl shown.
+    orders : array_like, optional
+        Further orders to fit together with this one [1]. What else turns at a steady multiple of
+        the speed, such as ½X, then does not leak into it.
+    revolutions : int, optional
+        Length of the windows [1]. Default: up to 8 revolutions that leave at least 250 windows, or
+        8 windows at one speed, but as many as separate the orders.
     beneath : Dataset or sequence of Dataset
         Exact results under the order 1 forward: of
         `rotor_ida.closed_forms.response_curve`, `rotor_ida.synchronous_response`,
@@ -89,7 +115,8 @@ def plot_bode(
     -----
     The phase is the lag of the whirl behind the mark on the shaft; for a run that is the unbalance.
     It is 0 below and 180° above a resonance. The line breaks at a jump of the whirl, and a window
-    that spans a jump is left out.
+    that spans a jump is left out. A band shows two standard errors of measured signals if
+    these are more than 3 % of the largest amplitude in a tenth of the windows.
 
     Examples
     --------
@@ -101,7 +128,7 @@ def plot_bode(
     >>> [ax.get_ylabel() for ax in plot_bode(up, beneath=exact)]
     ['whirl amplitude $|c|$', 'phase lag $\\theta$ [°]']
     """
-    one = _one_order(signals, order, sense, beneath)
+    one = _one_order(signals, order, sense, beneath, _Fit(orders, revolutions))
     speeds, amplitude = one.speeds, one.amplitude
     with style():
         upper, lower = _pair_of(axes)
@@ -111,10 +138,10 @@ def plot_bode(
             response.draw_amplitude(upper)
             response.draw_phase(lower, around=float(np.nanmedian(angles)))
         for part, words, colour, dashes in legs_of(speeds.values, one.words):
-            upper.plot(*_broken(speeds.values, amplitude, jumps, part), color=colour, ls=dashes,
-                       lw=1.1, label=words, zorder=3.2)  # fmt: skip
-            lower.plot(*_broken(speeds.values, angles, jumps | wraps, part), color=colour,
-                       ls=dashes, lw=1.1, zorder=3.2)  # fmt: skip
+            for ax, up, breaks in ((upper, amplitude, jumps), (lower, angles, jumps | wraps)):
+                ax.plot(*_broken(speeds.values, up, breaks, part), color=colour, ls=dashes, lw=1.1,
+                        marker=one.marker, ms=3.0, label=words, zorder=3.2)  # fmt: skip
+        _draw_errors(upper, lower, one, angles, jumps | wraps)
         label_axis(upper.yaxis, "whirl_amplitude", one.units.lengths(amplitude))
         _label_degrees(lower)
         if integrated(signals.attrs):
@@ -135,6 +162,8 @@ def plot_polar(
     *,
     order: float = 1.0,
     sense: str = "forward",
+    orders: npt.ArrayLike = (),
+    revolutions: int | None = None,
     beneath: Beneath = (),
     ax: Axes | None = None,
 ) -> Axes:
@@ -142,7 +171,7 @@ def plot_polar(
 
     Parameters
     ----------
-    signals, order, sense, beneath
+    signals, order, sense, orders, revolutions, beneath
         As in `plot_bode`.
     ax : Axes, optional
         Polar axes to draw on and return; default: those of a new figure.
@@ -161,7 +190,7 @@ def plot_polar(
     >>> ax.name, ax.get_theta_direction().item()
     ('polar', -1.0)
     """
-    one = _one_order(signals, order, sense, beneath)
+    one = _one_order(signals, order, sense, beneath, _Fit(orders, revolutions))
     speeds, amplitude, lag = one.speeds, one.amplitude, one.lag
     apart, jumps = 0.1 * float(amplitude.max()), jumps_of(amplitude, lag)
     with style():
@@ -172,7 +201,7 @@ def plot_polar(
             response.draw_polar(polar)
         for part, words, colour, dashes in legs_of(speeds.values, one.words):
             polar.plot(*_broken(lag, amplitude, jumps, part), color=colour, ls=dashes, lw=1.1,
-                       label=words, zorder=3.2)  # fmt: skip
+                       marker=one.marker, ms=3.0, label=words, zorder=3.2)  # fmt: skip
             z = amplitude[part] * np.exp(1j * lag[part])
             mark_speeds(polar, z, speeds[part], colour, apart=apart)
         polar.set_rlim(0.0, 1.08 * float(amplitude.max()))
@@ -189,6 +218,7 @@ def plot_orders(
     signals: xr.Dataset,
     *,
     orders: npt.ArrayLike = (0.5, 1.0, 2.0),
+    revolutions: int | None = None,
     logarithmic: bool = False,
     beneath: Beneath = (),
     ax: Axes | None = None,
@@ -201,6 +231,8 @@ def plot_orders(
         As in `plot_bode`.
     orders : array_like, shape (k,)
         Multiples of the speed [1]; for a result of `rotor_ida.orders` all are shown.
+    revolutions
+        As in `plot_bode`.
     logarithmic : bool
         Whether the amplitude scale is logarithmic.
     beneath
@@ -216,7 +248,7 @@ def plot_orders(
     >>> [text.get_text() for text in plot_orders(up, orders=[1]).get_legend().get_texts()]
     ['1X forward', '1X backward']
     """
-    tracks = tracks_of(signals, orders)
+    tracks = tracks_of(signals, orders, revolutions)
     units = units_of(tracks, "forward_whirl_amplitude", "speed")
     speeds = units.speeds(tracks["speed"].values)
     with drawing(ax) as ax:
@@ -246,7 +278,9 @@ def plot_orders(
     return ax
 
 
-def tracks_of(signals: xr.Dataset, orders: npt.ArrayLike) -> xr.Dataset:
+def tracks_of(
+    signals: xr.Dataset, orders: npt.ArrayLike, revolutions: int | None = None
+) -> xr.Dataset:
     """Return orders, tracked if necessary.
 
     A long record uses windows of several revolutions, which suppress other frequencies better.
@@ -254,11 +288,13 @@ def tracks_of(signals: xr.Dataset, orders: npt.ArrayLike) -> xr.Dataset:
     given = check_dataset("signals", signals, ())
     if "forward_whirl_amplitude" in given.variables:
         return given
-    angles = record_of(given).known_angles()
-    revolutions = float(angles[-1] - angles[0]) / (2.0 * math.pi)
-    length = min(int(revolutions / WINDOWS), LONGEST)
-    shortest = revolutions_for(check_orders(orders), None)
-    return tracked(given, orders, revolutions=max(length, shortest))
+    if revolutions is None:
+        angles = record_of(given).known_angles()
+        turns = float(angles[-1] - angles[0]) / (2.0 * math.pi)
+        fewest = AT_ONE_SPEED if is_of_one_speed(given) else WINDOWS
+        length = min(int(turns / fewest), LONGEST)
+        revolutions = max(length - length % 2, revolutions_for(check_orders(orders), None))
+    return tracked(given, orders, revolutions=revolutions)
 
 
 def order_words(order: float) -> str:
@@ -306,10 +342,13 @@ def jumps_of(amplitude: Values, lag: Values) -> npt.NDArray[np.bool_]:
     return np.append(False, steps > least)
 
 
-def _one_order(signals: xr.Dataset, order: float, sense: str, beneath: Beneath) -> OneOrder:
+def _one_order(
+    signals: xr.Dataset, order: float, sense: str, beneath: Beneath, fit: _Fit
+) -> OneOrder:
     """Return one order of signals, with exact results for the order 1 forward only."""
     check_choice("sense", sense, SENSES)
-    tracks = tracks_of(signals, [order])
+    beside = np.atleast_1d(fit.orders)
+    tracks = tracks_of(signals, np.append(order, beside[beside != order]), fit.revolutions)
     units = units_of(tracks, "forward_whirl_amplitude", "speed")
     wanted, tracked_orders = check_positive("order", order), tracks["order"].values
     place = int(np.abs(tracked_orders - wanted).argmin())
@@ -325,9 +364,28 @@ def _one_order(signals: xr.Dataset, order: float, sense: str, beneath: Beneath) 
         speeds,
         one[f"{sense}_whirl_amplitude"].values,
         one[f"{sense}_phase_lag"].values,
+        one[f"{sense}_amplitude_error"].values,
         _words(order, sense),
         exact,
+        bool(parameters_in(tracks)),
     )
+
+
+def _draw_errors(
+    upper: Axes, lower: Axes, one: OneOrder, angles: Values, breaks: npt.NDArray[np.bool_]
+) -> None:
+    """Draw bands of two standard errors of amplitude and lag, unless these are small."""
+    amplitude, error = one.amplitude, 2.0 * one.error
+    if one.simulated or np.quantile(error, IN_MOST) <= NOTABLE * amplitude.max():
+        return
+    lags = np.degrees(np.arctan2(error, amplitude))
+    width = 4.0 if one.marker else 0.0
+    for part, _, colour, _ in legs_of(one.speeds.values, one.words):
+        for ax, middle, half in ((upper, amplitude, error), (lower, angles, lags)):
+            across, low = _broken(one.speeds.values, middle - half, breaks, part)
+            _, high = _broken(one.speeds.values, middle + half, breaks, part)
+            ax.fill_between(across, low, high, facecolor=colour, edgecolor=colour, alpha=0.25,
+                            lw=width, label="two standard errors", zorder=3.0)  # fmt: skip
 
 
 def _words(order: float, sense: str) -> str:

@@ -28,6 +28,7 @@ from rotor_ida.plot.datasets import check_dataset
 from rotor_ida.plot.decimation import kept_in_columns
 from rotor_ida.plot.labels import label_axis, number_text, unit_of
 from rotor_ida.plot.signals.beneath import Beneath, Line, lines_of
+from rotor_ida.plot.signals.exact_motion import speeds_along
 from rotor_ida.plot.signals.orders import order_words
 from rotor_ida.plot.signals.speeds import title_of_signals
 from rotor_ida.plot.signals.units import Units, units_of
@@ -103,7 +104,7 @@ def plot_full_spectrum(
     signals : Dataset
         Signals, a run, or the result of `rotor_ida.full_spectrum`.
     span : float
-        Largest frequency shown, over the speed if known, otherwise over half the sampling
+        Largest frequency shown, over the largest speed if known, otherwise over half the sampling
         rate [1].
     segment : int, optional
         As in `rotor_ida.full_spectrum`, if that is still to be computed.
@@ -126,11 +127,13 @@ def plot_full_spectrum(
     ['backward', 'forward', 'spin speed', 'noise floor', 'bandwidth']
     """
     given = check_dataset("signals", signals, ())
-    spectrum = given if "noise_floor" in given.variables else full_spectrum(given, segment=segment)
+    ready = "noise_floor" in given.variables
+    spectrum = given if ready else full_spectrum(given, segment=segment)
     units = units_of(spectrum, "whirl_amplitude", "frequency")
     exact = lines_of(beneath, spectrum, units)
     frequency = units.frequencies(spectrum["frequency"].values)
-    limit, spin = _limit_of(spectrum, frequency.values, check_positive("span", span))
+    fastest = np.empty(0) if ready else units.frequencies(speeds_along(given)).values
+    limit, spin = _limit_of(spectrum, frequency.values, check_positive("span", span), fastest)
     height = spectrum["whirl_amplitude"].values
     highest, noise = float(height.max(initial=0.0)) or 1.0, float(spectrum["noise_floor"])
     with drawing(ax, width=6.0, height=3.8) as ax:
@@ -160,13 +163,16 @@ def plot_full_spectrum(
     return ax
 
 
-def _limit_of(spectrum: xr.Dataset, frequency: Values, span: float) -> tuple[float, float]:
+def _limit_of(
+    spectrum: xr.Dataset, frequency: Values, span: float, speeds: Values
+) -> tuple[float, float]:
     """Return the largest frequency shown, and the spin frequency; NaN if it varies."""
     all_of_it = float(np.abs(frequency).max())
-    if "frequency_over_omega" not in spectrum.variables:
-        return min(1.0, span) * all_of_it, math.nan
-    spin = float(frequency[-1] / spectrum["frequency_over_omega"].values[-1])
-    return min(span * spin, all_of_it), spin
+    if "frequency_over_omega" in spectrum.variables:
+        spin = float(frequency[-1] / spectrum["frequency_over_omega"].values[-1])
+        return min(span * spin, all_of_it), spin
+    fastest = float(speeds.max(initial=0.0))
+    return min(span * fastest if fastest else span * all_of_it, all_of_it), math.nan
 
 
 def _peaks_kept(frequency: Values, height: Values, limit: float) -> tuple[Values, Values]:

@@ -12,6 +12,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
+from rotor_ida.plot.labels import number_text
 from rotor_ida.signals.spectra import STEADY
 from rotor_ida.units import PREFIXES, SPEED_UNITS
 
@@ -110,6 +111,21 @@ def scales_of(exact: xr.Dataset, shown: xr.Dataset, units: Units) -> Scales:
     )
     factor = _metres(length) / _metres(units.length)
     return Scales(factor, float(here["rate_scale"]) / units.rate, 1.0 / units.rate)
+
+
+def length_text(value: float, unit: str) -> str:
+    """Return a length as text, in mm or µm where its unit is one of length.
+
+    Examples
+    --------
+    >>> length_text(16850.0, "um"), length_text(3.25, "1")
+    ('$16.9$ mm', '$3.25$')
+    """
+    if not LENGTH.match(unit):
+        return f"${number_text(value, '.3g')}$ {'' if unit == '1' else unit}".rstrip()
+    metres = value * _metres(unit)
+    scaled, symbol = (1e6 * metres, "µm") if metres < 1e-3 else (1e3 * metres, "mm")
+    return f"${number_text(scaled, '.3g')}$ {symbol}"
 
 
 def _metres(unit: str) -> float:

@@ -17,6 +17,7 @@ from rotor_ida import (
     hopf_points,
     limit_cycle,
     orders,
+    read_signals,
     run_up,
     signals_of,
     simulate,
@@ -126,6 +127,40 @@ def test_bode_shows_amplitude_and_lag_of_a_known_whirl():
     np.testing.assert_allclose(lower.get_lines()[-1].get_ydata(), math.degrees(1.0), rtol=1e-9)
     backward, _ = plot_bode(whirl(forward=3.0, backward=0.5), sense="backward")
     np.testing.assert_allclose(line_of(backward, "1X backward").get_ydata(), 0.5, rtol=1e-8)
+
+
+@pytest.fixture(scope="module")
+def half(tmp_path_factory):
+    """Return the signals of a steady 1X of 20 with 1/2X of 6 about the mean 40 + 20j at 25 Hz."""
+    times = np.arange(0.0, 4.0, 1 / 2048)
+    turn = 50.0 * np.pi * times
+    z = 40.0 + 20.0j + 20.0 * np.exp(1j * turn) + 6.0 * np.exp(0.5j * turn)
+    path = tmp_path_factory.mktemp("half") / "half.csv"
+    columns = np.stack([times, z.real, z.imag, np.cos(turn) > 0.9], axis=1)
+    np.savetxt(path, columns, "%.6f", ",", header="t_s,x_um,y_um,keyphasor", comments="")
+    return read_signals(path)
+
+
+@pytest.mark.parametrize("fit", [{}, {"orders": [0.5]}, {"revolutions": 6}])
+def test_a_steady_half_order_moves_neither_1x_nor_the_mean(half, fit):
+    upper, _ = plot_bode(half, **fit)
+    assert legend_of(upper) == ["1X forward"]
+    line, polar = line_of(upper, "1X forward"), line_of(plot_polar(half, **fit), "1X forward")
+    for each in (line, polar):
+        np.testing.assert_allclose(each.get_ydata(), 20.0, atol=0.3)
+        assert each.get_marker() == "o"  # a line of one point cannot be seen
+    centre = plot_centre_line(half, **fit)
+    np.testing.assert_allclose(line_of(centre, "mean of each window").get_xdata(), 40.0, atol=0.3)
+    assert np.ptp(centre.get_xlim()) > 10.0
+
+
+def test_errors_that_are_not_small_are_a_band(half):
+    upper, lower = plot_bode(half, revolutions=1)
+    assert legend_of(upper) == ["1X forward", "two standard errors"]
+    for ax, truth in ((upper, 20.0), (lower, None)):
+        (band,) = ax.collections
+        low, high = band.get_paths()[0].get_extents().intervaly
+        assert truth is None or low < truth < high
 
 
 def test_bode_lies_on_the_exact_curve_below_the_jump(up, exact):
@@ -299,6 +334,10 @@ def test_noise_floor_and_bandwidth_are_those_of_the_spectrum():
     assert np.diff(bar.get_xdata())[0] == pytest.approx(lines.bandwidth.item())
 
 
+def test_a_full_spectrum_shows_multiples_of_the_largest_speed_of_a_run_up(up):
+    np.testing.assert_allclose(plot_full_spectrum(up, span=2.0).get_xlim(), (-5, 5), rtol=0.01)
+
+
 def test_order_lines_of_a_cascade_are_multiples_of_the_speed(up):
     ax = plot_cascade(up, orders=[-1, 0.5, 1, 2])
     slopes = [np.polyfit(line.get_ydata(), line.get_xdata(), 1)[0] for line in ax.get_lines()[:4]]
@@ -368,6 +407,18 @@ def test_dry_whip_is_marked_at_its_speed_backwards():
     circle = line_of(orbit, "exact dry whip")
     radius = np.hypot(circle.get_xdata(), circle.get_ydata())
     np.testing.assert_allclose(radius, whirls.amplitude[1].item())
+
+
+def test_an_exact_orbit_far_outside_is_named_and_leaves_the_axes_to_the_motion(bouncing, cycle):
+    part, far = signals_of(bouncing.sel(t=slice(0, 40))), cycle.copy(deep=True)
+    far["x"], far["y"] = 40.0 * far["x"], 40.0 * far["y"]
+    ax = plot_orbit(part, beneath=far)
+    (words,) = [text for text in legend_of(ax) if text.startswith("exact cycle, outside")]
+    radius = float(np.hypot(far.x, far.y).max())
+    assert float(words.partition("radius $")[2].removesuffix("$")) == pytest.approx(
+        radius, rel=5e-3
+    )
+    assert ax.get_ylim()[1] < 4.0 * float(np.hypot(part.x, part.y).max())
 
 
 def test_an_exact_cycle_lies_under_its_orbit(bouncing, cycle):
