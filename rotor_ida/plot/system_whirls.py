@@ -132,13 +132,13 @@ def draw_clearance(ax: Axes, part: xr.Dataset) -> None:
 
 def _mark_special(ax: Axes, special: xr.Dataset, contact: int) -> None:
     """Mark folds, Hopf points, and the grazes of a contact."""
-    needed = ("special_speed", "special_kind", "grazed_contact", "amplitude")
+    needed = ("special_speed", "special_kind", "amplitude")
     special = check_dataset("special", special, needed)
     speeds, kinds = speeds_in(special["special_speed"]), special["special_kind"].values
     amplitude = special["amplitude"].isel(contact=contact).values
     for word, (label, mark, size) in SPECIALS.items():
         chosen = kinds == SPECIAL[word]
-        if word == "graze":
+        if word == "graze" and "grazed_contact" in special:  # archives had none at first
             chosen &= special["grazed_contact"].values == contact
         if chosen.any():
             draw_marks(ax, speeds[chosen], amplitude[chosen], mark, INK, size=size, face="white",
@@ -387,7 +387,7 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> plot_campbell(campbell(system, speed=[0.0, 0.5, 1.0])).get_ylabel()
     'size of the whirl speed'
     """
-    needed = ("speed", "contact_stiffness", "whirl_speed", "whirl_sense", "critical_speed")
+    needed = ("speed", "contact_stiffness", "whirl_speed", "whirl_sense")
     found = check_dataset("found", found, needed)
     springs = found["contact_stiffness"].values
     with drawing(ax) as ax:
@@ -407,7 +407,8 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
                         color=colour, alpha=float(faint), mec="none")  # fmt: skip
         ax.plot(speeds, np.abs(speeds), color=INK, lw=0.9, ls="--", label="spin speed")
         handles = [ax.lines[-1], *_handles(senses, springs, units_in(found["contact_stiffness"]))]
-        critical = speeds_in(found["critical_speed"])
+        # archives had none at first
+        critical = speeds_in(found["critical_speed"]) if "critical_speed" in found else np.empty(0)
         if critical.size:
             draw_marks(ax, critical, critical, "o", INK, size=5.0, face="none",
                        label="critical speed", level=3.7)  # fmt: skip

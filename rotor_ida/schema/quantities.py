@@ -90,7 +90,10 @@ QUANTITIES: dict[str, Quantity] = {
     "lower": Quantity("lower end of the confidence interval, in the unit of the parameter", ""),
     "upper": Quantity("upper end of the confidence interval, in the unit of the parameter", ""),
     "first_guess": Quantity("first guess, in the unit of the parameter", ""),
-    "told": Quantity("whether the standard error is at most half of the value", flags=NO_YES),
+    "told": Quantity(
+        "whether the search converged and the standard error is at most half of the value",
+        flags=NO_YES,
+    ),
     "unit": Quantity("unit of the value", ""),
     "covariance": Quantity("covariance of two values, in their units", ""),
     "record": Quantity("number of the record of signals"),

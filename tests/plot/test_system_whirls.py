@@ -87,6 +87,8 @@ def test_a_campbell_diagram_has_forward_and_backward_whirls():
     words = [text.get_text() for text in ax.get_legend().get_texts()]
     assert words == ["spin speed", "forward", "backward", "contacts 0 N/m", "contacts 5e+06 N/m",
                      "critical speed"]  # fmt: skip
+    older = found.drop_vars([name for name in found.variables if name.startswith("critical_")])
+    assert len(plot.plot_campbell(older).lines) == len(ax.lines) - 1
     values = np.concatenate([line.get_ydata() for line in marks])
     drawn = values[values <= 3.0 * SPEEDS[-1] * 30 / np.pi].max()
     assert ax.get_ylim() == (0.0, pytest.approx(1.08 * drawn))
@@ -119,6 +121,8 @@ def test_special_speeds_are_drawn_on_their_whirls_at_each_contact():
         )
         branches = special.branch_amplitude.isel(contact=number).values
         np.testing.assert_allclose(np.sort(shown), 1e6 * np.sort(branches[np.isfinite(branches)]))
+    older = figure_of(special.drop_vars("grazed_contact")).axes
+    assert [ax.get_title() for ax in older] == [ax.get_title() for ax in axes]
     with pytest.raises(InputError, match="special must contain branch_amplitude"):
         plot.plot_special_speeds(special.drop_vars("branch_amplitude"))
 
