@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from rich.console import RenderableType
 
+from rotor_ida.arrays import Values
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.cli.variables import (
     Description,
@@ -29,6 +30,7 @@ from rotor_ida.cli.variables import (
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
+from rotor_ida.results.run import course_of
 from rotor_ida.results.si_units import MACHINE, UNITS, in_rpm, in_suitable_units, si_of
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, by_number, flags_of
 from rotor_ida.units import SPEED_UNITS
@@ -158,10 +160,9 @@ def change_of_speed(run: xr.Dataset) -> Record:
     """Return the course of the speed during a run, by names with units."""
     if "speed" not in run:
         return {}
-    first, last = run["speed"].values[[0, -1]].tolist()
-    told: Record = {with_unit(run, "speed"): f"{first:.8g} to {last:.8g}"}
+    told: Record = {with_unit(run, "speed"): _course(run["speed"].values)}
     if (turns := in_rpm(run["speed"])) is not None:
-        told["speed [rpm]"] = f"{turns[0]:.8g} to {turns[-1]:.8g}"
+        told["speed [rpm]"] = _course(turns)
     attributes = attributes_of(run)
     for name in ("rate", "torque", "inertia"):
         if name in attributes:
@@ -170,6 +171,10 @@ def change_of_speed(run: xr.Dataset) -> Record:
             if unit == "rad/s2":
                 told["rate [rpm/s]"] = float(run.attrs[name]) / SPEED_UNITS["rpm"]
     return told
+
+
+def _course(speeds: Values) -> str:
+    return " to ".join(f"{speed:.8g}" for speed in course_of(speeds))
 
 
 def _begun(dataset: xr.Dataset) -> Record:

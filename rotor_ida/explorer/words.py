@@ -103,7 +103,7 @@ def words_of_run_up(machine: Rotor | DimensionalRotor, passed: Mapping[str, Any]
     ending = CONTACT_FREE if passed["now"] == "clear" else passed["now"]
     told = contact_in_words(passed, ending, rotor, known)
     too_deep = _too_deep(machine, rotor.delta0 - passed["smallest_gap"])
-    return f"From {begin} to {end}. {told}{too_deep}"
+    return f"From {begin} to {end}. {told}{too_deep}".replace(" um", " µm")
 
 
 def _gap(machine: Rotor | DimensionalRotor, radius: float) -> str:

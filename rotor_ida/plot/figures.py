@@ -106,9 +106,14 @@ def figure_of_diagram(dataset: xr.Dataset) -> Figure:
 
 def figure_of_signals(dataset: xr.Dataset) -> Figure:
     """Return the figure of signals: a Bode plot while the speed changes, else the orbit."""
-    record = record_of(dataset)
-    drawn = plot.plot_bode(dataset)[0] if _is_run_up(record) else plot.plot_orbit(dataset)
+    of_run_up = plot_of_signals(dataset) == "bode"
+    drawn = plot.plot_bode(dataset)[0] if of_run_up else plot.plot_orbit(dataset)
     return cast(Figure, drawn.figure)
+
+
+def plot_of_signals(dataset: xr.Dataset) -> str:
+    """Return which plot suits signals: ``bode`` while the speed changes, else ``orbit``."""
+    return "bode" if _is_run_up(record_of(dataset)) else "orbit"
 
 
 def _is_run_up(record: Record) -> bool:

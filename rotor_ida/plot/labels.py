@@ -18,6 +18,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from rotor_ida import schema
 from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.plot.datasets import hold_units, one_value, units_in
+from rotor_ida.results.run import course_of
 from rotor_ida.results.si_units import in_rpm, machine_of, scale_of, si_of
 from rotor_ida.units import SPEED_UNITS
 
@@ -215,7 +216,7 @@ def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMET
         return in_lines(text_of(dataset, values))
     if (speeds := in_rpm(dataset["speed"])) is not None:  # omega is only the first
         del values["omega"]
-        turns = " to ".join(map(_short, speeds[[0, -1]]))
+        turns = " to ".join(map(_short, course_of(speeds)))
         return _wrapped([f"{turns} rpm", *_in_si(dataset, values)])
     last = float(dataset["speed"][-1]) / scale_of(dataset, "speed")
     text = text_of(dataset, values).replace("$,", rf" \ldots {last:.4g}$,", 1)
@@ -241,7 +242,7 @@ def _speed_of_system(dataset: xr.Dataset) -> list[str]:
     speeds = [dataset.attrs["speed"]] if "speed" in dataset.attrs else []
     units = dataset.attrs.get("speed_units", "1")
     if "event_speed" in dataset.variables:
-        speeds, units = dataset["speed"].values[[0, -1]].tolist(), units_in(dataset["speed"])
+        speeds, units = course_of(dataset["speed"].values).tolist(), units_in(dataset["speed"])
     turns = in_rpm(xr.DataArray(speeds, attrs={"units": units}))
     words = " to ".join(map(_short, speeds if turns is None else turns))
     return [f"speed {words}" if turns is None else f"{words} rpm"] if words else []

@@ -182,3 +182,20 @@ def event_columns(
         kind = Quantity(columns["event_kind"].attrs["long_name"], flags=flags)
         columns["event_kind"].attrs = kind.attributes()
     return columns
+
+
+def course_of(speeds: Values) -> Values:
+    """Return the first and the last speed, and those between at which it is largest or smallest.
+
+    Examples
+    --------
+    >>> course_of(np.array([0.0, 900.0, 1800.0, 600.0, 0.0])).tolist()
+    [0.0, 1800.0, 0.0]
+    >>> course_of(np.array([300.0, 900.0, 1800.0])).tolist()
+    [300.0, 1800.0]
+    """
+    low, high = np.sort(speeds[[0, -1]])
+    extremes = sorted({int(speeds.argmin()), int(speeds.argmax())})
+    slack = 1e-9 * float(np.abs(speeds).max())  # of rounding
+    turns = [at for at in extremes if not low - slack <= speeds[at] <= high + slack]
+    return np.asarray(speeds[[0, *turns, -1]])

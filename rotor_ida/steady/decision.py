@@ -212,7 +212,7 @@ def _decision(motion: Motion, approach: _Approach) -> Decision:
     """Return the kind of a motion, as its last window shows it."""
     kind = motion.kind_of_state()
     if kind is not None:
-        tried = _what_was_tried(motion, approach, math.nan, math.nan) if kind == UNRESOLVED else ""
+        tried = _what_was_tried(motion, approach, math.nan) if kind == UNRESOLVED else ""
         return Decision(kind, message=tried)
     period = approach.period(motion)
     if period is not None:
@@ -225,7 +225,7 @@ def _decision(motion: Motion, approach: _Approach) -> Decision:
         kind, exponent, error = _kind_by_exponent(motion.exponents())
     message = ""
     if kind == UNRESOLVED:
-        message = _what_was_tried(motion, approach, exponent, error)
+        message = _what_was_tried(motion, approach, exponent)
     return Decision(kind, None, exponent, error, message=message)
 
 
@@ -253,21 +253,18 @@ def _kind_by_exponent(found: Exponents) -> tuple[str, float, float]:
     return QUASI_PERIODIC if are_zero.all() and found.has_tori else UNRESOLVED, exponent, error
 
 
-def _what_was_tried(motion: Motion, approach: _Approach, exponent: float, error: float) -> str:
+def _what_was_tried(motion: Motion, approach: _Approach, exponent: float) -> str:
     """Return for how long an unresolved motion was followed, and what still moved at the end."""
     followed = motion.followed()
     if motion.never_settles:
         return f"{followed}: without damping nothing settles"
-    return f"{followed}: {_still_moving(motion, approach, exponent, error)}"
+    return f"{followed}: {_still_moving(motion, approach, exponent)}"
 
 
-def _still_moving(motion: Motion, approach: _Approach, exponent: float, error: float) -> str:
+def _still_moving(motion: Motion, approach: _Approach, exponent: float) -> str:
     """Return what keeps a motion with damping from being decided, in words."""
     if math.isfinite(exponent):
-        return (
-            "it does not repeat itself, and its largest Lyapunov exponent is "
-            f"{exponent:.3g} +- {error:.2g}"
-        )
+        return "it does not repeat itself, and is neither surely chaotic nor surely quasi-periodic"
     if approach.recurs:
         return (
             "it repeats itself, but its distance from its cycle is estimated as "

@@ -227,7 +227,7 @@ class _Trajectory:
         rotor, time = self.rotor, self.time
         revolutions = f"{rotor.omega * time / (2.0 * math.pi):,.0f} revolutions"
         told = f"followed for {revolutions if rotor.omega > 0.0 else f'a time of {time:.6g}'}"
-        return told if rotor.zeta == 0.0 else f"{told}, {rotor.zeta * time:.3g}/zeta"
+        return told if rotor.zeta == 0.0 else f"{told}, {rotor.zeta * time:.3g} decay times"
 
     def still_moves(self) -> str:
         window = self.window

@@ -221,7 +221,8 @@ def _in_words(
     elif ended.ending == FAILED:
         sentences.append(f"{held} could not be followed: {ended.message}.")
     else:
-        sentences.append(f"{held} had not settled: {ended.message}.")
+        rubs = "still rubs, and " if ended.features.radius_max > rotor.delta0 else ""
+        sentences.append(f"{held} {rubs}had not settled: {ended.message}.")
     beyond = beyond_model(-facts["smallest_gap"], rotor, machine)
     return " ".join([*sentences, beyond]).rstrip()
 

@@ -181,7 +181,7 @@ def test_every_kind_of_plot_has_its_function():
     assert all(hasattr(rotor_ida.plot, name) for name in known.values())
 
 
-@pytest.mark.parametrize(("name", "kind"), [("run.nc", "run"), ("probes.csv", "signals")])
+@pytest.mark.parametrize(("name", "kind"), [("run.nc", "run"), ("probes.csv", "orbit")])
 def test_a_file_alone_is_drawn_as_suits_it_beside_it(
     program: Program, folder: Path, name: str, kind: str
 ):
@@ -221,6 +221,20 @@ def test_a_measured_run_up_is_a_bode_plot_and_a_steady_record_an_orbit(
     answer = program("plot", "up.csv", "--json")
     assert (answer.status, answer.err) == (0, "")
     assert json.loads(answer.out)["written"] == ["up.png", "up.svg"]
+
+
+def test_a_machine_file_is_refused_with_the_option_that_takes_it(program: Program):
+    Path("fan.toml").write_text("mass = 40.0\n")
+    answer = program("plot", "fan.toml")
+    assert (answer.status, answer.out) == (2, "")
+    assert "a machine file is for the option --machine of commands such as run-up" in answer.err
+
+
+@pytest.mark.parametrize("word", ["t", "time"])
+def test_a_cascade_may_be_over_the_time(program: Program, folder: Path, word: str):
+    words = ("plot", folder / "probes.csv", "--kind", "cascade", "--figure", "a")
+    answer = program(*words, "--over", word)
+    assert (answer.status, answer.err) == (0, "")
 
 
 def test_an_archive_that_holds_no_signals_is_drawn_alone(program: Program):

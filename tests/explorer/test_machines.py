@@ -111,7 +111,7 @@ def test_a_run_up_below_the_critical_speed_is_summed_up_without_contact():
     facts = run_up_of(PUMP, 0.5 * UP_TO, 8, 2.0)
     assert facts["now"] == "clear"
     assert facts["words"].startswith("From 0 rpm to 3,000 rpm. No rub: closest to the stator at 3,")
-    assert facts["words"].endswith("of the clearance of 150 um are left.")
+    assert facts["words"].endswith("of the clearance of 150 µm are left.")
 
 
 def test_a_run_up_through_the_critical_speed_tells_where_it_touches_and_how_hard():

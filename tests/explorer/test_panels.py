@@ -139,6 +139,12 @@ def test_the_panels_show_a_run_up_as_the_library_has_it(page):
     lines = full_spectrum(run.isel(t=slice((run.sizes["t"] - 1) // 2, -1)))
     near = lines.whirl_amplitude.values[np.abs(lines.frequency.values / rotor.omega) <= 5.0]
     assert page.array("lines", "line_amplitude") == pytest.approx(near, abs=1e-12)
+    # the lines that are drawn, and no other
+    key = page.run(
+        "return [...document.querySelectorAll('[data-panel=bode] .key span')]"
+        ".map((each) => each.textContent)"
+    )
+    assert key[:-1] == ["exact whirl in contact", "contact-free whirl", "unstable", "fold"]
     # eight plots as ever, two of Bode, and one of each other panel
     assert sum(map(bool, page.pictures())) == 8 + 5
     page.find('[name="signals"][value="polar"]').send_keys(Keys.SPACE)

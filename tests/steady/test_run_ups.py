@@ -319,7 +319,7 @@ def test_an_unresolved_ending_tells_what_was_tried():
     assert found.message.item().endswith(told)
     assert int(found.status) == 0
     sentence = summary(run_up(rotor, to=1.6, rate=0.3)).attrs["sentence"]
-    assert f"had not settled: {found.message.item()}." in sentence
+    assert f"it still rubs, and had not settled: {found.message.item()}." in sentence
 
 
 def test_one_that_is_lost_with_its_worker_is_labelled(monkeypatch):

@@ -147,7 +147,7 @@ Sense = Annotated[
     Parameter(help="Sense of the whirl in Bode and polar plots."),
 ]
 Over = Annotated[
-    Literal["speed", "t"] | None,
+    Literal["speed", "t", "time"] | None,
     Parameter(help="Axis of a cascade or spectrogram: speed or time."),
 ]
 Span = Annotated[
@@ -214,8 +214,8 @@ def plot(
     """
     given: dict[str, Any] = {
         "order": order, "orders": orders, "revolutions": revolutions, "sense": sense,
-        "over": over, "span": span, "segment": segment, "clearance": clearance,
-        "contact": contact, "t": at,
+        "over": "t" if over == "time" else over, "span": span, "segment": segment,
+        "clearance": clearance, "contact": contact, "t": at,
     }  # fmt: skip
     chosen = {name: value for name, value in given.items() if value is not None}
     if kind is not None:
@@ -242,6 +242,15 @@ def _suiting(dataset: xr.Dataset) -> Figure:
     from rotor_ida.plot.figures import figure_of  # noqa: PLC0415 - only who draws needs it
 
     return figure_of(dataset)
+
+
+def _kind_suiting(dataset: xr.Dataset) -> str:
+    """Return the kind of the default figure: of signals that of the plot, else of the dataset."""
+    from rotor_ida.plot.figures import plot_of_signals  # noqa: PLC0415 - only who draws needs it
+    from rotor_ida.results.kinds import kind_of  # noqa: PLC0415
+
+    kind = kind_of(dataset)
+    return plot_of_signals(dataset) if kind == "signals" else kind
 
 
 def _of_kind(
@@ -280,15 +289,13 @@ def _written(
     force: bool,
 ) -> Report:
     """Write a figure and return the report."""
-    from rotor_ida.results.kinds import kind_of  # noqa: PLC0415
-
     written, trouble = [], ""
     try:
         files = write_figure(drawn, figure, overwrite=force)
         written = [str(path) for path in files]
     except (RotorError, OSError) as error:
         trouble = str(error)
-    record: dict[str, object] = {"file": str(file), "kind": kind or kind_of(dataset)}
+    record: dict[str, object] = {"file": str(file), "kind": kind or _kind_suiting(dataset)}
     if "t" in dataset.sizes:
         record["samples"] = dataset.sizes["t"]
     record |= {name: str(dataset.attrs[name]) for name in OF_FILE if name in dataset.attrs}
@@ -343,6 +350,11 @@ def _signals(file: Path, reading: options.ReadingOptions) -> xr.Dataset:
 def _dataset_in(file: Path, reading: options.ReadingOptions) -> xr.Dataset:
     """Return the dataset in an archive, or the signals in a measured file."""
     given = reading.given()
+    if file.suffix == parsing.SYSTEM_ENDING and file.is_file():
+        raise InputError(
+            f"file must contain signals or results, got {shown(file)}: a machine file is for the "
+            "option --machine of commands such as run-up, and a system file for simulate"
+        )
     if file.suffix != OUT_ENDING:
         return rotor_ida.read_signals(file, **given)
     if given:

@@ -421,7 +421,7 @@ function showVerdict() {
     if (!motion) return ["unknown", "Computing …"];
     // the motion before the run-up was at another speed
     const old = run && motion.number !== number;
-    if (!old && settled?.number === motion.number) return [settled.facts.level, `${which}${run}${run ? "Held at this speed: " : ""}${settled.facts.verdict}`];
+    if (!old && settled?.number === motion.number) return [settled.facts.level, `${which}${run}${run ? heldAt(settled.facts.verdict) : settled.facts.verdict}`];
     if (!old && (unsettled?.number === motion.number || motion.facts.rotor.zeta === 0)) return ["unknown", `${which}${run}${motion.facts.words[0]}`];
     return ["unknown", `${which}${run}Following the rotor until it settles …`];
   });
@@ -430,6 +430,12 @@ function showVerdict() {
   // during a run-up the text changes its length many times a second: the buttons below must not move
   box.style.minHeight = passage.begun ? `${box.offsetHeight}px` : "";
   document.documentElement.style.setProperty("--verdict", `${box.offsetHeight}px`);
+}
+
+/** Return the verdict of the speed held behind that of the run-up, whose first word it need not repeat. */
+function heldAt(verdict) {
+  const words = verdict.replace(/^Rub: /, "");
+  return `Held at this speed: ${words[0].toLowerCase()}${words.slice(1)}`;
 }
 
 function complain(text) {

@@ -8,7 +8,8 @@ import { labelled, shownIn } from "./units.js";
 // Dashes repeat the meaning of colours: lines and gaps in pixels.
 const UNSTABLE_DASH = [5, 4], FREE_DASH = [12, 3, 2, 3];
 const LONGEST_TRAIL = 600;
-const STABLE = STABILITY.stable, UNSTABLE = STABILITY.unstable;
+const STABLE = STABILITY.stable;
+export const UNSTABLE = STABILITY.unstable;
 const { fold: FOLD, period_doubling: DOUBLING, torus: TORUS, sliding: SLIDING, hopf: HOPF, discontinuous: DISCONTINUOUS } = SPECIAL;
 const SPECIAL_WORDS = { [FOLD]: "fold of limit cycles", [DOUBLING]: "period doubling", [TORUS]: "torus point", [SLIDING]: "slip falls to 0", [HOPF]: "Hopf point", [DISCONTINUOUS]: "multipliers jump" };
 const SHAPES = { [FOLD]: "diamond", [DOUBLING]: "square", [TORUS]: "disc", [SLIDING]: "cross", [HOPF]: "disc", [DISCONTINUOUS]: "down" };

@@ -2,7 +2,7 @@
 // last run-up, and the full spectrum; beside them a measurement.
 
 import { Plot, colour } from "./plot.js";
-import { drawWhirls } from "./response.js";
+import { UNSTABLE, drawWhirls } from "./response.js";
 import { roundUp, speedsShown } from "./state.js";
 import { addTools } from "./tools.js";
 import { labelled, shownIn, told } from "./units.js";
@@ -77,9 +77,13 @@ class Panel {
   }
 
   /** Return the names and keys of the lines that are drawn. */
-  keyOfSources({ sources }, { curve = false } = {}) {
+  keyOfSources({ sources, fastest }, { curve = false } = {}) {
     const parts = [];
-    if (curve && sources.some((each) => each.curve?.omega.length)) parts.push(["line-key", "exact whirl"], ["line-key dashed", "unstable"]);
+    const shows = (is) => curve && sources.some(({ curve: each }) => each?.omega.some((omega, i) => each.piece[i] >= 0 && omega <= fastest && is(each.stability[i] === UNSTABLE, each.in_contact[i])));
+    if (shows((unstable, contact) => contact && !unstable)) parts.push(["line-key", "exact whirl in contact"]);
+    if (shows((unstable, contact) => !contact && !unstable)) parts.push(["line-key free", "contact-free whirl"]);
+    if (shows((unstable) => unstable)) parts.push(["line-key dashed", "unstable"]);
+    if (curve && sources.some(({ curve: each }) => each?.fold_omega.some((fold) => fold <= fastest))) parts.push(["mark diamond", "fold"]);
     for (const each of sources) if (each.has(this.name)) parts.push([each.icon, each.name]);
     return parts;
   }
