@@ -47,6 +47,7 @@ from rotor_ida.signals.keyphasor import (
 from rotor_ida.signals.probes import check_probes, displaced, displacements
 from rotor_ida.signals.sample_times import times_of
 
+NO_UNIT = "times have no unit: give it in units (t=s)"
 Keyphasor = Literal["auto", "signal", "times"]
 
 # Samples per second, and the part by which a rate and times may differ.
@@ -167,7 +168,7 @@ def read_signals(
             found[each] = displaced(each, *found[each], sensitivity)
     times, time = times_of(found, rate, table, names)
     if time == "1":
-        notes.append("times have no unit: give it in units (t=s)")
+        notes.append(NO_UNIT)
     length = check_probes(found, times, accept_clipped)
     if probe_angles is None:
         notes.append("probes are taken to be at 0 and 90 degrees, as no probe_angles are given")

@@ -10,7 +10,7 @@ import pytest
 from rotor_ida.explorer import measured
 from rotor_ida.explorer.messages import Measurement
 from rotor_ida.signals.orders import orders
-from rotor_ida.signals.reading import read_signals
+from rotor_ida.signals.reading import NO_UNIT, read_signals
 from rotor_ida.signals.spectra import full_spectrum, spectrogram
 from tests.explorer.asking import Message, answer_to
 
@@ -46,7 +46,7 @@ def test_order_1_and_one_spectrum_at_one_speed(tmp_path: Path):
     drawn = np.abs(lines.frequency_over_omega.values) <= measured.ORDERS
     np.testing.assert_array_equal(found.arrays["full_frequency"], lines.frequency[drawn])
     np.testing.assert_array_equal(found.arrays["full_amplitude"], lines.whirl_amplitude[drawn])
-    assert found.facts["notes"] == []
+    assert found.facts["notes"] == [NO_UNIT]
     assert found.facts["by"] == "angle"
     assert "cascade_speed" not in found.arrays
 
@@ -79,7 +79,7 @@ def test_of_lines_too_many_to_be_drawn_the_tallest_are_sent(
 ):
     path = written(tmp_path / "plain.csv", 0.0, angle=False)
     full = analysed(path)
-    assert full.facts["notes"] == [measured.NO_ANGLE]
+    assert full.facts["notes"] == [NO_UNIT, measured.NO_ANGLE]
     assert full.facts["speed"] is None
     monkeypatch.setattr(measured, "MOST_LINES", 500)
     few = analysed(path)
@@ -93,7 +93,7 @@ def test_what_cannot_be_analysed_is_a_note(tmp_path: Path):
     table = np.stack([t, np.cos(t), np.sin(t), t], axis=1)
     np.savetxt(tmp_path / "odd.csv", table, "%.17g", ",", header="t,x,y,angle", comments="")
     found = analysed(tmp_path / "odd.csv")
-    (note,) = found.facts["notes"]
+    (_, note) = found.facts["notes"]
     assert "equally spaced" in note
     assert found.arrays["order_speed"].size > 5
 
