@@ -1290,7 +1290,7 @@ def test_a_phone_shows_the_verdict_and_a_picture_first(page):
         tops = [page.run(f"return document.querySelector('{each}').getBoundingClientRect().top")
                 for each in ("#verdict", '[data-panel="response"]', "#controls")]  # fmt: skip
         assert tops == sorted(tops)
-        assert tops[1] < 220
+        assert tops[1] < 200
         outside = page.run(
             "return [...document.querySelectorAll('.actions > *')]"
             ".filter((each) => each.getBoundingClientRect().right > innerWidth).length"
