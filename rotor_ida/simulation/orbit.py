@@ -84,8 +84,8 @@ class Orbit:
         ``(x, y, vx, vy)`` at the events, fixed frame [1].
     contacts : ndarray of `ORBIT_CONTACT`
         The contacts [1]: angular momentum at the peak, loss and largest force with contact damping,
-        and heat of sliding. Entry or exit, and the impulse, are NaN where the run began or ended
-        inside the contact.
+        and heat of sliding. Entry or exit is NaN where the run began or ended inside the contact;
+        the impulse is NaN without clearance.
     end : ndarray, shape (4,)
         State at the end, fixed frame [1].
     evaluations : int

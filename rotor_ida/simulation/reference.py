@@ -296,11 +296,11 @@ def _record_step(
 
 
 def _record_contact(run: _Run, contact: _Contact, leaving: float, end: Values) -> None:
-    """Record a contact; only a whole one has an impulse."""
+    """Record a contact; without clearance its impulse is not known."""
     peak = contact.state
     moment = float(peak[X] * peak[VY] - peak[Y] * peak[VX])
     depth = max(radius_of(peak) - run.rotor.delta0, 0.0)
-    impulse = float(end[IMPULSE]) if math.isfinite(contact.entry + leaving) else math.nan
+    impulse = float(end[IMPULSE]) if run.rotor.delta0 > 0.0 else math.nan
     lost, heat, slid = (float(end[each]) if end.size > each else 0.0 for each in (LOST, HEAT, SLID))
     peak_force = contact.force
     run.contacts.append(
