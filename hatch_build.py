@@ -145,9 +145,10 @@ def build(
         folder = Path(name)
         commands, links = [], []
         for path, (given, shown) in wanted.items():
+            sources = identity["model_sources"](CORE, shown["model"])
             macros = [f"-DCORE_{key.upper()}={json.dumps(text)}" for key, text in shown.items()]
             objects = []
-            for source in sorted(CORE.glob("*.c")):
+            for source in sources:
                 objects.append(str(folder / f"{source.stem}_{path.stem}.o"))
                 # build.c alone says what is built
                 more = macros if source.stem == "build" else []

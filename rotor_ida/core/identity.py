@@ -28,6 +28,15 @@ def core_sources(folder: Path) -> list[Path]:
     return sorted([*folder.glob("*.c"), *folder.glob("*.h")])
 
 
+def model_sources(folder: Path, model: str) -> list[Path]:
+    """Return the C sources of a model, in a fixed order; systems are in the general one alone."""
+    return [
+        path
+        for path in sorted(folder.glob("*.c"))
+        if model == "whole" or not path.stem.startswith("system")
+    ]
+
+
 def sources_digest(folder: Path) -> str:
     """Return the SHA-256 of the names and contents of the C sources in a folder; '' for none."""
     digest = hashlib.sha256()

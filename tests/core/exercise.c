@@ -679,7 +679,9 @@ static void lanes(void)
     }
 }
 
-/* Systems of odd sizes, with and without each matrix, in tables that are filled again and again. */
+/* Systems of odd sizes, with and without each matrix, in tables that are filled again and again;
+ * they are in the general model alone. */
+#if defined(WHOLE_MODEL) && !defined(RUN_UP)
 static void systems(void)
 {
     enum { ROWS = 8, MOST = 16 };
@@ -772,6 +774,9 @@ static void systems(void)
         free(matrices);
     }
 }
+#else
+static void systems(void) {}
+#endif
 
 int main(void)
 {

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from rotor_ida.core.identity import MODELS
+from rotor_ida.core.identity import MODELS, model_sources
 from rotor_ida.model import writing
 
 ROOT = Path(__file__).parents[2]
@@ -33,7 +33,7 @@ def test_no_source_gives_rise_to_a_warning(
     """By gcc, optimised, as some warnings need it; by clang where the sanitizers are."""
     if shutil.which("gcc") is None:
         pytest.skip("gcc is not installed")
-    sources = [str(path) for path in sorted(CORE.glob("*.c")) if path.stem != "build"]
+    sources = [str(path) for path in model_sources(CORE, model) if path.stem != "build"]
     flags = hatch_build["flags"](["gcc"], "baseline", model=model, warnings=True)
     ended = subprocess.run(
         ["gcc", *flags, "-O1", "-c", *sources], cwd=tmp_path, capture_output=True, check=False,

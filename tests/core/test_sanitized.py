@@ -12,7 +12,7 @@ from runpy import run_path
 
 import pytest
 
-from rotor_ida.core.identity import MODELS
+from rotor_ida.core.identity import MODELS, model_sources
 
 ROOT = Path(__file__).parents[2]
 CORE = ROOT / "rotor_ida" / "core"
@@ -55,7 +55,7 @@ def test_no_entry_point_does_what_is_undefined(tmp_path, compiler, model):
         assert said.returncode == 0, said.stderr
         return str(made)
 
-    sources = [*sorted(CORE.glob("*.c")), Path(__file__).parent / "exercise.c"]
+    sources = [*model_sources(CORE, model), Path(__file__).parent / "exercise.c"]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         objects = [*pool.map(compiled, sources)]
     program = tmp_path / "exercise"
