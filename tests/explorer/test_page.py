@@ -462,7 +462,7 @@ def test_a_second_clearance_that_is_refused_leaves_the_first_rotor_as_it_is(whol
     stale = "Array.from(document.querySelectorAll('.side'), (each) => each.matches('.stale'))"
     whole.until(f"String({stale}) === 'false,true'")
     keys = "Array.from(document.querySelectorAll('[data-panel=starts] [data-key]'))"
-    assert whole.run(f"return {keys}[1].textContent") == "no basin of what was asked"
+    whole.until(f"{keys}[1].textContent === 'no basin of what was asked'")
     assert whole.find("#trouble").is_displayed()
 
 
