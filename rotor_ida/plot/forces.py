@@ -25,8 +25,9 @@ from rotor_ida.plot.labels import LABELS, label_axis
 PEAK = "peak of a contact"
 CUT = "contact cut off by the run: at least"
 IN_AND_OUT = "in and out of contact"
-# Contacts nearer than the width of an axis over this are not told apart: half a point of a panel.
-TOLD_APART = 400
+# Contacts are drawn apart if the gap between them is at least the time shown over this number:
+# half a point of a panel.
+DRAWN_APART = 400
 # A peak of the force is on the curve of its samples from this part of it on.
 ON_CURVE = 0.98
 
@@ -127,7 +128,7 @@ def shade_contacts(ax: Axes, run: xr.Dataset) -> None:
         return
     order = np.argsort(entries)
     entries, exits = entries[order], np.maximum.accumulate(exits[order])
-    narrow = (last - first) / TOLD_APART
+    narrow = (last - first) / DRAWN_APART
     apart = np.flatnonzero(entries[1:] - exits[:-1] > narrow)
     begins, ends = np.append(0, apart + 1), np.append(apart, entries.size - 1)
     several = ends > begins

@@ -78,7 +78,7 @@ def _rows(dataset: xr.Dataset, name: str, table: str) -> npt.NDArray[np.int64]:
     else:
         raise InputError(
             f"{table} must have the rows counted by {name}, {counts.sum()}, got {size}; "
-            f"they cannot be told apart without {row}"
+            f"without {row} it is unknown which rows belong to these runs"
         )
     start = np.repeat(first - (np.cumsum(counts) - counts), counts)
     return start + np.arange(counts.sum(), dtype=np.int64)

@@ -32,6 +32,8 @@ STRAIGHT = 1e-6
 SINGULAR = 1e-11
 # Growth and decay below this part of the largest eigenvalue come from rounding.
 ROUNDING = 100.0 * np.finfo(float).eps
+# A whirl speed is the spin speed to this part of it.
+CROSSED = 1e-6
 
 
 class _Motions(NamedTuple):
@@ -174,15 +176,17 @@ def _crossings(
         return np.asarray(own[np.argsort(np.abs(own.imag), kind="stable")])
 
     def gap(omega: float, number: int) -> float:
-        own = motions(omega)
-        return float(abs(own[min(number, own.size - 1)].imag)) - omega
+        own = motions(omega)  # what has ceased to whirl has no whirl speed
+        return (float(abs(own[number].imag)) if number < own.size else 0.0) - omega
 
     for low, high in pairwise(speeds):
         before, behind = (np.abs(motions(each).imag) - each for each in (low, high))
         if before.size != behind.size:
             continue  # a motion ceases to whirl
         for number in np.flatnonzero((before > 0.0) != (behind > 0.0)).tolist():
-            speed = float(brentq(gap, low, high, args=(number,)))
+            speed = float(brentq(gap, low, high, args=(number,), xtol=1e-12 * high))
+            if abs(gap(speed, number)) > CROSSED * speed:
+                continue  # its whirl speed jumps across the spin speed
             here = motions(speed)[number]
             yield speed, float(-here.real / abs(here))
 

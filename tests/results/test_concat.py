@@ -70,7 +70,7 @@ def test_cut_tables_are_refused():
         concat([found.isel(event=slice(0, 5))], "omega")
     older = found.drop_vars("event_row")
     assert concat([older], "omega").identical(found)
-    with pytest.raises(InputError, match="cannot be told apart without event_row"):
+    with pytest.raises(InputError, match="without event_row it is unknown which rows belong"):
         concat([older.isel(omega=[1])], "omega")
     with pytest.raises(InputError, match="must be of one kind"):
         concat([found, synchronous_response(omega=[2.0], **OTHERS | {"delta0": 0.5})], "omega")

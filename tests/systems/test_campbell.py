@@ -12,6 +12,7 @@ from rotor_ida import (
     campbell,
     synchronous_response,
 )
+from rotor_ida.systems.campbell import _crossings, _Motions
 from tests.systems.axisymmetric_systems import beam, random_axisymmetric
 
 
@@ -35,6 +36,20 @@ def test_a_disc_that_tilts_is_stiffened_forwards_and_softened_backwards():
         np.testing.assert_allclose(np.sort(found.whirl_speed[number]), exact, atol=1e-12)
     np.testing.assert_array_equal(np.sign(found.whirl_speed), found.whirl_sense)
     np.testing.assert_allclose(found.damping_ratio, 0.0, atol=1e-12)
+
+
+def test_a_whirl_that_ceases_or_jumps_across_the_spin_speed_is_not_critical():
+    """Damping stops it between two speeds, or another motion takes its place."""
+
+    def ceases(omega):
+        whirls = np.array([-0.1 + 1.5j]) if abs(omega - 1.5) > 0.3 else np.zeros(0, complex)
+        return _Motions(whirls, np.ones(whirls.size, np.int8))
+
+    def jumps(omega):
+        return _Motions(np.array([-0.1 + (2.5j if omega < 1.7 else 0.5j)]), np.ones(1, np.int8))
+
+    for motions_at in (ceases, jumps):
+        assert not list(_crossings(motions_at, 1, [1.0, 2.0]))
 
 
 def test_critical_speeds_are_those_of_whirls_with_the_spin_speed():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -87,8 +88,9 @@ def drop(
         with working("drop [%]") as progress:
             run = rotor_ida.drop(**given, progress=progress)
     except BaseException:
-        for folder in made:
-            folder.rmdir()
+        with suppress(OSError):  # another program may have put a file there
+            for folder in made:
+                folder.rmdir()
         raise
     rotor_ida.save(run, files[0], overwrite=force)
     everything = _many(given, vary, jobs, study) if many else None
