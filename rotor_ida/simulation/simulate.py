@@ -75,8 +75,9 @@ def simulate(
         ``x y vx vy`` on ``t``; ``event_time event_kind event_time_error event_x event_y
         event_vx event_vy`` on ``event``; on ``contact`` ``entry_time exit_time peak_time
         peak_indentation peak_force contact_duration impulse entry_speed entry_angle
-        energy_lost whirl_direction``, and with friction ``heat slip_distance rolling_time``; NaN
-        where the run began or ended inside the contact. Scalars ``starts_in_contact`` and
+        energy_lost whirl_direction``, and with friction ``heat slip_distance rolling_time``. Where
+        the run began or ended inside the contact, what belongs to that end is NaN, and impulse,
+        heat and slip distance are those during the run. Scalars ``starts_in_contact`` and
         ``horizon``; coordinates ``omega zeta delta0``.
         With friction also ``mode``, ``slip_speed`` and ``normal_force`` on ``t``, and three more
         kinds of event: ``roll``, ``slip`` and ``reverse``.
