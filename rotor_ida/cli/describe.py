@@ -90,8 +90,10 @@ RENAMED = {"kind": "of", "points": "most_points", "parameters": "varied"}
 
 def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
     """Return the record of a dataset and its tables, with a largest number of rows each."""
-    described: Description = loaded(KINDS[kind_of(dataset)].shown)(dataset, most)
-    return described
+    record, parts = loaded(KINDS[kind_of(dataset)].shown)(dataset, most)
+    note = str(dataset.attrs.get("note", ""))
+    is_told = note in str(dataset.attrs.get("sentence", ""))
+    return record, parts if is_told else [*parts, f"Note: {note}."]
 
 
 def origin(dataset: xr.Dataset) -> RenderableType:

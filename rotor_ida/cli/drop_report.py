@@ -144,7 +144,9 @@ def sentence_of(run: xr.Dataset, drops: xr.Dataset | None) -> str:
             f"After {number(horizon, 3)} of {number(end, 3)} ms this one motion depends on "
             "rounding: what follows is one of many possible ones."
         )
-    return " ".join(said + ([] if drops is None else _of_many(drops, parts, unit)))
+    said += [] if drops is None else _of_many(drops, parts, unit)
+    said += [f"Note: {run.attrs['note']}."] if "note" in run.attrs else []
+    return " ".join(said)
 
 
 def _of_many(drops: xr.Dataset, parts: float, unit: str) -> list[str]:

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.schema import words_of
+from rotor_ida.systems.units import NOTE
 from rotor_ida.units import SPEED_UNITS
 
 # Forces from this one on [N] are in kN.
@@ -23,6 +24,8 @@ def sentences(report: xr.Dataset) -> str:
         )
     if "not_exact" in report.attrs:
         lines.append(f"What follows a touch is not known: {report.attrs['not_exact']}.")
+    if note := report.attrs.get(NOTE):
+        lines.append(f"Note: {note}.")
     return "\n".join(lines)
 
 
