@@ -150,7 +150,8 @@ def sentence_of(run: xr.Dataset, drops: xr.Dataset | None) -> str:
     if touched := touched_clearances(run):
         said.append(f"It touches {_clearances_at(touched)}; {NOT_ACTING}.")
     said += [] if drops is None else _of_many(drops, parts, unit)
-    said += [beyond for each in (run, drops) if each is not None and (beyond := beyond_model(each))]
+    warned = [beyond_model(each) for each in (drops, run) if each is not None]
+    said += list(filter(None, warned))[:1]
     said += [f"Note: {run.attrs['note']}."] if "note" in run.attrs else []
     return " ".join(said)
 
@@ -162,7 +163,7 @@ def _of_many(drops: xr.Dataset, parts: float, unit: str) -> list[str]:
         return [f"All {count} drops failed."]
     most = f"{number(parts * float(np.nanmax(forces)))} {unit}".strip()
     touched = touched_clearances(drops)
-    others = [f"Some drops touch {_clearances_at(touched)}; {NOT_ACTING}."] if touched else []
+    others = [f"Some drops touch {_clearances_at(touched)}."] if touched else []
     facts = [_share(drops, "backward_whirl", "whirl backwards")]
     if "overload_fraction" in drops.variables:
         facts.append(_share(drops, "overload", "exceed the load capacity of a bearing"))

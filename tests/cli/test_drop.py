@@ -130,7 +130,7 @@ def test_the_answer_tells_which_other_clearances_are_touched(labyrinth, touched)
     where = "clearances at 'seal' and 'end'" if touched else "clearance at 'end'"
     said = sentence_of(run, many)
     assert f"It touches the close {where}; a touch there does not act on the rotor." in said
-    assert f"Some drops touch the close {where};" in said
+    assert f"Some drops touch the close {where}." in said
     assert "Beyond the model" not in said
     page = f"other close clearances are touched at {'seal, ' * touched}end"
     assert page in verdict(run)
@@ -153,6 +153,7 @@ def test_a_drop_into_a_soft_bearing_is_beyond_the_model():
         assert f"{words}the clearance;" in said
     many = two_drops(given, (0.0, 0.1))
     assert describe(many)[1][-1].startswith("Beyond the model: contact 0")
+    assert sentence_of(run, many).count("Beyond the model") == 1
 
 
 @pytest.mark.usefixtures("here")
