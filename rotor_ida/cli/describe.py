@@ -33,6 +33,7 @@ from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.results.run import course_of
 from rotor_ida.results.si_units import MACHINE, UNITS, in_rpm, in_suitable_units, si_of
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, by_number, flags_of
+from rotor_ida.systems.depths import beyond_model
 from rotor_ida.units import SPEED_UNITS
 
 EVENTS = Rows(
@@ -90,8 +91,10 @@ RENAMED = {"kind": "of", "points": "most_points", "parameters": "varied"}
 
 def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
     """Return the record of a dataset and its tables, with a largest number of rows each."""
-    described: Description = loaded(KINDS[kind_of(dataset)].shown)(dataset, most)
-    return described
+    record, parts = loaded(KINDS[kind_of(dataset)].shown)(dataset, most)
+    note, told = dataset.attrs.get("note"), str(dataset.attrs.get("sentence", ""))
+    more = [beyond_model(dataset), f"Note: {note}." if note else ""]
+    return record, [*parts, *(each for each in more if each not in told)]
 
 
 def origin(dataset: xr.Dataset) -> RenderableType:

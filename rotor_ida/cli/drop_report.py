@@ -26,12 +26,15 @@ from rotor_ida.cli.drop_tables import (
 from rotor_ida.cli.report import shown
 from rotor_ida.results.files import file_to_write
 from rotor_ida.results.toml_files import read_toml
+from rotor_ida.systems.depths import beyond_model
+from rotor_ida.systems.drop_figures import touched_clearances
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
 TITLE = "Drop on touchdown bearings"
+NOT_ACTING = "a touch there does not act on the rotor"
 ASSUMPTIONS = (
     "The rotor is linear. All that is not linear happens in the contacts.",
     "Before the drop each magnetic bearing is a linear spring and damper about the centre of its "
@@ -43,7 +46,7 @@ ASSUMPTIONS = (
     "rotor; otherwise its speed is held.",
     "The motion is plane in each bearing; axial and torsional motion act only as far as they are "
     "in the matrices.",
-    "Other close clearances are compared with the motion; a touch there does not act on the rotor.",
+    f"Other close clearances are compared with the motion; {NOT_ACTING}.",
 )
 SCOPE = (
     "The published scope of ISO 14839-5:2022 on touch-down bearings names contact events, load "
@@ -144,7 +147,13 @@ def sentence_of(run: xr.Dataset, drops: xr.Dataset | None) -> str:
             f"After {number(horizon, 3)} of {number(end, 3)} ms this one motion depends on "
             "rounding: what follows is one of many possible ones."
         )
-    return " ".join(said + ([] if drops is None else _of_many(drops, parts, unit)))
+    if touched := touched_clearances(run):
+        said.append(f"It touches {_clearances_at(touched)}; {NOT_ACTING}.")
+    said += [] if drops is None else _of_many(drops, parts, unit)
+    warned = [beyond_model(each) for each in (drops, run) if each is not None]
+    said += list(filter(None, warned))[:1]
+    said += [f"Note: {run.attrs['note']}."] if "note" in run.attrs else []
+    return " ".join(said)
 
 
 def _of_many(drops: xr.Dataset, parts: float, unit: str) -> list[str]:
@@ -153,6 +162,8 @@ def _of_many(drops: xr.Dataset, parts: float, unit: str) -> list[str]:
     if not np.isfinite(forces).any():
         return [f"All {count} drops failed."]
     most = f"{number(parts * float(np.nanmax(forces)))} {unit}".strip()
+    touched = touched_clearances(drops)
+    others = [f"Some drops touch {_clearances_at(touched)}."] if touched else []
     facts = [_share(drops, "backward_whirl", "whirl backwards")]
     if "overload_fraction" in drops.variables:
         facts.append(_share(drops, "overload", "exceed the load capacity of a bearing"))
@@ -160,9 +171,16 @@ def _of_many(drops: xr.Dataset, parts: float, unit: str) -> list[str]:
         at = place_of(drops, int(np.nanargmax(forces)) // forces.shape[1])
         where = f", at {places_in(drops)} = {at}" if at else ""
         return [f"Over a grid of {count} drops the largest force is {most}{where}. "
-                f"Of the grid {' and '.join(facts)}."]  # fmt: skip
+                f"Of the grid {' and '.join(facts)}.", *others]  # fmt: skip
     return [f"Of {count} drops the largest force is {most}; {' and '.join(facts)} "
-            "(95 % intervals)."]  # fmt: skip
+            "(95 % intervals).", *others]  # fmt: skip
+
+
+def _clearances_at(nodes: Sequence[str]) -> str:
+    """Return the close clearances at nodes in words."""
+    names = [repr(each) for each in nodes]
+    listed = " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
+    return f"the close clearance{'s' if len(names) > 1 else ''} at {listed}"
 
 
 def _share(drops: xr.Dataset, name: str, words: str) -> str:

@@ -7,8 +7,6 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 import rotor_ida
 from rotor_ida.checks import AT_REST, State, shown
 from rotor_ida.cli import options
@@ -196,6 +194,5 @@ def weighed(case: SystemFile, *, without_gravity: bool) -> dict[str, Any]:
     system = linear_system(case, levitated_system(case.rotor, case.supports, gravity))
     if gravity is not None:
         own = 0.0 if system.static_force is None else system.static_force
-        weight = system.mass @ (system.unit_translations() @ np.array(gravity))
-        system = replace(system, static_force=own + weight)
+        system = replace(system, static_force=own + system.weight(gravity))
     return {"system": system, "contacts": case.contacts, "unbalance": case.unbalance}

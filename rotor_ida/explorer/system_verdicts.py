@@ -8,6 +8,8 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.results.kinds import kind_of
+from rotor_ida.systems.depths import beyond_model
+from rotor_ida.systems.drop_figures import touched_clearances
 from rotor_ida.units import SPEED_UNITS
 
 # Revolutions at the end of a run that the verdict is about.
@@ -16,8 +18,11 @@ LAST = 10
 
 def verdict(run: xr.Dataset) -> str:
     """Return in a sentence which contacts touch at the end of a run, and how hard."""
-    if kind_of(run) == "drop":
-        return _verdict_of_drop(run)
+    said = _verdict_of_drop(run) if kind_of(run) == "drop" else _verdict_of_run(run)
+    return f"{said} {beyond_model(run)}".rstrip()
+
+
+def _verdict_of_run(run: xr.Dataset) -> str:
     nodes, peaks = run["contact_node"].values.tolist(), run["peak_force"].values
     owners, unit = run["episode_contact"].values, _unit(run, "normal_force")
     speed = float(run["speed"].values[-1]) if "speed" in run else float(run.attrs["speed"])
@@ -51,6 +56,8 @@ def _verdict_of_drop(run: xr.Dataset) -> str:
     if math.isfinite(stands):
         time = f"{stands:.3g} {_unit(run, 't')}".strip()
         said.append(f"the speed stays below 1 % of that at the drop from {time} on")
+    if touched := touched_clearances(run):
+        said.append(f"other close clearances are touched at {', '.join(touched)}")
     return f"Drop: {'; '.join(said)}."
 
 

@@ -190,7 +190,7 @@ def show_system_run(question: SystemQuestion) -> Iterator[Answer]:
         arrays["speed"] = run["speed"].values[every]
     arrays["peak_time"], arrays["peak_force"] = run["peak_time"].values, run["peak_force"].values
     arrays["peak_contact"] = run["episode_contact"].values.astype(float)
-    notes: list[str] = []
+    notes = _notes_of(case)
     signals = at_node(run, node)
     arrays |= unless_impossible(full_lines, signals, record_of(signals), notes)
     facts = {
@@ -293,7 +293,7 @@ def _whirls(question: SystemQuestion, _changed: int) -> tuple[xr.Dataset, xr.Dat
 
 
 def _left_out(case: Case) -> list[str]:
-    """Return a note on what acts in the run, or before a drop, but not on the exact whirls."""
+    """Return notes on what acts in the run, or before a drop, but not on the exact whirls."""
     forces: list[Any] = [case.system.static_force]
     if case.run is not None:
         forces.append(case.run["constant_force"].values)
@@ -306,7 +306,12 @@ def _left_out(case: Case) -> list[str]:
         named.append("gravity and static forces")
     if case.drops or (case.run is not None and kind_of(case.run) == "drop"):
         named.append("the supports before the drop")
-    return [f"without {', and '.join(named)}"] if named else []
+    told = [f"without {', and '.join(named)}"] if named else []
+    return told + _notes_of(case)
+
+
+def _notes_of(case: Case) -> list[str]:
+    return [case.system.note] if case.system.note else []
 
 
 def _branches(whirls: xr.Dataset, place: int) -> Arrays:
@@ -327,7 +332,7 @@ def show_system_run_up(question: SystemQuestion) -> Iterator[Answer]:
         yield Answer("run_up", {"notes": []})
         return
     signals = at_node(_run_up(*_of_any_node(question)), node_of(case, question))
-    notes: list[str] = []
+    notes = _notes_of(case)
     record = record_of(signals)
     arrays = unless_impossible(order_rows, signals, record, notes)
     arrays |= unless_impossible(cascade_rows, signals, record, notes)

@@ -26,6 +26,8 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 
 HERTZ_EXPONENT = 1.5
+# An indentation above this fraction of the rotor's radius is not small, as contact laws assume.
+SMALL_INDENTATION = 0.1
 
 
 def gap(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
@@ -151,3 +153,30 @@ def stiffness(radius: float, delta0: float, exponent: float = HERTZ_EXPONENT) ->
 def secant_of_square(square: Any) -> Any:
     """Return ``f(r)/r`` without clearance in terms of ``r**2``: ``(r**2)**0.25``."""
     return square ** (0.5 * (HERTZ_EXPONENT - 1.0))
+
+
+def bounds_exceeded(indentation: float, radius: float | None, clearance: float | None) -> str:
+    """Return beyond what an indentation is too large for a contact law, in words; "" if it is not.
+
+    Examples
+    --------
+    >>> bounds_exceeded(1.1, 10.0, None), bounds_exceeded(1.1, 12.0, 1.2)
+    ("a tenth of the rotor's radius", '')
+    """
+    bounds = []
+    if radius is not None and indentation > SMALL_INDENTATION * radius:
+        bounds.append("a tenth of the rotor's radius")
+    if clearance is not None and indentation > clearance > 0.0:
+        bounds.append("the clearance")
+    return " and ".join(bounds)
+
+
+def length_in_words(metres: float) -> str:
+    """Return a length in the unit in which it is read.
+
+    Examples
+    --------
+    >>> length_in_words(0.0203), length_in_words(8e-5)
+    ('20.3 mm', '80 um')
+    """
+    return f"{metres * 1e3:.3g} mm" if abs(metres) >= 1e-3 else f"{metres * 1e6:.3g} um"

@@ -49,6 +49,11 @@ class RotorSystem:
         Axial position of each node, for pictures of the deflected shape.
     units : {"SI", "1"}
         Units of results: SI, or none where all numbers are dimensionless.
+    added_mass : array_like, shape (n, n), optional
+        The part of the mass matrix that gravity does not act on: fluid that moves with the rotor,
+        as in seals. Default: none.
+    note : str
+        What every result of the system states, as a limit of its matrices.
 
     Examples
     --------
@@ -69,6 +74,8 @@ class RotorSystem:
     static_force: Values | None = None
     positions: Mapping[str, float] | None = None
     units: Literal["SI", "1"] = "SI"
+    added_mass: Values | None = None
+    note: str = ""
 
     def __post_init__(self) -> None:
         mass = _square("mass", self.mass)
@@ -90,7 +97,13 @@ class RotorSystem:
         for name, shape in (("translations", (size, 2)), ("static_force", (size,))):
             if getattr(self, name) is not None:
                 keep[name] = _shaped(name, getattr(self, name), shape)
+        if self.added_mass is not None:
+            keep["added_mass"] = _symmetric(
+                "added_mass", _square("added_mass", self.added_mass, size)
+            )
         check_choice("units", self.units, UNITS)
+        if not isinstance(self.note, str):
+            raise InputError(f"note must be text, got {shown(self.note)}")
         for name, values in keep.items():
             values.setflags(write=False)
             object.__setattr__(self, name, values)
@@ -140,6 +153,11 @@ class RotorSystem:
             )
         return both
 
+    def weight(self, gravity: npt.ArrayLike) -> Values:
+        """Return the force of gravity, shape (n,), for its acceleration along x and y."""
+        heavy = self.mass if self.added_mass is None else self.mass - self.added_mass
+        return np.asarray(heavy @ (self.unit_translations() @ np.asarray(gravity)))
+
     @classmethod
     def from_ross(cls, rotor: Any, *, speed: float) -> RotorSystem:
         """Return the system of a rotor of the package ROSS.
@@ -154,32 +172,24 @@ class RotorSystem:
         Returns
         -------
         RotorSystem
-            In SI units. Its nodes are ``"0"``, ``"1"``, ... as in ROSS.
+            In SI units. Its nodes are ``"0"``, ``"1"``, ... as in ROSS, those of links too. The
+            added mass of seals has no weight.
 
         Raises
         ------
         InputError
-            If the object has no such methods.
+            If the object has no such methods, or is a ``MultiRotor``, whose shafts turn at
+            different speeds.
+
+        Warns
+        -----
+        UserWarning
+            If coefficients depend on the speed: they stay those at `speed` at any other speed,
+            which the system's `note` says in every result.
         """
-        omega = check_real("speed", speed)
-        try:
-            matrices = {
-                "mass": rotor.M(omega) if _takes_argument(rotor.M) else rotor.M(),
-                "stiffness": rotor.K(omega), "damping": rotor.C(omega), "gyroscopic": rotor.G(),
-            }  # fmt: skip
-            per_node = int(rotor.number_dof)
-        except (AttributeError, TypeError) as error:
-            raise InputError(
-                f"rotor must be a rotor of ROSS, with M, K, C and G, got {shown(rotor)} ({error})"
-            ) from error
-        if hasattr(rotor, "Ksdt"):
-            matrices["stiffness_rate"] = rotor.Ksdt()
-        count = len(matrices["mass"]) // per_node
-        nodes = {str(i): (per_node * i, per_node * i + 1) for i in range(count)}
-        along = list(getattr(rotor, "nodes_pos", []))
-        # links have nodes of their own
-        positions = dict(zip(nodes, along, strict=True)) if len(along) == count else None
-        return cls(**matrices, nodes=nodes, positions=positions)
+        from rotor_ida.model.ross_rotors import system_of_ross  # noqa: PLC0415
+
+        return cls(**system_of_ross(rotor, speed=speed))
 
     @classmethod
     def from_file(cls, path: str | Path) -> RotorSystem:
@@ -199,14 +209,6 @@ class RotorSystem:
         from rotor_ida.model.reduction import reduced_system  # noqa: PLC0415
 
         return reduced_system(self, modes=modes, keep=keep)
-
-
-def _takes_argument(method: Any) -> bool:
-    """Return whether a method of ROSS takes the frequency."""
-    import inspect  # noqa: PLC0415
-
-    required = inspect.Parameter.empty
-    return any(each.default is required for each in inspect.signature(method).parameters.values())
 
 
 def _shaped(name: str, given: object, shape: tuple[int, ...]) -> Values:

@@ -59,7 +59,7 @@ def levitated_system(
     own = np.zeros(system.size) if system.static_force is None else system.static_force
     force = own
     if gravity is not None:
-        force = own + system.mass @ (system.unit_translations() @ np.array(gravity))
+        force = own + system.weight(gravity)
     if not force.any():
         return held
     rows = np.concatenate([system.rows(each.node) for each in supports])

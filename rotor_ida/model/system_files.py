@@ -2,7 +2,7 @@
 
 Names are those of `RotorSystem`, or the letters of the equation: ``mass`` or ``M``, ``stiffness``
 or ``K``, ``damping`` or ``C``, ``gyroscopic`` or ``G``, ``stiffness_rate`` or ``K_dot``. Nodes are
-arrays ``node_NAME``: two indices, counted from 0, or two rows.
+arrays ``node_NAME``: two indices, counted from 0, or two rows. A ``note`` is text.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rotor_ida.errors import InputError
 NAMES = {
     "M": "mass", "K": "stiffness", "C": "damping", "G": "gyroscopic", "K_dot": "stiffness_rate",
 }  # fmt: skip
-OTHERS = ("translations", "static_force")
+OTHERS = ("translations", "static_force", "added_mass")
 NODE = "node_"
 
 
@@ -74,6 +74,8 @@ def _arguments(arrays: dict[str, Any], path: str) -> dict[str, Any]:
                 raise InputError(f"{path!r} must name the matrix {own} once, got it twice")
             given = values.toarray() if hasattr(values, "toarray") else np.asarray(values)
             found[own] = given.ravel() if own == "static_force" else given
+        elif name == "note":
+            found["note"] = " ".join(map(str, np.ravel(values)))
         elif name.startswith(NODE):
             node = np.asarray(values.toarray() if hasattr(values, "toarray") else values)
             nodes[name.removeprefix(NODE)] = node.ravel() if node.size == 2 else node

@@ -12,7 +12,7 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Race, Stator, Support, Unbalance
 
 ARRAYS = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate", "translations",
-          "static_force")  # fmt: skip
+          "static_force", "added_mass")  # fmt: skip
 # What a design holds of a drop.
 OF_CASE = (
     "system", "stators", "bearings", "supports", "unbalance", "speed", "duration", "failing",
@@ -85,6 +85,7 @@ def _plain_system(system: RotorSystem) -> dict[str, Any]:
         "nodes": {name: _plain(place) for name, place in system.nodes.items()},
         "positions": None if system.positions is None else dict(system.positions),
         "units": system.units,
+        "note": system.note,
     }
 
 

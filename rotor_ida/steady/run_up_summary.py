@@ -17,6 +17,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_instance
 from rotor_ida.errors import InputError
+from rotor_ida.model.contact import bounds_exceeded, length_in_words
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import interruptible
 from rotor_ida.results.run import check_run, rotor_of
@@ -42,8 +43,6 @@ from rotor_ida.units import SPEED_UNITS
 NEEDED = ("t", "speed", "angle", *COMPONENTS, "event_speed", "peak_force", "peak_time")
 # Attributes of a run-up that its summary omits.
 OF_CHANGE = ("to", "rate", "speeds", "torque", "inertia")
-# An indentation above this fraction of the disc's radius is not small, as contact laws assume.
-SMALL_INDENTATION = 0.1
 # Allowed distance of the last sample from the end, relative to the duration.
 AT_END = 1e-9
 RUBS = {
@@ -263,16 +262,14 @@ def beyond_model(indentation: float, rotor: Rotor, machine: DimensionalRotor | N
     >>> beyond_model(0.9, rotor, None), beyond_model(1.1, rotor, None).partition(":")[0]
     ('', 'Beyond the model')
     """
-    radius, bounds = rotor.disc_radius, []
-    if radius is not None and indentation > SMALL_INDENTATION * radius:
-        bounds.append("a tenth of the disc's radius")
-    if machine is not None and indentation > rotor.delta0 > 0.0:
-        bounds.append("the clearance")
+    bounds = bounds_exceeded(
+        indentation, rotor.disc_radius, None if machine is None else rotor.delta0
+    )
     if not bounds:
         return ""
     return (
         f"Beyond the model: an indentation of {_length(indentation, machine)} is more than "
-        f"{' and '.join(bounds)}; the force is too large for the contact law to predict."
+        f"{bounds}; the force is too large for the contact law to predict."
     )
 
 
@@ -285,8 +282,7 @@ def _speed(speed: float, machine: DimensionalRotor | None) -> str:
 def _length(length: float, machine: DimensionalRotor | None) -> str:
     if machine is None:
         return f"{length:.3g}"
-    metres = length * machine.length_scale
-    return f"{metres * 1e3:.3g} mm" if abs(metres) >= 1e-3 else f"{metres * 1e6:.3g} um"
+    return length_in_words(length * machine.length_scale)
 
 
 def _force(force: float, machine: DimensionalRotor | None) -> str:

@@ -17,6 +17,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
 from rotor_ida.systems.assembly import Assembly
+from rotor_ida.systems.units import NOTE
 
 MATRICES = ("mass", "damping", "gyroscopic", "stiffness", "stiffness_rate")
 LAW = ("stiffness", "exponent", "damping", "friction", "radius")
@@ -142,7 +143,8 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
     positions = None
     if "axial_position" in run.variables:
         positions = dict(zip(nodes, run["axial_position"].values.tolist(), strict=True))
-    system = RotorSystem(**matrices, nodes=nodes, positions=positions, units="SI" if si else "1")
+    system = RotorSystem(**matrices, nodes=nodes, positions=positions, units="SI" if si else "1",
+                         note=run.attrs.get(NOTE, ""))  # fmt: skip
     stators = [
         Stator(mass=mass, stiffness=tuple(stiffness), damping=tuple(damping))
         for mass, stiffness, damping in _rows(run, [f"stator_{name}" for name in OF_STATOR])
@@ -169,7 +171,7 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
 
 def design_of_problem(problem: Mapping[str, Column], system: RotorSystem) -> dict[str, object]:
     """Return what a sweep is computed from, as strings, finite numbers, None and lists of them."""
-    found: dict[str, object] = {"units": system.units}
+    found: dict[str, object] = {"units": system.units, NOTE: system.note}
     places = None if system.positions is None else list(system.positions.values())
     more = {} if places is None else {"axial_position": ("node", np.array(places))}
     for name, column in {**problem, **more}.items():
@@ -183,6 +185,7 @@ def problem_in(design: Mapping[str, Any]) -> tuple[RotorSystem, dict[str, Any]]:
     """Return the system in the design of a study, and the arguments for what stands around it."""
     columns = dict(design)
     unit = {"units": "s-1"} if columns.pop("units") == "SI" else {}
+    note = {NOTE: columns.pop(NOTE)}
     variables = {
         name: (
             dims,
@@ -190,7 +193,7 @@ def problem_in(design: Mapping[str, Any]) -> tuple[RotorSystem, dict[str, Any]]:
         )
         for name, (dims, shape, flat) in columns.items()
     }
-    return problem_of(xr.Dataset({**variables, "speed": ((), 0.0, unit)}))
+    return problem_of(xr.Dataset({**variables, "speed": ((), 0.0, unit)}, attrs=note))
 
 
 def _contact(row: xr.Dataset, stators: Sequence[Stator]) -> Contact:

@@ -273,7 +273,7 @@ def _force(
         g = check_array("gravity", gravity)
         if g.shape != (2,):
             raise InputError(f"gravity must be two numbers, along x and y, got {shown(gravity)}")
-        force[: system.size] += system.mass @ (system.unit_translations() @ g)
+        force[: system.size] += system.weight(g)
         for number, each in enumerate(stators):
             place = system.size + 2 * number
             force[place : place + 2] += each.mass * g * each.weight

@@ -34,6 +34,8 @@ ASKEW = 0.1
 # Parts of a matrix that turn a forward motion into a backward one, and of the force at a node that
 # is one.
 ROUNDED = 1e-7
+# What takes a system that has no circular whirls.
+INSTEAD = 'use sweep or simulate(start="settled")'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,7 +76,7 @@ def check_no_races(assembly: Assembly) -> None:
         if each.spinning_race is not None and each.friction > 0.0:
             raise InputError(
                 f"race of contact {number} at {shown(each.node)} must be None for a whirl with "
-                "friction, got a Race"
+                f"friction, got a Race: {INSTEAD}"
             )
 
 
@@ -83,18 +85,23 @@ def check_axisymmetric_parts(assembly: Assembly) -> None:
     for number, each in enumerate(assembly.contacts):
         where = f"of contact {number} at {shown(each.node)}"
         if each.centre != (0.0, 0.0):
-            raise InputError(f"centre {where} must be (0, 0) for a whirl, got {each.centre!r}")
+            raise InputError(
+                f"centre {where} must be (0, 0) for a whirl, got {each.centre!r}: {INSTEAD}"
+            )
         if isinstance(each.stator, Stator):
             for name in ("stiffness", "damping"):
                 pair = getattr(each.stator, name)
                 if pair[0] != pair[1]:
                     raise InputError(
                         f"{name} of the stator {where} must be equal along x and y for a whirl, "
-                        f"got {pair!r}"
+                        f"got {pair!r}: {INSTEAD}"
                     )
     if assembly.force.any():
         size = float(np.abs(assembly.force).max())
-        raise InputError(f"gravity and static_force must be 0 for a whirl, got up to {size:.6g}")
+        raise InputError(
+            f"gravity and static_force must be 0 for a whirl, got up to {size:.6g}: leave them out "
+            f"(--without-gravity), or {INSTEAD}"
+        )
 
 
 def check_masses(assembly: Assembly) -> None:
@@ -218,5 +225,5 @@ def _refuse(name: str) -> NoReturn:
     """Refuse a system by the name of what is not the same in all directions."""
     raise InputError(
         f"system must be axisymmetric for a whirl, got one whose {name} is not the same along x "
-        "and y"
+        f"and y: {INSTEAD}"
     )

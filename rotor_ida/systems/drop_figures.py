@@ -61,6 +61,15 @@ def figures_of_drop(
     return columns
 
 
+def touched_clearances(drops: xr.Dataset) -> list[str]:
+    """Return the nodes at which a drop, or any of many, touches other close clearances."""
+    if "node_excursion" not in drops.variables:
+        return []
+    others = [dim for dim in drops["node_excursion"].dims if dim != "node"]
+    touched = (drops["node_excursion"] >= 1.0).any(others)
+    return [str(each) for each in drops["node"].values[touched.values]]
+
+
 def _of_contact(run: xr.Dataset, number: int) -> dict[str, float]:
     """Return the figures of one contact."""
     own = run.isel(episode=run["episode_contact"].values == number)

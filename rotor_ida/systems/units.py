@@ -20,10 +20,14 @@ UNITS_OF_CHANGE = {
     "speed": "s-1", "to": "s-1", "rate": "s-2", "speeds": "s, s-1", "torque": "N m, N m s",
     "inertia": "kg m2",
 }  # fmt: skip
+# Attribute with the note of the system, if it has one.
+NOTE = "note"
 
 
 def with_system_units(dataset: xr.Dataset, system: RotorSystem) -> xr.Dataset:
-    """Return a result with the units of its system; its speeds are over no reference frequency."""
+    """Return a result with the units and the note of its system; its speeds are over no scale."""
+    if system.note:
+        dataset.attrs[NOTE] = system.note
     if "speed" in dataset.variables:
         dataset["speed"].attrs["long_name"] = "spin speed"
     if system.units == "SI":

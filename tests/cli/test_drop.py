@@ -2,6 +2,7 @@
 
 import hashlib
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,12 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli import main
+from rotor_ida.cli.commands.drop import NOT_OF_MANY
+from rotor_ida.cli.describe import describe
 from rotor_ida.cli.drop_pdf import Sheets
-from rotor_ida.cli.drop_tables import Listed
+from rotor_ida.cli.drop_report import sentence_of
+from rotor_ida.cli.drop_tables import Listed, acceptance
+from rotor_ida.explorer.system_verdicts import verdict
 
 FILE = """# drawn in the report
 speed = "4800 rpm"
@@ -104,6 +109,51 @@ def test_a_drop_that_ends_before_a_touch_has_a_report_too(capfd):
     assert "first touch [ms]</td><td>none" in page
     digest = hashlib.sha256(Path("disc.npz").read_bytes()).hexdigest()
     assert f"SHA-256 of disc.npz</td><td>{digest}" in page
+
+
+def two_drops(given, friction):
+    """Return two drops with the arguments of one, at random."""
+    of_many = {name: each for name, each in given.items() if name not in NOT_OF_MANY}
+    return rotor_ida.drop_ensemble(**of_many, drops=2, friction=friction, executor="serial")
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(("labyrinth", "touched"), [(0.1e-3, True), (0.9e-3, False)])
+def test_the_answer_tells_which_other_clearances_are_touched(labyrinth, touched):
+    """The bearing leaves 0.2 mm; the table names the same nodes."""
+    case = rotor_ida.load_system("rotor.toml")
+    system = replace(case.system, nodes={"disc": (0, 1), "seal": (0, 1), "end": (0, 1)})
+    given = {**case.drop, "system": system, "duration": 0.02,
+             "clearances": {"seal": labyrinth, "end": 0.11e-3, "disc": 5e-3}}  # fmt: skip
+    run = rotor_ida.drop(**given)
+    many = two_drops(given, (0.05, 0.2))
+    where = "clearances at 'seal' and 'end'" if touched else "clearance at 'end'"
+    said = sentence_of(run, many)
+    assert f"It touches the close {where}; a touch there does not act on the rotor." in said
+    assert f"Some drops touch the close {where}." in said
+    assert "Beyond the model" not in said
+    page = f"other close clearances are touched at {'seal, ' * touched}end"
+    assert page in verdict(run)
+    rows = {row[0]: row[2] for row in acceptance(run, many).rows}
+    assert ("touches" in rows["radius at seal [µm]"]) == touched
+    assert "gap left" in rows["radius at disc [µm]"]
+
+
+@pytest.mark.usefixtures("here")
+def test_a_drop_into_a_soft_bearing_is_beyond_the_model():
+    """It is pressed in by more than its clearance of 0.2 mm."""
+    case = rotor_ida.load_system("rotor.toml")
+    soft = [replace(each, stiffness=4e6, friction=0.0) for each in case.drop["bearings"]]
+    given = {**case.drop, "bearings": soft, "clearances": None, "duration": 0.03}
+    run = rotor_ida.drop(**given)
+    deep = 1e3 * float(run.peak_indentation.max())
+    assert deep > 0.2
+    words = f"Beyond the model: contact 0 at 'disc' is indented by up to {deep:.3g} mm, more than "
+    for said in (sentence_of(run, None), verdict(run), describe(run)[1][-1]):
+        assert f"{words}the clearance;" in said
+    many = two_drops(given, (0.0, 0.1))
+    assert describe(many)[1][-1].startswith("Beyond the model: contact 0")
+    assert sentence_of(run, many).count("Beyond the model") == 1
 
 
 @pytest.mark.usefixtures("here")

@@ -167,7 +167,7 @@ def test_an_indentation_beyond_the_model_is_said_to_be():
     for indentation, bounds in (
         (0.9 * rotor.delta0, ""),
         (1.1 * rotor.delta0, "more than the clearance;"),
-        (0.12 * rotor.disc_radius, "more than a tenth of the disc's radius and the clearance;"),
+        (0.12 * rotor.disc_radius, "more than a tenth of the rotor's radius and the clearance;"),
     ):
         verdict = verdict_of(PUMP, deep | {"radius_max": rotor.delta0 + indentation})
         assert ("Beyond the model" in verdict) == bool(bounds)

@@ -105,7 +105,7 @@ def test_an_indentation_that_no_contact_law_means_is_told():
     run = run_up(rotor, start=plain, **whip.change_of_speed(to=310.0, ramp_time=0.05))
     said = summary(dimensional(run, whip)).attrs["sentence"]
     assert "Beyond the model: an indentation of " in said
-    assert "is more than a tenth of the disc's radius and the clearance" in said
+    assert "is more than a tenth of the rotor's radius and the clearance" in said
     assert "Beyond" not in summary(
         run_up(*[ENDINGS["rub"][0]], start=REST, to=1.2, rate=0.02)
     ).attrs["sentence"]  # fmt: skip

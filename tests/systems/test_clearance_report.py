@@ -1,6 +1,7 @@
 """Reports on close clearances: against closed forms, settled runs and the formulas themselves."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -72,6 +73,33 @@ def test_one_disc_is_that_of_the_formulas():
 def test_margins_by_the_amplification_factor(factor, speed, margin, needed):
     found = margins(Peak(speed, factor), 100.0, 200.0)
     assert found == pytest.approx((margin, needed), abs=1e-12)
+
+
+@pytest.mark.parametrize(("zeta", "sharp"), [(0.6, False), (0.1, True)])
+def test_a_mode_without_a_sharp_peak_is_not_too_near(zeta, sharp):
+    """Both lie within the running speeds; without a peak the table asks no margin."""
+    damping = 2.0 * zeta * math.sqrt(MASS * STIFFNESS) * np.eye(2)
+    report = clearance_report(replace(DISC, damping=damping), contacts=[SEAL], points=40,
+                              speed=(300.0, 400.0) if not sharp else (400.0, 500.0))  # fmt: skip
+    assert report.separation_margin.item() < 0.0
+    assert (report.required_margin.item() > 0.0) == sharp
+    words = report.attrs["sentence"]
+    assert ("Too near to the running speeds" in words) == sharp
+    assert ("None is asked at 3416 rpm, as there is no sharp peak." in words) != sharp
+    assert "nan" not in words
+
+
+@pytest.mark.parametrize(("stiffness", "deep"), [(1e8, False), (1e3, True)])
+def test_a_rub_beyond_the_model_is_said_to_be(stiffness, deep):
+    """The soft seal gives way by more than its clearance, as its force over its stiffness says."""
+    report = clearance_report(
+        DISC, contacts=[replace(SEAL, stiffness=stiffness, friction=0.0)], speed=(400.0, 500.0),
+        unbalance=[Unbalance(node="disc", moment=0.01)], points=40, probes=["disc"],
+        vibration_limit=0.01,
+    )  # fmt: skip
+    force = float(max(report.rub_force.item(), report.passage_rub_force.item()))
+    assert (force / stiffness > SEAL.clearance) == deep
+    assert ("Beyond the model: contact 0 at 'disc' is indented" in report.attrs["sentence"]) == deep
 
 
 def uneven_beam():

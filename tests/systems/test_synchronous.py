@@ -388,6 +388,8 @@ def test_what_is_not_axisymmetric_is_refused(system, contact, words):
             unbalance=[Unbalance(node="d", moment=1.0)],
         )  # fmt: skip
     assert "\n" not in str(refusal.value)
+    assert 'use sweep or simulate(start="settled")' in str(refusal.value)
+    assert ("--without-gravity" in str(refusal.value)) == ("static_force" in system)
 
 
 def test_unequal_bearings_behind_a_shaft_are_found():

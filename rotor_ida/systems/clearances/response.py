@@ -89,13 +89,12 @@ Cases = Sequence[Sequence[Unbalance]]
 
 
 def own_mass(problem: Problem) -> float:
-    """Return the mass that moves where all nodes do."""
+    """Return the mass that moves where all nodes do, without fluid."""
     system = problem.assembly.system
     try:
-        moved = system.unit_translations()[:, 0]
+        return float(system.unit_translations()[:, 0] @ system.weight((1.0, 0.0)))
     except InputError as error:
         raise InputError(f"mass must be given: {error}") from error
-    return float(moved @ system.mass @ moved)
 
 
 def cases_of(problem: Problem, modes: Sequence[Mode], mass: float) -> Cases:

@@ -6,6 +6,8 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.schema import words_of
+from rotor_ida.systems.depths import beyond_model
+from rotor_ida.systems.units import NOTE
 from rotor_ida.units import SPEED_UNITS
 
 # Forces from this one on [N] are in kN.
@@ -23,6 +25,10 @@ def sentences(report: xr.Dataset) -> str:
         )
     if "not_exact" in report.attrs:
         lines.append(f"What follows a touch is not known: {report.attrs['not_exact']}.")
+    if beyond := beyond_model(report):
+        lines.append(beyond)
+    if note := report.attrs.get(NOTE):
+        lines.append(f"Note: {note}.")
     return "\n".join(lines)
 
 
@@ -86,15 +92,20 @@ def _whip(report: xr.Dataset, own: xr.Dataset) -> str:
 
 def _of_critical_speeds(report: xr.Dataset) -> str:
     """Return whether all critical speeds are far enough from the running speeds."""
-    near = (report["separation_margin"] < report["required_margin"]).values
-    if not near.any():
-        return "All critical speeds keep their separation margins."
+    margin, needed = report["separation_margin"].values, report["required_margin"].values
+    speeds = [_speed(report, each) for each in report["critical_speed"].values]
+    near = np.flatnonzero((needed > 0.0) & (margin < needed))
     told = [
-        f"{_speed(report, each['critical_speed'].item())} (amplification "
-        f"{each['amplification_factor'].item():.3g})"
-        for each in (report.isel(critical=i) for i in np.flatnonzero(near))
+        f"{speeds[i]} (amplification {report['amplification_factor'].values[i]:.3g})" for i in near
     ]
-    return f"Too near to the running speeds: the critical speed at {', and that at '.join(told)}."
+    said = (
+        f"Too near to the running speeds: the critical speed at {', and that at '.join(told)}."
+        if told
+        else "All critical speeds keep their separation margins."
+    )
+    if flat := [speeds[i] for i in np.flatnonzero((needed == 0.0) & (margin < 0.0))]:
+        said += f" None is asked at {' and '.join(flat)}, as there is no sharp peak."
+    return said
 
 
 def _per_cent(share: float) -> str:

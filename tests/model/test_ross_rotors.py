@@ -1,0 +1,288 @@
+"""Rotors of the package ROSS: stand-ins with its methods, and its own rotors where it is installed.
+
+The stand-in is a chain in each direction, ground, spring, pedestal, bearing, rotor, whose motion
+has a closed form.
+"""
+
+import warnings
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    Contact,
+    InputError,
+    RotorSystem,
+    Support,
+    Unbalance,
+    campbell,
+    clearance_report,
+    drop,
+    run_up,
+    simulate,
+    sweep,
+    synchronous_response,
+)
+from rotor_ida.cli.describe import describe
+from rotor_ida.cli.drop_report import sentence_of
+from rotor_ida.systems.archived import problem_of
+
+MASSES, PEDESTALS = (30.0, 20.0), (10.0, 5.0)  # kg
+BEARINGS, GROUND = (4e6, 3e6), (2e7, 3e7)  # N/m
+GRAVITY, SPEED = 9.81, 200.0
+NOTE = "coefficients that depend on the speed are frozen at 200 rad/s (1,910 rpm): Seal 0"
+
+
+class Spring:
+    """A bearing or seal between a node and the ground or a link, as ROSS has them."""
+
+    def __init__(self, places, stiffness, *, mass=0.0, damping=0.0, frequency=None, tag=""):
+        self.dof_global_index, self.frequency, self.tag = places, frequency, tag
+        self.axial = len(places) // 3
+        self.coefficients = (stiffness, damping, mass)
+
+    def _matrix(self, coefficient, frequency):
+        here = coefficient if self.frequency is None or np.ndim(coefficient) == 0 else np.interp(
+            frequency, self.frequency, coefficient)  # fmt: skip
+        own = np.diag([here, here, 0.0])
+        return own if self.axial == 1 else np.block([[own, -own], [-own, own]])
+
+    def K(self, frequency):
+        return self._matrix(self.coefficients[0], frequency)
+
+    def C(self, frequency):
+        return self._matrix(self.coefficients[1], frequency)
+
+    def M(self, frequency):
+        return self._matrix(self.coefficients[2], frequency)
+
+
+def places(start, node):
+    return {f"{axis}_{node}": start + i for i, axis in enumerate("xyz")}
+
+
+class Rotor:
+    """Two rigid discs of six coordinates each, on two links of three, as ROSS numbers them."""
+
+    number_dof = 6
+    starts = (0, 6, 12, 15)
+
+    def __init__(self, *seals):
+        ends = [places(start, node) for node, start in enumerate(self.starts)]
+        self.bearing_elements = [
+            *(Spring(ends[i] | ends[i + 2], k, damping=200.0) for i, k in enumerate(BEARINGS)),
+            *(Spring(ends[i + 2], k) for i, k in enumerate(GROUND)), *seals,
+        ]  # fmt: skip
+        self.elements = [SimpleNamespace(dof_global_index=each) for each in ends]
+        self.elements += self.bearing_elements
+        self.nodes_pos = [0.0, 1.0]
+        self.M0, self.K0 = np.eye(18), np.diag([0.0] * 2 + [1e6] * 4 + [0.0] * 2 + [1e6] * 4
+                                               + [0.0, 0.0, 1e6] * 2)  # fmt: skip
+        for start, mass in zip(self.starts, MASSES + PEDESTALS, strict=True):
+            self.M0[[start, start + 1], [start, start + 1]] = mass
+
+    def _with_bearings(self, whole, name, frequency):
+        whole = whole.copy()
+        for each in self.bearing_elements:
+            at = list(each.dof_global_index.values())
+            whole[np.ix_(at, at)] += getattr(each, name)(frequency)
+        return whole
+
+    def M(self, frequency=None, synchronous=False):
+        assert not synchronous
+        return self._with_bearings(self.M0, "M", frequency or 0.0)
+
+    def K(self, frequency):
+        return self._with_bearings(self.K0, "K", frequency)
+
+    def C(self, frequency):
+        return self._with_bearings(np.zeros((18, 18)), "C", frequency)
+
+    def G(self):
+        return np.zeros((18, 18))
+
+
+class MultiRotor(Rotor):
+    """A gear train, by the name of its class."""
+
+
+def seal(**coefficients):
+    return Spring(places(0, 0), 1e5, tag="Seal 0", **coefficients)
+
+
+def of_table():
+    """Return a rotor with a seal whose coefficients depend on the speed."""
+    varying = seal(mass=np.array([2.0, 4.0]), damping=np.array([300.0, 500.0]),
+                   frequency=np.array([0.0, 400.0]))  # fmt: skip
+    with pytest.warns(UserWarning, match="frozen at 200 rad/s"):
+        return RotorSystem.from_ross(Rotor(varying), speed=SPEED)
+
+
+def test_links_are_nodes_with_three_coordinates():
+    system = RotorSystem.from_ross(Rotor(), speed=SPEED)
+    assert dict(system.nodes) == {"0": (0, 1), "1": (6, 7), "2": (12, 13), "3": (15, 16)}
+    assert system.positions is None  # links have none
+    assert not system.note
+    unbalance = [Unbalance(node="0", moment=1e-4), Unbalance(node="1", moment=2e-4)]
+    found = synchronous_response(system, speed=SPEED, unbalance=unbalance)
+    force = 1e-4 * SPEED**2
+    for i, (moved, k, ground) in enumerate(zip(MASSES, BEARINGS, GROUND, strict=True)):
+        bearing = k + 200.0j * SPEED
+        matrix = [[bearing - moved * SPEED**2, -bearing],
+                  [-bearing, bearing + ground - PEDESTALS[i] * SPEED**2]]  # fmt: skip
+        disc, pedestal = np.abs(np.linalg.solve(matrix, [(i + 1) * force, 0.0]))
+        here = found.node_amplitude.isel(speed=0, branch=0)
+        assert float(here.sel(node=str(i))) == pytest.approx(disc, rel=1e-10)
+        assert float(here.sel(node=str(i + 2))) == pytest.approx(pedestal, rel=1e-10)
+
+
+def test_all_pedestals_weigh_and_the_added_mass_of_seals_does_not():
+    """The seal stiffens the bearing at node 0 and moves 3 kg of fluid, which are not lifted."""
+    rotor = Rotor(seal(mass=3.0))
+    system = RotorSystem.from_ross(rotor, speed=SPEED)
+    assert system.mass[0, 0] == MASSES[0] + 3.0
+    weight = system.weight((0.0, -GRAVITY))
+    total = GRAVITY * sum(MASSES + PEDESTALS)
+    assert -system.unit_translations()[:, 1] @ weight == pytest.approx(total, rel=1e-14)
+    run = simulate(system, gravity=(0.0, -GRAVITY), start="rest", speed=0.0, duration=0.01,
+                   samples=2)  # fmt: skip
+    sag = GRAVITY * np.array(MASSES) / BEARINGS
+    below = GRAVITY * np.add(MASSES, PEDESTALS) / GROUND
+    np.testing.assert_allclose(-run.y.isel(t=-1).values[[1, 3]], [sag[1] + below[1], below[1]],
+                               rtol=1e-9)  # fmt: skip
+    matrix = [[BEARINGS[0] + 1e5, -BEARINGS[0]], [-BEARINGS[0], BEARINGS[0] + GROUND[0]]]
+    lifted = np.linalg.solve(matrix, GRAVITY * np.array([MASSES[0], PEDESTALS[0]]))
+    np.testing.assert_allclose(-run.y.isel(t=-1).values[[0, 2]], lifted, rtol=1e-9)
+    small = system.reduced(modes=8, keep=["0"])
+    for name in system.nodes:
+        of_all, of_few = (
+            each.rows(name)[1] @ np.linalg.lstsq(each.stiffness, each.weight((0.0, 1.0)))[0]
+            for each in (system, small)
+        )
+        assert of_few == pytest.approx(of_all, rel=1e-8)
+
+
+def test_added_mass_is_that_at_the_speed():
+    assert of_table().mass[0, 0] == pytest.approx(MASSES[0] + 3.0)
+
+
+def test_a_constant_table_is_no_table():
+    constant = seal(mass=np.array([2.0, 2.0]), frequency=np.array([0.0, 400.0]))
+    assert not RotorSystem.from_ross(Rotor(constant), speed=SPEED).note
+
+
+def test_a_table_that_ends_below_the_speed_is_named():
+    varying = seal(damping=np.array([300.0, 500.0]), frequency=np.array([0.0, 150.0]))
+    with pytest.warns(UserWarning, match="the tables do not reach this speed: Seal 0"):
+        RotorSystem.from_ross(Rotor(varying), speed=SPEED)
+    with pytest.warns(UserWarning, match=r"\): 5 bearings and seals$"):
+        RotorSystem.from_ross(
+            Rotor(*[seal(damping=np.array([3.0, 5.0]), frequency=np.array([0.0, 400.0]))] * 5),
+            speed=SPEED,
+        )
+
+
+def answers(system):
+    """Yield a result of each kind of a system whose coefficients are frozen."""
+    touch = Contact(node="0", clearance=5e-5, stiffness=1e7, exponent=1.0)
+    around = {"contacts": [touch], "unbalance": [Unbalance(node="0", moment=2e-3)]}
+    brief = {**around, "duration": 0.02, "samples": 3, "modes": 6}
+    yield simulate(system, speed=SPEED, **brief)
+    yield run_up(system, speed=SPEED, rate=10.0, **brief)
+    yield sweep(system, speed=[SPEED], modes=6, **around)
+    yield campbell(system, speed=[SPEED, 2.0 * SPEED])
+    yield synchronous_response(system, speed=[SPEED], **around)
+    yield clearance_report(system, contacts=[touch], speed=(SPEED, 1.5 * SPEED), points=20)
+    yield drop(system, bearings=[touch], supports=[Support(node="0", stiffness=1e6)],
+               unbalance=around["unbalance"], speed=SPEED, duration=0.02, modes=6)  # fmt: skip
+
+
+def test_every_answer_tells_that_coefficients_are_frozen():
+    for found in answers(of_table()):
+        assert found.attrs["note"] == NOTE
+        told = [each for each in describe(found)[1] if isinstance(each, str)]
+        assert sum(each.count(f"Note: {NOTE}.") for each in told) == 1
+        assert problem_of(found)[0].note == NOTE
+    assert f"Note: {NOTE}." in sentence_of(found, None)
+
+
+def test_a_file_keeps_the_note_and_the_added_mass(tmp_path):
+    system, path = of_table(), tmp_path / "rotor.npz"
+    np.savez(path, mass=system.mass, stiffness=system.stiffness, added_mass=system.added_mass,
+             note=system.note, node_0=system.nodes["0"])  # fmt: skip
+    again = RotorSystem.from_file(path)
+    assert again.note == NOTE
+    np.testing.assert_array_equal(again.added_mass, system.added_mass)
+
+
+def test_shafts_of_different_speeds_are_refused():
+    with pytest.raises(InputError, match="rotor must be one shaft line, got a MultiRotor"):
+        RotorSystem.from_ross(MultiRotor(), speed=SPEED)
+
+
+@cache
+def ross():
+    """Return the package ROSS, or skip the test."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return pytest.importorskip("ross", reason="there is no ROSS")
+
+
+def of_ross(**sealing):
+    """Return a rotor of ROSS on two pedestals of 10 and 20 kg, perhaps with a seal at node 2."""
+    rs = ross()
+    steel = rs.Material(name="steel", rho=7810, E=211e9, G_s=81.2e9)
+    shaft = [rs.ShaftElement(L=0.25, idl=0, odl=0.05, material=steel) for _ in range(4)]
+    disc = rs.DiskElement.from_geometry(n=2, material=steel, width=0.07, i_d=0.05, o_d=0.28)
+    bearings = [
+        rs.BearingElement(n=0, n_link=5, kxx=1e7, cxx=2e3, kzz=1e5),
+        rs.BearingElement(n=4, n_link=6, kxx=1e7, cxx=2e3, kzz=1e5),
+        rs.BearingElement(n=5, kxx=2e7, cxx=1e3, kzz=1e6),
+        rs.BearingElement(n=6, kxx=3e7, cxx=1e3, kzz=1e6),
+    ]
+    if sealing:
+        bearings.append(rs.SealElement(n=2, **sealing))
+    return rs.Rotor(shaft, [disc], bearings, [rs.PointMass(n=5, m=10.0), rs.PointMass(n=6, m=20.0)])
+
+
+TABLE = np.linspace(0.0, 900.0, 10)
+SEALS = {
+    "none": {},
+    "constant": {"kxx": 1e5, "cxx": 500.0, "mxx": 10.0},
+    "table": {"kxx": 1e5 + 100.0 * TABLE, "cxx": 500.0 + TABLE, "mxx": 5.0 + TABLE / 100.0,
+              "frequency": TABLE},
+}  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("kind", SEALS)
+def test_ross_itself_has_the_same_response_weight_and_critical_speeds(kind):
+    rotor, speed = of_ross(**SEALS[kind]), 300.0
+    system = RotorSystem.from_ross(rotor, speed=speed)
+    assert bool(system.note) == (kind == "table")
+    moments, phases, nodes = [2e-4, 1e-4], [0.0, 1.0], [2, 1]
+    theirs = rotor.run_unbalance_response(nodes, moments, phases, np.array([299.0, speed, 301.0]))
+    unbalance = [Unbalance(node=str(n), moment=m, phase=p)
+                 for n, m, p in zip(nodes, moments, phases, strict=True)]  # fmt: skip
+    ours = synchronous_response(system, speed=[speed], unbalance=unbalance).isel(speed=0, branch=0)
+    moved = ours.node_amplitude.values * np.exp(-1j * ours.node_phase_lag.values)
+    along_x = [x for x, _ in system.nodes.values()]
+    np.testing.assert_allclose(moved, theirs.forced_resp[along_x, 1], rtol=1e-9)
+    total = rotor.m + 30.0  # without the fluid
+    assert system.unit_translations()[:, 0] @ system.weight((1.0, 0.0)) == pytest.approx(total)
+    if kind != "table":
+        found = campbell(system, speed=np.linspace(0.0, 1000.0, 101)).critical_speed.values
+        known = np.asarray(rotor.run_critical_speed(num_modes=24).wd())
+        assert found.size >= 3
+        np.testing.assert_allclose(
+            found, [known[np.abs(known - each).argmin()] for each in found], rtol=1e-4
+        )
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_gear_train_of_ross_is_refused():
+    gears = ross().multi_rotor.two_shaft_rotor_example()
+    with pytest.raises(InputError, match="got a MultiRotor"):
+        RotorSystem.from_ross(gears, speed=SPEED)
