@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
-from functools import cache
+from functools import lru_cache
 from typing import Literal, NamedTuple
 
 # Each unit of speed in radians per second.
@@ -18,6 +17,9 @@ SPEED_UNITS: dict[SpeedUnit, float] = {"rad/s": 1.0, "rpm": math.pi / 30.0, "Hz"
 # The power of ten of each prefix, and how many units with the prefix make one without.
 POWERS = {"p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6}
 PREFIXES = {prefix: 10.0**-power for prefix, power in POWERS.items()}
+
+# The longest text that is read as a unit, and the largest exponent in it.
+LONGEST, LARGEST_EXPONENT = 60, 20.0
 
 # Exponents of kg, m, s and rad. Angles have a dimension here, to distinguish speeds from rates.
 Dimension = tuple[float, float, float, float]
@@ -46,7 +48,7 @@ class Unit(NamedTuple):
 
     def in_si(self, number: str) -> float:
         """Return a decimal number of this unit in SI units."""
-        if self.power != int(self.power):
+        if self.power != int(self.power) or len(number) > LONGEST:
             return float(number) * math.pow(10.0, self.power) * self.factor
         digits, _, exponent = number.lower().partition("e")
         moved = f"{digits}e{int(exponent or 0) + int(self.power)}"
@@ -136,9 +138,9 @@ def symbol_of(name: str, *, any_case: bool = True) -> str:
     return NAMES.get(plain, plain)
 
 
-@cache
+@lru_cache(maxsize=1000)
 def unit_of(text: str) -> Unit | None:
-    """Return the unit that a text denotes, or None if it is not a unit.
+    """Return the unit that a text of up to 60 characters denotes, or None if it is not a unit.
 
     Factors may be joined by blanks, dots, asterisks, hyphens or nothing at all, if the reading is
     unique; their exponents may have a caret.
@@ -152,6 +154,8 @@ def unit_of(text: str) -> Unit | None:
     >>> unit_of("Nmm"), unit_of("furlong")  # is it N mm, or N m m?
     (None, None)
     """
+    if len(text) > LONGEST:
+        return None
     if symbol := symbol_of(text, any_case=False):  # 1/min has a slash
         return UNITS[symbol]
     over, *under = text.translate(_LOOKALIKES).strip().split("/")
@@ -206,7 +210,9 @@ def _product(text: str) -> Unit | None:
     found, place, text = ONE, 0, text.strip()
     while place < len(text):
         factor = _FACTOR.match(text, place)
-        unit = None if factor is None else _run_together(factor[1], float(factor[2] or 1.0))
+        exponent = float(factor[2] or 1.0) if factor else math.inf
+        known = factor is not None and abs(exponent) <= LARGEST_EXPONENT
+        unit = _run_together(factor[1], exponent) if factor and known else None
         if factor is None or unit is None:
             return None
         found, place = found.times(unit), factor.end()
@@ -218,7 +224,7 @@ def _run_together(letters: str, exponent: float) -> Unit | None:
     if letters in AMBIGUOUS:
         return None
     symbol = symbol_of(letters, any_case=False)
-    readings = {_multiplied(symbols, exponent) for symbols in _splits(letters)}
+    readings = _readings(letters, exponent)
     if not symbol and not readings:  # Ns is N s, not ns
         symbol = symbol_of(letters)
     if symbol:
@@ -226,17 +232,19 @@ def _run_together(letters: str, exponent: float) -> Unit | None:
     return readings.pop() if len(readings) == 1 else None
 
 
-def _multiplied(symbols: tuple[str, ...], exponent: float) -> Unit:
-    found = UNITS[symbols[-1]].to(exponent)
-    for symbol in symbols[:-1]:
-        found = found.times(UNITS[symbol])
-    return found
+def _readings(letters: str, exponent: float) -> set[Unit]:
+    """Return every product that letters denote; the exponent is that of the last factor."""
+    products: list[set[Unit]] = [{ONE}]  # of the first letters, by their number
+    for end in range(1, len(letters)):
+        products.append(_longer(products, letters, end, 1.0))
+    return _longer(products, letters, len(letters), exponent)
 
 
-def _splits(letters: str) -> Iterator[tuple[str, ...]]:
-    """Yield every way to read letters as symbols."""
-    if not letters:
-        yield ()
-    for end in range(1, len(letters) + 1):
-        if letters[:end] in UNITS:
-            yield from ((letters[:end], *rest) for rest in _splits(letters[end:]))
+def _longer(products: list[set[Unit]], letters: str, end: int, exponent: float) -> set[Unit]:
+    """Return the products of the letters before `end`, the last of them to some power."""
+    return {
+        before.times(UNITS[letters[begin:end]].to(exponent))
+        for begin in range(end)
+        if letters[begin:end] in UNITS
+        for before in products[begin]
+    }

@@ -61,6 +61,24 @@ def test_what_is_no_unit_or_has_two_readings_is_none(text: str):
     assert unit_of(text) is None
 
 
+@pytest.mark.parametrize("times", [14, 24, 400])
+def test_a_long_text_is_read_in_no_time(times: int):
+    # every way to split these letters into units: 2**27 and more
+    assert unit_of("ms" * times) is None
+
+
+def test_a_number_of_any_length_is_read():
+    unit = unit_of("um")
+    assert unit is not None
+    assert unit.in_si("1e" + "9" * 5000) == math.inf
+    assert unit.in_si("1e" + "0" * 5000 + "3") == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize("text", ["m" * 61, "in^9999", "m^21", "m-300", "m^" + "9" * 400])
+def test_what_is_too_long_or_too_large_is_none(text: str):
+    assert unit_of(text) is None
+
+
 def test_a_speed_is_no_rate_and_no_frequency_of_an_angle_free_kind():
     assert len({dimension_of(text) for text in ("rad/s", "rad/s2", "1/s", "rad")}) == 4
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Literal, cast, get_args
@@ -24,7 +24,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.system_questions import READERS, SystemQuestion, SystemUpload
-from rotor_ida.model.data_sheet import KEYS, check_keys, machine_from_data_sheet
+from rotor_ida.model.data_sheet import KEYS, check_keys, implausible, machine_from_data_sheet
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.signals.files.columns import ENDINGS
@@ -277,6 +277,15 @@ def _pair(name: str, given: object) -> tuple[float, float]:
         raise InputError(f"{name} must be two numbers, got {shown(given)}")
     one, other = (math.nan if each is None else check_real(name, each) for each in given)
     return one, other
+
+
+def show_machine(sheet: DataSheet) -> Iterator[Answer]:
+    """Yield the machine of a data sheet, with its warnings."""
+    machine = sheet.machine()
+    facts: dict[str, object] = {
+        "machine": machine.given, "fastest": largest_speed(machine), "notes": implausible(machine)
+    }  # fmt: skip
+    yield Answer("machine", facts)
 
 
 def largest_speed(machine: DimensionalRotor) -> float:

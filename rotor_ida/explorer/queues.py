@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import count
 
-from rotor_ida.explorer.messages import FILES, Answer, Measurement, packed
+from rotor_ida.explorer.messages import FILES, Answer, DataSheet, Measurement, packed
 from rotor_ida.explorer.system_questions import SYSTEM_FILES, SystemUpload
 from rotor_ida.explorer.workers import (
     FIRST_MACHINE,
@@ -37,7 +37,13 @@ AGAIN = 0.5
 AT_A_TIME = 2**20
 # For each queue: its questions, pause, patience and rest in seconds, and niceness.
 PLANS: tuple[tuple[tuple[str, ...], float, float, float, int], ...] = (
-    (("motion", "run_up", "lines", "system_run", SystemUpload.about), 0.0, 0.25, 0.0, 0),
+    (
+        ("motion", "run_up", "lines", DataSheet.about, "system_run", SystemUpload.about),
+        0.0,
+        0.25,
+        0.0,
+        0,
+    ),
     (
         ("responses", Measurement.about, *FILES, "system_map", *SYSTEM_FILES),
         0.0,

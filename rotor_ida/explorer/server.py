@@ -35,9 +35,7 @@ from websockets.protocol import State
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import (
     Answer,
-    DataSheet,
     Measurement,
-    largest_speed,
     packed,
     part_of,
     read_question,
@@ -46,7 +44,6 @@ from rotor_ida.explorer.page import TYPES, page_files
 from rotor_ida.explorer.queues import Deliver, Queues
 from rotor_ida.explorer.system_questions import SystemQuestion, SystemUpload
 from rotor_ida.explorer.workers import Asked
-from rotor_ida.model.data_sheet import implausible
 
 HOSTS = ("127.0.0.1", "localhost", "[::1]")
 # WebSocket protocol of a page; the text after the dot is its key.
@@ -192,9 +189,6 @@ class Inbox:
         if isinstance(question, SystemQuestion):
             self._ask(replace(question, path=self._system), self._deliver)
             return
-        if isinstance(question, DataSheet):
-            self._deliver(packed(_machine_of(question), question.ticket))
-            return
         if not isinstance(question, Measurement | SystemUpload):
             self._ask(question, self._deliver)
             return
@@ -264,18 +258,6 @@ def safe_stem(name: str) -> str:
     """
     stem = Path(name.replace("\\", "/")).stem
     return re.sub(r"[^\w .-]", "_", stem)[:LONGEST_STEM].lstrip(".") or "system"
-
-
-def _machine_of(sheet: DataSheet) -> Answer:
-    """Return the machine of a data sheet with its warnings, or the error."""
-    try:
-        machine = sheet.machine()
-    except InputError as error:
-        return Answer("trouble", {"message": str(error)})
-    facts: dict[str, object] = {
-        "machine": machine.given, "fastest": largest_speed(machine), "notes": implausible(machine)
-    }  # fmt: skip
-    return Answer("machine", facts)
 
 
 def _only_from_here(app: ASGIApp) -> ASGIApp:

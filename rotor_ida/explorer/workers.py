@@ -20,11 +20,19 @@ from types import FrameType
 from typing import BinaryIO, Literal, cast
 
 from rotor_ida.errors import RotorError
-from rotor_ida.explorer.messages import Answer, Measurement, Question, packed, read_question
+from rotor_ida.explorer.messages import (
+    Answer,
+    DataSheet,
+    Measurement,
+    Question,
+    packed,
+    read_question,
+    show_machine,
+)
 from rotor_ida.explorer.system_questions import SystemQuestion, SystemUpload
 
 # Orders about a numbered answer: compute its first part, continue, or cancel it.
-Asked = Question | Measurement | SystemQuestion | SystemUpload
+Asked = Question | Measurement | DataSheet | SystemQuestion | SystemUpload
 Order = tuple[int, Asked | Literal["next", "drop"]]
 
 # Rotor of the warm-up question, before a page may connect.
@@ -151,6 +159,8 @@ def _show(question: Asked) -> Iterator[Answer]:
         from rotor_ida.explorer.measured import show_measured  # noqa: PLC0415
 
         return show_measured(question)
+    if isinstance(question, DataSheet):
+        return show_machine(question)
     if isinstance(question, SystemQuestion | SystemUpload):
         place = OF_SYSTEMS.get(question.about, ("system_files", "show_system_file"))
     else:

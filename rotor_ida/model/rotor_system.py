@@ -22,6 +22,10 @@ from rotor_ida.errors import InputError
 ROUNDED = 1e-9
 UNITS = ("SI", "1")
 MOST_NODES_SHOWN = 6
+# A matrix of so many degrees of freedom has 32 MB; beam models have a few hundred.
+MOST_COORDINATES = 2000
+# Products of larger numbers leave the range of doubles.
+LARGEST_IN_MATRIX, LARGEST_IN_ROW = 1e30, 1e15
 Node = tuple[int, int] | npt.ArrayLike
 
 
@@ -212,16 +216,36 @@ class RotorSystem:
 
 
 def _shaped(name: str, given: object, shape: tuple[int, ...]) -> Values:
-    values = check_array(name, given)
+    values = check_array(name, given, largest=LARGEST_IN_MATRIX)
     if values.shape != shape:
         raise InputError(f"{name} must have the shape {shape}, got {values.shape}")
     return values.copy()
 
 
+def check_dimensions(name: str, shape: Any) -> None:
+    """Refuse a larger array than a system may have, before there is one.
+
+    Examples
+    --------
+    >>> check_dimensions("mass", (20_000, 20_000))
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: mass must have at most 2000 rows and columns, got the shape
+    (20000, 20000): reduce the model first, for example by component modes
+    """
+    if max(shape, default=0) > MOST_COORDINATES:
+        raise InputError(
+            f"{name} must have at most {MOST_COORDINATES} rows and columns, got the shape "
+            f"{tuple(shape)}: reduce the model first, for example by component modes"
+        )
+
+
 def _square(name: str, given: object, size: int | None = None) -> Values:
+    check_dimensions(name, getattr(given, "shape", ()))
     if hasattr(given, "toarray"):
         given = given.toarray()
-    values = check_array(name, given)
+    values = check_array(name, given, largest=LARGEST_IN_MATRIX)
+    check_dimensions(name, values.shape)
     if values.ndim != 2 or values.shape[0] != values.shape[1] or values.size == 0:
         raise InputError(f"{name} must be a square matrix, got an array of shape {values.shape}")
     if size is not None and len(values) != size:
@@ -247,7 +271,7 @@ def _nodes(given: object, size: int) -> Mapping[str, Node]:
         where = f"node {name!r}"
         if not isinstance(name, str) or not name:
             raise InputError(f"names of nodes must be text, got {shown(name)}")
-        values = check_array(where, node)
+        values = check_array(where, node, largest=LARGEST_IN_ROW)
         if values.shape == (2,):
             indices = tuple(int(value) for value in values)
             allowed = range(size)

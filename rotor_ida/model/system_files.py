@@ -13,13 +13,22 @@ from typing import Any
 
 import numpy as np
 
+from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
+from rotor_ida.formats.matlab import HEAD, arrays_of, is_hdf5
+from rotor_ida.formats.matrix_market import matrix_of
+from rotor_ida.formats.npz import member_of
+from rotor_ida.model.rotor_system import MOST_COORDINATES, check_dimensions
 
 NAMES = {
     "M": "mass", "K": "stiffness", "C": "damping", "G": "gyroscopic", "K_dot": "stiffness_rate",
 }  # fmt: skip
 OTHERS = ("translations", "static_force", "added_mass")
-NODE = "node_"
+NODE, NOTE = "node_", "note"
+# Names in a message.
+MOST_SHOWN = 8
+# Eight full matrices of the largest system, as numbers or as text.
+MOST_BYTES = 8 * 8 * MOST_COORDINATES**2
 
 
 def read_system(path: str | Path) -> dict[str, Any]:
@@ -45,22 +54,20 @@ def read_system(path: str | Path) -> dict[str, Any]:
         if place.is_dir():
             arrays = _matrix_market(place)
         elif place.suffix == ".npz":
-            with np.load(place, allow_pickle=False) as held:
-                arrays = {name: held[name] for name in held.files}
+            arrays = _numpy(place)
         elif place.suffix == ".mat":
             arrays = _matlab(place)
         else:
             raise InputError(
                 "a system must be a .npz or .mat file, or a folder of .mtx files, got "
-                f"{str(path)!r}"
+                f"{shown(place)}"
             )
     except InputError:
         raise
-    except (OSError, ValueError, KeyError, TypeError, NotImplementedError, EOFError,
-            zipfile.BadZipFile, MemoryError) as error:  # fmt: skip
+    except Exception as error:  # a damaged file can make the libraries raise anything
         told = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"cannot read the system {str(path)!r}: {told}") from error
-    return _arguments(arrays, str(path))
+        raise InputError(f"cannot read the system {shown(place)}: {told[:200]}") from error
+    return _arguments(arrays, shown(place))
 
 
 def _arguments(arrays: dict[str, Any], path: str) -> dict[str, Any]:
@@ -69,35 +76,76 @@ def _arguments(arrays: dict[str, Any], path: str) -> dict[str, Any]:
     nodes: dict[str, Any] = {}
     for name, values in arrays.items():
         own = NAMES.get(name, name)
-        if own in {*NAMES.values(), *OTHERS}:
-            if own in found:
-                raise InputError(f"{path!r} must name the matrix {own} once, got it twice")
-            given = values.toarray() if hasattr(values, "toarray") else np.asarray(values)
-            found[own] = given.ravel() if own == "static_force" else given
-        elif name == "note":
-            found["note"] = " ".join(map(str, np.ravel(values)))
+        if not _is_wanted(name):
+            continue
+        check_dimensions(shown(name), getattr(values, "shape", ()))
+        given = values.toarray() if hasattr(values, "toarray") else np.asarray(values)
+        if name == NOTE:
+            found[NOTE] = " ".join(map(str, np.ravel(values)))
         elif name.startswith(NODE):
-            node = np.asarray(values.toarray() if hasattr(values, "toarray") else values)
-            nodes[name.removeprefix(NODE)] = node.ravel() if node.size == 2 else node
+            nodes[name.removeprefix(NODE)] = given.ravel() if given.size == 2 else given
+        elif own in found:
+            raise InputError(f"{path} must name the matrix {own} once, got it twice")
+        else:
+            found[own] = given.ravel() if own == "static_force" else given
     missing = [name for name in ("mass", "stiffness") if name not in found]
     if missing:
-        held = ", ".join(sorted(arrays)) or "nothing"
-        raise InputError(f"{path!r} must hold {' and '.join(missing)}, got {held}")
+        held = ", ".join(map(shown, sorted(arrays)[:MOST_SHOWN])) or "nothing"
+        raise InputError(f"{path} must hold {' and '.join(missing)}, got {held}")
     return found | {"nodes": nodes}
 
 
-def _matlab(path: Path) -> dict[str, Any]:
-    from scipy.io import loadmat  # noqa: PLC0415
-    from scipy.io.matlab import MatReadError  # noqa: PLC0415
+def _is_wanted(name: str) -> bool:
+    own = NAMES.get(name, name)
+    return own in {*NAMES.values(), *OTHERS, NOTE} or name.startswith(NODE)
 
-    try:
-        held = loadmat(path)
-    except MatReadError as error:
-        raise InputError(f"cannot read the system {str(path)!r}: {error}") from error
-    return {name: values for name, values in held.items() if not name.startswith("__")}
+
+def _numpy(path: Path) -> dict[str, Any]:
+    """Return the arrays of a system in a .npz file; of others the name alone."""
+    found: dict[str, Any] = {}
+    _check_file(path)
+    with zipfile.ZipFile(path) as archive:
+        members = {each.filename.removesuffix(".npy"): each for each in archive.infolist()}
+        wanted = {name: each for name, each in members.items() if _is_wanted(name)}
+        _check_bytes(path, sum(each.file_size for each in wanted.values()))
+        for name, member in members.items():
+            found[name] = member_of(archive, member) if name in wanted else None
+    return found
+
+
+def _matlab(path: Path) -> dict[str, Any]:
+    _check_file(path)
+    _check_bytes(path, path.stat().st_size)
+    held = path.read_bytes()
+    if is_hdf5(held[:HEAD]):
+        raise InputError(f"{shown(path)} must be a .mat file of version 7, save it with -v7")
+    return arrays_of(held, MOST_BYTES)
 
 
 def _matrix_market(folder: Path) -> dict[str, Any]:
-    from scipy.io import mmread  # noqa: PLC0415
+    found: dict[str, Any] = {}
+    for path in sorted(folder.glob("*.mtx")):
+        found[path.stem] = None
+        if _is_wanted(path.stem):
+            _check_file(path)
+            _check_bytes(path, path.stat().st_size)
+            try:
+                found[path.stem] = matrix_of(path, MOST_COORDINATES)
+            except ValueError as error:
+                raise ValueError(f"{shown(path.name)}: {error}") from error
+    return found
 
-    return {path.stem: mmread(path) for path in sorted(folder.glob("*.mtx"))}
+
+def _check_file(path: Path) -> None:
+    """Refuse what a reader would wait for."""
+    if path.exists() and not path.is_file():
+        raise InputError(f"a system must be a file, got the device or pipe {shown(path)}")
+
+
+def _check_bytes(path: Path, count: int) -> None:
+    """Refuse more than the matrices of the largest system."""
+    if count > MOST_BYTES:
+        raise InputError(
+            f"{shown(path)} must have at most {MOST_BYTES} bytes, which hold the matrices of "
+            f"{MOST_COORDINATES} degrees of freedom, got {count}"
+        )

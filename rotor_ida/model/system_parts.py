@@ -11,10 +11,10 @@ import numpy as np
 
 from rotor_ida.checks import (
     check_array,
+    check_between,
     check_flag,
     check_instance,
     check_nonnegative,
-    check_positive,
     check_real,
     shown,
 )
@@ -22,6 +22,8 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 
 MOST_CONTACTS = 16
+# Squares of smaller lengths are lost beside other numbers, and powers of larger numbers overflow.
+SMALLEST_LENGTH, LARGEST_LENGTH, LARGEST = 1e-20, 1e15, 1e30
 # Words for where a run of a rotor system starts.
 STARTS = ("settled", "rest")
 
@@ -49,8 +51,8 @@ class Race:
 
     def __post_init__(self) -> None:
         for name, check in (
-            ("radius", check_positive), ("inertia", check_positive),
-            ("drag", check_nonnegative), ("speed", check_real),
+            ("radius", _length), ("inertia", _positive), ("drag", _nonnegative),
+            ("speed", check_real),
         ):  # fmt: skip
             object.__setattr__(self, name, check(f"{name} of a race", getattr(self, name)))
 
@@ -81,7 +83,7 @@ class Stator:
     race: Race | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "mass", check_nonnegative("mass of a stator", self.mass))
+        object.__setattr__(self, "mass", _nonnegative("mass of a stator", self.mass))
         for name in ("stiffness", "damping"):
             object.__setattr__(self, name, _along_both(f"{name} of a stator", getattr(self, name)))
         pair = np.broadcast_to(self.damping, 2)
@@ -143,8 +145,8 @@ class Contact:
     def __post_init__(self) -> None:
         where = f"of the contact at {_node(self.node)}"
         for name, check in (
-            ("clearance", check_positive), ("stiffness", check_positive),
-            ("damping", check_nonnegative), ("friction", check_nonnegative),
+            ("clearance", _length), ("stiffness", _positive), ("damping", _nonnegative),
+            ("friction", _nonnegative),
         ):  # fmt: skip
             object.__setattr__(self, name, check(f"{name} {where}", getattr(self, name)))
         exponent = check_real(f"exponent {where}", self.exponent)
@@ -152,10 +154,10 @@ class Contact:
             raise InputError(f"exponent {where} must be 1.5 or 1.0, got {exponent!r}")
         object.__setattr__(self, "exponent", exponent)
         if self.radius is not None:
-            object.__setattr__(self, "radius", check_positive(f"radius {where}", self.radius))
+            object.__setattr__(self, "radius", _length(f"radius {where}", self.radius))
         elif self.friction > 0.0:
             raise InputError(f"radius {where} must be given with friction, got None")
-        centre = check_array(f"centre {where}", self.centre)
+        centre = check_array(f"centre {where}", self.centre, largest=LARGEST_LENGTH)
         if centre.shape != (2,):
             raise InputError(f"centre {where} must be two numbers, got {shown(self.centre)}")
         object.__setattr__(self, "centre", (float(centre[0]), float(centre[1])))
@@ -201,7 +203,7 @@ class Unbalance:
 
     def __post_init__(self) -> None:
         where = f"of the unbalance at {_node(self.node)}"
-        object.__setattr__(self, "moment", check_nonnegative(f"moment {where}", self.moment))
+        object.__setattr__(self, "moment", _nonnegative(f"moment {where}", self.moment))
         object.__setattr__(self, "phase", check_real(f"phase {where}", self.phase))
         if not math.isfinite(self.phase):
             raise InputError(f"phase {where} must be finite, got {self.phase!r}")
@@ -266,11 +268,23 @@ def check_contacts(contacts: Sequence[Contact]) -> None:
 
 def _along_both(name: str, value: float | Sequence[float]) -> tuple[float, float]:
     """Return a number along x and y, given once or for each."""
-    numbers = check_array(name, value)
+    numbers = check_array(name, value, largest=LARGEST)
     if numbers.shape not in {(), (2,)} or (numbers < 0.0).any():
         raise InputError(f"{name} must be one or two numbers of at least 0, got {shown(value)}")
     pair = numbers if numbers.shape else (numbers, numbers)
     return float(pair[0]), float(pair[1])
+
+
+def _length(name: str, value: object) -> float:
+    return check_between(name, value, SMALLEST_LENGTH, LARGEST_LENGTH)
+
+
+def _positive(name: str, value: object) -> float:
+    return check_between(name, value, 1.0 / LARGEST, LARGEST)
+
+
+def _nonnegative(name: str, value: object) -> float:
+    return check_nonnegative(name, value, LARGEST)
 
 
 def _node(name: object) -> str:

@@ -48,7 +48,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import check_array, check_choice, check_count, did_you_mean, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, units_of
-from rotor_ida.model.rotor_system import UNITS, RotorSystem
+from rotor_ida.model.rotor_system import UNITS, RotorSystem, check_dimensions
 from rotor_ida.model.supports import check_supports, levitated_system
 from rotor_ida.model.system_files import read_system
 from rotor_ida.model.system_parts import (
@@ -269,6 +269,7 @@ def _system(file: Table, folder: Path) -> RotorSystem:
 def _matrix(name: str, given: object) -> Values:
     """Return a matrix by its rows, or by the numbers of its diagonal."""
     values = check_array(name, given)
+    check_dimensions(name, values.shape)
     return np.diag(values) if values.ndim == 1 else values
 
 

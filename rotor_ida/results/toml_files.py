@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -15,20 +16,34 @@ from rotor_ida.results.files import check_path
 
 # Files by hand have some twenty lines; matrices in them may be larger.
 MOST_BYTES = 1_000_000
+# The parser takes a time with the square of the parts of a key.
+_KEY = r"(?:[\w-]+|\"[^\"\n]*\"|'[^'\n]*')"
+_LONG_KEY = re.compile(rf"(?<![\w-]){_KEY}(?:[ \t]*+\.[ \t]*+{_KEY}){{20}}")
 
 
 def read_toml(name: str, path: str | os.PathLike[str]) -> dict[str, object]:
     """Return what a small TOML file, given as the argument `name`, contains."""
     place = check_path(name, path)
+    if place.exists() and not place.is_file() and not place.is_dir():
+        raise InputError(f"{name} must be a TOML file, got the device or pipe {shown(place)}")
     try:
         with place.open("rb") as file:
             text = file.read(MOST_BYTES + 1)
         if len(text) > MOST_BYTES:
             raise InputError(f"{name} must be a small TOML file, got {shown(place)}")
-        return tomllib.loads(text.decode("utf-8-sig"))  # some editors begin with a mark
+        decoded = text.decode("utf-8-sig")  # some editors begin with a mark
+        if long := _LONG_KEY.search(decoded):
+            raise InputError(
+                f"{name} must have keys of at most 20 parts, got {shown(long[0])} in {shown(place)}"
+            )
+        return tomllib.loads(decoded)
     except OSError as error:
         raise InputError(f"cannot read {shown(place)}: {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except InputError:
+        raise
+    except RecursionError as error:
+        raise InputError(f"{name} must be nested less deep, got {shown(place)}") from error
+    except ValueError as error:  # also of a whole number of thousands of digits
         first, *_ = str(error).splitlines()
         raise InputError(f"{name} must be a TOML file, got {shown(place)}: {first}") from error
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.explorer.messages import Measurement, Question, read_question
-from rotor_ida.explorer.workers import Desk
+from rotor_ida.explorer.messages import Question, read_question
+from rotor_ida.explorer.workers import Asked, Desk
 
 # What the page shows first.
 ROTOR = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
@@ -83,7 +83,7 @@ def unpacked(message: bytes) -> Message:
     return Message(header, arrays)
 
 
-def answer_to(asking: Question | Measurement) -> list[Message]:
+def answer_to(asking: Asked) -> list[Message]:
     """Return the parts of an answer, computed in this process."""
     desk, parts = Desk(), []
     desk.take((1, asking))

@@ -14,9 +14,10 @@ from rotor_ida.explorer.messages import DataSheet, largest_speed, read_question,
 from rotor_ida.explorer.motion import PER_WHIRL, whirls_per_revolution
 from rotor_ida.explorer.server import Inbox
 from rotor_ida.explorer.words import verdict_of, words_of_run_up
+from rotor_ida.explorer.workers import Asked
 from rotor_ida.model.data_sheet import KEYS
 from rotor_ida.model.rotor import DimensionalRotor
-from tests.explorer.asking import answer_to, question, unpacked
+from tests.explorer.asking import answer_to, question
 
 RPM = math.pi / 30.0
 SHEET = {
@@ -29,11 +30,13 @@ UP_TO = 6000.0 * RPM / PUMP.reference_frequency
 
 
 def answer_to_sheet(quantities: dict[str, str]):
-    found: list[bytes] = []
-    inbox = Inbox(lambda *_: None, found.append)
+    asked: list[Asked] = []
+    answered: list[bytes] = []
+    inbox = Inbox(lambda sheet, _: asked.append(sheet), answered.append)
     inbox.take(json.dumps({"about": "machine", "number": 3, "quantities": quantities}), None)
-    (message,) = found
-    return unpacked(message)
+    assert not answered  # a worker reads the quantities: the server answers other pages meanwhile
+    (message,) = answer_to(*asked)
+    return message
 
 
 def test_a_data_sheet_gives_the_machine_of_the_library():

@@ -213,7 +213,7 @@ def test_a_file_that_cannot_be_read_is_refused(tmp_path):
         with pytest.raises(InputError):
             RotorSystem.from_file(tmp_path / name)
     np.savez(tmp_path / "e.npz", M=np.eye(2))
-    with pytest.raises(InputError, match="must hold stiffness, got M"):
+    with pytest.raises(InputError, match="must hold stiffness, got 'M'"):
         RotorSystem.from_file(tmp_path / "e.npz")
 
 
@@ -520,3 +520,13 @@ def test_a_motion_that_nothing_bounds_ends_with_a_reason():
     found = sweep(system, **around, speed=1.0).squeeze()
     assert decode_flags(found.response).item() == "failed"
     assert "unstable" in found.message.item()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("clearance", 1e-300), ("clearance", 1e300), ("stiffness", 1e300), ("radius", 1e-300)],
+)
+def test_a_size_that_doubles_cannot_follow_is_refused(name: str, value: float):
+    given = {"node": "disc", "clearance": 1e-4, "stiffness": 1e8, "radius": 0.1} | {name: value}
+    with pytest.raises(InputError, match=f"{name} of the contact at 'disc' must lie from"):
+        Contact(**given)

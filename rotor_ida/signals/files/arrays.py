@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import zipfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -11,7 +10,10 @@ import numpy as np
 
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
+from rotor_ida.formats.matlab import DEEPEST, HEAD, arrays_of, is_hdf5
+from rotor_ida.formats.npz import member_of
 from rotor_ida.signals.files.columns import (
+    MOST_NUMBERS,
     Column,
     Table,
     check_size,
@@ -20,7 +22,6 @@ from rotor_ida.signals.files.columns import (
     understood,
 )
 from rotor_ida.signals.files.hdf5 import content_of
-from rotor_ida.signals.files.matlab import DEEPEST, HEAD, arrays_of, is_hdf5
 
 MOST_COLUMNS = 1000
 _NO_NUMBERS = {"c": "complex numbers", "U": "text", "S": "text", "V": "a table or an object"}
@@ -34,7 +35,7 @@ def read_matlab(path: Path) -> Table:
         return _table(path, content_of(path, "a MATLAB file that can be read, save it with -v7"))
     with understood(path, "a MATLAB file"):
         check_size(path, path.stat().st_size / 8)
-        held = arrays_of(path.read_bytes())
+        held = arrays_of(path.read_bytes(), 8 * MOST_NUMBERS)
     return _table(path, held)
 
 
@@ -50,25 +51,8 @@ def read_npz(path: Path) -> Table:
         members = [each for each in archive.infolist() if each.filename.endswith(".npy")]
         check_size(path, sum(each.file_size for each in members) / 8, possible=possible_in(path))
         for member in members:
-            held[member.filename.removesuffix(".npy")] = _member(archive, member)
+            held[member.filename.removesuffix(".npy")] = member_of(archive, member)
     return _table(path, held)
-
-
-def _member(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> object:
-    """Return an array of a NumPy file, after a check of its declared size."""
-    with archive.open(member) as file:
-        version = np.lib.format.read_magic(file)
-        header = {(1, 0): np.lib.format.read_array_header_1_0}.get(
-            version, np.lib.format.read_array_header_2_0
-        )
-        shape, _, kind = header(file)
-    if kind.hasobject:
-        return "objects"
-    if math.prod(map(float, shape)) * kind.itemsize > member.file_size:
-        raise ValueError(f"{member.filename} declares the shape {shape}, but is shorter")
-    with archive.open(member) as file:
-        found: np.ndarray = np.lib.format.read_array(file, allow_pickle=False)
-    return {name: found[name] for name in kind.names} if kind.names else found
 
 
 def _table(path: Path, held: Mapping[str, object]) -> Table:
@@ -115,7 +99,7 @@ def _within(
     elif isinstance(value, str):
         yield name, value
     elif not isinstance(value, np.ndarray):
-        yield name, f"a {type(value).__name__}"
+        yield name, "a sparse matrix" if hasattr(value, "toarray") else f"a {type(value).__name__}"
     elif (numbers := numbers_or_times(value)) is not None:
         yield from _vectors(name, numbers, "s" if value.dtype.kind in "mM" else unit)
     elif value.dtype == object and value.size == 1:

@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.sparse import coo_array
 
 from rotor_ida.errors import InputError
-from rotor_ida.signals.files.columns import MOST_NUMBERS
 
 Array = npt.NDArray[Any]
 
@@ -35,9 +35,12 @@ MATRIX, COMPRESSED = 14, 15
 CELL, STRUCTURE, OBJECT, TEXT, SPARSE = 1, 2, 3, 4, 5
 FIRST_OF_NUMBERS, LAST_OF_NUMBERS = 6, 15
 OPAQUE = 17
-WORDS = {TEXT: "text", SPARSE: "a sparse matrix"}
+WORDS = {TEXT: "text"}
+# Codes of the letters of a text, by the type of its element.
+CODES = {4: "utf-16", 16: "utf-8", 17: "utf-16"}
 IS_COMPLEX = 0x800
-# Types of numbers of MAT 4.
+# A class of arrays of MAT 4, and types of numbers.
+SPARSE_OF_4 = 2
 NUMBERS_OF_4 = {0: "f8", 1: "f4", 2: "i4", 3: "i2", 4: "u2", 5: "u1"}
 
 
@@ -95,10 +98,11 @@ def is_hdf5(head: bytes) -> bool:
     return head[HEAD - 4 : HEAD] in (b"\0\2IM", b"\2\0MI")
 
 
-def arrays_of(held: bytes) -> dict[str, object]:
-    """Return the content of a file by name: arrays, mappings of fields, or a word.
+def arrays_of(held: bytes, largest: int) -> dict[str, object]:
+    """Return the content of a file by name: arrays, sparse matrices, mappings of fields, or a word.
 
-    ValueError or another exception is raised if it is damaged or not of MATLAB.
+    ValueError or another exception is raised if it is damaged, not of MATLAB, or has more than
+    `largest` bytes when decompressed.
     """
     if 0 in held[:4]:
         return dict(_variables_of_4(memoryview(held)))
@@ -106,7 +110,7 @@ def arrays_of(held: bytes) -> dict[str, object]:
     if order is None:
         raise ValueError("its head is not that of a MATLAB file")
     found: dict[str, object] = {}
-    left = 8 * MOST_NUMBERS
+    left = largest
     source = Source(memoryview(held)[HEAD:], order)
     while source.place < len(source.held):
         kind, within = source.element()
@@ -145,19 +149,69 @@ def _matrix(source: Source, depth: int) -> tuple[str, object]:
     name = source.text()
     if any(length < 0 for length in shape):
         raise ValueError(f"the shape {shape} is declared")
+    is_complex = bool(int(flags[0]) & IS_COMPLEX) if flags.size else False
+    return name, _value(source, kind, shape, is_complex=is_complex, depth=depth)
+
+
+def _value(
+    source: Source, kind: int, shape: tuple[int, ...], *, is_complex: bool, depth: int
+) -> object:
+    """Return the values of an array of a class, or a word."""
     if FIRST_OF_NUMBERS <= kind <= LAST_OF_NUMBERS:
-        parts = [
-            _shaped(source.numbers(), shape) for _ in range(2 if int(flags[0]) & IS_COMPLEX else 1)
-        ]
-        return name, parts[0] if len(parts) == 1 else parts[0] + 1j * parts[1]
+        parts = [_shaped(source.numbers(), shape) for _ in range(1 + is_complex)]
+        return parts[0] + 1j * parts[1] if is_complex else parts[0]
+    if kind == TEXT:
+        return _text(source, shape)
+    if kind == SPARSE:
+        return _sparse(source, shape, is_complex=is_complex)
     if kind == CELL:
-        return name, _objects(shape, lambda: _matrix_within(source, depth))
-    if kind not in (STRUCTURE, OBJECT):
-        return name, WORDS.get(kind, "of another type")
-    if kind == OBJECT:
-        source.text()  # its class
+        return _objects(shape, lambda: _matrix_within(source, depth))
+    if kind in (STRUCTURE, OBJECT):
+        if kind == OBJECT:
+            source.text()  # its class
+        return _structures(source, shape, depth)
+    return WORDS.get(kind, "of another type")
+
+
+def _structures(source: Source, shape: tuple[int, ...], depth: int) -> object:
+    """Return structures as mappings of their fields."""
     fields = _fields(source)
-    return name, _objects(shape, lambda: {each: _matrix_within(source, depth) for each in fields})
+    return _objects(shape, lambda: {each: _matrix_within(source, depth) for each in fields})
+
+
+def _text(source: Source, shape: tuple[int, ...]) -> object:
+    """Return the rows of a text, as an array."""
+    kind, held = source.element()
+    code = CODES.get(kind, "latin-1")
+    if code == "utf-16":
+        code += "-le" if source.order == "<" else "-be"
+    letters = bytes(held).decode(code, "replace")
+    if len(letters) != math.prod(shape) or len(shape) != 2:
+        return WORDS[TEXT]
+    return np.array([letters[row :: shape[0]] for row in range(shape[0])])
+
+
+def _sparse(source: Source, shape: tuple[int, ...], *, is_complex: bool) -> object:
+    """Return a matrix by the rows of its numbers and where each column begins among them."""
+    rows, begins, numbers = source.numbers(), source.numbers(), source.numbers()
+    if is_complex:
+        numbers = numbers + 1j * source.numbers()
+    counts = np.diff(begins.astype(int))
+    if len(shape) != 2 or counts.size != shape[1] or begins[0] or counts.min(initial=0) < 0:
+        raise ValueError(f"columns that begin at {begins[:3]} ... are declared for {shape}")
+    held = counts.sum()
+    if held > min(rows.size, numbers.size):
+        raise ValueError(f"{held} numbers are declared where {numbers.size} are given")
+    places = (rows[:held].astype(int), np.repeat(np.arange(shape[1]), counts))
+    return coo_array((numbers[:held].astype(numbers.dtype.newbyteorder("=")), places), shape=shape)
+
+
+def _sparse_of_4(rows: Array) -> object:
+    """Return a matrix by row, column and number of each entry; the last gives its shape."""
+    if rows.shape[0] < 1 or rows.shape[1] != 3:
+        raise ValueError(f"a sparse matrix of the shape {rows.shape} is declared")
+    places = rows[:, :2].astype(int)
+    return coo_array((rows[:-1, 2].astype(float), (places[:-1] - 1).T), shape=tuple(places[-1]))
 
 
 def _matrix_within(source: Source, depth: int) -> object:
@@ -219,4 +273,7 @@ def _variables_of_4(held: memoryview) -> Iterator[tuple[str, object]]:
             for _ in range(2 if is_complex else 1)
         ]
         value: object = parts[0] + 1j * parts[1] if is_complex else parts[0]
-        yield name, {0: value, 1: WORDS[TEXT]}.get(kind_of_array, WORDS[SPARSE])
+        if kind_of_array == SPARSE_OF_4 and not is_complex:
+            yield name, _sparse_of_4(parts[0])
+        else:
+            yield name, value if kind_of_array == 0 else WORDS[TEXT]
