@@ -177,7 +177,7 @@ KINDS = {
         Kind(
             name="bifurcation_diagram", meaning="bifurcation diagram",
             variables=("extremum_radius",), shown=f"{_SHOWN}:show_sweep",
-            drawn=f"{_DRAWN}:figure_of_diagram",
+            drawn=f"{_DRAWN}:figure_of_diagram", verified=f"{_VERIFIED}_motions:DIAGRAM",
         ),
         Kind(
             name="run_ups", meaning="run-ups", variables=("ending", "rate", "to"),
@@ -199,15 +199,16 @@ KINDS = {
         ),
         Kind(
             name="whirls", meaning="exact whirls", variables=("amplitude",), dims=("branch",),
-            shown=f"{_SHOWN}_whirls:WHIRLS", drawn=_WHIRLS,
+            shown=f"{_SHOWN}_whirls:WHIRLS", drawn=_WHIRLS, verified=f"{_VERIFIED}_whirls:WHIRLS",
         ),
         Kind(
             name="folds", meaning="folds", variables=("fold_omega",),
-            shown=f"{_SHOWN}_whirls:FOLDS", drawn=_WHIRLS,
+            shown=f"{_SHOWN}_whirls:FOLDS", drawn=_WHIRLS, verified=f"{_VERIFIED}_whirls:FOLDS",
         ),
         Kind(
             name="hopf_points", meaning="Hopf points", variables=("hopf_omega",),
             shown=f"{_SHOWN}_whirls:HOPF_POINTS", drawn=_WHIRLS,
+            verified=f"{_VERIFIED}_whirls:HOPF_POINTS",
         ),
         Kind(
             name="backward_whirl", meaning="backward whirls",

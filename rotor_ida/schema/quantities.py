@@ -647,6 +647,26 @@ QUANTITIES |= {
 }
 
 
+# Difference allowed between a number of an archive and the same computed on another processor,
+# relative to the largest number of its variable.
+TOLERANCE = 1e-6
+_ROUNDING, _TRANSIENT = "of the size of rounding", "depends on the way to the steady state"
+# Variables that another processor gives otherwise, and why.
+DEPENDS_ON_ROUNDING = {
+    **dict.fromkeys(
+        ("residual", "trivial_defect", "symplectic_defect", "event_time_error", "period_error",
+         "multiplier_error", "lyapunov_error", "horizon", "cycle_distance"),
+        _ROUNDING,
+    ),
+    **dict.fromkeys(
+        ("settling_time", "settling_median", "settling_95", "lifetime", "lifetime_low",
+         "window_start", "window_end", "revolutions", "confirmed", "agreement", "agreement_count"),
+        _TRANSIENT,
+    ),
+    "message": "words of a solver",
+}  # fmt: skip
+
+
 def unit_of(name: str, unit: str) -> str:
     """Return the unit of a variable as people read it: that of an angular speed is rad/s.
 

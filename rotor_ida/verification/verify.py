@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,9 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.results.si_units import dimensionless
+from rotor_ida.schema.quantities import TOLERANCE
 from rotor_ida.simulation.options import Method
+from rotor_ida.verification.variables import compare_variables
 
 # Numbers compared and differences; and the first difference in words.
 Verdict = tuple[dict[str, object], str]
@@ -30,6 +32,10 @@ class Verification:
     attributes: tuple[str, ...]
     again: Callable[[xr.Dataset, int | None, Progress | None], xr.Dataset]
     compared: Callable[[xr.Dataset, xr.Dataset], Verdict]
+    # What it is computed from, and why other variables are not compared, by name or dimension.
+    given: tuple[str, ...] = ()
+    left_out: Callable[[xr.Dataset, xr.Dataset], Mapping[str, str]] = lambda _, __: {}
+    tolerance: Callable[[xr.Dataset], float] = lambda _: TOLERANCE
 
 
 def rerun(
@@ -92,11 +98,13 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     Returns
     -------
     dict
-        ``agrees``, and ``trouble``, the first difference in words. For runs: the numbers of events,
-        the largest difference between event times and the largest error stated for one [1]. For
-        other results: the number of points, starts or values of limit cycles compared, the number
-        of those that differ, and the largest difference between amplitudes, radii, periods or
-        other numbers, relative to the larger one. ``core``: whether the compiled core is the same;
+        ``agrees``, and ``trouble``, the first difference in words. ``variables``, the number of
+        variables that were compared, and ``not_compared``, the others with the reason. For runs:
+        the numbers of events, the largest difference between event times and the largest error
+        stated for one [1]. For other results: the number of points, starts or values of limit
+        cycles compared, the number of those that differ, and the largest difference between
+        amplitudes, radii, periods or other numbers, relative to the larger one. ``core``: whether
+        the compiled core is the same;
         another one gives different last bits.
 
     Examples
@@ -107,7 +115,14 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     True
     """
     verification = _verification_of(archived)
-    counts, trouble = verification.compared(dimensionless(again), dimensionless(archived))
+    again, archived = dimensionless(again), dimensionless(archived)
+    counts, trouble = verification.compared(again, archived)
+    found = compare_variables(
+        again, archived, given=verification.given, left_out=verification.left_out(again, archived),
+        tolerance=verification.tolerance(archived),
+    )  # fmt: skip
+    trouble = trouble or found.trouble or ("" if found.compared else "no variable was compared")
+    counts |= {"variables": len(found.compared), "not_compared": found.left_out}
     # the last bits depend on the core
     same = again.attrs.get("core_sources") == archived.attrs.get("core_sources")
     core = "the same" if same else "different from that of the archive"

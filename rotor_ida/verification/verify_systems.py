@@ -18,23 +18,31 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress
 from rotor_ida.steady.system_sweep import sweep_system
-from rotor_ida.systems.archived import NEEDED, PROBLEM, problem_of
+from rotor_ida.systems.archived import NAMES, NEEDED, PROBLEM, problem_of
 from rotor_ida.systems.campbell import campbell
 from rotor_ida.systems.clearances.report import clearance_report
 from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.systems.whirls.special_speeds import special_speeds
 from rotor_ida.systems.whirls.synchronous import synchronous_response_system
 from rotor_ida.verification.verify import Verdict, Verification, counts_of
+from rotor_ida.verification.verify_cycles import of_steps
 from rotor_ida.verification.verify_motions import (
     NUMBERS,
+    TRANSIENT,
     change_in,
     compare_events,
     compare_points,
     direction_of,
+    tolerance_of_run,
 )
 
 # What else a cycle may be computed from, and is within the system here.
 NOTHING_ELSE: dict[str, Any] = {"static_force": None, "start": None}
+# What a result of a system is computed from.
+OF_SYSTEM = (
+    *NEEDED, *NAMES, "damping_matrix", "gyroscopic_matrix", "stiffness_rate_matrix",
+    "axial_position",
+)  # fmt: skip
 # Differences allowed between machines, relative to the largest number of a variable.
 CLOSE = 1e-8
 
@@ -171,9 +179,12 @@ def _of(
     names: Mapping[str, str],
     attributes: tuple[str, ...] = (),
     *others: str,
+    left_out: Callable[[xr.Dataset, xr.Dataset], Mapping[str, str]] = lambda _, __: {},
 ) -> Verification:
     needed = (*names, *others, *PROBLEM)
-    return Verification(needed, attributes, again, partial(_numbers, names))
+    return Verification(
+        needed, attributes, again, partial(_numbers, names), (*OF_SYSTEM, *others), left_out
+    )
 
 
 SYSTEM_RUN = Verification(
@@ -181,12 +192,16 @@ SYSTEM_RUN = Verification(
     ("duration", "rtol", "method"),
     _run,
     _events_of_contacts,
+    (*OF_SYSTEM, "t"),
+    tolerance=tolerance_of_run,
 )
 SYSTEM_SWEEP = Verification(
     ("response", "direction", "touched", "period", *NUMBERS, *NEEDED),
     ("rtol",),
     _sweep,
     partial(compare_points, "response"),
+    (*OF_SYSTEM, "speed", "start", "direction"),
+    lambda _, __: {"final_state": TRANSIENT},
 )
 WHIRLS = _of(
     _whirls,
@@ -211,7 +226,8 @@ SYSTEM_BRANCH = _of(
     {"special_kind": "kinds of special points", "special_speed": "special speeds",
      "special_period": "special periods"},
     ("start", "start_speed", "start_period", "start_special", "start_slope", "limits",
-     "direction", "points"), "speed",
+     "direction", "points"),
+    left_out=partial(of_steps, "speed"),
 )  # fmt: skip
 CAMPBELL = _of(
     _campbell, {"whirl_speed": "whirl speeds", "damping_ratio": "damping ratios"},

@@ -7,7 +7,7 @@ import os
 from dataclasses import asdict, replace
 from datetime import timedelta
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, cast
 
 from cyclopts import Parameter
 
@@ -107,11 +107,16 @@ def verify(
         again = rerun(archived, method=method, workers=workers, progress=progress)
     found = differences(again, archived)
     record = {"file": str(file), **found}
-    told = {name: value for name, value in record.items() if value != ""}
+    told = {name: value for name, value in record.items() if value not in ("", {})}
+    left_out = cast(dict[str, str], told.pop("not_compared", {}))
+    parts = [pairs("Computed again", told)]
+    if left_out:
+        reasons = dict.fromkeys(left_out.values())
+        names = {why: ", ".join(each for each in left_out if left_out[each] == why)
+                 for why in reasons}  # fmt: skip
+        parts.append(pairs("Not compared", names))
     trouble = "" if found["agrees"] else f"{file} does not verify: {found['trouble']}"
-    return Report(
-        record=record, parts=[pairs("Computed again", told)], as_json=as_json, trouble=trouble
-    )
+    return Report(record=record, parts=parts, as_json=as_json, trouble=trouble)
 
 
 def status(folder: Folder, /, *, as_json: options.AsJson = False) -> Report:

@@ -1,0 +1,140 @@
+"""Compare every variable of a result with that computed again, or say why it is not compared."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.schema import RESPONSE
+from rotor_ida.schema.quantities import DEPENDS_ON_ROUNDING, TOLERANCE
+
+# Responses whose numbers belong to the motion, not to one stretch of it; and the numbers that do
+# so in fewer of them, as they are means over a stretch.
+PERIODIC = ("contact_free", "synchronous", "bouncing", "full_contact")
+CIRCULAR = ("contact_free", "synchronous")
+OF_CIRCLES = ("amplitude", "phase_lag", "node_amplitude", "node_phase_lag")
+GIVEN = "what the result was computed from"
+NO_MORE = "not computed by this version"
+OF_ONE_STRETCH = "chaotic or undecided: another processor follows another stretch of the motion"
+
+
+@dataclass
+class Comparison:
+    """What a comparison of all variables has found.
+
+    Parameters
+    ----------
+    compared : list of str
+        Variables whose numbers or words were compared.
+    left_out : dict of str
+        Why others were not compared, by name.
+    trouble : str
+        The first difference in words; empty if there is none.
+    differing : list of str
+        Variables that differ.
+    """
+
+    compared: list[str] = field(default_factory=list)
+    left_out: dict[str, str] = field(default_factory=dict)
+    trouble: str = ""
+    differing: list[str] = field(default_factory=list)
+
+
+def compare_variables(
+    again: xr.Dataset,
+    archived: xr.Dataset,
+    *,
+    given: Collection[str],
+    left_out: Mapping[str, str],
+    tolerance: float = TOLERANCE,
+) -> Comparison:
+    """Compare all variables of two results.
+
+    Parameters
+    ----------
+    again, archived : Dataset
+        The result computed again, and that of the archive.
+    given : collection of str
+        Variables from which the result was computed.
+    left_out : mapping of str
+        Why variables are not compared, by name or by dimension; beside those of the schema.
+    tolerance : float
+        Difference allowed for real numbers, relative to the largest number of the variable; for
+        angles in radians.
+
+    Returns
+    -------
+    Comparison
+        What was compared, what was not, and the first difference.
+    """
+    found = Comparison()
+    reasons = {**DEPENDS_ON_ROUNDING, **left_out}
+    for name in map(str, archived.variables):
+        keys = (name, *map(str, archived[name].dims))
+        reason = GIVEN if name in given else next(filter(None, map(reasons.get, keys)), "")
+        if not reason and name not in again.variables:
+            reason = NO_MORE
+        if reason:
+            found.left_out[name] = reason
+            continue
+        apart, words = _apart(name, again, archived, tolerance)
+        if apart is None:
+            found.left_out[name] = OF_ONE_STRETCH
+            continue
+        found.compared.append(name)
+        if apart:
+            found.differing.append(name)
+            found.trouble = found.trouble or words
+    return found
+
+
+def _apart(
+    name: str, again: xr.Dataset, archived: xr.Dataset, tolerance: float
+) -> tuple[bool | None, str]:
+    """Return whether a variable differs, and how; None if no number of it can be compared."""
+    here, there = again[name], archived[name]
+    if dict(here.sizes) != dict(there.sizes):
+        return True, f"{name} has {dict(here.sizes)} computed again, {dict(there.sizes)} archived"
+    here = here.transpose(*there.dims)
+    told = _told(archived, there)
+    if there.size and not told.any():
+        return None, ""
+    if there.dtype.kind != "f" or here.dtype.kind != "f":
+        differs = (here.values != there.values) & told
+        largest = ""
+    else:
+        angle = there.attrs.get("units") in {"radian", "rad"}
+        apart = np.where(told, _relative(here.values, there.values, angle=angle), 0.0)
+        differs = apart > tolerance
+        largest = f" by up to {apart.max(initial=0.0):.3g} of the largest"
+    count = int(differs.sum())
+    return bool(count), f"{name} differs in {count} of {there.size} places{largest}"
+
+
+def _told(archived: xr.Dataset, variable: xr.DataArray) -> npt.NDArray[np.bool_]:
+    """Return where a variable is that of a motion with a period, of one that was computed."""
+    by = next((each for each in ("response", "kind") if each in archived.data_vars), "")
+    dims = archived[by].dims if by else ()
+    if not dims or variable.name == by or not set(dims) <= set(variable.dims):
+        return np.ones(variable.shape, bool)
+    words = CIRCULAR if variable.name in OF_CIRCLES else PERIODIC
+    known = archived[by].isin([RESPONSE[word] for word in words])
+    return np.asarray(known.broadcast_like(variable).transpose(*variable.dims).values, bool)
+
+
+def _relative(here: Values, there: Values, *, angle: bool) -> Values:
+    """Return differences over the largest number; numbers missing in both are equal."""
+    same = (here == there) | (np.isnan(here) & np.isnan(there))
+    finite = np.isfinite(there) & np.isfinite(here)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        if angle:
+            apart = np.abs(np.remainder(here - there + math.pi, 2.0 * math.pi) - math.pi)
+        else:
+            apart = np.abs(here - there) / np.abs(there).max(initial=0.0, where=finite)
+    return np.where(same, 0.0, np.where(finite & np.isfinite(apart), apart, np.inf))
