@@ -125,10 +125,11 @@ def attractors_of(followed: FollowedStarts) -> list[Attractor]:
         rows.append((number, row))
     present = _present(followed.labels)
     if known.free is not None:
-        free = _contact_free(known.free)
-        rows.append((known.free_label, replace(free, trapping=NOTHING) if alone else free))
+        trapping = {"trapping": NOTHING} if alone else {}
+        if known.free.room > 0.0:
+            rows.append((known.free_label, replace(_contact_free(known.free), **trapping)))
         if known.fading_label in present:
-            rows.append((known.fading_label, _fading(known.free, known.rotor)))
+            rows.append((known.fading_label, replace(_fading(known.free, known.rotor), **trapping)))
     stop = np.zeros(1, np.uint8)
     for place in np.argsort([each.radius_max for each in followed.cycles], kind="stable").tolist():
         if (number := known.first_cycle + place) in present:

@@ -246,7 +246,8 @@ def _with_disturbances(decision: Decision, count: int) -> Decision:
     """Return a decision that tells how often an unresolved motion was disturbed."""
     if decision.kind != UNRESOLVED or not count:
         return decision
-    told = f"; it had to be moved off an unstable whirl or cycle {count} times"
+    times = "once" if count == 1 else f"{count} times"
+    told = f"; {times} it sat on an unstable whirl or cycle and was disturbed"
     return replace(decision, message=decision.message + told)
 
 

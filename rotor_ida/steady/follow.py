@@ -38,10 +38,14 @@ from rotor_ida.steady.periods import (
 )
 from rotor_ida.steady.response import (
     CONTACT_FREE,
+    NEARLY_GRAZES,
     STEADY,
     SYNCHRONOUS,
+    TOUCHING,
     Features,
     Window,
+    grazes,
+    grazing_distance,
     kind_at_rest,
     phase_lag_of,
     rolls_backwards,
@@ -189,6 +193,8 @@ class _Trajectory:
     def kind_of_state(self) -> str | None:
         if _is_at_rest(self.rotor):
             return kind_at_rest(self.window)
+        if grazes(self.window):
+            return TOUCHING
         if whirls_steadily(self.window):
             return SYNCHRONOUS
         return CONTACT_FREE if stays_free(self.window) else None
@@ -335,6 +341,9 @@ def follow_to_steady_state(
     stop : ndarray, shape (1,), optional
         Ends the run, as failed, as soon as it is not 0.
     """
+    is_exact = options.flight == "exact" and options.backend != "python"
+    if is_exact and abs(grazing_distance(rotor)) <= NEARLY_GRAZES:
+        options = replace(options, method="taylor")
     trajectory = _Trajectory(rotor, options, start, np.zeros(1, np.uint8) if stop is None else stop)
     limit = longest_time(rotor) if longest is None else longest
     try:

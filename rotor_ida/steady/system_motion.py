@@ -233,6 +233,8 @@ class _SystemMotion:
         return False, False
 
     def may_be_chaotic(self, duration: float) -> bool:
+        if not (self.touches or self.ends_in_contact):
+            return False  # a linear motion grows or settles
         revolutions = duration / self.flow.revolution
         patient = self.decay * duration >= PATIENCE or revolutions >= VERY_LATE
         return revolutions >= LATE and patient
