@@ -502,9 +502,7 @@ def test_next_to_a_graze_the_closed_form_decides(beyond, kind):
 @pytest.mark.parametrize("beyond", [-1e-8, 0.0])
 def test_without_a_shaft_a_whirl_that_just_reaches_the_stator_draws_its_centre_in(beyond):
     """A_f = 0.3/0.5; its centre falls like 1/t**2 there, so that no law of 1/h is met."""
-    rotor = Rotor(
-        omega=0.3, zeta=0.2, delta0=0.6 / (1.0 + beyond), friction=0.1, disc_radius=10.0
-    )
+    rotor = Rotor(omega=0.3, zeta=0.2, delta0=0.6 / (1.0 + beyond), friction=0.1, disc_radius=10.0)
     settled = followed(rotor, (0.5, 0.1, 0.3, -0.2))
     assert settled.response == "touching"
     assert settled.features.amplitude == pytest.approx(0.6, rel=1e-3)

@@ -260,7 +260,11 @@ def test_an_unstable_equilibrium_is_left_for_the_whirl_that_contacts_bound(start
 
 
 def test_an_unstable_whirl_of_unbalance_is_left_too():
-    given = {"contacts": [STOP], "speed": [700.0], "unbalance": [Unbalance(node="disc", moment=1e-5)]}
+    given = {
+        "contacts": [STOP],
+        "speed": [700.0],
+        "unbalance": [Unbalance(node="disc", moment=1e-5)],
+    }
     found = sweep(SEAL, **given, starts=["settled", ([1e-5, 0.0], [0.0, 0.0])]).squeeze()
     assert decode_flags(found.response).values.tolist() == ["full_contact"] * 2
     np.testing.assert_allclose(found.radius_max[0], found.radius_max[1], rtol=1e-8)
@@ -271,6 +275,23 @@ def test_what_grows_without_contact_is_no_chaos():
     found = sweep(SEAL, speed=[700.0])
     assert decode_flags(found.response).item() == "unresolved"
     assert "it sat on an unstable whirl or cycle and was disturbed" in found.message.item()
+
+
+def test_a_sweep_that_takes_minutes_says_so_before_it_starts(monkeypatch):
+    """Its cost is that of 40 degrees of freedom; 16 modes are faster, and say nothing."""
+    chain = np.kron(2.0 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1), np.eye(2))
+    system = RotorSystem(
+        mass=np.eye(40), stiffness=1e6 * chain, damping=2.0 * np.eye(40), nodes={"end": (0, 1)}
+    )
+    stop = Contact(node="end", clearance=1e-3, stiffness=1e6)
+    monkeypatch.setattr(system_sweep, "run_study", lambda *_, **__: pytest.fail("it started"))
+    given = {"contacts": [stop], "speed": np.linspace(10.0, 20.0, 20)}
+    with pytest.raises(
+        UserWarning, match=r"takes some \d+ minutes .* as 40 .*: modes=16 takes less"
+    ):
+        sweep(system, **given)
+    with pytest.raises(pytest.fail.Exception, match="it started"):
+        sweep(system, **given, modes=16)
 
 
 def test_without_damping_nothing_settles():
