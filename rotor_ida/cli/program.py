@@ -200,7 +200,7 @@ def _answer(command: Callable[..., object], bound: BoundArguments) -> object:
     """Run a command; the message of an error is in the units in which its arguments were given."""
     try:
         with warnings.catch_warnings():
-            warnings.showwarning = _note
+            warnings.showwarning = _note  # type: ignore[assignment]
             return command(*bound.args, **bound.kwargs)
     except (InputError, SimulationError) as error:
         from rotor_ida.cli.messages import in_given_units  # noqa: PLC0415 - only after an error

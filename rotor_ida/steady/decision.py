@@ -310,11 +310,11 @@ def _still_moving(motion: Motion, approach: _Approach, exponent: float) -> str:
     """Return what keeps a motion with damping from being decided, in words."""
     if math.isfinite(exponent):
         return "it does not repeat itself, and is neither surely chaotic nor surely quasi-periodic"
-    if approach.recurs and math.isinf(approach.distance):
-        return "it repeats itself on a cycle from which its neighbours do not return to it"
     if approach.recurs:
-        return (
-            "it repeats itself, but its distance from its cycle is estimated as "
+        return "it repeats itself, but " + (
+            "its neighbours do not approach its cycle"
+            if math.isinf(approach.distance)
+            else "its distance from its cycle is estimated as "
             f"{approach.distance:.2g} of its size, where {motion.steady:.2g} is allowed"
         )
     if motion.fading()[1]:

@@ -61,8 +61,8 @@ ONCE_A_REVOLUTION = 0.01
 # A contact-free whirl just reaches the stator if its largest radius is the clearance to within this
 # part of it, and the motion is there when it is off the whirl by less than `Window.steady`.
 GRAZES = 1e-9
-# Nearer to it than this part contacts get so shallow that CVODE takes millions of steps, and touches
-# without a shaft fade too slowly to show their law.
+# Nearer to it than this part contacts get so shallow that CVODE takes millions of steps, and
+# touches without a shaft fade too slowly to show their law.
 NEARLY_GRAZES = 1e-6
 # A contact is soft if its stiffness is below this part of another.
 SOFT = 0.1
@@ -282,7 +282,7 @@ def _touches_softly(window: Window) -> bool:
     rotor = window.rotor
     deepest = float(np.nanmax(window.contacts["peak_indentation"]))
     stiffness = rotor.contact_exponent * deepest ** (rotor.contact_exponent - 1.0)
-    return stiffness <= SOFT * rotor.omega * math.hypot(rotor.omega, 2.0 * rotor.zeta)
+    return bool(stiffness <= SOFT * rotor.omega * math.hypot(rotor.omega, 2.0 * rotor.zeta))
 
 
 def touches_grow_slighter(window: Window) -> bool:

@@ -152,8 +152,8 @@ def growth_of(found: Canonical, speed: float) -> Growth | None:
 def nothing_holds(found: Canonical) -> bool:
     """Return whether constant forces move the system where neither supports nor contacts hold it.
 
-    A force that ``u' f`` is not 0 of, with ``u' K = 0`` and no displacement ``B u`` of a contact, is
-    in balance with none.
+    Nothing balances a force f along a motion u that neither bends supports, ``u' K = 0``, nor moves
+    a contact, ``B u = 0``.
     """
     left, sizes, _ = np.linalg.svd(found.stiffness)
     free = left[:, sizes <= FREE * sizes.max(initial=0.0)]

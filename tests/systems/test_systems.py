@@ -514,9 +514,9 @@ def test_a_system_that_nothing_holds_is_told(nodes, gravity, falls, recwarn):
     run = simulate(free, contacts=contacts, gravity=gravity, speed=1.0, duration=60.0, samples=3)
     assert bool(np.abs(run.y.values[-1]).max() > 5.0) is falls
     assert run.attrs.get("nothing_holds") == (1 if falls else None)
-    words = [str(each.message) for each in recwarn]
-    assert words == ["Neither supports nor contacts hold the system against its constant forces: it "
-                     "moves away without bound."] * falls  # fmt: skip
+    assert len(recwarn) == falls
+    if falls:
+        assert "Neither supports nor contacts hold the system" in str(recwarn[0].message)
 
 
 def test_the_second_run_of_chaos_ends_early_and_says_the_same(monkeypatch):
