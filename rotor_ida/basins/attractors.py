@@ -125,10 +125,13 @@ def attractors_of(followed: FollowedStarts) -> list[Attractor]:
         rows.append((number, row))
     present = _present(followed.labels)
     if known.free is not None:
-        free = _contact_free(known.free)
-        rows.append((known.free_label, replace(free, trapping=NOTHING) if alone else free))
+        free, fading = _contact_free(known.free), _fading(known.free, known.rotor)
+        if alone:
+            free, fading = (replace(each, trapping=NOTHING) for each in (free, fading))
+        if known.free.room > 0.0:
+            rows.append((known.free_label, free))
         if known.fading_label in present:
-            rows.append((known.fading_label, _fading(known.free, known.rotor)))
+            rows.append((known.fading_label, fading))
     stop = np.zeros(1, np.uint8)
     for place in np.argsort([each.radius_max for each in followed.cycles], kind="stable").tolist():
         if (number := known.first_cycle + place) in present:

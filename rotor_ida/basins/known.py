@@ -35,14 +35,18 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
 from rotor_ida.steady.follow import durations
+from rotor_ida.steady.response import GRAZES, grazing_distance
 
 # Two cycles of one rotor are the same if period and largest radius agree to this fraction.
 SAME = 1e-6
 
 
 def followed_alone(rotor: Rotor) -> bool:
-    """Return whether starts are followed one by one, as there are no regions under a load."""
-    return rotor.load > 0.0
+    """Return whether starts are followed one by one, as there are no regions.
+
+    Under a load there are none, nor where the contact-free whirl just reaches the stator.
+    """
+    return rotor.load > 0.0 or abs(grazing_distance(rotor)) <= GRAZES
 
 
 def may_roll(rotor: Rotor) -> bool:
@@ -212,6 +216,8 @@ def contact_free_whirls(rotor: Rotor, stop: Stop, *, fading: bool) -> ContactFre
     whirl = complex(complex_amplitude(rotor.omega, rotor.zeta, kappa))
     sag = load / kappa if load > 0.0 else 0.0
     room = rotor.delta0 - abs(whirl) - sag
+    if abs(grazing_distance(rotor)) <= GRAZES:
+        return ContactFree(whirl, 0.0, 0.0, alone=kappa > 0.0, sag=sag)
     if not room > 0.0:
         return None
     if sag > 0.0 and rotor.omega == 0.0:

@@ -24,6 +24,7 @@ from rotor_ida.cli.variables import (
     with_units,
 )
 from rotor_ida.schema import EVENT_KIND, OF_BEARING, QUANTITIES, words_of
+from rotor_ida.systems.growth_words import stability_words
 from rotor_ida.units import SPEED_UNITS
 
 EVENTS = Rows(
@@ -73,7 +74,14 @@ def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:
     rows: list[Record] = [{heads[name]: each[name] for name in heads} for each in contacts]
     listed = rows_table("Contacts", rows, list(heads.values()), None, digits=6)
     told = pairs("Run", _of_run(dataset))
-    return record, [_sentence(dataset, first), *_growth(dataset), *listed, told, *parts]
+    units = "SI" if dataset["t"].attrs.get("units") == "s" else "1"
+    return record, [
+        _sentence(dataset, first),
+        *stability_words(dataset.attrs, units),
+        *listed,
+        told,
+        *parts,
+    ]
 
 
 def show_system_sweep(dataset: xr.Dataset, most: int | None) -> Description:
@@ -229,18 +237,6 @@ def _sentence(run: xr.Dataset, first: Record | None) -> str:
     unit = str(run["t"].attrs.get("units", "1")).removeprefix("1")
     time = f"{shown(first['first_touch'])} {unit}".rstrip()
     return f"First touch: contact {first['contact']} at node {first['node']!r}, at {time}."
-
-
-def _growth(run: xr.Dataset) -> list[str]:
-    """Return a sentence where the motion without contact grows."""
-    if not (rate := run.attrs.get("growth_rate_without_contact")):
-        return []
-    si = run["t"].attrs.get("units") == "s"
-    unit = " per second" if si else ""
-    return [
-        f"Without contact the motion grows at a rate of {shown(float(rate))}{unit}: the linear "
-        "system is unstable."
-    ]
 
 
 def _of_run(run: xr.Dataset) -> Record:

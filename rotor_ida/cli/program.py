@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import sys
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import is_dataclass
 from functools import cache
@@ -198,13 +199,20 @@ def _run(words: list[str], results: TextIO) -> int:
 def _answer(command: Callable[..., object], bound: BoundArguments) -> object:
     """Run a command; the message of an error is in the units in which its arguments were given."""
     try:
-        return command(*bound.args, **bound.kwargs)
+        with warnings.catch_warnings():
+            warnings.showwarning = _note  # type: ignore[assignment]
+            return command(*bound.args, **bound.kwargs)
     except (InputError, SimulationError) as error:
         from rotor_ida.cli.messages import in_given_units  # noqa: PLC0415 - only after an error
 
         said = in_given_units(bound.arguments, str(error))
         kind = InputError if isinstance(error, InputError) else RotorError
         raise kind(said) from error
+
+
+def _note(message: Warning | str, *_where: object) -> None:
+    """Show a warning in one line, as it comes."""
+    _complain(f"note: {message}", DONE)
 
 
 def _refuse_units(arguments: Mapping[str, object]) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -39,7 +41,7 @@ def simulate_file(
     speed = rotor.given.get(SPEED, case.speed)
     if speed is None:
         raise InputError(f"speed must be given with --speed or in {file}")
-    with working("simulate [%]") as progress:
+    with working("simulate [%]") as progress, _told_by_the_answer():
         run = rotor_ida.simulate_system(
             case.system, **case.around, **given, **how, speed=speed, progress=progress
         )
@@ -59,7 +61,7 @@ def run_up_file(
     how = _checked(rotor.given, rotor.machine, start, solver, output)
     of_change = {name: each for name, each in asdict(change).items() if each is not None}
     case = _case(file, rotor.given, {**given, **of_change})
-    with working("run-up [%]") as progress:
+    with working("run-up [%]") as progress, _told_by_the_answer():
         run = rotor_ida.run_up_system(
             case.system, **case.around, **given, **how, **_change(case, rotor, of_change),
             progress=progress,
@@ -93,6 +95,14 @@ def sweep_file(
             progress=progress,
         )  # fmt: skip
         return answer_whole(dataset, output, given["study"])
+
+
+@contextmanager
+def _told_by_the_answer() -> Iterator[None]:
+    """Leave out the warnings of a run, as its answer says the same."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        yield
 
 
 def cycle_case(

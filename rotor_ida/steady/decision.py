@@ -7,7 +7,7 @@ measures one window.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -39,6 +39,11 @@ CLEAR_STRETCH = 20.0
 # would have shown. The errors are those of the scatter of parts; on a torus the mean over all parts
 # is far better.
 NO_STRETCH = 0.01
+# A motion that sits on an unstable equilibrium, whirl or cycle is displaced by this part of the
+# (smallest) clearance and followed on; at most this often.
+DISTURBANCE, MOST_DISTURBED = 1e-3, 4
+# A multiplier above 1 by no more than this is one of a neutral motion.
+NEUTRAL = 1e-5
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +136,9 @@ class Motion(Protocol):
     def slowest_multiplier(self, period: float) -> complex:
         """Return the nontrivial multiplier with which neighbours return most slowly."""
 
+    def leave_unstable(self) -> bool:
+        """Disturb a motion that sits on an unstable whirl or cycle, and return whether it did."""
+
     def held_back(self, multiplier: complex) -> float:
         """Return the difference of states a period apart over their distance from the cycle."""
 
@@ -143,8 +151,8 @@ class Motion(Protocol):
     def fading(self) -> tuple[bool, bool]:
         """Return whether touches fade by their law, and whether they grow slighter by any law."""
 
-    def may_be_chaotic(self) -> bool:
-        """Return whether a motion that has not settled yet may never settle."""
+    def may_be_chaotic(self, duration: float) -> bool:
+        """Return whether a motion that has not settled in that time may never settle."""
 
     def exponents(self) -> Exponents:
         """Return the largest Lyapunov exponents of the motion after the window."""
@@ -168,11 +176,14 @@ class _Approach:
         Its distance from its cycle at the end of that window, relative to its size [1].
     time : float
         The time of that end [1].
+    since : float
+        The time of the start, or of the last disturbance [1].
     """
 
     recurs: bool = False
     distance: float = math.inf
     time: float = 0.0
+    since: float = 0.0
 
     def period(self, motion: Motion) -> float | None:
         """Return the period of a motion that has reached a stable cycle; None for others."""
@@ -182,30 +193,62 @@ class _Approach:
             self.distance = math.inf
             return None
         multiplier = motion.slowest_multiplier(repeats.period)
+        if not abs(multiplier) < 1.0:
+            self.distance = math.inf
+            return None
         decay = abs(multiplier) ** ((motion.time - self.time) / repeats.period)
         distance = repeats.missed_by / max(motion.held_back(multiplier), ROUNDING)
         if math.isfinite(self.distance):
             # because of rounding no motion misses itself by less, however near it is
             distance = min(distance, decay * self.distance)
         self.distance, self.time = distance, motion.time
-        settled = abs(multiplier) < 1.0 and distance <= motion.steady
-        return repeats.period if settled else None
+        return repeats.period if distance <= motion.steady else None
+
+
+def growing_direction(derivative: Values) -> Values | None:
+    """Return how a state changes that grows by a derivative of states; None where none grows.
+
+    It is the growing part of a fixed state, so that rounding has no influence on its sense.
+    """
+    multipliers, shapes = np.linalg.eig(derivative)
+    grows = np.abs(multipliers) > 1.0 + NEUTRAL
+    if not grows.any():
+        return None
+    any_state = np.linspace(1.0, 2.0, len(derivative)).astype(complex)
+    parts = np.linalg.lstsq(shapes, any_state)[0]
+    return np.asarray((shapes[:, grows] @ parts[grows]).real)
 
 
 def decide(motion: Motion, wait: float, longest: float) -> Decision:
     """Observe a motion, window after window, until its kind is decided.
 
     The first window begins after `wait`, each other when the time has doubled, and none after
-    `longest`.
+    `longest`. Times are counted anew when it was disturbed because it sat on an unstable motion.
     """
-    approach, times = _Approach(), 1
+    approach, times, first, disturbed = _Approach(), 1, wait, 0
     while True:
         motion.wait(wait)
         motion.observe(times)
         decision = _decision(motion, approach)
-        wait, times = motion.time, min(2 * times, LONGEST_WINDOW)
-        if decision.kind != UNRESOLVED or motion.never_settles or motion.time + wait > longest:
-            return decision
+        sits = (decision.kind == SYNCHRONOUS or approach.recurs) and decision.period is None
+        if sits and disturbed < MOST_DISTURBED and motion.leave_unstable():
+            disturbed += 1
+            approach = _Approach(time=motion.time, since=motion.time)
+            wait, times = first, 1
+            continue
+        wait, times = motion.time - approach.since, min(2 * times, LONGEST_WINDOW)
+        late = motion.time + wait > approach.since + longest
+        if decision.kind != UNRESOLVED or motion.never_settles or late:
+            return _with_disturbances(decision, disturbed)
+
+
+def _with_disturbances(decision: Decision, count: int) -> Decision:
+    """Return a decision that tells how often an unresolved motion was disturbed."""
+    if decision.kind != UNRESOLVED or not count:
+        return decision
+    times = "once" if count == 1 else f"{count} times"
+    told = f"; {times} it sat on an unstable whirl or cycle and was disturbed"
+    return replace(decision, message=decision.message + told)
 
 
 def _decision(motion: Motion, approach: _Approach) -> Decision:
@@ -219,7 +262,9 @@ def _decision(motion: Motion, approach: _Approach) -> Decision:
         return Decision(_kind_of_cycle(motion, period), period, distance=approach.distance)
     fades, grow_slighter = motion.fading()
     kind, exponent, error = TOUCHING if fades else UNRESOLVED, math.nan, math.nan
-    if not (approach.recurs or fades or grow_slighter) and motion.may_be_chaotic():
+    if not (approach.recurs or fades or grow_slighter) and motion.may_be_chaotic(
+        motion.time - approach.since
+    ):
         if motion.rolls_backwards():
             return Decision(ROLLING)
         kind, exponent, error = _kind_by_exponent(motion.exponents())
@@ -266,8 +311,10 @@ def _still_moving(motion: Motion, approach: _Approach, exponent: float) -> str:
     if math.isfinite(exponent):
         return "it does not repeat itself, and is neither surely chaotic nor surely quasi-periodic"
     if approach.recurs:
-        return (
-            "it repeats itself, but its distance from its cycle is estimated as "
+        return "it repeats itself, but " + (
+            "its neighbours do not approach its cycle"
+            if math.isinf(approach.distance)
+            else "its distance from its cycle is estimated as "
             f"{approach.distance:.2g} of its size, where {motion.steady:.2g} is allowed"
         )
     if motion.fading()[1]:

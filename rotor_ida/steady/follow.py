@@ -17,12 +17,20 @@ from rotor_ida.simulation.lyapunov import exponents_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ENTRY, Orbit, stretches_of_rolling
 from rotor_ida.simulation.run import run
-from rotor_ida.steady.decision import RECURS, Decision, Exponents, decide
+from rotor_ida.steady.decision import (
+    DISTURBANCE,
+    RECURS,
+    Decision,
+    Exponents,
+    decide,
+    growing_direction,
+)
 from rotor_ida.steady.periods import (
     SAME_TURN,
     Recurrence,
     TurningPoints,
     extreme_radii,
+    monodromy,
     recurrence,
     recurrence_by_revolutions,
     slowest_multiplier,
@@ -30,10 +38,14 @@ from rotor_ida.steady.periods import (
 )
 from rotor_ida.steady.response import (
     CONTACT_FREE,
+    NEARLY_GRAZES,
     STEADY,
     SYNCHRONOUS,
+    TOUCHING,
     Features,
     Window,
+    grazes,
+    grazing_distance,
     kind_at_rest,
     phase_lag_of,
     rolls_backwards,
@@ -181,6 +193,8 @@ class _Trajectory:
     def kind_of_state(self) -> str | None:
         if _is_at_rest(self.rotor):
             return kind_at_rest(self.window)
+        if grazes(self.window):
+            return TOUCHING
         if whirls_steadily(self.window):
             return SYNCHRONOUS
         return CONTACT_FREE if stays_free(self.window) else None
@@ -196,6 +210,21 @@ class _Trajectory:
     def slowest_multiplier(self, period: float) -> complex:
         return slowest_multiplier(self.rotor, self.state, period, self.stop)
 
+    def leave_unstable(self) -> bool:
+        if self.never_settles or self.rotor.omega == 0.0:
+            return False
+        steady = None if whirls_steadily(self.window) else self.recurrence()
+        period = 2.0 * math.pi / self.rotor.omega if steady is None else steady.period
+        moved = growing_direction(monodromy(self.rotor, self.state, period, self.stop))
+        if moved is None:
+            return False
+        # without a clearance the motion itself is the measure
+        length = self.rotor.delta0 or float(np.abs(self.window.positions).max())
+        moved *= DISTURBANCE * length / math.hypot(moved[0], moved[1])
+        x, y, vx, vy = (np.array(self.state) + moved).tolist()
+        self.state = (x, y, vx, vy)
+        return True
+
     def held_back(self, multiplier: complex) -> float:
         # under a load no paired multiplier shows which of the others is nearest 1
         return 1.0 - abs(multiplier) if self.rotor.load > 0.0 else abs(1.0 - multiplier)
@@ -210,9 +239,9 @@ class _Trajectory:
         fades = touches_fade(self.window)
         return fades, fades or touches_grow_slighter(self.window)
 
-    def may_be_chaotic(self) -> bool:
-        rotor, time = self.rotor, self.time
-        return rotor.omega > 0.0 and time >= LATE and rotor.zeta * time >= PATIENCE
+    def may_be_chaotic(self, duration: float) -> bool:
+        rotor = self.rotor
+        return rotor.omega > 0.0 and duration >= LATE and rotor.zeta * duration >= PATIENCE
 
     def exponents(self) -> Exponents:
         rotor = self.rotor
@@ -312,6 +341,9 @@ def follow_to_steady_state(
     stop : ndarray, shape (1,), optional
         Ends the run, as failed, as soon as it is not 0.
     """
+    is_exact = options.flight == "exact" and options.backend != "python"
+    if is_exact and abs(grazing_distance(rotor)) <= NEARLY_GRAZES:
+        options = replace(options, method="taylor")
     trajectory = _Trajectory(rotor, options, start, np.zeros(1, np.uint8) if stop is None else stop)
     limit = longest_time(rotor) if longest is None else longest
     try:

@@ -8,7 +8,8 @@ at once. It is taken for the one that the motion leads to only if the motion sho
 2. some periods later the motion has come nearer, about as much as they say;
 3. no contact can open or close on the way that does not on the cycle.
 
-Where any of these fails the motion is followed further. The cycle is then simulated as any other
+Where any of these fails the motion is followed further. An unstable cycle is told only where the
+motion sits on it, as on an equilibrium by symmetry. The cycle is then simulated as any other
 motion is, and decided on.
 """
 
@@ -21,6 +22,7 @@ import numpy as np
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.core.systems import SystemResult
+from rotor_ida.steady.decision import growing_direction
 from rotor_ida.steady.system_flow import SystemFlow
 
 # The largest step of Newton's method, in parts of the size of the motion, its most steps, and what
@@ -89,12 +91,15 @@ class Landing:
         Whether it moves on turning axes.
     slowest : complex
         The nontrivial multiplier with which neighbours return most slowly.
+    growing : ndarray, shape (n,), or None
+        How a neighbour differs that leaves it; None where it is stable.
     """
 
     state: Values
     period: float
     is_free: bool
     slowest: complex
+    growing: Values | None = None
 
 
 def candidates(
@@ -145,6 +150,8 @@ def _returns(
 ) -> list[tuple[float, Candidate]]:
     """Return after what times a motion comes near its last state, and by how much it misses it."""
     rate = flow.rate(_whole(flow, states[-1]))[: states.shape[1]]
+    if not rate.any():
+        return []
     lows = 1 + np.flatnonzero((away[1:-1] < away[:-2]) & (away[1:-1] <= away[2:]))
     found = []
     for low in lows[::-1].tolist():
@@ -161,7 +168,10 @@ def _whole(flow: SystemFlow, state: Values) -> Values:
 
 
 def land(flow: SystemFlow, state: Values, candidate: Candidate) -> Landing | None:
-    """Return the cycle that a motion leads to, if it shows that it does; else None."""
+    """Return the cycle that a motion leads to, if it shows that it does; else None.
+
+    An unstable one is returned where the motion is on it already.
+    """
     found = _newton(flow, state, candidate)
     if found is None:
         return None
@@ -176,9 +186,12 @@ def land(flow: SystemFlow, state: Values, candidate: Candidate) -> Landing | Non
         trivial = np.abs(multipliers - 1.0) <= NEUTRAL
     rest = multipliers[~trivial]
     slowest = complex(rest[np.argmax(np.abs(rest))]) if rest.size else 0j
-    if not abs(slowest) < 1.0:
-        return None
     off = state - cycle
+    if not abs(slowest) < 1.0:
+        growing = growing_direction(derivative)
+        if growing is None or np.abs(off).max() > NEARLY * np.abs(cycle).max():
+            return None
+        return Landing(cycle, period, candidate.is_free, slowest, growing)
     if trivial.any() and not candidate.is_free:
         # the centre of its whirl stays where the transient leaves it
         parts = np.linalg.lstsq(shapes, off.astype(complex))[0]

@@ -168,17 +168,7 @@ def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) ->
     U. Dressler, "Symmetry property of the Lyapunov spectra of a class of dissipative dynamical
     systems with viscous damping", Physical Review A 38, 1988.
     """
-    bundle = np.eye(4)
-    seen = follow_run(
-        RunRequest(
-            rotor=rotor, start=state, duration=period, rtol=MULTIPLIER_RTOL,
-            atol=ATOL * MULTIPLIER_RTOL, bundle=bundle, stop=stop,
-        )
-    )  # fmt: skip
-    if seen.status != DONE:
-        raise SimulationError(
-            f"a cycle could not be followed: {message_of(seen.status)}", time=0.0, state=state
-        )
+    bundle = monodromy(rotor, state, period, stop)
     if rotor.load > 0.0:
         multipliers = np.linalg.eigvals(bundle)
         return complex(multipliers[np.argmax(np.abs(multipliers))])
@@ -191,3 +181,25 @@ def slowest_multiplier(rotor: Rotor, state: State, period: float, stop: Stop) ->
     both = float(np.trace(bundle)) - 1.0 - product
     apart = cmath.sqrt(both * both - 4.0 * product)
     return 0.5 * max(both + apart, both - apart, key=abs)
+
+
+def monodromy(rotor: Rotor, state: State, period: float, stop: Stop) -> Values:
+    """Return the derivative of the state after a time by that before, shape (4, 4).
+
+    Raises
+    ------
+    SimulationError
+        If the integration fails or is stopped.
+    """
+    bundle = np.eye(4)
+    seen = follow_run(
+        RunRequest(
+            rotor=rotor, start=state, duration=period, rtol=MULTIPLIER_RTOL,
+            atol=ATOL * MULTIPLIER_RTOL, bundle=bundle, stop=stop,
+        )
+    )  # fmt: skip
+    if seen.status != DONE:
+        raise SimulationError(
+            f"a cycle could not be followed: {message_of(seen.status)}", time=0.0, state=state
+        )
+    return bundle

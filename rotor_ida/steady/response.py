@@ -7,7 +7,8 @@
 ``full_contact``          is periodic, always in contact, radius not constant (full annular rub)
 ``rolling``               whirls backwards, always in contact, and rolls on the stator in every
                           period (dry whip)
-``touching``              is contact-free in the limit, through ever slighter touches
+``touching``              is contact-free in the limit, through ever slighter touches, or where
+                          the contact-free whirl just reaches the stator
 ``quasi_periodic``        never repeats, and neighbouring motions keep their distance
 ``chaotic``               is not periodic, and neighbouring motions diverge
 ``unresolved``            none of these within the simulated time
@@ -57,6 +58,14 @@ SAME_LENGTH = 1e-6
 FEWEST_TOUCHES = 3
 # Near the limit the whirl is stationary: touches are one revolution apart, to this fraction.
 ONCE_A_REVOLUTION = 0.01
+# A contact-free whirl just reaches the stator if its largest radius is the clearance to within this
+# part of it, and the motion is there when it is off the whirl by less than `Window.steady`.
+GRAZES = 1e-9
+# Nearer to it than this part contacts get so shallow that CVODE takes millions of steps, and
+# touches without a shaft fade too slowly to show their law.
+NEARLY_GRAZES = 1e-6
+# A contact is soft if its stiffness is below this part of another.
+SOFT = 0.1
 # And 1/h grows by the law to within this fraction. The law is of leading order in h: after 24/zeta,
 # over speeds from 0.15 to 3 and dampings from 0.07 to 0.5, no touch missed it by over 8 %.
 LIKE_THE_LAW = 0.1
@@ -196,6 +205,32 @@ def rolls_in_each(rolling: Values, length: float, period: float) -> bool:
     return bool((overlap.max(axis=0) > 0.0).all())
 
 
+def grazing_distance(rotor: Rotor) -> float:
+    """Return how far the contact-free whirl reaches beyond the clearance, over that; NaN for none.
+
+    Its centre is the bearing axis, or with a shaft where that holds the load.
+    """
+    kappa, load = rotor.shaft_stiffness, rotor.load
+    if rotor.delta0 == 0.0 or rotor.omega == 0.0 or (kappa == 0.0 and load > 0.0):
+        return math.nan
+    sag = load / kappa if load > 0.0 else 0.0
+    reach = abs(complex(complex_amplitude(rotor.omega, rotor.zeta, kappa))) + sag
+    return reach / rotor.delta0 - 1.0
+
+
+def grazes(window: Window) -> bool:
+    """Return whether it is on the contact-free whirl that just reaches the stator.
+
+    On which side of the clearance rounding has put that makes no difference.
+    """
+    rotor = window.rotor
+    if rotor.zeta == 0.0 or not abs(grazing_distance(rotor)) <= GRAZES:
+        return False
+    x, y, vx, vy = window.states[-1].tolist()
+    drift, reach = _future_if_free(rotor, complex(x, y), complex(vx, vy))
+    return max(drift, abs(reach - rotor.delta0)) <= 2.0 * window.steady * rotor.delta0
+
+
 def _future_if_free(rotor: Rotor, position: complex, velocity: complex) -> tuple[float, float]:
     """Return how far a free whirl's centre would still drift, and its largest radius.
 
@@ -226,13 +261,28 @@ def touches_fade(window: Window) -> bool:
     """Return whether ever slighter touches follow the law of `touch_fading`.
 
     Near its limit the whirl is so nearly stationary that it touches exactly once a revolution. A
-    motion that touches more or less often is not near it, and is not decided here.
+    motion that touches more or less often is not near it, and is not decided here. Where the whirl
+    just reaches the stator without a shaft, all soft ones that grow slighter fade: its centre comes
+    back to the axis, by another law.
     """
     growth = _growth_from_touch_to_touch(window)
     rotor = window.rotor
     if growth is None or rotor.shaft_stiffness > 0.0 or rotor.load > 0.0:
         return False
+    if -NEARLY_GRAZES <= grazing_distance(rotor) <= GRAZES:
+        return bool((growth > 0.0).all()) and _touches_softly(window)
     return bool((np.abs(growth / touch_fading(rotor) - 1.0) <= LIKE_THE_LAW).all())
+
+
+def _touches_softly(window: Window) -> bool:
+    """Return whether contacts are soft beside what resists the contact-free whirl without a shaft.
+
+    Then they hardly change that whirl, and on the whole they push its centre inwards.
+    """
+    rotor = window.rotor
+    deepest = float(np.nanmax(window.contacts["peak_indentation"]))
+    stiffness = rotor.contact_exponent * deepest ** (rotor.contact_exponent - 1.0)
+    return bool(stiffness <= SOFT * rotor.omega * math.hypot(rotor.omega, 2.0 * rotor.zeta))
 
 
 def touches_grow_slighter(window: Window) -> bool:

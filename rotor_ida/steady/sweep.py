@@ -169,7 +169,9 @@ def sweep(
       stator at some time in each period; or in each revolution, if it has no period on the rotating
       axes and could be ``chaotic``;
     - ``touching`` if it touches once a revolution and 1/h, h the indentation, grows from touch to
-      touch as `rotor_ida.closed_forms.touch_fading` predicts, to 10 %;
+      touch as `rotor_ida.closed_forms.touch_fading` predicts, to 10 %; or if it is on the
+      contact-free whirl and that reaches the stator to within 1e-9 of the clearance. Within 1e-6
+      Taylor series follow it with every compiled `method`: contacts there have hardly any depth;
     - ``chaotic`` if it has not settled after 3,000 and 20/zeta, and its largest Lyapunov exponent,
       over a further 20,000 or more, exceeds five of its standard errors and stretches small
       differences by more than ``exp(20)``. Chaos that lasts longer may still
@@ -177,9 +179,13 @@ def sweep(
     - ``unresolved`` if it is none of these: then ``message`` gives for how long it was followed,
       and what still moved. Without damping nothing settles, and only the first window is observed.
 
+    A motion that sits on an unstable whirl or cycle (a small change grows in a period by more than
+    1e-5 of it) is moved off by 0.001 clearances, along the motions that grow, and followed anew.
+
     A load rotates on the rotating axes. Under a load a motion is ``bouncing`` or ``full_contact``
     if its states once a revolution recur throughout such a window; ``contact_free`` around the
-    point to which load and shaft deflect the rotor; never ``touching``; and ``quasi_periodic``, on
+    point to which load and shaft deflect the rotor; ``touching`` only on a whirl that just reaches
+    the stator; and ``quasi_periodic``, on
     a torus, if it might be ``chaotic`` but its largest exponent is zero (neighbours diverge or
     converge by less than 1 % in that time). A cycle whose period is not a whole number of
     revolutions becomes quasi-periodic under a slight load. A rotor at speed 0 comes to rest:

@@ -11,7 +11,7 @@ from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.core.systems import SystemResult
 from rotor_ida.schema import MODE, OF_FRICTION_EVENT_KIND
 from rotor_ida.simulation.orbit import ENTRY
-from rotor_ida.steady.decision import RECURS, Decision, Exponents, decide
+from rotor_ida.steady.decision import DISTURBANCE, RECURS, Decision, Exponents, decide
 from rotor_ida.steady.landing import (
     MOST_REVOLUTIONS,
     SAMPLES_A_REVOLUTION,
@@ -37,6 +37,8 @@ COST, FREE_TRIES, LIKELY, POSSIBLE = 2.0, 12.0, 6.0, 1.5
 # Revolutions at the end of a wait that are examined, and samples of each.
 LOOKED_BACK, SAMPLES_OF_WAIT = 2 * MOST_REVOLUTIONS, 32
 WINDOW_REVOLUTIONS = 4
+# Contacts that move by less than this part of a disturbance move by rounding alone.
+UNMOVED = 1e-9
 STEADY_TOLERANCES = 10.0
 # Exponents are computed only for a motion that has not settled after a number of revolutions, and
 # of decay times or of many more revolutions. They are means over this number of revolutions,
@@ -179,6 +181,9 @@ class _SystemMotion:
         landing, self.landing, self.cycle = self.landing, None, None
         if landing is None:
             return None
+        if landing.growing is not None:  # rounding may have left it by now
+            self.cycle = landing
+            return Recurrence(landing.period, 0.0)
         size = float(np.abs(self.strobed).max())
         missed = float(np.abs(np.diff(self.strobed, axis=0)).max()) / (size or 1.0)
         if missed > RECURS * self.steady:
@@ -190,6 +195,20 @@ class _SystemMotion:
         assert self.cycle is not None
         assert period == self.cycle.period
         return self.cycle.slowest
+
+    def leave_unstable(self) -> bool:
+        if self.cycle is None or self.cycle.growing is None:
+            return False
+        moved = self.cycle.growing
+        size, contacts = self.flow.problem.assembly.size, self.flow.problem.assembly.contacts
+        places = self.flow.problem.found.rows @ (moved * self.flow.scales)[:size]
+        gaps = np.array([each.clearance for each in contacts])
+        reach = float((np.hypot(*places.T) / gaps).max(initial=0.0))
+        largest = float(np.abs(moved).max())
+        # where it does not move the contacts, the state is measured by its own scales
+        moved = moved * (DISTURBANCE / (reach if reach > UNMOVED * largest else largest))
+        self.state = self.cycle.state + moved
+        return True
 
     def held_back(self, multiplier: complex) -> float:
         return 1.0 - abs(multiplier)
@@ -213,9 +232,11 @@ class _SystemMotion:
     def fading(self) -> tuple[bool, bool]:
         return False, False
 
-    def may_be_chaotic(self) -> bool:
-        revolutions = self.time / self.flow.revolution
-        patient = self.decay * self.time >= PATIENCE or revolutions >= VERY_LATE
+    def may_be_chaotic(self, duration: float) -> bool:
+        if not (self.touches or self.ends_in_contact):
+            return False  # a linear motion grows or settles
+        revolutions = duration / self.flow.revolution
+        patient = self.decay * duration >= PATIENCE or revolutions >= VERY_LATE
         return revolutions >= LATE and patient
 
     def exponents(self) -> Exponents:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -48,6 +49,11 @@ from rotor_ida.systems.units import with_system_units
 SETTLED = "settled"
 # Largest rate of the system over the speed: a revolution takes a step for some five radians of it.
 MOST_RATIO = 1e6
+# Cost of a sweep: the cube of the degrees of freedom times the largest rate over the speed, of all
+# points. What a core does of it in a minute, roughly, and from where on it is long.
+WORK_A_MINUTE, LONG = 1.5e8, 1e8
+# Modes that make it shorter: natural frequencies up to this multiple of the speed, and at least 16.
+KEPT, FEWEST_MODES = 10.0, 16
 OF_POINT = ("period", "cycle_distance", "lyapunov_exponent", "lyapunov_error", "revolutions")
 OF_CONTACT = ("amplitude", "phase_lag", "radius_min", "radius_max", "largest_force")
 OF_NODE = ("node_amplitude", "node_phase_lag", "node_radius_min", "node_radius_max")
@@ -112,6 +118,13 @@ def sweep_system(
     SimulationError
         If one of the ``"processes"``, or the scheduler, died.
 
+    Warns
+    -----
+    UserWarning
+        Before it starts, if it takes minutes: where the cube of the degrees of freedom times the
+        largest rate of vibration over the speed, added over all points, exceeds 1e8. The warning
+        names a number of `modes` that is enough.
+
     Notes
     -----
     An axisymmetric system is autonomous on axes that turn with the unbalance: there a synchronous
@@ -126,6 +139,10 @@ def sweep_system(
     revolutions and 20 decay times, or 1,500 revolutions, its largest Lyapunov exponents decide
     whether it is ``chaotic`` or ``quasi_periodic``: by neighbours over 2,000 revolutions, or 8,000
     in doubt. Chaos that lasts longer may still be a transient.
+
+    A motion that sits on an unstable equilibrium, whirl or cycle is moved off: by 0.001 clearances
+    at a contact, along the motions that grow, and followed anew. Without contact nothing is
+    chaotic: what grows there stays ``unresolved``, or fails.
 
     It is ``rolling`` (dry whip) if a contact stays closed, whirls backwards, and rolls in every
     period or revolution. The kind ``touching`` of one disc is not told from ``unresolved`` ones.
@@ -158,6 +175,7 @@ def sweep_system(
     sizes = (speeds.size, len(first), directions.size)
     check_points(*(range(size) for size in sizes),
                  most=MOST_NUMBERS if study is None else MOST_POINTS_OF_STUDY)  # fmt: skip
+    warn_if_long(problem, speeds, math.prod(sizes[1:]))
     ramps = SystemRamps(problem, speeds, first, RampOrder(sizes, directions))
     states = np.array([_start_state(problem, each, speeds) for each in first])
     held = problem_variables(assembly, unbalance, states)
@@ -192,6 +210,25 @@ def check_slowest(problem: SettlingProblem, speeds: Values) -> None:
             f"speed must be at least {fastest / MOST_RATIO:.4g}, as the system moves at up to "
             f"{fastest:.4g} rad per unit of time, got {slowest!r}; fewer modes lower that"
         )
+
+
+def warn_if_long(problem: SettlingProblem, speeds: Values, times: int) -> None:
+    """Warn where a sweep takes minutes that fewer modes would save, before it starts."""
+    found, size = problem.found, problem.assembly.size
+    fastest = SystemFlow.at(problem, float(np.abs(speeds).max()), NO_STOP).request.fastest
+    work = times * size**3 * fastest * float((1.0 / np.abs(speeds)).sum())
+    inert = size - found.massless
+    rates = np.sqrt(np.abs(np.linalg.eigvals(found.stiffness[:inert, :inert])))
+    modes = max(int((rates <= KEPT * np.abs(speeds).max()).sum()), FEWEST_MODES)
+    if work <= LONG or 2 * modes > size:
+        return
+    unit = " rad/s" if problem.assembly.system.units == "SI" else ""
+    warnings.warn(
+        f"the sweep takes some {math.ceil(work / WORK_A_MINUTE)} minutes on one core, as {size} "
+        f"degrees of freedom move at up to {fastest:.3g}{unit}: modes={modes} takes less, and "
+        f"keeps natural frequencies up to {KEPT:g} times the largest speed",
+        stacklevel=4,
+    )
 
 
 def _checked_starts(starts: object) -> list[Start]:

@@ -8,6 +8,7 @@ events before it at the same contact, as a difference may vanish by chance.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -56,6 +57,13 @@ class Followed:
     result: SystemResult
     event_time_errors: Values
     horizon: float
+
+
+class Growth(NamedTuple):
+    """How a motion without contact grows: at which rate, and at which whirl speed."""
+
+    rate: float
+    whirl_speed: float
 
 
 def request_of(
@@ -128,12 +136,31 @@ def rates_of(found: Canonical, speed: float) -> ComplexValues:
     return np.concatenate([np.linalg.eigvals(first_order), relaxing])
 
 
-def growth_of(found: Canonical, speed: float) -> float:
-    """Return the rate at which the motion without contact grows at a speed; 0 if it does not."""
+def growth_of(found: Canonical, speed: float) -> Growth | None:
+    """Return how the motion without contact grows fastest at a speed; None where it does not."""
     rates = rates_of(found, speed)
     sizes = np.abs(rates)
-    growth = float(rates.real[sizes > HELD * sizes.max()].max(initial=0.0))
-    return growth if growth > GROWING * float(sizes.max()) else 0.0
+    rates = rates[sizes > HELD * sizes.max()]
+    if not rates.size:
+        return None
+    fastest = rates[np.argmax(rates.real)]
+    if not fastest.real > GROWING * float(sizes.max()):
+        return None
+    return Growth(float(fastest.real), abs(float(fastest.imag)))
+
+
+def nothing_holds(found: Canonical) -> bool:
+    """Return whether constant forces move the system where neither supports nor contacts hold it.
+
+    Nothing balances a force f along a motion u that neither bends supports, ``u' K = 0``, nor moves
+    a contact, ``B u = 0``.
+    """
+    left, sizes, _ = np.linalg.svd(found.stiffness)
+    free = left[:, sizes <= FREE * sizes.max(initial=0.0)]
+    _, strengths, shapes = np.linalg.svd(found.rows.reshape(-1, len(free)) @ free)
+    rank = int((strengths > FREE * strengths.max(initial=0.0)).sum())
+    pushed = (free @ shapes[rank:].T).T @ found.force
+    return bool(np.abs(pushed).max(initial=0.0) > FREE * np.linalg.norm(found.force))
 
 
 def follow_twice(

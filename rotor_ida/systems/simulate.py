@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -40,9 +41,11 @@ from rotor_ida.systems.following import (
     follow_system_again,
     follow_twice,
     growth_of,
+    nothing_holds,
     request_of,
     shifts_of,
 )
+from rotor_ida.systems.growth_words import NOT_HELD, RATE, WHIRL_SPEED, stability_words
 from rotor_ida.systems.invariants import check_run
 from rotor_ida.systems.modes import check_modes, in_modes
 from rotor_ida.systems.speed_changes import (
@@ -136,6 +139,13 @@ def simulate_system(
     InvariantError
         If the result contradicts the mechanics.
 
+    Warns
+    -----
+    UserWarning
+        If the motion without contact grows, with the rate and the whirl speed, also in the
+        attributes ``growth_rate_without_contact`` and ``whirl_speed_of_growth``; or if neither
+        supports nor contacts hold the system against its constant forces (``nothing_holds``).
+
     Notes
     -----
     ``M q'' + (C + Omega G) q' + K q = unbalance + static force + contacts``. Each contact has the
@@ -221,6 +231,11 @@ def run_up_system(
     InputError, SimulationError, InvariantError
         As in `simulate_system`.
 
+    Warns
+    -----
+    UserWarning
+        As in `simulate_system`, at the largest speed.
+
     Notes
     -----
     With a torque ``J Omega' = tau0 - slope Omega - sum R_j T_j - (reaction of the unbalance)``.
@@ -303,10 +318,13 @@ def _simulate(
     change = change | {name: number for name, number in numbers.items() if number is not None}
     cases = [in_modes(system, number, around)
              for number in ([modes] if more_modes is None else [modes, more_modes])]  # fmt: skip
-    return run_of_cases(
+    run = run_of_cases(
         cases, profile, samples=samples, rtol=rtol, method=method, progress=progress, speed=speed,
         change=change,
     )  # fmt: skip
+    for words in stability_words(run.attrs, system.units):
+        warnings.warn(words, stacklevel=4)
+    return run
 
 
 def run_of_cases(
@@ -362,7 +380,9 @@ def run_of_cases(
     check_run(first.assembly, first.found, first.request, followed.result, tolerance)
     more = problem_variables(first.assembly, cases[0]["unbalance"], first.begun)
     if growth := growth_of(first.found, fastest):
-        told["growth_rate_without_contact"] = growth
+        told |= {RATE: growth.rate, WHIRL_SPEED: growth.whirl_speed}
+    if nothing_holds(first.found):
+        told[NOT_HELD] = 1
     if moved is not None:
         more["event_time_shift"] = ("event", moved)
     return system_dataset(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -360,3 +361,32 @@ def test_a_mistake_gets_one_line(program: Program, rotor: str, line: str, messag
     assert (answer.status, answer.out) == (2, "")
     assert answer.err.startswith(f"rotor-ida: {message}")
     assert answer.err.count("\n") == 1
+
+
+# ---- Warnings ----
+
+
+def test_a_system_that_grows_is_told_once(program: Program) -> None:
+    crossed = np.array([[1e6, 134_400.0], [-134_400.0, 1e6]])
+    np.savez("seal.npz", mass=10.0 * np.eye(2), stiffness=crossed, damping=400.0 * np.eye(2))
+    Path("seal.toml").write_text(
+        'speed = "700 rad/s"\n[system]\nfile = "seal.npz"\nnodes = { disc = [0, 1] }\n',
+        encoding="utf-8",
+    )
+    run = program("simulate", "seal.toml", "--duration", "0.1")
+    words = "grows at a rate of 1.245 per second, as a whirl at 316.3 rad/s (3021 rpm)"
+    assert " ".join(run.out.split()).count(words) == 1
+    assert words not in run.err
+
+
+def test_a_warning_is_one_line_before_the_answer(
+    rotor: str, program: Program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def sweep_system(*_: object, **__: object) -> None:
+        warnings.simplefilter("default")  # as outside of tests
+        warnings.warn("it takes\nlong", stacklevel=1)
+        raise rotor_ida.InputError("speed must not be 0")
+
+    monkeypatch.setattr(rotor_ida, "sweep_system", sweep_system)
+    run = program("sweep", rotor, "--speed", "4000rpm")
+    assert run.err.splitlines()[0] == "rotor-ida: note: it takes long"

@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from rotor_ida import (
     Rotor,
     folds,
+    limit_cycle,
     sweep,
     synchronous_response,
 )
@@ -459,3 +460,80 @@ def test_the_docstring_of_sweep_states_the_waits_of_this_code():
     assert first in words
     assert last in words
     assert f"``exp({CLEAR_STRETCH:g})``" in words
+
+
+# ---- Where the free whirl just reaches the stator ----
+
+GRAZING = {"omega": 0.2, "zeta": 0.05, "shaft_stiffness": 0.04}  # in resonance: A_f = 0.2/0.1
+FROM = [REST, (0.3, -1.2, 0.5, 0.1), (1.9, 0.2, -1.5, 1.0)]
+
+
+@pytest.mark.parametrize("beyond", [-1e-12, 0.0, 1e-12])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {}, {"contact_damping": 0.3}, {"friction": 0.1, "disc_radius": 10.0},
+        {"contact_exponent": 1.0}, {"load": 0.02},
+    ],
+    ids=["plain", "damping", "friction", "linear", "load"],
+)  # fmt: skip
+def test_a_whirl_that_just_reaches_the_stator_is_touching_at_once(changes, beyond):
+    """Contacts without depth once took minutes, and rounding decided on the kind."""
+    sag = changes.get("load", 0.0) / GRAZING["shaft_stiffness"]
+    rotor = Rotor(**GRAZING, **changes, delta0=(2.0 + sag) / (1.0 + beyond))
+    for start in FROM:
+        settled = followed(rotor, start, method="adams")
+        assert settled.response == "touching"
+        assert settled.window_end < 20_000.0  # a linear contact slows it down
+        assert settled.features.amplitude == pytest.approx(2.0, rel=1e-8)
+        assert settled.features.phase_lag == pytest.approx(0.5 * math.pi, rel=1e-8)
+        assert settled.features.radius_max == pytest.approx(2.0 + sag, rel=1e-8)
+        assert settled.features.radius_min == pytest.approx(2.0 - sag, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("beyond", "kind"), [(-1e-7, "contact_free"), (-1e-5, "contact_free"), (1e-5, "synchronous")]
+)
+def test_next_to_a_graze_the_closed_form_decides(beyond, kind):
+    rotor = Rotor(**GRAZING, delta0=2.0 / (1.0 + beyond))
+    assert {followed(rotor, start).response for start in FROM} == {kind}
+
+
+@pytest.mark.parametrize("beyond", [-1e-8, 0.0])
+def test_without_a_shaft_a_whirl_that_just_reaches_the_stator_draws_its_centre_in(beyond):
+    """A_f = 0.3/0.5; its centre falls like 1/t**2 there, so that no law of 1/h is met."""
+    rotor = Rotor(omega=0.3, zeta=0.2, delta0=0.6 / (1.0 + beyond), friction=0.1, disc_radius=10.0)
+    settled = followed(rotor, (0.5, 0.1, 0.3, -0.2))
+    assert settled.response == "touching"
+    assert settled.features.amplitude == pytest.approx(0.6, rel=1e-3)
+
+
+# ---- Off an unstable whirl or cycle ----
+
+
+def test_an_unstable_whirl_is_left_for_the_cycle_that_is_born_of_it():
+    """Beyond the Hopf point of friction it grows by 0.0014: no rounding leaves it in time."""
+    given = {"omega": 1.16, "zeta": 0.07, "delta0": 0.5, "friction": 0.1}
+    whirl = synchronous_response(**given).squeeze(drop=True)
+    assert int(whirl.stability) == STABILITY["unstable"]
+    place = complex(whirl.amplitude * np.exp(-1j * whirl.phase_lag))
+    velocity = 1.16j * place
+    rotor = Rotor(**given, disc_radius=10.0)
+    here = followed(rotor, (place.real, place.imag, velocity.real, velocity.imag))
+    there = followed(rotor)
+    assert here.response == there.response == "full_contact"
+    for name in ("period", "radius_min", "radius_max"):
+        assert getattr(here.features, name) == pytest.approx(getattr(there.features, name))
+
+
+def test_an_unstable_cycle_is_left_for_that_of_twice_its_period():
+    """Past the doubling at delta0 1.8034 (omega 2): see `tests/cycles/known.py`."""
+    rotor = Rotor(omega=1.8, zeta=0.07, delta0=2.0)
+    near = (-2.425314661360, -3.005852500038, 1.187724699715, -0.972809299419)
+    cycle = limit_cycle(rotor, start=near, period=5.05425)
+    assert cycle["stability"].item() == STABILITY["unstable"]
+    on_it = tuple(float(cycle[name].values.flat[0]) for name in ("x", "y", "vx", "vy"))
+    settled = followed(rotor, on_it)
+    assert settled.response == "bouncing"
+    assert settled.features.period == pytest.approx(2.0 * float(cycle["period"]), rel=0.01)
+    assert settled.window_end < 10_000.0  # by rounding alone it takes 17,000

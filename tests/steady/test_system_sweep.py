@@ -236,6 +236,64 @@ def test_a_race_that_friction_spins_is_part_of_what_settles():
 # ---- What does not settle, and what fails ----
 
 
+# A seal whose cross-coupled stiffness of 134,400 N/m outweighs the damping at 336 rad/s.
+CROSSED = 134_400.0
+SEAL = RotorSystem(
+    mass=10.0 * np.eye(2), damping=400.0 * np.eye(2), nodes={"disc": (0, 1)},
+    stiffness=np.array([[1e6, CROSSED], [-CROSSED, 1e6]]),
+)  # fmt: skip
+STOP = Contact(node="disc", clearance=2e-4, stiffness=4e6, exponent=1.0)
+
+
+@pytest.mark.parametrize("start", [None, "settled", "rest", ([1e-6, 0.0], [0.0, 0.0])])
+def test_an_unstable_equilibrium_is_left_for_the_whirl_that_contacts_bound(start):
+    """It once was chaos between 0 and 0; the whirl has w = k/D, and s = M w**2 - K beside K."""
+    found = sweep(SEAL, contacts=[STOP], speed=[700.0], starts=[start]).squeeze()
+    assert decode_flags(found.response).item() == "full_contact"
+    whirl = CROSSED / 400.0
+    secant = 10.0 * whirl**2 - 1e6
+    amplitude = STOP.clearance / (1.0 - secant / STOP.stiffness)
+    for name in ("radius_min", "radius_max"):
+        assert float(found[name]) == pytest.approx(amplitude, rel=1e-8)
+    assert float(found.period) == pytest.approx(2.0 * math.pi / (700.0 - whirl), rel=1e-8)
+    assert float(found.largest_force) == pytest.approx(secant * amplitude, rel=1e-6)
+
+
+def test_an_unstable_whirl_of_unbalance_is_left_too():
+    given = {
+        "contacts": [STOP],
+        "speed": [700.0],
+        "unbalance": [Unbalance(node="disc", moment=1e-5)],
+    }
+    found = sweep(SEAL, **given, starts=["settled", ([1e-5, 0.0], [0.0, 0.0])]).squeeze()
+    assert decode_flags(found.response).values.tolist() == ["full_contact"] * 2
+    np.testing.assert_allclose(found.radius_max[0], found.radius_max[1], rtol=1e-8)
+    assert float(found.revolutions[0]) < 1000.0
+
+
+def test_what_grows_without_contact_is_no_chaos():
+    found = sweep(SEAL, speed=[700.0])
+    assert decode_flags(found.response).item() == "unresolved"
+    assert "it sat on an unstable whirl or cycle and was disturbed" in found.message.item()
+
+
+def test_a_sweep_that_takes_minutes_says_so_before_it_starts(monkeypatch):
+    """Its cost is that of 40 degrees of freedom; 16 modes are faster, and say nothing."""
+    chain = np.kron(2.0 * np.eye(20) - np.eye(20, k=1) - np.eye(20, k=-1), np.eye(2))
+    system = RotorSystem(
+        mass=np.eye(40), stiffness=1e6 * chain, damping=2.0 * np.eye(40), nodes={"end": (0, 1)}
+    )
+    stop = Contact(node="end", clearance=1e-3, stiffness=1e6)
+    monkeypatch.setattr(system_sweep, "run_study", lambda *_, **__: pytest.fail("it started"))
+    given = {"contacts": [stop], "speed": np.linspace(10.0, 20.0, 20)}
+    with pytest.raises(
+        UserWarning, match=r"takes some \d+ minutes .* as 40 .*: modes=16 takes less"
+    ):
+        sweep(system, **given)
+    with pytest.raises(pytest.fail.Exception, match="it started"):
+        sweep(system, **given, modes=16)
+
+
 def test_without_damping_nothing_settles():
     system, contacts, unbalance = Rotor(omega=1.7, zeta=0.0, delta0=0.5).system()
     found = sweep(system, contacts=contacts, unbalance=unbalance, speed=1.7).squeeze()

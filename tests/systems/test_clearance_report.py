@@ -235,6 +235,8 @@ def test_a_sentence_says_what_dry_whip_would_do():
     assert "Friction cannot hold dry whip." in report.attrs["sentence"]
 
 
+UNSTABLE = RotorSystem(mass=MASS * np.eye(2), damping=MASS * np.eye(2), nodes={"disc": (0, 1)},
+                       stiffness=STIFFNESS * np.array([[1.0, 0.01], [-0.01, 1.0]]))  # fmt: skip
 UNDAMPED = RotorSystem(mass=MASS * np.eye(2), stiffness=STIFFNESS * np.eye(2),
                        nodes={"disc": (0, 1)})  # fmt: skip
 PLAIN = RotorSystem(mass=np.eye(2), damping=np.eye(2), stiffness=np.eye(2),
@@ -258,6 +260,11 @@ PLAIN = RotorSystem(mass=np.eye(2), damping=np.eye(2), stiffness=np.eye(2),
         ({"points": 1}, "points must be at least 2"),
         ({"vibration_limit": math.inf}, "vibration_limit must be a finite"),
         ({"unbalance": 3.0}, "unbalance must be a list of Unbalance"),
+        (
+            {"system": UNSTABLE},
+            "system must be stable for a report: at 44.* rad/s its motion without "
+            r"contact grows at a rate of \d.* per second, as a whirl at 44.* rad/s",
+        ),
         ({"system": UNDAMPED}, "system must be damped at its critical speeds .* at 447.214"),
         ({"system": PLAIN}, "vibration_limit must be given without SI units"),
         ({"system": PLAIN, "vibration_limit": 1.0}, "unbalance must be given without SI units"),

@@ -1,6 +1,7 @@
 """Rotor systems themselves: what they hold, files, reduction, and what is refused."""
 
 import pickle
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -466,13 +467,24 @@ def test_a_linear_system_that_grows_is_told():
     bearing = {"mass": np.eye(2), "nodes": {"disc": (0, 1)}, "units": "1"}
     crossed = np.array([[1.0, 0.2], [-0.2, 1.0]])
     growing = RotorSystem(**bearing, stiffness=crossed, damping=0.1 * np.eye(2))
-    run = simulate(growing, contacts=[Contact(**TOUCH)], start=([0.05, 0.0], [0.0, 0.0]), **around)
-    exact = np.linalg.eigvals(
+    rates = np.linalg.eigvals(
         np.block([[np.zeros((2, 2)), np.eye(2)], [-crossed, -0.1 * np.eye(2)]])
-    ).real.max()
-    assert run.attrs["growth_rate_without_contact"] == pytest.approx(exact, rel=1e-12)
+    )
+    exact = rates[np.argmax(rates.real)]
+    words = (
+        f"Without contact the motion grows at a rate of {exact.real:.4g}, as a whirl at "
+        f"{abs(exact.imag):.4g}: the linear system is unstable."
+    )
+    start = ([0.05, 0.0], [0.0, 0.0])
+    with pytest.warns(UserWarning, match=f"^{re.escape(words)}$"):
+        run = simulate(growing, contacts=[Contact(**TOUCH)], start=start, **around)
+    with pytest.warns(UserWarning, match=f"^{re.escape(words)}$") as told:
+        run_up(growing, to=1.2, rate=0.1, samples=3, speed=1.0)
+    assert told[0].filename == __file__
+    assert run.attrs["growth_rate_without_contact"] == pytest.approx(exact.real, rel=1e-12)
+    assert run.attrs["whirl_speed_of_growth"] == pytest.approx(abs(exact.imag), rel=1e-12)
     _, parts = describe(run)
-    assert any(str(each).startswith("Without contact the motion grows") for each in parts)
+    assert words in parts
     still = RotorSystem(**bearing, stiffness=np.eye(2))  # grows by rounding alone
     bend = 4e3 * np.kron(np.outer([-0.5, 1.0, -0.5], [-0.5, 1.0, -0.5]), np.eye(2))
     free = RotorSystem(
@@ -481,6 +493,30 @@ def test_a_linear_system_that_grows_is_told():
     )  # fmt: skip
     for system in (still, free):
         assert "growth_rate_without_contact" not in simulate(system, **around).attrs
+
+
+@pytest.mark.parametrize(
+    ("nodes", "gravity", "falls"),
+    [
+        ("", (0.0, -0.1), True),
+        ("a", (0.0, -0.1), True),
+        ("ab", (0.0, -0.1), False),
+        ("", None, False),
+    ],
+)
+def test_a_system_that_nothing_holds_is_told(nodes, gravity, falls, recwarn):
+    """Two masses without supports: constant forces move each without a contact of its own."""
+    free = RotorSystem(
+        mass=np.eye(4), stiffness=np.zeros((4, 4)), damping=0.1 * np.eye(4),
+        nodes={"a": (0, 1), "b": (2, 3)}, units="1",
+    )  # fmt: skip
+    contacts = [Contact(node=node, clearance=1.0, stiffness=4.0, exponent=1.0) for node in nodes]
+    run = simulate(free, contacts=contacts, gravity=gravity, speed=1.0, duration=60.0, samples=3)
+    assert bool(np.abs(run.y.values[-1]).max() > 5.0) is falls
+    assert run.attrs.get("nothing_holds") == (1 if falls else None)
+    assert len(recwarn) == falls
+    if falls:
+        assert "Neither supports nor contacts hold the system" in str(recwarn[0].message)
 
 
 def test_the_second_run_of_chaos_ends_early_and_says_the_same(monkeypatch):

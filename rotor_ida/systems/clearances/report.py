@@ -30,7 +30,7 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
 from rotor_ida.schema import STABILITY, VERDICT, labelled_dataset
 from rotor_ida.systems.archived import described_problem
-from rotor_ida.systems.assembly import Assembly, assemble
+from rotor_ida.systems.assembly import Assembly, assemble, canonical
 from rotor_ida.systems.clearances.critical_speeds import Peak, critical_modes, margins
 from rotor_ida.systems.clearances.response import (
     REACH,
@@ -46,6 +46,8 @@ from rotor_ida.systems.clearances.response import (
 )
 from rotor_ida.systems.clearances.rubs import Rubs, Touching, touching_of
 from rotor_ida.systems.clearances.words import sentences
+from rotor_ida.systems.following import growth_of
+from rotor_ida.systems.growth_words import growing
 from rotor_ida.systems.units import with_system_units
 from rotor_ida.systems.whirls.dry_whip import Whip
 from rotor_ida.units import SPEED_UNITS
@@ -122,7 +124,8 @@ def clearance_report(
     Raises
     ------
     InputError
-        If an argument cannot be used; if a critical speed has no damping.
+        If an argument cannot be used; if a critical speed has no damping; if the motion without
+        contact grows at a critical speed or one of `speed`: the message has rate and whirl speed.
 
     Notes
     -----
@@ -172,6 +175,7 @@ def clearance_report(
     if mass is not None:
         mass = check_positive("mass", mass, LARGEST_NUMBER)
     modes = critical_modes(problem.assembly, REACH * problem.high)
+    _check_stable(problem, [each.speed for each in modes])
     for mode in modes:
         if not mode.decay > UNDAMPED * mode.speed:
             raise InputError(
@@ -210,6 +214,18 @@ def _problem(
         limit = LIMIT * min(1.0, math.sqrt(LIMIT_SPEED * SPEED_UNITS["rpm"] / high))
     limit = check_positive("vibration_limit", limit, LARGEST_NUMBER)
     return Problem(assembly, low, high, trip, _probes(assembly, probes), limit)
+
+
+def _check_stable(problem: Problem, critical: Sequence[float]) -> None:
+    """Refuse a system whose motion without contact grows at one of its speeds."""
+    found, units = canonical(problem.assembly), problem.assembly.system.units
+    for speed in sorted({*critical, problem.low, problem.high, problem.trip}):
+        if growth := growth_of(found, speed):
+            raise InputError(
+                "system must be stable for a report: at "
+                f"{speed:.6g}{' rad/s' if units == 'SI' else ''} its motion without contact "
+                f"{growing(growth.rate, growth.whirl_speed, units)}"
+            )
 
 
 def _probes(assembly: Assembly, given: object) -> tuple[str, ...]:

@@ -1,0 +1,45 @@
+"""What is said of a rotor system without contact that grows, or that nothing holds: one place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rotor_ida.units import SPEED_UNITS
+
+RATE, WHIRL_SPEED, NOT_HELD = (
+    "growth_rate_without_contact", "whirl_speed_of_growth", "nothing_holds",
+)  # fmt: skip
+
+
+def growing(rate: float, whirl_speed: float, units: str) -> str:
+    """Return at which rate and as which whirl a motion grows.
+
+    Examples
+    --------
+    >>> growing(1.245, 335.7, "SI")
+    'grows at a rate of 1.245 per second, as a whirl at 335.7 rad/s (3206 rpm)'
+    >>> growing(0.1, 0.0, "1")
+    'grows at a rate of 0.1, without a whirl'
+    """
+    si = units == "SI"
+    rpm = f" rad/s ({whirl_speed / SPEED_UNITS['rpm']:.4g} rpm)" if si else ""
+    whirl = f"as a whirl at {whirl_speed:.4g}{rpm}" if whirl_speed else "without a whirl"
+    return f"grows at a rate of {rate:.4g}{' per second' if si else ''}, {whirl}"
+
+
+def stability_words(attributes: Mapping[str, Any], units: str) -> list[str]:
+    """Return sentences on the linear system of a run, by the attributes of that."""
+    words = []
+    if rate := attributes.get(RATE):
+        whirl = float(attributes.get(WHIRL_SPEED, 0.0))
+        words.append(
+            f"Without contact the motion {growing(float(rate), whirl, units)}: the linear system "
+            "is unstable."
+        )
+    if attributes.get(NOT_HELD):
+        words.append(
+            "Neither supports nor contacts hold the system against its constant forces: it moves "
+            "away without bound."
+        )
+    return words
