@@ -154,9 +154,7 @@ def test_windows_and_spectra_do_not_tell_where_a_piece_ends(
     found = pieces(rotor, start, stops, rate)
     step = 2.0 * np.pi / (PER_REVOLUTION * TOP)
     times = step * np.arange(int((stops[-1] - stops[0]) / rate / step) + 1)
-    whole = run_up(
-        Rotor(**rotor), start=start, to=stops[-1], rate=rate, samples=times, rtol=1e-10
-    )
+    whole = run_up(Rotor(**rotor), start=start, to=stops[-1], rate=rate, samples=times, rtol=1e-10)
     exact = orders(whole).isel(order=0)
     assert exact.sizes["window"] >= 8
     assert whole.sizes["event"] >= 8

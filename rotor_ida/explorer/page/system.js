@@ -177,7 +177,7 @@ function options(id, pairs) {
 function showRun(facts, arrays) {
   page.run = { facts, ...motion, ...arrays };
   const verdict = $("verdict").firstElementChild;
-  verdict.textContent = facts.verdict;
+  verdict.textContent = [facts.verdict, facts.bands].join(" ");
   verdict.className = facts.verdict.includes("rubs") || facts.drop ? "rub" : "clear";
   $("command").textContent = facts.command;
   $("python").textContent = facts.python;
