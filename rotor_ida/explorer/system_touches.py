@@ -6,6 +6,8 @@ would exceed a clearance, no motion without contact exists.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
@@ -29,9 +31,7 @@ def beyond(assembly: Assembly, speeds: Values) -> Values:
     sag = assembly.rows @ settled(assembly, 0.0)[0] - [each.centre for each in assembly.contacts]
     force = assembly.unbalance[0] - 1j * assembly.unbalance[1]
     motions = solved_motions(assembly, speeds, force[:, np.newaxis])[:, :, 0]
-    whirl = (
-        np.einsum("pjk,sk->spj", assembly.rows, motions) * speeds[:, np.newaxis, np.newaxis] ** 2
-    )
+    whirl = np.einsum("pjk,sk->spj", assembly.rows, motions * speeds[:, np.newaxis] ** 2)
     turns = np.exp(2j * np.pi * np.arange(POINTS) / POINTS)
     places = sag[..., np.newaxis] + (whirl[..., np.newaxis] * turns).real
     clearances = np.array([each.clearance for each in assembly.contacts])
@@ -58,7 +58,7 @@ def touching_bands(assembly: Assembly, speeds: Values) -> list[list[Band]]:
         found: list[Band] = []
         places = sorted(points)
         begin = places[0] if points[places[0]] > 0.0 else None
-        for low, high in zip(places[:-1], places[1:], strict=True):
+        for low, high in pairwise(places):
             if (points[low] > 0.0) == (points[high] > 0.0):
                 continue
             edge = float(brentq(excess, low, high))

@@ -43,6 +43,22 @@ def verdict(run: xr.Dataset) -> str:
     return f"In the last {LAST} revolutions, at {told}, the rotor {' and '.join(parts)}{rest}."
 
 
+def touched_on_the_way(run: xr.Dataset) -> str:
+    """Return in a sentence between which speeds a run-up touches each contact."""
+    times, speeds, si = run["t"].values, run["speed"].values, _is_si(run)
+    parts = []
+    for number, node in enumerate(run["contact_node"].values.tolist()):
+        mine = run["episode_contact"].values == number
+        if not mine.any():
+            continue
+        begins = np.nan_to_num(run["entry_time"].values[mine], nan=times[0])
+        ends = np.nan_to_num(run["exit_time"].values[mine], nan=times[-1])
+        first, last = np.interp([begins.min(), ends.max()], times, speeds).tolist()
+        between = f"{speed_in_words(first, si=si)} and {speed_in_words(last, si=si)}"
+        parts.append(f"{titled(number, node)} between {between}")
+    return f"The run-up touches {', '.join(parts) or 'no contact'}."
+
+
 def _verdict_of_drop(run: xr.Dataset) -> str:
     """Return in a sentence per bearing what it takes, and how the rotor moves in it."""
     said = [

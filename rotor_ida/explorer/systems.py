@@ -25,7 +25,7 @@ from rotor_ida.explorer.system_questions import (
     SystemUpload,
 )
 from rotor_ida.explorer.system_touches import bands_in_words, clear_whirl, why_without_whirls
-from rotor_ida.explorer.system_verdicts import verdict
+from rotor_ida.explorer.system_verdicts import touched_on_the_way, verdict
 from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
@@ -373,12 +373,17 @@ def show_system_run_up(question: SystemQuestion) -> Iterator[Answer]:
     if case.run is not None or case.drops:  # the page has no panel of a run-up then
         yield Answer("run_up", {"notes": []})
         return
-    signals = at_node(_run_up(*_of_any_node(question)), node_of(case, question))
+    run = _run_up(*_of_any_node(question))
+    signals = at_node(run, node_of(case, question))
     notes: list[str] = []
     record = record_of(signals)
     arrays = unless_impossible(order_rows, signals, record, notes)
     arrays |= unless_impossible(cascade_rows, signals, record, notes)
-    yield Answer("run_up", {"notes": notes, "node": node_of(case, question)}, arrays)
+    facts = {
+        "notes": notes, "node": node_of(case, question),
+        "touches": touched_on_the_way(run) if case.contacts else "",
+    }  # fmt: skip
+    yield Answer("run_up", facts, arrays)
 
 
 @lru_cache(maxsize=2)

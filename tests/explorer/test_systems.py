@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotor_ida import drop, load, load_system, save, simulate
+from rotor_ida import drop, load, load_system, run_up, save, simulate
 from rotor_ida.cli import main
 from rotor_ida.errors import InputError
 from rotor_ida.explorer import system_files, system_touches, systems
@@ -177,8 +177,16 @@ def test_the_command_writes_the_page_of_a_system(
 def test_a_file_without_a_run_up_has_one_over_the_speeds_shown(path: Path) -> None:
     (answer,) = systems.show_system_run_up(question(path, about="system_run_up"))
     assert answer.facts["notes"] == []
-    speed = load_system(path).speed
+    case = load_system(path)
+    speed = case.speed
     assert speed is not None
+    up = run_up(case.system, **case.around, speed=0.1 * speed, to=1.5 * speed,
+                ramp_time=2.0 * np.pi * 300 / (0.8 * speed))  # fmt: skip
+    left = up.exit_time.fillna(up.t[-1]).max()
+    first, last = (np.interp(time, up.t, up.speed) / RPM for time in (up.entry_time.min(), left))
+    assert answer.facts["touches"] == (
+        f"The run-up touches contact 0 (disc) between {first:,.0f} rpm and {last:,.0f} rpm."
+    )
     assert answer.arrays["order_speed"].min() < speed < answer.arrays["order_speed"].max()
 
 

@@ -201,7 +201,7 @@ function showCampbell(facts, arrays) {
 
 function showRunUp(facts, arrays) {
   page.runUp = arrays;
-  $("run-up-said").textContent = facts.notes.join("; ");
+  $("run-up-said").textContent = [facts.touches, facts.notes.join("; ")].filter(Boolean).join(" ");
   signals.show();
 }
 
