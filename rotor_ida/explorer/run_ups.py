@@ -84,7 +84,8 @@ def show_run_up(question: Question) -> Iterator[Answer]:
     sampled = record.times_until(duration)
     times = np.union1d(drawn, sampled)
     orbit, held = interruptible(lambda stop: _piece(question, times, stop))
-    run = {"t": times, **{name: values for name, (_, values) in motion_columns(orbit).items()}}
+    columns = {name: np.asarray(column[1]) for name, column in motion_columns(orbit).items()}
+    run = {"t": times, **columns}
     angle = run["angle"] - question.angle
     end = rotated(orbit.end, -run["angle"][-1])
     seen = np.searchsorted(times, sampled)

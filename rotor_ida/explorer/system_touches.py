@@ -137,6 +137,6 @@ def _reason(name: str, contact: Contact) -> str:
         return ""
     if stator.mass == 0.0:
         return f"the stator of {name} has no mass"
-    if len({*stator.stiffness}) > 1 or len({*stator.damping}) > 1:
+    if any(np.ptp(each) > 0.0 for each in (stator.stiffness, stator.damping)):
         return f"the stator of {name} is not held alike along x and y"
     return ""

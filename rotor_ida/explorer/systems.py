@@ -379,7 +379,7 @@ def show_system_run_up(question: SystemQuestion) -> Iterator[Answer]:
     record = record_of(signals)
     arrays = unless_impossible(order_rows, signals, record, notes)
     arrays |= unless_impossible(cascade_rows, signals, record, notes)
-    facts = {
+    facts: dict[str, object] = {
         "notes": notes, "node": node_of(case, question),
         "touches": touched_on_the_way(run) if case.contacts else "",
     }  # fmt: skip
