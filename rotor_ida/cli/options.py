@@ -33,8 +33,8 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import Backend, Flight, Method
 
 START = Parameter(
-    help="Initial state: displacements and velocities. Default: at rest where the load holds the "
-    "rotor; without a load on the axis.",
+    help="Initial state: displacements and velocities. Default: at rest in equilibrium with "
+    "the load, which is on the axis if there is none.",
     metavar="X Y VX VY",
     converter=parsing.converter(parsing.start),
     negative=(),
@@ -54,8 +54,8 @@ StartsOfRunUps = Annotated[
     list[State] | None,
     STARTS,
     Parameter(
-        help="Initial states, one or more. Default: at rest where the load holds the rotor; "
-        "without a load on the axis."
+        help="Initial states, one or more. Default: at rest in equilibrium with the load, "
+        "which is on the axis if there is none."
     ),
 ]
 StartsOrNone = Annotated[
