@@ -33,6 +33,10 @@ BEYOND_RUN = 0.02
 # Responses for which a limit cycle is computed; no other response has separate exact lines.
 CYCLES = ("bouncing", "full_contact", "rolling")
 STEADY = 1e-3
+NOT_CLEAR = (
+    "the exact curve is drawn where the rotor whirls clear of the stator: under a load there is no "
+    "synchronous whirl in contact"
+)
 # Number of speeds of a run-up with backward whirls, and points of one revolution.
 WHIP_SPEEDS, POINTS = 24, 361
 
@@ -110,8 +114,10 @@ def _clear_of_ring(curve: xr.Dataset, rotor: Rotor) -> list[xr.Dataset]:
     clear = (curve["in_contact"] == 0) & (curve["amplitude"] <= rotor.delta0 - offset)
     if not clear.any():
         return []
-    load = labelled("load", (), rotor.load)
-    return [curve.assign(amplitude=curve["amplitude"].where(clear)).assign_coords(load=load)]
+    shown = curve.assign({name: curve[name].where(clear) for name in ("amplitude", "phase_lag")})
+    if not clear.all():
+        shown.attrs["comment"] = NOT_CLEAR
+    return [shown.assign_coords(load=labelled("load", (), rotor.load))]
 
 
 def _folds_and_hopf_points(rotor: Rotor) -> list[xr.Dataset]:

@@ -46,6 +46,14 @@ class Units:
         length, velocity = self.machine.length_scale, self.machine.velocity_scale
         return x / length, y / length, vx / velocity, vy / velocity
 
+    def begun(self, start: State | None, rotor: Rotor | DimensionalRotor) -> State:
+        """Return a start without dimensions; without one it is where the load holds the rotor."""
+        if start is not None:
+            return self.start(start)
+        from rotor_ida.closed_forms.rest import hanging  # noqa: PLC0415 - not for --help
+
+        return hanging(rotor if isinstance(rotor, Rotor) else rotor.rotor())
+
     def component(self, name: str, value: Component) -> Component:
         """Return a component of starts, a number or several, without dimensions."""
         if self.machine is None:

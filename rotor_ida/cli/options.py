@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+import math
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -32,13 +33,13 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import Backend, Flight, Method
 
 START = Parameter(
-    help="Initial state: displacements and velocities. Default: at rest on the axis.",
+    help="Initial state: displacements and velocities. Default: at rest in equilibrium with "
+    "the load, which is on the axis if there is none.",
     metavar="X Y VX VY",
     converter=parsing.converter(parsing.start),
     negative=(),
     show_default=False,
 )
-Start = Annotated[State, START]
 StartOrNone = Annotated[State | None, START]
 STARTS = Parameter(
     help="Initial states, one or more. Default: at rest on the axis.",
@@ -49,6 +50,14 @@ STARTS = Parameter(
     show_default=False,
 )
 Starts = Annotated[list[State], STARTS]
+StartsOfRunUps = Annotated[
+    list[State] | None,
+    STARTS,
+    Parameter(
+        help="Initial states, one or more. Default: at rest in equilibrium with the load, "
+        "which is on the axis if there is none."
+    ),
+]
 StartsOrNone = Annotated[
     list[State] | None,
     STARTS,
@@ -220,6 +229,17 @@ class ChangeOptions:
         if speed in given:
             raise InputError(f"{speed} must be left out with --from, got both")
         return rotor.chosen({speed: self.begin})
+
+    def first_of(self, chosen: Rotor | DimensionalRotor) -> Rotor | DimensionalRotor:
+        """Return a rotor at the first speed of a profile, if that can be one."""
+        speed = math.nan if self.speeds is None else float(self.speeds[0][1])
+        if not 0.0 <= speed < math.inf:
+            return chosen
+        return (
+            replace(chosen, omega=speed)
+            if isinstance(chosen, Rotor)
+            else replace(chosen, speed=speed)
+        )
 
     def of(self, machine: Rotor | DimensionalRotor) -> dict[str, Any]:
         """Return the arguments for `run_up`, without dimensions."""

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import xarray as xr
 
-from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
+from rotor_ida.checks import LARGEST_NUMBER, State, check_instance, check_nonnegative
 from rotor_ida.closed_forms.contact_laws import force_at_depth
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.model.rotor import Rotor, check_no_friction
@@ -96,6 +96,37 @@ def radius_at_rest(rotor: Rotor) -> float:
     if depth > 0.0:
         return rotor.delta0 + depth
     return rotor.load / rotor.shaft_stiffness if rotor.load > 0.0 else 0.0
+
+
+def hanging(rotor: Rotor) -> State:
+    """Return the state at rest in which a rotor hangs under its load, or lies on the stator [1].
+
+    Examples
+    --------
+    >>> hanging(Rotor(omega=0.5, zeta=0.1, delta0=1.0, load=0.5, shaft_stiffness=2.0))
+    (0.0, -0.25, 0.0, 0.0)
+
+    Notes
+    -----
+    A spinning rotor with friction climbs the stator: with ``z = -i r exp(-i beta)`` and the normal
+    force N, ``(kappa r + N + i mu N) exp(-i beta) = gamma``. Without spin it does not slide and
+    lies at the bottom. The unbalance does not act yet.
+    """
+    kappa, depth = rotor.shaft_stiffness, _depth(rotor)
+    sliding = rotor.friction if rotor.omega > 0.0 else 0.0
+    if depth == 0.0 or sliding == 0.0:
+        return (0.0, 0.0 - radius_at_rest(rotor), 0.0, 0.0)
+
+    def forces(depth: float) -> complex:
+        normal = force_at_depth(depth, rotor)[0]
+        return complex(kappa * (rotor.delta0 + depth) + normal, sliding * normal)
+
+    from scipy.optimize import brentq  # noqa: PLC0415 - takes long to import
+
+    if abs(forces(depth)) > rotor.load:  # the depth without friction is an upper bound
+        depth = brentq(lambda h: abs(forces(h)) - rotor.load, 0.0, depth, xtol=1e-15 * depth)
+    place = complex(0.0, -rotor.delta0 - depth) * forces(depth).conjugate() / abs(forces(depth))
+    return (place.real, place.imag, 0.0, 0.0)
 
 
 def _depth(rotor: Rotor) -> float:

@@ -22,6 +22,7 @@ from rotor_ida.checks import (
     check_state,
     shown,
 )
+from rotor_ida.closed_forms.rest import hanging
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.system_questions import READERS, SystemQuestion, SystemUpload
 from rotor_ida.model.data_sheet import KEYS, check_keys, implausible, machine_from_data_sheet
@@ -54,7 +55,7 @@ MOST_REVOLUTIONS = 2000
 SIDES = 2
 LARGEST_NUMBER_OF_QUESTION = 2**53
 # Names in a question about a piece of a run-up only.
-OF_RUN_UP = ("to", "rate")
+OF_RUN_UP = ("to", "rate", "angle")
 # Byte alignment of arrays, required by browsers.
 ALIGNED = 8
 KINDS = {np.dtype(kind): kind for kind in ("f8", "f4", "i1")}
@@ -76,7 +77,7 @@ class Question:
     machine : Rotor or DimensionalRotor
         The rotor on the page.
     start : tuple of float
-        ``(x, y, vx, vy)`` at time 0 [1].
+        ``(x, y, vx, vy)`` at time 0 [1]; the page may ask for none, where the rotor hangs at rest.
     revolutions : int
         Length of the run; without spin, in units of 2 pi in time.
     speeds : tuple of float
@@ -85,6 +86,9 @@ class Question:
         Half-width of the plane of starts in x and y [1].
     to, rate : float, optional
         For a piece of a run-up: the speed at its end, and the rate of change of the speed [1].
+    angle : float
+        The angle of the unbalance at the beginning of that piece [rad]; `start` is on axes that
+        point along the unbalance.
     """
 
     about: About
@@ -97,6 +101,7 @@ class Question:
     reach: float
     to: float | None = None
     rate: float | None = None
+    angle: float = 0.0
 
     @property
     def rotor(self) -> Rotor:
@@ -332,8 +337,8 @@ def machine_of(given: object) -> Rotor | DimensionalRotor:
 
 def _checked(given: Mapping[str, Any]) -> Question:
     machine = machine_of(given["machine"])
-    start = check_state("start", given["start"])
     rotor = machine if isinstance(machine, Rotor) else machine.rotor()
+    start = hanging(rotor) if given["start"] is None else check_state("start", given["start"])
     check_can_be_followed(rotor, start)
     speeds = given["speeds"]
     if not isinstance(speeds, list) or len(speeds) != 2:
@@ -356,7 +361,7 @@ def _checked(given: Mapping[str, Any]) -> Question:
 
 
 def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, float]:
-    """Return the end and the rate of a piece of a run-up, if it is short enough."""
+    """Return end, rate and first angle of a piece of a run-up, if it is short enough."""
     if given["about"] != "run_up":
         return {}
     to, rate = check_nonnegative("to", given["to"], LARGEST), check_real("rate", given["rate"])
@@ -367,7 +372,7 @@ def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, float]:
         raise InputError(
             f"a piece of a run-up must have at most {MOST_REVOLUTIONS} revolutions, got {turns:.6g}"
         )
-    return {"to": to, "rate": rate}
+    return {"to": to, "rate": rate, "angle": check_nonnegative("angle", given["angle"], LARGEST)}
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,26 +19,30 @@ import numpy.typing as npt
 import scipy.signal  # noqa: F401 - here, as nobody waits for it while the speed changes
 import xarray as xr
 
-from rotor_ida.arrays import Arrays, Values
+from rotor_ida.arrays import Arrays, Stop, Values
 from rotor_ida.checks import State
 from rotor_ida.closed_forms.folds import folds
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.measured import segment_for
 from rotor_ida.explorer.messages import Answer, Question
-from rotor_ida.explorer.motion import facts_of, states_of, values_of
+from rotor_ida.explorer.motion import facts_of
 from rotor_ida.explorer.responses import MOST_KEPT, at_rest, of_whirls
 from rotor_ida.explorer.words import words_of_run_up
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.parallel import interruptible
 from rotor_ida.schema import MODE, STABILITY
 from rotor_ida.signals.forces import power_in_contact
 from rotor_ida.signals.orders import fit
 from rotor_ida.signals.record import Record
 from rotor_ida.signals.spectra import spectrogram
 from rotor_ida.signals.windows import EDGE, windows_of
-from rotor_ida.simulation.options import Method
-from rotor_ida.simulation.run_up import run_up
+from rotor_ida.simulation.dataset import motion_columns
+from rotor_ida.simulation.options import Method, Options
+from rotor_ida.simulation.orbit import Orbit
+from rotor_ida.simulation.run import run
+from rotor_ida.steady.run_up_outcome import RunUp, on_rotating_axes
 
 # As for the drawn run.
 RTOL = 1e-10
@@ -67,8 +71,8 @@ MOST_ENDS, MOST_SAMPLES_KEPT = 32, 2**20
 def show_run_up(question: Question) -> Iterator[Answer]:
     """Yield the radius on one piece of a ramp, and the state from which the next one continues.
 
-    That state is rotated back by the angle of the unbalance, because each piece begins with the
-    unbalance along x.
+    States are on axes along the unbalance, whose angle each piece continues: a load is fixed in
+    space. ``held`` is the state from which the last speed is held, with the unbalance along x.
     """
     rotor, to, rate = question.rotor, question.to, question.rate
     assert to is not None
@@ -79,16 +83,13 @@ def show_run_up(question: Question) -> Iterator[Answer]:
     record = tail_of(question)
     sampled = record.times_until(duration)
     times = np.union1d(drawn, sampled)
-    run = values_of(
-        run_up(
-            rotor, start=question.start, to=to, rate=rate, samples=times,
-            rtol=RTOL, atol=RTOL, method=METHOD,
-        )
-    )  # fmt: skip
-    angle = run["angle"]
-    end = rotated(states_of(run, "")[-1:], -angle[-1:])[0]
+    orbit, held = interruptible(lambda stop: _piece(question, times, stop))
+    columns = {name: np.asarray(column[1]) for name, column in motion_columns(orbit).items()}
+    run = {"t": times, **columns}
+    angle = run["angle"] - question.angle
+    end = rotated(orbit.end, -run["angle"][-1])
     seen = np.searchsorted(times, sampled)
-    z = run["x"][seen] + 1j * run["y"][seen]
+    z = (run["x"][seen] + 1j * run["y"][seen]) * np.exp(-1j * question.angle)
     record, signals = tracked(
         record, duration, float(run["speed"][-1]), float(angle[-1]), angle[seen], z
     )
@@ -97,6 +98,8 @@ def show_run_up(question: Question) -> Iterator[Answer]:
     facts: dict[str, object] = {
         **facts_of(question),
         "end": end.tolist(),
+        "held": held,
+        "angle": float(run["angle"][-1]) % math.tau,
         "speed": float(run["speed"][-1]),
         "largest_force": record.passed.largest_force,
         "now": record.passed.now,
@@ -109,6 +112,24 @@ def show_run_up(question: Question) -> Iterator[Answer]:
         "radius": np.hypot(run["x"], run["y"])[here], **signals,
     }  # fmt: skip
     yield Answer("run_up", facts, arrays)
+
+
+def _piece(question: Question, times: Values, stop: Stop) -> tuple[Orbit, State]:
+    """Return the orbit of a piece, and the state from which its last speed is held."""
+    assert question.to is not None
+    assert question.rate is not None
+    options = Options(rtol=RTOL, atol=RTOL, method=METHOD, backend="compiled")
+    x, y, vx, vy = rotated(question.start, question.angle).tolist()
+    run_up = RunUp(
+        rotor=question.rotor, to=question.to, rate=question.rate, phase=question.angle,
+        start=(x, y, vx, vy), options=options,
+    )  # fmt: skip
+    course = run_up.course
+    orbit = run(
+        run_up.rotor, run_up.start, course.ends[-1], times, options, stop=stop, profile=course
+    )
+    last = replace(question.rotor, omega=question.to)
+    return orbit, on_rotating_axes(last, orbit.end, run_up.end_angle, options, stop)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -274,7 +295,7 @@ def tail_of(question: Question) -> Tail:
         step=step,
         segment=segment_for(abs(rate), step),
         furthest=FURTHEST * top,
-        time=0.0, angle=0.0, speed=rotor.omega, first=0, due=0, begin=0.0,
+        time=0.0, angle=question.angle, speed=rotor.omega, first=0, due=0, begin=question.angle,
         passed=Passed(begin=rotor.omega, end=rotor.omega),
         angles=np.empty(0), z=np.empty(0, np.complex128),
     )  # fmt: skip

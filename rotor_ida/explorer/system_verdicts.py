@@ -7,6 +7,7 @@ import math
 import numpy as np
 import xarray as xr
 
+from rotor_ida.explorer.system_touches import speed_in_words, titled
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.systems.depths import beyond_model
 from rotor_ida.systems.drop_figures import touched_clearances
@@ -26,6 +27,7 @@ def _verdict_of_run(run: xr.Dataset) -> str:
     nodes, peaks = run["contact_node"].values.tolist(), run["peak_force"].values
     owners, unit = run["episode_contact"].values, _unit(run, "normal_force")
     speed = float(run["speed"].values[-1]) if "speed" in run else float(run.attrs["speed"])
+    told = speed_in_words(speed, si=_is_si(run))
     last = float(run["t"].values[-1])
     begin = last - 2.0 * math.pi * LAST / speed if speed > 0.0 else 0.0
     ends = run["exit_time"].values
@@ -37,19 +39,35 @@ def _verdict_of_run(run: xr.Dataset) -> str:
             sampled = run["normal_force"].values[run["t"].values >= begin, i]
             between = peaks[mine & (run["peak_time"].values >= begin)]
             force = np.concatenate([sampled, between]).max(initial=0.0)
-            parts.append(f"rubs at {_titled(i, node)} with up to {force:.4g} {unit}".strip())
+            parts.append(f"rubs at {titled(i, node)} with up to {force:.4g} {unit}".strip())
         else:
-            clear.append(_titled(i, node))
+            clear.append(titled(i, node))
     if not parts:
-        return f"The rotor runs clear of all contacts in the last {LAST} revolutions."
+        return f"At {told} the rotor runs clear of all contacts in the last {LAST} revolutions."
     rest = f", and runs clear of {', '.join(clear)}" if clear else ""
-    return f"In the last {LAST} revolutions the rotor {' and '.join(parts)}{rest}."
+    return f"In the last {LAST} revolutions, at {told}, the rotor {' and '.join(parts)}{rest}."
+
+
+def touched_on_the_way(run: xr.Dataset) -> str:
+    """Return in a sentence between which speeds a run-up touches each contact."""
+    times, speeds, si = run["t"].values, run["speed"].values, _is_si(run)
+    parts = []
+    for number, node in enumerate(run["contact_node"].values.tolist()):
+        mine = run["episode_contact"].values == number
+        if not mine.any():
+            continue
+        begins = np.nan_to_num(run["entry_time"].values[mine], nan=times[0])
+        ends = np.nan_to_num(run["exit_time"].values[mine], nan=times[-1])
+        first, last = np.interp([begins.min(), ends.max()], times, speeds).tolist()
+        between = f"{speed_in_words(first, si=si)} and {speed_in_words(last, si=si)}"
+        parts.append(f"{titled(number, node)} between {between}")
+    return f"The run-up touches {', '.join(parts) or 'no contact'}."
 
 
 def _verdict_of_drop(run: xr.Dataset) -> str:
     """Return in a sentence per bearing what it takes, and how the rotor moves in it."""
     said = [
-        f"{_titled(number, node)} {', '.join(_of_bearing(run.isel(contact=number)))}"
+        f"{titled(number, node)} {', '.join(_of_bearing(run.isel(contact=number)))}"
         for number, node in enumerate(run["contact_node"].values.tolist())
     ]
     stands = float(run["standstill_time"])
@@ -92,7 +110,3 @@ def _unit(run: xr.Dataset, name: str) -> str:
 
 def _is_si(run: xr.Dataset) -> bool:
     return _unit(run, "t") == "s"
-
-
-def _titled(number: int, node: str) -> str:
-    return f"contact {number} ({'node ' * node.isdecimal()}{node})"

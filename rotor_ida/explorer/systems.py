@@ -24,19 +24,22 @@ from rotor_ida.explorer.system_questions import (
     SystemQuestion,
     SystemUpload,
 )
-from rotor_ida.explorer.system_verdicts import verdict
+from rotor_ida.explorer.system_touches import bands_in_words, clear_whirl, why_without_whirls
+from rotor_ida.explorer.system_verdicts import touched_on_the_way, verdict
 from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
 from rotor_ida.results.archive import load
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.system_file import SystemFile, load_system
-from rotor_ida.schema import SPECIAL
+from rotor_ida.schema import SPECIAL, STABILITY
 from rotor_ida.signals.nodes import at_node
 from rotor_ida.signals.record import record_of
 from rotor_ida.systems.archived import problem_of
+from rotor_ida.systems.assembly import Assembly, assemble
 from rotor_ida.systems.campbell import campbell
 from rotor_ida.systems.drop import drop
+from rotor_ida.systems.modes import in_modes
 from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.systems.whirls.special_speeds import special_speeds
 from rotor_ida.systems.whirls.synchronous import synchronous_response_system
@@ -195,10 +198,40 @@ def show_system_run(question: SystemQuestion) -> Iterator[Answer]:
     arrays |= unless_impossible(full_lines, signals, record_of(signals), notes)
     facts = {
         "node": node, "speed": case.speed, "notes": notes, "verdict": verdict(run),
+        "bands": _bands(*_of_any_node(question)),
         "drop": kind_of(run) == "drop", "python": lines_of(question),
         "command": command_of(question),
     }  # fmt: skip
     yield Answer("run", facts, arrays)
+
+
+def _assembly(case: Case) -> Assembly:
+    """Return the system with its stators and constant forces, in the modes of its file."""
+    around: dict[str, Any] = {
+        "contacts": case.contacts, "unbalance": case.unbalance, "gravity": None,
+        "static_force": None, "start": None,
+    }  # fmt: skip
+    if case.run is not None:
+        around["static_force"] = case.run["constant_force"].values
+    elif case.file is not None:
+        around["gravity"] = case.file.gravity
+    given = in_modes(case.system, None if case.file is None else case.file.modes, around)
+    return assemble(**{name: each for name, each in given.items() if name != "start"})
+
+
+@lru_cache(maxsize=2)
+def _bands(question: SystemQuestion, _changed: int) -> str:
+    """Return at which speeds the rotor would touch, in a sentence; empty where that is not known.
+
+    Before a drop the rotor levitates: what holds it then is not in the system.
+    """
+    case = case_of(question)
+    if case.drops or (case.run is not None and kind_of(case.run) == "drop") or not case.contacts:
+        return ""
+    try:
+        return bands_in_words(_assembly(case), np.linspace(0.0, HIGH * case.speed, SPEEDS)[1:])
+    except InputError:  # nothing holds it, or a resonance is not damped
+        return ""
 
 
 def node_of(case: Case, question: SystemQuestion) -> str:
@@ -255,9 +288,24 @@ def show_system_map(question: SystemQuestion) -> Iterator[Answer]:
             facts["kinds"] = [kinds[int(each)] for each in points["special_kind"].values]
             arrays["special_speed"] = points["special_speed"].values
     except InputError as error:
-        facts["notes"] = [str(error)]
+        facts["notes"], arrays = _without_contact(case, place, error)
+        facts["free"] = bool(arrays)
     yield Answer("map", facts, arrays)
     yield _campbell(case)
+
+
+def _without_contact(case: Case, place: int, error: InputError) -> tuple[list[str], Arrays]:
+    """Return the whirl without contact at a node, and why the exact whirls are not drawn."""
+    assembly, speeds = _assembly(case), np.linspace(LOW * case.speed, HIGH * case.speed, SPEEDS)
+    why = why_without_whirls(assembly, error)
+    try:
+        amplitude = clear_whirl(assembly, place, speeds)
+    except InputError:
+        return [f"not drawn, as {why}"], {}
+    stability = np.where(np.isnan(amplitude), STABILITY["absent"], STABILITY["stable"])
+    return [f"without whirls in contact, as {why}"], {
+        "speed": speeds, "amplitude": amplitude, "stability": stability.astype(float)
+    }  # fmt: skip
 
 
 def _campbell(case: Case) -> Answer:
@@ -283,12 +331,11 @@ def _whirls(question: SystemQuestion, _changed: int) -> tuple[xr.Dataset, xr.Dat
     case = case_of(question)
     low, high = LOW * case.speed, HIGH * case.speed
     around: dict[str, Any] = {"contacts": case.contacts, "unbalance": case.unbalance}
-    whirls = synchronous_response_system(
-        case.system, **around, speed=np.linspace(low, high, SPEEDS)
-    )
+    system = replace(case.system, static_force=None)  # the page says so
+    whirls = synchronous_response_system(system, **around, speed=np.linspace(low, high, SPEEDS))
     points = None
     if case.contacts:
-        points = special_speeds(case.system, **around, limits=(low, high))
+        points = special_speeds(system, **around, limits=(low, high))
     return whirls, points
 
 
@@ -331,12 +378,17 @@ def show_system_run_up(question: SystemQuestion) -> Iterator[Answer]:
     if case.run is not None or case.drops:  # the page has no panel of a run-up then
         yield Answer("run_up", {"notes": []})
         return
-    signals = at_node(_run_up(*_of_any_node(question)), node_of(case, question))
+    run = _run_up(*_of_any_node(question))
+    signals = at_node(run, node_of(case, question))
     notes = _notes_of(case)
     record = record_of(signals)
     arrays = unless_impossible(order_rows, signals, record, notes)
     arrays |= unless_impossible(cascade_rows, signals, record, notes)
-    yield Answer("run_up", {"notes": notes, "node": node_of(case, question)}, arrays)
+    facts: dict[str, object] = {
+        "notes": notes, "node": node_of(case, question),
+        "touches": touched_on_the_way(run) if case.contacts else "",
+    }  # fmt: skip
+    yield Answer("run_up", facts, arrays)
 
 
 @lru_cache(maxsize=2)

@@ -181,5 +181,5 @@ def example(
         "speeds": [1.6, 2.1], "reach": 8.0,
     }  # fmt: skip
     if about == "run_up":
-        asked |= {"to": omega + 0.01, "rate": 0.01}
+        asked |= {"to": omega + 0.01, "rate": 0.01, "angle": 0.0}
     return cast(Question, read_question(json.dumps(asked)))

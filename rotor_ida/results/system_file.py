@@ -108,7 +108,7 @@ class SystemFile:
     gravity : (float, float), optional
         Acceleration of gravity along x and y.
     start : (q, velocity), "settled" or "rest", optional
-        State at time 0.
+        State at time 0; without one see `around`.
     modes : int, optional
         Number of modes to which the system is reduced.
     more_modes : int, optional
@@ -153,9 +153,16 @@ class SystemFile:
 
     @property
     def around(self) -> dict[str, Any]:
-        """What stands around the system: arguments of both `simulate` and `run_up`."""
+        """What stands around the system: arguments of both `simulate` and `run_up`.
+
+        With a weight or another constant force it starts at rest where these hold it.
+        """
         names = ("contacts", "unbalance", "gravity", "start", "modes", "more_modes")
-        return {name: getattr(self, name) for name in names}
+        given = {name: getattr(self, name) for name in names}
+        forces = (self.gravity, self.system.static_force)
+        if self.start is None and any(each is not None and np.any(each) for each in forces):
+            given["start"] = "rest"
+        return given
 
 
 def load_system(path: str | os.PathLike[str]) -> SystemFile:

@@ -42,15 +42,12 @@ def run_dataset(
         The requested change of speed, as attributes.
     """
     variables: dict[str, Column | xr.Variable] = {
-        **_columns("", "t", orbit.states),
+        **motion_columns(orbit),
         "starts_in_contact": ((), np.int8(orbit.starts_in_contact)),
         **event_columns(orbit.event_times, orbit.event_kinds, orbit.rotor),
         **_columns("event_", "event", orbit.event_states),
         "event_time_error": ("event", errors.event_time_errors),
         "horizon": ((), errors.horizon),
-        **contact_columns(orbit),
-        **_friction(orbit),
-        **_spins(orbit),
     }
     coordinates = parameter_coordinates(orbit.rotor) | {"t": ("t", orbit.times)}
     attributes = provenance(orbit.options.attributes()) | {
@@ -64,6 +61,16 @@ def run_dataset(
     if orbit.speed_record is not None:
         title = "Rotor in a clearance: one run at a speed that changes"
     return labelled_dataset(title, variables, coordinates, attributes, kind="run")
+
+
+def motion_columns(orbit: Orbit) -> dict[str, Column]:
+    """Return the samples of an orbit, with how fast it spins, and its contacts."""
+    return {
+        **_columns("", "t", orbit.states),
+        **contact_columns(orbit),
+        **_friction(orbit),
+        **_spins(orbit),
+    }
 
 
 def _friction(orbit: Orbit) -> dict[str, Column]:

@@ -103,7 +103,8 @@ def run_up(
         The rotor; for a `RotorSystem` see `run_up_system`. Its
         ``omega`` is the speed at time 0, when the unbalance points along x.
     start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis.
+        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
+        `rotor_ida.rest` gives the place where a load holds the rotor.
     to : float
         Speed at the end of a ramp [1].
     rate : float

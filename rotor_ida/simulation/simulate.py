@@ -46,7 +46,8 @@ def simulate(
     rotor : Rotor
         The rotor; for a `RotorSystem` see `simulate_system`.
     start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis.
+        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
+        `rotor_ida.rest` gives the place where a load holds the rotor.
     duration : float
         Time to simulate [1]. The spacing of doubles at its end must be below
         ``1e-6/max(omega, 1)``.

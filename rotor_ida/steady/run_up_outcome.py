@@ -247,7 +247,7 @@ def ending_at(
         The summary of the ramp, for the outcome.
     """
     summary = summary or RampSummary()
-    state = _on_rotating_axes(rotor, end, angle, options, stop)
+    state = on_rotating_axes(rotor, end, angle, options, stop)
     settled = follow_to_steady_state(rotor, state, options, stop=stop)
     if settled.response == FAILED:
         return failed(settled.message, summary)
@@ -261,7 +261,7 @@ def ending_at(
     return Outcome(ending, settled.response, summary, settled.features, message)
 
 
-def _on_rotating_axes(
+def on_rotating_axes(
     rotor: Rotor, end: Values, angle: float, options: Options, stop: Stop
 ) -> State:
     """Return the state at the end of a ramp, or soon after, on axes along the unbalance.

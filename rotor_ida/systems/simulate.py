@@ -101,7 +101,8 @@ def simulate_system(
         A constant force.
     start : (q, velocity), "settled" or "rest", optional
         State at time 0, of the rotor or of rotor and stators; or the steady whirl without contact;
-        or at rest in its supports and contacts under the constant forces. Default: at rest at 0.
+        or at rest in its supports and contacts under the constant forces. Default: at rest at 0,
+        from which a weight drops the rotor.
     duration : float
         Time to simulate.
     samples : int or array_like, optional

@@ -16,6 +16,8 @@ from rotor_ida.systems.assembly import Assembly
 Start = Literal["settled", "rest"] | tuple[npt.ArrayLike, npt.ArrayLike] | None
 # Forces at rest balance to this part of the largest; steps of Newton's method that refine them.
 BALANCED, REFINEMENTS = 1e-9, 20
+FRICTION_STEPS = np.linspace(0.0, 1.0, 5)
+QUARTER_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
 def start_of(assembly: Assembly, start: Start, speed: float) -> Values:
@@ -25,7 +27,7 @@ def start_of(assembly: Assembly, start: Start, speed: float) -> Values:
         return np.zeros((2, size))
     if isinstance(start, str):
         chosen = check_choice("start", start, STARTS)
-        return settled(assembly, speed) if chosen == "settled" else rest(assembly)
+        return settled(assembly, speed) if chosen == "settled" else rest(assembly, speed)
     if not isinstance(start, tuple | list) or len(start) != 2:
         raise InputError(f'start must be (q, velocity), "settled" or "rest", got {shown(start)}')
     state = np.zeros((2, size))
@@ -73,13 +75,14 @@ def _deflected(assembly: Assembly) -> Values:
         return np.asarray(found)
 
 
-def rest(assembly: Assembly) -> Values:
+def rest(assembly: Assembly, speed: float = 0.0) -> Values:
     """Return the equilibrium under the constant forces, in supports and contacts, at rest.
 
     Notes
     -----
     Without friction it is the minimum of ``q' K q/2 - f q + sum k d**(n + 1)/(n + 1)``, which is
-    convex for ``n >= 1``. Newton's method refines it, with the part of K that has no potential.
+    convex for ``n >= 1``. Newton's method refines it, with the part of K that has no potential,
+    and then with friction, which grows in steps: a rotor that spins slides, and climbs its stator.
     """
     from scipy.optimize import minimize  # noqa: PLC0415 - takes long to import
 
@@ -103,10 +106,12 @@ def rest(assembly: Assembly) -> Values:
         options={"gtol": BALANCED},
     )  # fmt: skip
     q = np.asarray(found.x * unit)
-    for _ in range(REFINEMENTS):
-        left, slopes = _imbalance(assembly, q)
-        q = q - np.linalg.lstsq(slopes, left)[0]
-    left = _imbalance(assembly, q)[0]
+    slides = speed != 0.0 and any(each.friction > 0.0 for each in assembly.contacts)
+    for sliding in np.sign(speed) * FRICTION_STEPS if slides else (0.0,):
+        for _ in range(REFINEMENTS):
+            left, slopes = _imbalance(assembly, q, sliding=sliding)
+            q = q - np.linalg.lstsq(slopes, left)[0]
+        left = _imbalance(assembly, q, sliding=sliding)[0]
     if not np.abs(left).max() <= BALANCED * float(np.abs(assembly.force).max()):
         raise InputError(
             "start cannot be at rest, as neither supports nor contacts hold the system against its "
@@ -123,8 +128,13 @@ def _indentation(assembly: Assembly, number: int, q: Values) -> tuple[float, Val
     return radius - contact.clearance, u / radius if radius > 0.0 else u, radius
 
 
-def _imbalance(assembly: Assembly, q: Values, *, symmetric: bool = False) -> tuple[Values, Values]:
-    """Return the forces that do not balance at rest, and their derivatives by q."""
+def _imbalance(
+    assembly: Assembly, q: Values, *, symmetric: bool = False, sliding: float = 0.0
+) -> tuple[Values, Values]:
+    """Return the forces that do not balance at rest, and their derivatives by q.
+
+    Friction is multiplied by `sliding`, which is negative where the rotor spins backwards.
+    """
     matrix = assembly.stiffness
     matrix = 0.5 * (matrix + matrix.T) if symmetric else matrix
     left, slopes = matrix @ q - assembly.force, matrix.copy()
@@ -136,6 +146,8 @@ def _imbalance(assembly: Assembly, q: Values, *, symmetric: bool = False) -> tup
         force = contact.stiffness * indented**n
         stiff = contact.stiffness * n * indented ** (n - 1.0) * np.outer(along, along)
         stiff += force / radius * (np.eye(2) - np.outer(along, along))
-        left += rows.T @ (force * along)
+        rubbing = np.eye(2) + sliding * contact.friction * QUARTER_TURN
+        stiff = rubbing @ stiff
+        left += rows.T @ (rubbing @ (force * along))
         slopes += rows.T @ stiff @ rows
     return left, slopes

@@ -144,6 +144,9 @@ def test_under_a_load_the_curve_ends_where_the_rotor_would_reach_the_ring():
     shown = np.isfinite(curve.amplitude.values)
     assert curve.amplitude.values[shown].max() <= rotor.delta0 - rotor.load / 0.5
     assert 0 < shown.sum() < shown.size
+    # elsewhere it has no phase either, and says why
+    np.testing.assert_array_equal(np.isfinite(curve.phase_lag.values), shown)
+    assert "\n" not in curve.attrs["comment"]
 
 
 def test_the_lines_of_a_cascade_are_at_its_folds_and_along_its_whip():

@@ -64,6 +64,40 @@ def test_a_data_sheet_becomes_a_file(program: Program):
     assert " ".join(Path("pump.toml").read_text().split()) in " ".join(printed.split())
 
 
+@pytest.mark.parametrize("clearance", ["60um", "20um"], ids=["hangs", "lies on the stator"])
+def test_a_machine_with_a_weight_starts_at_rest_where_it_is_held(program: Program, clearance: str):
+    """Sag of the frictionless pump: 29.42 um on its shaft, or with the ring's stiffness beside."""
+    sheet = [word for word in SHEET if word not in {"--friction", "0.12", "--disc-radius", "60mm"}]
+    sheet = [clearance if word == "150um" else word for word in sheet]
+    assert program("machine", *sheet, "--load", "weight", "--out", "heavy.toml").status == 0
+    weight = 12.0 * 9.80665
+    sag = weight / 4e6
+    if clearance == "20um":
+        sag = 20e-6 + (weight - 4e6 * 20e-6) / (4e6 + 1e8)
+    of_run = ("--machine", "heavy.toml", "--out", "run.nc", "--force")
+    for words in (("simulate", "--duration", "10ms"), ("run-up", "--to", "600rpm", "--in", "1s")):
+        answer = program(*words, *of_run)
+        assert (answer.status, answer.err) == (0, "")
+        run = rotor_ida.load("run.nc")
+        assert (run.x[0], run.vx[0], run.vy[0]) == (0.0, 0.0, 0.0)
+        assert run.y[0].item() == pytest.approx(-sag, rel=1e-12)
+    # below a seventh of the critical speed it hardly leaves that place
+    assert np.hypot(run.x, run.y + sag).max() < 1e-6
+    answer = program("run-ups", "--machine", "heavy.toml", "--speed", 1, "--to", 60, "--rate", 60,
+                     "--workers", 1, "--out", "many.nc")  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    assert rotor_ida.load("many.nc").start_y.item() == pytest.approx(-sag, rel=1e-12)
+
+
+def test_run_ups_under_several_loads_need_a_start(program: Program):
+    given = ("run-ups", "--omega", 0.1, "--zeta", 0.1, "--delta0", 1, "--shaft-stiffness", 1,
+             "--load", 0.1, 0.2, "--to", 0.2, "--rate", 0.1)  # fmt: skip
+    answer = program(*given)
+    assert answer.status == 2
+    assert "start must be given for rotors that hang in different places" in answer.err
+    assert program(*given, "--start", 0, -0.1, 0, 0, "--workers", 1).status == 0
+
+
 def test_a_data_sheet_that_is_implausible_is_warned_of(program: Program):
     answer = program("machine", *SHEET, "--clearance", "10um")
     assert (answer.status, answer.out) == (2, "")  # once is enough

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import mpmath
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from rotor_ida import Rotor, rest
+from rotor_ida import Rotor, rest, simulate
 from rotor_ida.closed_forms import synchronous_response
+from rotor_ida.closed_forms.rest import hanging
 from rotor_ida.errors import InputError
 from rotor_ida.schema import STABILITY
 
@@ -129,3 +131,24 @@ def test_what_is_no_rotor_or_too_large_is_refused():
         rest(1.0)
     with pytest.raises(InputError, match="load must be at most 1e\\+15, got 1e\\+16"):
         rest(Rotor(omega=0.0, zeta=0.0, delta0=0.5, load=1e16))
+
+
+@pytest.mark.parametrize("exponent", [1.5, 1.0])
+@pytest.mark.parametrize("kappa", [0.0, 0.1, 5.0])
+def test_a_rotor_that_spins_in_friction_hangs_where_it_stays(exponent: float, kappa: float):
+    """Forces balance; a run from there stays, but for the unbalance of order omega**2."""
+    rotor = Rotor(
+        omega=1e-4, zeta=0.3, delta0=0.5, shaft_stiffness=kappa, contact_exponent=exponent,
+        friction=0.3, disc_radius=10.0, load=1.3,
+    )  # fmt: skip
+    start = hanging(rotor)
+    z = complex(*start[:2])
+    normal = max(abs(z) - 0.5, 0.0) ** exponent
+    left = kappa * z + normal * (1 + 0.3j) * z / abs(z) + 1.3j
+    assert abs(left) < 1e-14
+    assert (z.real < 0.0) == (normal > 0.0)  # climbs against the spin
+    run = simulate(rotor, start=start, duration=20.0, method="taylor")
+    assert np.abs(run.x + 1j * run.y - z).max() < 1e-6
+    assert hanging(replace(rotor, omega=0.0)) == (
+        0.0, rest(replace(rotor, friction=0.0, disc_radius=None)).y.item(), 0.0, 0.0
+    )  # fmt: skip

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from rotor_ida import backward_whirl, machine_from_data_sheet
+from rotor_ida import backward_whirl, machine_from_data_sheet, run_up, summary
+from rotor_ida.closed_forms.rest import hanging
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import DataSheet, largest_speed, read_question, speeds_shown
 from rotor_ida.explorer.motion import PER_WHIRL, whirls_per_revolution
 from rotor_ida.explorer.server import Inbox
 from rotor_ida.explorer.words import verdict_of, words_of_run_up
 from rotor_ida.explorer.workers import Asked
-from rotor_ida.model.data_sheet import KEYS
+from rotor_ida.model.data_sheet import GRAVITY, KEYS
 from rotor_ida.model.rotor import DimensionalRotor
 from tests.explorer.asking import answer_to, question
 
@@ -97,16 +99,16 @@ def run_up_of(
 ) -> dict[str, object]:
     """Return the facts of the last piece of a run-up from standstill [1, s]."""
     rate = to / seconds * machine.time_scale
-    given, start = machine.given, [0.0, 0.0, 0.0, 0.0]
+    given, start, angle = machine.given, None, 0.0
     speeds = list(speeds_shown(machine))
     for piece in range(pieces):
         speed = to * piece / pieces * machine.reference_frequency
         (answer,) = answer_to(question(
             "run_up", machine=given | {"speed": speed}, start=start, speeds=speeds,
-            to=to * (piece + 1) / pieces, rate=rate,
+            to=to * (piece + 1) / pieces, rate=rate, angle=angle,
         ))  # fmt: skip
         assert answer.part == "run_up", answer.facts
-        start = answer.facts["end"]
+        start, angle = answer.facts["end"], answer.facts["angle"]
     return answer.facts
 
 
@@ -124,6 +126,20 @@ def test_a_run_up_through_the_critical_speed_tells_where_it_touches_and_how_hard
         "From 0 rpm to 6,000 rpm. Rub: it first touches the stator at 5,"
     )
     assert facts["largest_force"] > 0.0
+
+
+def test_a_run_up_under_weight_is_that_of_the_library():
+    """Sag 29 µm, in a clearance of 60 µm: it first touches where the library says, and rubs on."""
+    heavy = replace(PUMP, load=12.0 * GRAVITY, clearance=6e-5)
+    facts = run_up_of(heavy, UP_TO, 16, 2.0)
+    rotor = replace(heavy, speed=0.0).rotor()
+    told = summary(run_up(rotor, start=hanging(rotor), to=UP_TO, ramp_time=2.0 / heavy.time_scale))
+    assert facts["now"] == "rub"
+    assert facts["words"].startswith(
+        f"From 0 rpm to 6,000 rpm. Rub: it first touches the stator at "
+        f"{told.first_touch_speed.item() * heavy.reference_frequency / RPM:,.0f} rpm"
+    )
+    assert facts["largest_force"] == pytest.approx(told.largest_force.item(), rel=1e-5)
 
 
 def test_a_rotor_in_dry_whip_is_drawn_with_a_curve_of_samples_a_whirl():

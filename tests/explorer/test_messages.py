@@ -113,7 +113,7 @@ MISTAKES = [
     ({"machine": MACHINE | {"clearance": 1e9}}, "delta0 must be at most 1e+06 to be simulated"),
 ]  # fmt: skip
 
-RAMP = {"about": "run_up", "to": 2.5, "rate": 0.01}
+RAMP = {"about": "run_up", "to": 2.5, "rate": 0.01, "angle": 0.5}
 MISTAKES += [
     (RAMP | {"rate": -0.01}, "rate must lead from the speed 2.0 to 2.5, got -0.01"),
     (RAMP | {"rate": 0}, "rate must lead from the speed 2.0 to 2.5, got 0.0"),
@@ -127,7 +127,7 @@ MISTAKES += [
     (RAMP | {"rate": 5e-324}, "a piece of a run-up must have at most 2000 revolutions, got inf"),
     (RAMP | {"machine": ROTOR | {"omega": 1e-4}, "rate": 1e-9}, "at most 2000 revolutions, got"),
     ({"to": 2.5, "rate": 0.01}, "got also ['to', 'rate']"),
-    ({"about": "run_up"}, "reach, revolutions, side, speeds, start, to, rate, got not ['to'"),
+    ({"about": "run_up"}, "side, speeds, start, to, rate, angle, got not ['to', 'rate', 'angle']"),
 ]
 NAMES = "about, machine, number, reach, revolutions, side, speeds, start"
 TEXTS = [

@@ -17,13 +17,18 @@ from tests.explorer.asking import CHATTER, MACHINE, Message, answer_to, first_pa
 UP = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
 BOUNCING, BOUNCED = {"omega": 2.4, "zeta": 0.07, "delta0": 2.0}, (2.6, 0.75, 0.66, -1.65)
 SHAKEN = (0.3, 0.1, 0.2, 0.1)
+LOADED = {"omega": 0.2, "zeta": 0.1, "delta0": 2.5, "shaft_stiffness": 0.3, "load": 0.4}
+HANGS = (0.0, -4.0 / 3.0, 0.0, 0.0)
 TOP = 4.0
 
 
-def piece(rotor: dict[str, float], start: object, to: float, rate: float) -> Message:
+def piece(
+    rotor: dict[str, float], start: object, to: float, rate: float, angle: float = 0.0
+) -> Message:
     asking = question(
-        "run_up", machine=rotor, start=list(start), to=to, rate=rate, speeds=[0.05, TOP]
-    )
+        "run_up", machine=rotor, start=list(start), to=to, rate=rate, angle=angle,
+        speeds=[0.05, TOP],
+    )  # fmt: skip
     (answer,) = answer_to(asking)
     assert answer.part == "run_up", answer.facts
     return answer
@@ -34,10 +39,10 @@ def pieces(
 ) -> list[Message]:
     """Ask as the page does: each piece begins in the state in which the last one ended."""
     name, scale = ("speed", 500.0) if "mass" in rotor else ("omega", 1.0)
-    found = []
+    found, angle = [], 0.0
     for here, to in pairwise(stops):
-        found.append(piece({**rotor, name: scale * here}, start, to, rate))
-        start = found[-1].facts["end"]
+        found.append(piece({**rotor, name: scale * here}, start, to, rate, angle))
+        start, angle = found[-1].facts["end"], found[-1].facts["angle"]
     return found
 
 
@@ -49,8 +54,9 @@ def joined(answers: list[Message], name: str) -> np.ndarray:
     ("rotor", "start", "stops", "rate"),
     [(BOUNCING, BOUNCED, (2.4, 2.48, 2.61, 3.0), 0.02),
      (BOUNCING, BOUNCED, (2.4, 2.112, 1.9), -0.02),
-     (CHATTER, SHAKEN, (1.2, 1.25, 1.4), 0.01)],
-    ids=["up", "down, a stop in contact", "slipping and rolling"],
+     (CHATTER, SHAKEN, (1.2, 1.25, 1.4), 0.01),
+     (LOADED, HANGS, (0.2, 0.2031, 0.31, 0.45, 0.9), 0.005)],
+    ids=["up", "down, a stop in contact", "slipping and rolling", "under a load"],
 )  # fmt: skip
 def test_pieces_make_one_run_up(
     rotor: dict[str, float],
@@ -75,6 +81,19 @@ def test_pieces_make_one_run_up(
     v = complex(whole.vx[-1], whole.vy[-1]) * np.exp(-1j * float(whole.angle[-1]))
     end = found[-1].facts["end"]
     assert end == pytest.approx([z.real, z.imag, v.real, v.imag], abs=1e3 * RTOL)
+
+
+def test_after_a_run_up_the_speed_is_held_under_the_same_load() -> None:
+    """From ``held`` a run at that speed goes on as the run-up does, until the unbalance is at 0."""
+    last = piece(LOADED, HANGS, 0.25, 0.01)
+    left = (math.tau - last.facts["angle"]) / 0.25
+    whole = run_up(Rotor(**LOADED), start=HANGS, to=0.25, rate=0.01, duration=5.0 + left,
+                   samples=2, rtol=1e-11)  # fmt: skip
+    assert whole.angle[-1].item() / math.tau == pytest.approx(
+        round(whole.angle[-1].item() / math.tau), abs=1e-9
+    )
+    end = [whole[name][-1].item() for name in ("x", "y", "vx", "vy")]
+    assert last.facts["held"] == pytest.approx(end, abs=1e-7)
 
 
 def test_the_largest_force_is_that_of_the_contacts_and_of_one_that_has_not_ended() -> None:
@@ -121,17 +140,21 @@ def test_a_piece_is_sampled_often_enough_at_every_speed() -> None:
         assert answer.arrays["speed"].size >= 48 * turns
 
 
-@pytest.mark.parametrize("rate", [0.02, -0.02], ids=["up", "down"])
-def test_windows_and_spectra_do_not_tell_where_a_piece_ends(rate: float) -> None:
+@pytest.mark.parametrize(
+    ("rotor", "start", "stops", "rate"),
+    [(BOUNCING, BOUNCED, (2.4, 2.4004, 2.51, 2.5222, 3.0), 0.02),
+     (BOUNCING, BOUNCED, (2.4, 2.3871, 2.1, 1.9), -0.02),
+     (LOADED, HANGS, (0.2, 0.2031, 0.31, 0.45, 0.9), 0.005)],
+    ids=["up", "down", "under a load"],
+)  # fmt: skip
+def test_windows_and_spectra_do_not_tell_where_a_piece_ends(
+    rotor: dict[str, float], start: tuple[float, ...], stops: tuple[float, ...], rate: float
+) -> None:
     """In and out of contact, over stops at any place of a revolution."""
-    stops = (2.4, 2.4004, 2.51, 2.5222, 3.0) if rate > 0.0 else (2.4, 2.3871, 2.1, 1.9)
-    rotor = BOUNCING
-    found = pieces(rotor, BOUNCED, stops, rate)
+    found = pieces(rotor, start, stops, rate)
     step = 2.0 * np.pi / (PER_REVOLUTION * TOP)
     times = step * np.arange(int((stops[-1] - stops[0]) / rate / step) + 1)
-    whole = run_up(
-        Rotor(**rotor), start=BOUNCED, to=stops[-1], rate=rate, samples=times, rtol=1e-10
-    )
+    whole = run_up(Rotor(**rotor), start=start, to=stops[-1], rate=rate, samples=times, rtol=1e-10)
     exact = orders(whole).isel(order=0)
     assert exact.sizes["window"] >= 8
     assert whole.sizes["event"] >= 8

@@ -9,13 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotor_ida import drop, load, load_system, save, simulate
+from rotor_ida import drop, load, load_system, run_up, save, simulate
 from rotor_ida.cli import main
 from rotor_ida.errors import InputError
-from rotor_ida.explorer import system_files, systems
+from rotor_ida.explorer import system_files, system_touches, systems
 from rotor_ida.explorer.messages import Answer, read_question
 from rotor_ida.explorer.system_questions import SystemQuestion
 from rotor_ida.explorer.system_verdicts import verdict
+from rotor_ida.systems.assembly import assemble
 
 DISC = """
 speed = "2000 rpm"
@@ -36,6 +37,7 @@ radius = "30 mm"
 [drop]
 duration = "16 ms"
 """
+RPM = np.pi / 30.0
 ASKED = {
     "about": "system_run", "number": 1, "node": "", "contact": 0, "speed": None, "revolutions": 10,
     "changes": {},
@@ -175,8 +177,16 @@ def test_the_command_writes_the_page_of_a_system(
 def test_a_file_without_a_run_up_has_one_over_the_speeds_shown(path: Path) -> None:
     (answer,) = systems.show_system_run_up(question(path, about="system_run_up"))
     assert answer.facts["notes"] == []
-    speed = load_system(path).speed
+    case = load_system(path)
+    speed = case.speed
     assert speed is not None
+    up = run_up(case.system, **case.around, speed=0.1 * speed, to=1.5 * speed,
+                ramp_time=2.0 * np.pi * 300 / (0.8 * speed))  # fmt: skip
+    left = up.exit_time.fillna(up.t[-1]).max()
+    first, last = (np.interp(time, up.t, up.speed) / RPM for time in (up.entry_time.min(), left))
+    assert answer.facts["touches"] == (
+        f"The run-up touches contact 0 (disc) between {first:,.0f} rpm and {last:,.0f} rpm."
+    )
     assert answer.arrays["order_speed"].min() < speed < answer.arrays["order_speed"].max()
 
 
@@ -191,6 +201,71 @@ def test_what_the_exact_whirls_leave_out_is_told(path: Path, of_drop: Path) -> N
         [], ["without gravity and static forces"],
         ["without gravity and static forces, and the supports before the drop"],
     ]  # fmt: skip
+
+
+def of_map(asked: SystemQuestion) -> Answer:
+    return next(systems.show_system_map(replace(asked, about="system_map")))
+
+
+def test_a_verdict_is_of_the_speed_held_and_names_the_speeds_at_which_it_would_touch(
+    path: Path,
+) -> None:
+    """As the exact whirls have them: where the whirl without contact grazes the stator."""
+    path.write_text('start = "settled"\n' + DISC)
+    asked = question(path, speed=3000 * RPM)
+    facts = run_of(asked).facts
+    assert facts["verdict"] == (
+        "At 3,000 rpm the rotor runs clear of all contacts in the last 10 revolutions."
+    )
+    low, high = of_map(asked).arrays["special_speed"] / RPM
+    assert facts["bands"] == (
+        f"Held elsewhere it touches contact 0 (disc) from {low:,.0f} to {high:,.0f} rpm; "
+        "a rub that began there may go on beyond."
+    )
+
+
+def test_with_weight_it_touches_where_sag_and_whirl_fill_the_clearance(path: Path) -> None:
+    case = load_system(path)
+    assembly = assemble(case.system, case.contacts, case.unbalance, (0.0, -0.5), None)
+    ((band,),) = system_touches.touching_bands(assembly, np.linspace(5.0, 400.0, 41))
+    for speed in band:
+        whirl = 1e-4 * speed**2 / abs(1e5 - 4 * speed**2 + 80j * speed)
+        assert whirl + 4 * 0.5 / 1e5 == pytest.approx(6e-5, rel=4e-5)
+    told = system_touches.bands_in_words(assembly, np.linspace(1.0, 100.0, 41))
+    assert told == "At every speed up to 955 rpm it can whirl without contact."
+    heavy = assemble(case.system, case.contacts, case.unbalance, (0.0, -5.0), None)
+    told = system_touches.bands_in_words(heavy, np.linspace(1.0, 100.0, 41))
+    assert told.startswith("Held elsewhere it touches contact 0 (disc) at all speeds up to 955 rpm")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [('"1e7 N/m" }', '"1e7 N/m", friction = 0.1, radius = 0.05, race = { radius = 0.06, '
+      'inertia = 1e-4 } }', "the race of contact 0 (disc) is spun by friction"),
+     ('"1e7 N/m" }', '"1e7 N/m", centre = ["5 um", 0] }',
+      "the stator of contact 0 (disc) is off the axis"),
+     ('"1e7 N/m" }', '"1e7 N/m", stator = { mass = 1, stiffness = [1e6, 2e6], damping = 9 } }',
+      "the stator of contact 0 (disc) is not held alike along x and y"),
+     ("[1e5, 1e5]", "[1e5, 2e5]",
+      "the rotor or its supports are not the same in all directions")],
+)  # fmt: skip
+def test_where_whirls_are_not_known_the_page_says_why_and_shows_the_one_without_contact(
+    path: Path, old: str, new: str, why: str
+) -> None:
+    path.write_text(DISC.replace(old, new))
+    asked = question(path, speed=3000 * RPM)
+    answer = of_map(asked)
+    assert answer.facts["notes"] == [f"without whirls in contact, as {why}"]
+    amplitude, speed = answer.arrays["amplitude"], answer.arrays["speed"]
+    shown = np.isfinite(amplitude)
+    assert 0 < shown.sum() < shown.size
+    stiff = np.array([1e5, 2e5 if "[1e5, 2e5]" in new else 1e5])
+    exact = 1e-4 * speed[shown, np.newaxis] ** 2 / (
+        stiff - 4 * speed[shown, np.newaxis] ** 2 + 80j * speed[shown, np.newaxis]
+    )  # fmt: skip
+    # of the ellipse of x = Re(a e^(i t)), y = Re(-i b e^(i t))
+    largest = 0.5 * (np.abs(exact.sum(axis=1)) + np.abs(exact[:, 0] - exact[:, 1]))
+    assert amplitude[shown] == pytest.approx(largest, rel=1e-9)
 
 
 def test_the_map_and_the_campbell_diagram_are_sent(path: Path) -> None:

@@ -31,6 +31,20 @@ def test_a_disc_on_a_shaft_hangs_by_its_weight():
     assert place.normal_force.item() == 0.0
 
 
+@pytest.mark.parametrize("speed", [300.0, -300.0])
+def test_a_disc_that_spins_in_friction_climbs_its_bearing(speed):
+    """By ``atan(mu)``, against its spin, where the normal force is ``m g/sqrt(1 + mu**2)``."""
+    system = RotorSystem(
+        mass=12.0 * np.eye(2), stiffness=np.zeros((2, 2)), damping=5e3 * np.eye(2),
+        nodes={"disc": (0, 1)},
+    )  # fmt: skip
+    contact = Contact(node="disc", clearance=2e-4, stiffness=1e8, friction=0.4, radius=0.05)
+    place = at_rest(system, [contact], speed=speed)
+    angle = np.arctan2(place.y.item(), place.x.item()) + 0.5 * np.pi
+    assert angle == pytest.approx(-np.sign(speed) * np.arctan(0.4), rel=1e-9)
+    assert place.normal_force.item() == pytest.approx(12.0 * G / np.hypot(1.0, 0.4), rel=1e-9)
+
+
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
 def test_a_free_disc_lies_in_its_bearing(exponent):
     system = RotorSystem(mass=12.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})

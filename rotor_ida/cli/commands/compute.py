@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
+from itertools import product
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import AT_REST, MOST_NUMBERS, check_one_varies
+from rotor_ida.checks import AT_REST, MOST_NUMBERS, State, check_one_varies
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.machines import Units
 from rotor_ida.cli.option_types import (
@@ -129,7 +131,7 @@ def simulate(
     output.check()
     run = rotor_ida.simulate(
         chosen,
-        start=units.start(start or AT_REST),
+        start=units.begun(start, chosen),
         duration=units.time(duration),
         samples=samples,
         **options.of_disc(solver),
@@ -183,7 +185,7 @@ def run_up(
     with working("run-up [%]") as progress:
         run = rotor_ida.run_up(
             chosen if isinstance(chosen, Rotor) else chosen.rotor(),
-            start=units.start(start or AT_REST),
+            start=units.begun(start, change.first_of(chosen)),
             **change.of(chosen),
             samples=samples,
             **options.of_disc(solver),
@@ -303,7 +305,7 @@ def run_ups(
     to: ToSpeed,
     rate: Rates,
     phase: Phases = [0.0],  # noqa: B006 - never changed
-    start: options.Starts = [AT_REST],  # noqa: B006 - never changed
+    start: options.StartsOfRunUps = None,
     jobs: options.JobOptions = options.JobOptions(),
     solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),
     study: options.Study = None,
@@ -322,7 +324,7 @@ def run_ups(
             --shaft-stiffness 1 --load 0.2 --start 0 -0.2 0 0 --phase 0:5.5:8 \
             --workers 1 --figure run_ups
     """
-    check_points(*rotors.axes(), rate, phase, start, in_study=study is not None)
+    check_points(*rotors.axes(), rate, phase, start or [AT_REST], in_study=study is not None)
     output.check(panels=rotors.panels())
     given, units = rotors.given_and_units()
     units.keep(study)
@@ -332,13 +334,28 @@ def run_ups(
             to=units.speed(to),
             rate=list(map(units.rate, rate)),
             phase=phase,
-            starts=list(map(units.start, start)),
+            starts=_hanging(given, units) if start is None else list(map(units.start, start)),
             **asdict(solver),
             **jobs.on_every_core(),
             study=study,
             progress=progress,
         )
         return answer_whole(units.shown(dataset), output, study)
+
+
+def _hanging(given: Mapping[str, Any], units: Units) -> list[State]:
+    """Return the one place in which all rotors of run-ups hang at rest under their load."""
+    axes = {name: each if isinstance(each, list) else [each] for name, each in given.items()}
+    if not any(axes.get("load", [])):
+        return [AT_REST]
+    rotors = (Rotor(**dict(zip(axes, values, strict=True))) for values in product(*axes.values()))
+    places = {units.begun(None, each) for each in rotors}
+    if len(places) > 1:
+        raise InputError(
+            "start must be given for rotors that hang in different places under their load, got "
+            f"none for {len(places)} places"
+        )
+    return list(places)
 
 
 def reproduce(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import AT_REST, COMPONENTS, MOST_NUMBERS, State, shown
+from rotor_ida.checks import COMPONENTS, MOST_NUMBERS, State, shown
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.machines import Units, plain
 from rotor_ida.cli.option_types import count_option, path_option, quantity_option
@@ -140,7 +140,7 @@ class Origin(RotorOptions):
             rotor, found = _in_archive(dataset, self, curve_kind)
             return rotor, found, units
         rotor, units = self.rotor_and_units()
-        start = units.start(self.start or AT_REST)
+        start = units.begun(self.start, rotor)
         if self.period is None:
             return rotor, start, units
         return rotor, _closed(rotor, start, units.time(self.period)), units
@@ -151,7 +151,7 @@ def limit_cycle(
     /,
     *,
     rotor: RotorOptions = RotorOptions(),
-    start: options.Start = AT_REST,
+    start: options.StartOrNone = None,
     period: Period = None,
     without_gravity: options.WithoutGravity = False,
     output: Output = Output(),
@@ -180,9 +180,9 @@ def limit_cycle(
     chosen, units = rotor.rotor_and_units()
     with working("cycle"):
         if period is None:
-            found = rotor_ida.limit_cycle(chosen, start=units.start(start))
+            found = rotor_ida.limit_cycle(chosen, start=units.begun(start, chosen))
         else:
-            found = _closed(chosen, units.start(start), units.time(period))
+            found = _closed(chosen, units.begun(start, chosen), units.time(period))
     return _answered(units.shown(found), output)
 
 
@@ -288,14 +288,14 @@ def bifurcation_curve(
 def cycle_file(
     file: Path,
     rotor: RotorOptions,
-    start: State,
+    start: State | None,
     period: float | None,
     output: Output,
     *,
     without_gravity: bool,
 ) -> Report:
     """Compute the limit cycle of the system of a file."""
-    own, given = cycle_case(file, rotor, None if start == AT_REST else start, output)
+    own, given = cycle_case(file, rotor, start, output)
     if without_gravity:
         given.pop("gravity", None)
     with working("cycle"):

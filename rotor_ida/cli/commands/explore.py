@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
-from rotor_ida.checks import AT_REST, COMPONENTS, State, shown
+from rotor_ida.checks import COMPONENTS, State, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.machines import Units, plain
 from rotor_ida.cli.option_types import (
@@ -132,14 +132,14 @@ def _system(file: Path | None, rotor: RotorOptions, start: State | None) -> Path
 
 def _beginning(
     rotor: RotorOptions, start: State | None, file: Path | None
-) -> tuple[Rotor | DimensionalRotor, State, int]:
-    """Return the initial machine, start and number of revolutions."""
+) -> tuple[Rotor | DimensionalRotor, State | None, int]:
+    """Return the initial machine, its start, if given, and the number of revolutions."""
     given = rotor.machine is not None or bool(rotor.given)
     if file is None:
         chosen = rotor.chosen() if given else FIRST
-        begun = Units.of(chosen).start(start or AT_REST)
+        begun = Units.of(chosen).begun(start, chosen)
         check_can_be_followed(chosen if isinstance(chosen, Rotor) else chosen.rotor(), begun)
-        return chosen, begun, REVOLUTIONS
+        return chosen, None if start is None else begun, REVOLUTIONS
     if given or start is not None:
         raise InputError("file must be given alone: the archive contains the rotor and the start")
     from rotor_ida.results.run import check_one_speed, rotor_of  # noqa: PLC0415 - heavy, and not for --help
@@ -157,24 +157,25 @@ def _beginning(
 
 
 def _state(
-    machine: Rotor | DimensionalRotor, start: State, revolutions: int
+    machine: Rotor | DimensionalRotor, start: State | None, revolutions: int
 ) -> Mapping[str, object]:
-    """Return the state of the page, as in its address."""
-    from_start = dict(zip(COMPONENTS, start, strict=True))
+    """Return the state of the page, as in its address; without a start it hangs at rest."""
+    from_start = {} if start is None else dict(zip(COMPONENTS, start, strict=True))
     shown = {} if isinstance(machine, Rotor) else {"fastest": largest_speed(machine)}
     return {**machine.given, **from_start, "revolutions": revolutions, **shown}
 
 
 def _export(
-    place: Path, machine: Rotor | DimensionalRotor, start: State, revolutions: int,
+    place: Path, machine: Rotor | DimensionalRotor, start: State | None, revolutions: int,
     speeds: list[float] | None, force: bool,
 ) -> int:  # fmt: skip
     from rotor_ida.explorer.files import check_speeds, record  # noqa: PLC0415
 
     _check_page(place, force)
     chosen = check_speeds(machine, speeds)
+    begun = start or Units().begun(None, machine)
     with working("recording") as told:
-        page = record(machine, start=start, revolutions=revolutions, speeds=chosen, progress=told)
+        page = record(machine, start=begun, revolutions=revolutions, speeds=chosen, progress=told)
     return _write(place, page, force)
 
 

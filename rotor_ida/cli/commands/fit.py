@@ -27,6 +27,10 @@ Unknowns = Annotated[
         negative=(),
     ),
 ]
+StartOfRecord = Annotated[
+    options.StartOrNone,
+    Parameter(help="State at the beginning of the record. Default: it is fitted too."),
+]
 EntryTimes = Annotated[
     list[float] | None,
     numbers_option(
@@ -53,7 +57,7 @@ def fit(
     unknown: Unknowns,
     rotor: RotorOptions = RotorOptions(),
     orders: options.Orders = None,
-    start: options.StartOrNone = None,
+    start: StartOfRecord = None,
     entries: EntryTimes = None,
     exits: ExitTimes = None,
     time_error: TimeError = None,

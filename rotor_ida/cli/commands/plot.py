@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_args
 
@@ -233,8 +234,17 @@ def plot(
             chosen["node"] = node
     elif kind is not None or node is not None:
         dataset = _at_node(dataset, node)
-    drawn = _suiting(dataset) if kind is None else _of_kind(kind, dataset, chosen, exact=exact)
-    return _written(file, dataset, drawn, figure, kind=kind, as_json=as_json, force=force)
+    if exact and kind is not None:
+        from rotor_ida.cli.exact import exact_beneath  # noqa: PLC0415 - heavy, and not for --help
+
+        chosen["beneath"] = exact_beneath(dataset, kind)
+    drawn = _suiting(dataset) if kind is None else _of_kind(kind, dataset, chosen)
+    report = _written(file, dataset, drawn, figure, kind=kind, as_json=as_json, force=force)
+    notes = [each.attrs["comment"] for each in chosen.get("beneath", ()) if "comment" in each.attrs]
+    return replace(
+        report, record={**report.record, **({"notes": notes} if notes else {})},
+        parts=[*report.parts, *notes],
+    )  # fmt: skip
 
 
 def _suiting(dataset: xr.Dataset) -> Figure:
@@ -253,9 +263,7 @@ def _kind_suiting(dataset: xr.Dataset) -> str:
     return plot_of_signals(dataset) if kind == "signals" else kind
 
 
-def _of_kind(
-    kind: KindOfPlot, dataset: xr.Dataset, chosen: dict[str, Any], *, exact: bool
-) -> Figure:
+def _of_kind(kind: KindOfPlot, dataset: xr.Dataset, chosen: dict[str, Any]) -> Figure:
     """Return the figure of a kind of plot of signals."""
     from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
 
@@ -264,10 +272,6 @@ def _of_kind(
         chosen["clearance"] = in_unit("clearance", chosen["clearance"], unit)
     if "t" in chosen:
         chosen["t"] = in_unit("at", chosen["t"], str(dataset["t"].attrs.get("units", "1")))
-    if exact:
-        from rotor_ida.cli.exact import exact_beneath  # noqa: PLC0415 - heavy, and not for --help
-
-        chosen["beneath"] = exact_beneath(dataset, kind)
     from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
 
     with without_pyplot():

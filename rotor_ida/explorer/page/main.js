@@ -31,6 +31,7 @@ const recorded = $("recorded") && JSON.parse($("recorded").textContent);
 const sides = [];
 let number = 0;
 let starts = [[0, 0, 0, 0], [0, 0, 0, 0]];
+let hanging = [true, true]; // by side, whether its run starts at rest where the rotor hangs
 let running = null;
 // Parts of answers since the last frame, and those not drawn yet.
 const seen = new Set(), dirty = new Set();
@@ -65,7 +66,7 @@ const controls = new Controls((name, event) => ask({ event, name }), () => {
 const signals = new Signals($("signal-panels"), { view: viewOfSignals, told: () => sides.map((_, place) => parametersOf(place)).join("; ") });
 const measured = (page.measured = new Measured({ send: (...given) => connection.send(...given), scales: scalesShown, changed: showMeasured, listens: !recorded }));
 let connection = null;
-const kept = recorded ? null : new Address({ told: () => address(starts), show: goBack, undo: $("undo"), redo: $("redo") });
+const kept = recorded ? null : new Address({ told: () => address(starts, hanging[0]), show: goBack, undo: $("undo"), redo: $("redo") });
 // The last run-up: its tracks, kept after other changes, and their rotors.
 let lastTracks = [], lastRotors = "";
 const passage = (page.passage = new Passage({ begin: beginPassage, ask: askPiece, moved: showPiece, rested: restPassage, changed: showPassage }));
@@ -80,7 +81,11 @@ function ask({ event, again = false } = {}) {
   number += 1;
   page.asked = number;
   for (const side of names) {
-    if (!again) starts[side] = startOf(side);
+    if (!again) {
+      const begun = startOf(side);
+      hanging[side] = !begun;
+      starts[side] = begun ?? starts[side];
+    }
     const wanted = PANELS.filter((about) => about !== "starts" || sides[side].wantsBasin);
     sides[side].forget();
     if (recorded) connection.ask({ number }, recorded.course, recorded.place);
@@ -94,7 +99,7 @@ function ask({ event, again = false } = {}) {
 
 function question(side) {
   return {
-    number, side, machine: machine(side), start: starts[side],
+    number, side, machine: machine(side), start: hanging[side] ? null : starts[side],
     revolutions: state.revolutions, speeds: speedsShown(), reach: reach(side),
   };
 }
@@ -107,10 +112,10 @@ function parametersOf(place) {
   return given.join(", ") + si;
 }
 
-/** Return the start of the next run of a side: the initial state, or the end of the last run. */
+/** Return the start of the next run of a side: the initial state, nothing if it hangs at rest, or the end of the last run. */
 function startOf(side) {
   const last = page.shown[side].motion;
-  return state.from === "here" && last && !released ? last.facts.end : START.map((name) => state[name]);
+  return state.from === "here" && last && !released ? last.facts.end : state.hangs ? null : START.map((name) => state[name]);
 }
 let released = true; // whether the start itself was moved, so that all begin there
 
@@ -163,10 +168,18 @@ function answered(answer) {
     if (unitsChanged) measured.refresh();
     unitsChanged = false;
     if (state.from === "here") released = false;
+    if (hanging[answer.side] && answer.number === number) takeStart(answer);
   }
   sides[answer.side].take(answer);
   response.take(answer);
   drawSoon(`${answer.side} ${answer.part}`);
+}
+
+/** Show where a rotor hangs at rest. */
+function takeStart({ side, facts: { start } }) {
+  starts[side] = start;
+  if (side === 0) START.forEach((name, i) => (state[name] = start[i]));
+  showStart();
 }
 
 /** Handle an error in a whole answer or one of its parts. */
@@ -530,15 +543,15 @@ function waysFrom(speed) {
   return { speed, range, limits: [low, speed < fastest * 0.9999 ? fastest : range] };
 }
 
-/** Run up from rest at standstill. */
+/** Run up from standstill, at rest where the rotor hangs. */
 function runUpFromStandstill() {
-  passage.pressFrom({ ...waysFrom(0), starts: sides.map(() => [0, 0, 0, 0]) }, ramp());
+  passage.pressFrom({ ...waysFrom(0), starts: sides.map(() => null) }, ramp());
 }
 
 /** Request a piece of the run-up of one rotor. */
-function askPiece({ number: piece, side, start, speed, to, rate }) {
+function askPiece({ number: piece, side, start, angle, speed, to, rate }) {
   const here = { [inSI() ? "speed" : "omega"]: inSI() ? speed * referenceFrequency() : speed };
-  const asked = { ...question(side), number: piece, machine: { ...machine(side), ...here }, start, revolutions: 1, to, rate };
+  const asked = { ...question(side), number: piece, machine: { ...machine(side), ...here }, start, angle, revolutions: 1, to, rate };
   connection.ask(asked, ["run_up"]);
 }
 
@@ -554,7 +567,11 @@ function showPiece(speed) {
 
 /** Hold the current speed of a run-up, and show the response there. */
 function restPassage() {
-  passage.tracks.forEach(({ start }, side) => (starts[side] = start));
+  passage.tracks.forEach(({ held }, side) => {
+    if (!held) return;
+    hanging[side] = false;
+    starts[side] = held;
+  });
   ask({ again: true });
   showPassed();
 }
@@ -675,6 +692,7 @@ function moveStart({ x, y, velocity }) {
   const round = (value) => Number(value.toPrecision(4));
   if (velocity) Object.assign(state, { vx: round(x - state.x), vy: round(y - state.y) });
   else Object.assign(state, { x: round(x), y: round(y) });
+  state.hangs = false;
   release();
 }
 
@@ -686,6 +704,7 @@ function listen() {
     $("start").append(label);
     const put = (value) => {
       state[name] = Number(value.toPrecision(12));
+      state.hangs = false;
       release();
     };
     field.addEventListener("change", () => {
@@ -697,7 +716,7 @@ function listen() {
     });
   }
   $("rest").addEventListener("click", () => {
-    Object.assign(state, { x: 0, y: 0, vx: 0, vy: 0 });
+    state.hangs = true;
     release();
   });
   for (const name of ["revolutions", "step", "rate"]) {
@@ -829,6 +848,7 @@ function showState() {
   $("beside").checked = state.second !== null;
   for (const name of ["revolutions", "rate"]) $(name).value = state[name];
   starts = [START, SECOND_START].map((names) => names.map((name, i) => state[name] ?? state[START[i]]));
+  hanging = [state.hangs, state.hangs];
   controls.build();
   showRamp();
   controls.unfold();

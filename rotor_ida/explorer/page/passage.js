@@ -14,10 +14,10 @@ const MOST_REVOLUTIONS = 400_000, CLOSEST_ROWS = 1 / 400;
 // Decimals of a speed, at most.
 const FINEST = 14;
 
-/** The track of one rotor: its radius over the speed, and its jumps. */
+/** The track of one rotor: its radius over the speed, and its jumps; the state at its end, with the angle of the unbalance. */
 class Track {
   constructor(start, range) {
-    Object.assign(this, { start, range, words: "", now: "clear", omega: [], low: [], high: [], jumps: [], falling: [], folds: [], scales: {} });
+    Object.assign(this, { start, held: start, turned: 0, range, words: "", now: "clear", omega: [], low: [], high: [], jumps: [], falling: [], folds: [], scales: {} });
     // order 1 of each revolution, and spectra one after the other, as the program has them
     Object.assign(this, { order: { speed: [], amplitude: [], lag: [] }, rows: [] });
     this.turn = []; // the samples of the last revolution, as angle, speed and radius
@@ -37,8 +37,8 @@ class Track {
 
   take({ arrays, facts }, way) {
     const { speed, angle, radius } = arrays;
-    const { end: start, scales, words, now } = facts;
-    Object.assign(this, { start, scales, words, now });
+    const { end: start, held, angle: turned, scales, words, now } = facts;
+    Object.assign(this, { start, held, turned, scales, words, now });
     this.folds = facts.folds.filter((fold) => fold.way === way);
     for (let i = this.omega.length ? 1 : 0; i < speed.length; i++) {
       this.#draw(speed[i], radius[i]);
@@ -175,7 +175,7 @@ export class Passage {
     this.number += 1;
     this.sent = performance.now();
     this.waiting = new Set(this.tracks.keys());
-    this.tracks.forEach(({ start }, side) => this.ask({ number: this.number, side, start, speed, to: this.to, rate: way * this.rate }));
+    this.tracks.forEach(({ start, turned }, side) => this.ask({ number: this.number, side, start, angle: turned, speed, to: this.to, rate: way * this.rate }));
   }
 
   take(answer) {

@@ -16,7 +16,7 @@ const NUMBERS = [...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...Object.keys(B
 const DEFAULTS = {
   omega: 2, zeta: 0.07, delta0: 2,
   ...BEYOND, disc_radius: null,
-  x: 0, y: 0, vx: 0, vy: 0,
+  x: 0, y: 0, vx: 0, vy: 0, hangs: true, // whether it starts at rest where it hangs under its load
   second: null, // clearance of the rotor beside it, in the units of the first one
   revolutions: 60, from: "start", step: 0.01, rate: 10, ramp: 0.002, theme: "", speedIn: "rpm", panels: "",
   fastest: null, seconds: null, // of a machine: the speed to which it is run up [rad/s], from standstill in so long [s]
@@ -47,6 +47,7 @@ export function readAddress(hash) {
     const text = given.get(name);
     if (text !== null && text !== "" && Number.isFinite(Number(text))) state[name] = Number(text);
   }
+  state.hangs = !START.some((name) => given.has(name));
   state.disc_radius ??= usualRadius();
   if (inSI()) suitMachine();
   for (const [name, words] of Object.entries(WORDS)) {
@@ -60,11 +61,11 @@ export function readAddress(hash) {
 /** Whether an address contains a rotor. */
 export const tellsOfRotor = (hash) => /[#&](omega|mass)=/.test(hash);
 
-/** Return the address entries for the state and for the starts of the runs. */
-export function address([first, second]) {
+/** Return the address entries for the state and for the starts of the runs; a first one that hangs at rest has none. */
+export function address([first, second], hangs) {
   const told = new URLSearchParams();
   for (const name of [...(inSI() ? MACHINE : DIMENSIONLESS), ...namesBeyond()]) told.set(name, state[name]);
-  START.forEach((name, place) => told.set(name, first[place]));
+  if (!hangs) START.forEach((name, place) => told.set(name, first[place]));
   if (state.second !== null && state.from === "here") {
     SECOND_START.forEach((name, place) => told.set(name, second[place]));
   }
@@ -157,6 +158,7 @@ export function setMachine(given, fastest) {
   for (const name of DIMENSIONLESS) delete state[name];
   Object.assign(state, BEYOND, { disc_radius: null }, given, { fastest, second: null, seconds: state.seconds ?? SECONDS });
   for (const name of START) state[name] = 0;
+  state.hangs = true;
   state.disc_radius ??= usualRadius();
 }
 

@@ -177,7 +177,7 @@ function options(id, pairs) {
 function showRun(facts, arrays) {
   page.run = { facts, ...motion, ...arrays };
   const verdict = $("verdict").firstElementChild;
-  verdict.textContent = facts.verdict;
+  verdict.textContent = [facts.verdict, facts.bands].join(" ");
   verdict.className = facts.verdict.includes("rubs") || facts.drop ? "rub" : "clear";
   $("command").textContent = facts.command;
   $("python").textContent = facts.python;
@@ -201,7 +201,7 @@ function showCampbell(facts, arrays) {
 
 function showRunUp(facts, arrays) {
   page.runUp = arrays;
-  $("run-up-said").textContent = facts.notes.join("; ");
+  $("run-up-said").textContent = [facts.touches, facts.notes.join("; ")].filter(Boolean).join(" ");
   signals.show();
 }
 

@@ -289,7 +289,7 @@ export class SpeedMap extends Panel {
         labels: [labelled("speed", this.speed.unit), labelled(`amplitude at ${facts.node}`, this.drawn.unit)],
       });
     } else this.plot.show({});
-    key(this.card.querySelector(".key"), speed ? [["line-key", "stable"], ["line-key dashed", "unstable"], ...(facts.kinds?.length ? [["mark open", [...new Set(facts.kinds)].join(", ")]] : []), ["line-key passage", "speed of the run"], ...note] : note);
+    key(this.card.querySelector(".key"), speed ? [...(facts.free ? [["line-key", "whirl without contact, its largest radius about the mean place"]] : [["line-key", "stable"], ["line-key dashed", "unstable"]]), ...(facts.kinds?.length ? [["mark open", [...new Set(facts.kinds)].join(", ")]] : []), ["line-key passage", "speed of the run"], ...note] : note);
     this.plot.say(`Exact synchronous whirls at ${facts.node} over the speed`);
   }
 
