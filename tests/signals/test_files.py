@@ -126,11 +126,14 @@ def test_tdms_comes_back_with_its_times_units_and_speed(tmp_path: Path) -> None:
     np.testing.assert_allclose(found.angle, TURN, rtol=0, atol=1e-9)
 
 
-def test_tdms_channels_of_another_rate_are_left_out_and_listed(tmp_path: Path) -> None:
-    write_tdms(tmp_path / "a.tdms", temperature=np.arange(3.0))
+def test_tdms_channels_of_another_rate_are_listed_and_not_guessed(tmp_path: Path) -> None:
+    write_tdms(tmp_path / "a.tdms", **{"Probe A": np.arange(20.0), "Probe B": np.arange(20.0)})
     check(read_signals(tmp_path / "a.tdms", probe_angles=PROBES))
-    message = refused(tmp_path / "a.tdms", columns={"x": "none"})
-    assert "slow.temperature (of another rate)" in message
+    assert "slow.Probe B" in refused(tmp_path / "a.tdms", columns={"x": "none"})
+    columns = {"x": "run.Probe A", "y": "slow.Probe B"}
+    assert "x and y must have one sampling rate, got 2000 and 1 samples a second" in (
+        refused(tmp_path / "a.tdms", columns=columns, units={"y": "um"})
+    )
 
 
 def test_damaged_tdms_files_are_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
