@@ -94,7 +94,7 @@ def with_times_of_x(
             "rate must be left out: the file has other times for "
             f"{listed(sorted(own))} than for x, got {rate!r}"
         )
-    times = {names.get("t", "t"): Column(of_x, table.columns["t"].unit, of_x)}
+    times = {names.get("t", "t"): Column(of_x, t.unit if t else "s", of_x)}
     return replace(table, columns={**table.columns, **times}), own
 
 
