@@ -94,8 +94,8 @@ def with_times_of_x(
             "rate must be left out: the file has other times for "
             f"{listed(sorted(own))} than for x, got {rate!r}"
         )
-    times = {names.get("t", "t"): Column(of_x, t.unit if t else "s", of_x)}
-    return replace(table, columns={**table.columns, **times}), own
+    clock = {names.get("t", "t"): Column(of_x, t.unit if t else "s", of_x)}
+    return replace(table, columns={**table.columns, **clock}), own
 
 
 def at_times_of_x(

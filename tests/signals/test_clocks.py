@@ -52,7 +52,9 @@ def write_tdms(path: Path, channels: dict[str, tuple[Array, dict[str, object]]])
 LATE = {"x": 0.0, "y": 0.0123, "keyphasor": -0.0049}
 BEGIN = np.datetime64("2024-02-28T23:59:59.990000", "us")
 TDMS = {
-    "wf_start_time": lambda late: {"wf_start_time": BEGIN + np.timedelta64(round(late * 1e6), "us")},
+    "wf_start_time": lambda late: {
+        "wf_start_time": BEGIN + np.timedelta64(round(1e6 * late), "us"),
+    },
     "wf_start_offset": lambda late: {"wf_start_offset": late},
     "both": lambda late: {
         "wf_start_time": BEGIN + np.timedelta64(round(2e6 * late), "us"), "wf_start_offset": -late,

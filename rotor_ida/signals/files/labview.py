@@ -187,7 +187,7 @@ def _part(
     ]
     late = _start(segment, channel) - _start(segment, first)
     has_times = abscissae == "Multi" or (
-        abscissae == "One" and not late and np.array_equal(*clocks, equal_nan=True)
+        abscissae == "One" and not late and np.array_equal(clocks[0], clocks[1], equal_nan=True)
     )
     if rows < most or (rows > most and not has_times):
         raise InputError(

@@ -93,6 +93,7 @@ def _read_clocks(
     used: set[int] = set()
     for place in [place for place, cell in enumerate(first) if is_clock(cell)]:
         texts = [layout.cells(line)[place] for line in body]
+        are_whole = not any("." in text or "," in text for text in texts)
         beside = [each for each in (place - 1, place + 1) if 0 <= each < len(first)]
         date = next((each for each in beside if is_date(first[each])), None)
         if date is not None:
@@ -105,7 +106,7 @@ def _read_clocks(
         after = next((each for each in range(place + 1, len(first)) if each not in used), None)
         part = PARTS.get(re.split(r"[^a-zµμ]+", names[after].lower())[-1]) if after else None
         part = part or PARTS.get(units[after].lower()) if after else None
-        if after is None or part is None or any("." in text or "," in text for text in texts):
+        if after is None or part is None or not are_whole:
             continue
         fractions = numbers[:, after]
         if (np.isfinite(fractions) & (fractions >= 0.0) & (fractions * part < 1.0)).all():
