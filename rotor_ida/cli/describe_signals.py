@@ -189,7 +189,7 @@ def show_full_spectrum(dataset: xr.Dataset, most: int | None) -> Description:
         **parameters_in(dataset),
         with_unit(dataset, "frequency"): span(dataset["frequency"].values, 6),
         **with_units(dataset, scalars_of(dataset)),
-        **_named(record, ("window", "segment", "segment_count")),
+        **_named(record, ("window", "segment", "segment_count", "notes")),
     }
     return record, [pairs("Full spectrum", told), *parts]
 
@@ -234,7 +234,7 @@ def show_spectrogram(dataset: xr.Dataset, most: int | None) -> Description:
 def _windows(dataset: xr.Dataset) -> Record:
     """Return the number and length of windows, and the times and speeds they cover."""
     told: Record = {**parameters_in(dataset), "windows": dataset.sizes["window"]}
-    told |= _named(dict(dataset.attrs), ("window_revolutions", "window_overlap"))
+    told |= _named(dict(dataset.attrs), ("window_revolutions", "window_overlap", "notes"))
     first, last = (_place(dataset.isel(window=place)) for place in (0, -1))
     return told | {name: _from_to(first[name], last[name]) for name in first}
 

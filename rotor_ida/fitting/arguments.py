@@ -26,7 +26,7 @@ from rotor_ida.fitting.problem import FitProblem, Unknown
 from rotor_ida.fitting.records import Measured, measured, noise_of
 from rotor_ida.model.parameters import OF_MACHINE, OPTIONAL
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.signals.record import integrated
+from rotor_ida.signals.record import lacks_mark
 from rotor_ida.signals.windows import fit_orders
 from rotor_ida.simulation.orbit import ENTRY, EXIT
 
@@ -73,11 +73,11 @@ def problem_of(
         raise InputError("machine must have a clearance above 0 for a fit, got 0.0")
     sought = _unknowns(unknown, guess, in_si=in_si)
     if ANGLE not in [each.field for each in sought] and any(
-        isinstance(each, xr.Dataset) and integrated(each.attrs) for each in given
+        isinstance(each, xr.Dataset) and lacks_mark(each.attrs) for each in given
     ):
         raise InputError(
-            f"unknown must include {ANGLE} when the angle is integrated from a speed, as its "
-            f"origin is not known, got {shown(list(unknown))}"
+            f"unknown must include {ANGLE} when the angle is integrated from a speed or has no "
+            f"mark among several pulses, as its origin is not known, got {shown(list(unknown))}"
         )
     tracked = _checked_orders(orders)
     touches = {

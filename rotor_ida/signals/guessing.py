@@ -13,7 +13,13 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import listed, shown
 from rotor_ida.errors import InputError
-from rotor_ida.signals.files.columns import Table, name_and_unit, unit_called
+from rotor_ida.signals.files.columns import (
+    DIFFERENT_RATE,
+    Column,
+    Table,
+    name_and_unit,
+    unit_called,
+)
 
 KIND = {
     "t": "time", "x": "length", "y": "length",
@@ -181,7 +187,8 @@ def _by_place(table: Table, told: Mapping[str, str], *, timed: bool) -> dict[str
     signals = [name for name in ("t", "x", "y") if name not in told]
     if not {"keyphasor", "angle", "speed"} & told.keys():
         signals.append("keyphasor")
-    if order and "t" in signals and counts_samples(table.columns[order[0]].values):
+    counted = bool(order) and "t" in signals and counts_samples(table.columns[order[0]].values)
+    if counted:
         rises = len(order) > 1 and increases(table.columns[order[1]].values)
         if not rises and not timed:
             raise InputError(
@@ -191,6 +198,11 @@ def _by_place(table: Table, told: Mapping[str, str], *, timed: bool) -> dict[str
         order = order[1:]
     if timed and "t" in signals and not (order and increases(table.columns[order[0]].values)):
         signals.remove("t")
+        if not (counted or {"x", "y"} <= told.keys()):
+            raise InputError(
+                "the file must have names, or times before x and y, as nothing tells its columns "
+                f"apart; name x and y in columns, got {shown(table.listed())}"
+            )
     found = {**told, **dict(zip(signals, order, strict=False))}
     guessed = found.get("keyphasor") if "keyphasor" not in told else None
     if guessed and np.ptp(table.columns[guessed].values) == 0.0:
@@ -308,9 +320,14 @@ def _probes_in(names: Sequence[Name], taken: Mapping[str, str], table: Table) ->
         if taken.get("x", first.column) == first.column
         and taken.get("y", second.column) == second.column
         and _are_pair(first, second)
+        and _has_one_rate(table.columns[first.column], table.columns[second.column])
     ]
     if pairs:
-        ranks = [_rank_of_pair(pair) for pair in pairs]
+        # of channels at several rates those that are sampled faster
+        ranks = [
+            (*_rank_of_pair(pair), float(f"{table.columns[pair[0].column].step:.3g}"))
+            for pair in pairs
+        ]
         best = [pair for pair, rank in zip(pairs, ranks, strict=True) if rank == min(ranks)]
         if len(best) == 1:
             return {"x": best[0][0].column, "y": best[0][1].column}
@@ -342,6 +359,11 @@ def _are_pair(first: Name, second: Name) -> bool:
         return False
     # probes x1 and x2 are in two planes
     return apart[0][0] in AXES or not AXES & {*first.words, *second.words}
+
+
+def _has_one_rate(first: Column, second: Column) -> bool:
+    """Return whether two channels have one sampling rate."""
+    return abs(first.step - second.step) <= DIFFERENT_RATE * first.step
 
 
 def _whole(name: Name) -> Name:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -36,6 +37,14 @@ SUDDEN = 0.5
 COURSES = (5, 9, 17, 33, 65, 129, 257)
 # Parts of the pulse height: a crossing counts if the signal rises from below LOW to above HIGH.
 LOW, HIGH = 0.4, 0.6
+
+
+class Rises(NamedTuple):
+    """Times at which a signal rises into pulses, their largest errors, and how long each lasts."""
+
+    times: Values
+    errors: Values
+    widths: Values
 
 
 def angles_by_pulses(
@@ -88,8 +97,16 @@ def check_pulses(pulses: Values) -> None:
         raise InputError(
             f"keyphasor must not lose pulses, but does after t {where}{_more(lost.size - 3)}: "
             f"{counts[lost[0]] - 1} in the interval there, judged by those beside it; "
-            "fill_pulses=True fills them in"
+            f"fill_pulses=True fills them in{_once_in(np.cumsum(counts)[lost])}"
         )
+
+
+def _once_in(numbers: Counts) -> str:
+    """Return what to do where pulses are lost at equal distances, as at a missing tooth."""
+    apart = np.unique(np.diff(numbers))
+    if numbers.size < FEWEST_PULSES or apart.size > 1:
+        return ""
+    return f"; pulses_per_revolution={apart[0]} takes every {apart[0]}th, if a tooth, as the mark"
 
 
 def _more(count: int) -> str:
@@ -221,47 +238,59 @@ def usual_intervals(intervals: Values) -> Values:
         for end, next_, beyond in ((0, 1, 2), (-1, -2, -3)):
             pair = sorted((intervals[next_], intervals[beyond]))
             usual[end] = intervals[next_] if pair[1] < ALIKE * pair[0] else intervals[end]
+    for ends, others in ((slice(2), slice(2, 4)), (slice(-2, None), slice(-4, -2))):
+        alike = [*intervals[others].tolist(), float(intervals[ends].sum())]
+        if intervals.size > FEWEST_JUDGED and max(alike) < ALIKE * min(alike):
+            usual[ends] = intervals[others]  # the first two are one that an extra pulse divides
     return usual
 
 
 def extra_pulses(intervals: Values) -> npt.NDArray[np.intp]:
-    """Return short intervals that, joined with a neighbour, are no longer than usual."""
+    """Return short intervals that, joined with a neighbour, are no longer than usual.
+
+    At an end a short interval has no neighbour on one side and needs none.
+    """
     usual = usual_intervals(intervals)
-    padded = np.concatenate([[np.inf], intervals, [np.inf]])
+    padded = np.concatenate([[-np.inf], intervals, [-np.inf]])
     joined = intervals + np.minimum(padded[:-2], padded[2:])
     return np.flatnonzero((intervals < SHORTER * usual) & (joined < LONGER * usual))
 
 
-def pulses_in(times: Values, signal: Values) -> Values:
-    """Return the times at which a sampled signal rises into a pulse.
+def rises_in(times: Values, signal: Values, low: float, high: float) -> Rises:
+    """Return where a sampled signal rises into a pulse, between its lower and its upper level.
 
     The time is at half height, by linear interpolation between two samples. The pulse is the level
     with the shorter duration, so pulses may point downwards. A pulse that rises within one step
     may lie anywhere in it: `along_smooth_course` then sets its time.
     """
-    low, high = float(signal.min()), float(signal.max())
     if low == high:
         raise InputError(f"keyphasor must have pulses, got the constant {low!r}")
-    height = (signal - low) / (high - low)
+    height = np.clip((signal - low) / (high - low), 0.0, 1.0)
     if np.median(height) > 0.5:
         height = 1.0 - height
     # 1 above, -1 below; between the two it is what it was
     state = np.where(height >= HIGH, 1, np.where(height <= LOW, -1, 0))
     known = np.flatnonzero(state)
-    rises = np.flatnonzero((state[known[1:]] == 1) & (state[known[:-1]] == -1))
-    found = [_half_way(times, height, int(known[each]), int(known[each + 1])) for each in rises]
-    pulses, errors = np.array(found).reshape(-1, 2).T
-    return along_smooth_course(pulses, errors)
+    turns = np.flatnonzero(np.diff(state[known]))
+    found = np.array(
+        [_half_way(times, height, int(known[each]), int(known[each + 1])) for each in turns]
+    ).reshape(-1, 2)
+    rises = found[state[known[turns]] == -1]
+    falls = found[state[known[turns]] == 1, 0]
+    after = np.searchsorted(falls, rises[:, 0])
+    widths = np.append(falls, np.nan)[after] - rises[:, 0]
+    return Rises(rises[:, 0], rises[:, 1], widths)
 
 
 def _half_way(times: Values, height: Values, before: int, after: int) -> tuple[float, float]:
-    """Return the time at which a signal rises through one half between two samples, and its error.
+    """Return the time at which a signal passes one half between two samples, and its error.
 
-    The error is half a step if the whole rise lies within one step.
+    The error is half a step if the whole rise or fall lies within one step.
     """
-    index = before + int(np.flatnonzero(height[before : after + 1] < 0.5)[-1])
+    first = height[before] < 0.5
+    index = before + int(np.flatnonzero((height[before : after + 1] < 0.5) == first)[-1])
     rise, step = height[index + 1] - height[index], times[index + 1] - times[index]
-    error = 0.5 * step * rise if rise > SUDDEN else 0.0
+    error = 0.5 * step * abs(rise) if abs(rise) > SUDDEN else 0.0
     return float(times[index] + (0.5 - height[index]) / rise * step), float(error)
 
 

@@ -213,20 +213,22 @@ def displaced(name: str, values: Values, unit: str, sensitivity: str) -> tuple[V
 
 
 def check_probes(
-    found: Mapping[str, tuple[Values, str]], times: Values, accept_clipped: bool
+    found: Mapping[str, tuple[Values, str]], times: Mapping[str, Values], accept_clipped: bool
 ) -> str:
     """Return the unit of both probes; raise `InputError` if they differ or one is clipped."""
     (x, length), (y, other) = found["x"], found["y"]
     if length != other:
         raise InputError(f"x and y must be in one unit, got {length} and {other}")
-    if x.size != y.size:
-        raise InputError(f"t, x and y must be of one length, got {times.size}, {x.size}, {y.size}")
+    if y.size != times["y"].size:
+        raise InputError(
+            f"t, x and y must be of one length, got {times['y'].size}, {x.size}, {y.size}"
+        )
     for name, values in () if accept_clipped else (("x", x), ("y", y)):
         where = _clipped_at(values)
         if where is not None:
             raise InputError(
                 f"{name} must not be clipped, but stays at {values[where]:.6g} from t "
-                f"{times[where]:.6g} on; accept_clipped=True accepts it"
+                f"{times[name][where]:.6g} on; accept_clipped=True accepts it"
             )
     return length
 

@@ -19,13 +19,21 @@ from rotor_ida.checks import (
     check_between,
     check_choice,
     check_flag,
+    listed,
     shown,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.results.files import check_path
 from rotor_ida.schema import labelled, labelled_dataset
 from rotor_ida.signals.files.arrays import read_hdf5, read_matlab, read_npz
-from rotor_ida.signals.files.columns import ENDINGS, Table, Unit, known_units, unit_called
+from rotor_ida.signals.files.columns import (
+    DIFFERENT_RATE,
+    ENDINGS,
+    Table,
+    Unit,
+    known_units,
+    unit_called,
+)
 from rotor_ida.signals.files.labview import read_labview
 from rotor_ida.signals.files.recorders import read_comtrade, read_tdms, read_uff, read_wav
 from rotor_ida.signals.files.text import read_text
@@ -38,21 +46,17 @@ from rotor_ida.signals.guessing import (
     rate_in,
     unit_of,
 )
-from rotor_ida.signals.keyphasor import (
-    check_per_revolution,
-    check_pulses,
-    pulses_in,
-    with_lost_pulses,
-)
+from rotor_ida.signals.keyphasor import Rises, check_per_revolution
 from rotor_ida.signals.probes import check_probes, displaced, displacements
-from rotor_ida.signals.sample_times import times_of
+from rotor_ida.signals.record import UNKNOWN
+from rotor_ida.signals.sample_times import at_times_of_x, times_of, with_times_of_x
+from rotor_ida.signals.teeth import Teeth, teeth_in, teeth_of
 
 NO_UNIT = "times have no unit: give it in units (t=s)"
 Keyphasor = Literal["auto", "signal", "times"]
 
-# Samples per second, and the part by which a rate and times may differ.
+# Samples per second.
 RATES = (1e-9, 1e12)
-DIFFERENT_RATE = 0.01
 INTEGRATED = (
     "the angle is integrated from the speed: phase lags have no known origin, and drift with the "
     "error of the speed"
@@ -161,7 +165,7 @@ def read_signals(
     if rate is not None:
         rate = check_between("rate", rate, *RATES)
     table = path if isinstance(path, Table) else read_table(check_path("path", path))
-    names, rate, notes = _columns_in(table, told, given, rate)
+    table, names, rate, own, notes = _columns_in(table, told, given, rate)
     found = {each: _converted(each, names, table, given) for each in names}
     if sensitivity is not None:
         for each in ("x", "y"):
@@ -169,7 +173,19 @@ def read_signals(
     times, time = times_of(found, rate, table, names)
     if time == "1":
         notes.append(NO_UNIT)
-    length = check_probes(found, times, accept_clipped)
+    factor = _unit_of("t", names, table, given).factor if own else 1.0
+    own = {each: factor * own_times for each, own_times in own.items()}
+    length = check_probes(found, {"x": times, "y": own.get("y", times)}, accept_clipped)
+    if "angle" in own:  # before it is interpolated
+        found["angle"] = _angle(found["angle"], own["angle"], names["angle"]), "rad"
+    teeth = None
+    if "keyphasor" in found:
+        clock = own.pop("keyphasor", times)
+        teeth = _teeth(found["keyphasor"], clock, keyphasor, per_revolution, fill_pulses)
+        notes += teeth.notes(per_revolution)
+    if own:
+        found, times = at_times_of_x(found, times, own)
+        notes.append(f"the times of {listed(list(own))} are not those of x: interpolated at those")
     if probe_angles is None:
         notes.append("probes are taken to be at 0 and 90 degrees, as no probe_angles are given")
         probe_angles = (0.0, 90.0)
@@ -183,17 +199,17 @@ def read_signals(
     }
     if rate is None and not np.array_equal(times, found["t"][0]):
         attributes["times"] = "evenly spaced, to the digits that the file has of them"
-    if "keyphasor" in found:
-        attributes["pulses_per_revolution"] = per_revolution
+    if teeth is not None:
+        attributes |= teeth.attributes(per_revolution)
     elif "speed" in found:
-        attributes["angle_origin"] = "unknown"
+        attributes["angle_origin"] = UNKNOWN
         notes.append(INTEGRATED)
     if notes:
         attributes["notes"] = "; ".join(notes)
     variables = {
         "x": _labelled("x", "t", z.real, length),
         "y": _labelled("y", "t", z.imag, length),
-        **_rotation(found, times, time, keyphasor, fill_pulses, names.get("angle", "")),
+        **_rotation(found, teeth, times, time, names.get("angle", "")),
     }
     coordinates = {"t": _labelled("t", "t", times, time)}
     return labelled_dataset(
@@ -203,10 +219,14 @@ def read_signals(
 
 def _columns_in(
     table: Table, told: Mapping[str, str], units: Mapping[str, str], rate: float | None
-) -> tuple[dict[str, str], float | None, list[str]]:
-    """Return the column of each signal, the sampling rate where times are not used, and notes."""
+) -> tuple[Table, dict[str, str], float | None, dict[str, Values], list[str]]:
+    """Return the columns, which signal each is, the rate where times are not used, and notes.
+
+    With them the own times of signals that were not sampled with x.
+    """
     own_rate = rate_in(table)
     names = columns_of(table, told, timed=rate is not None or own_rate is not None)
+    table, own = with_times_of_x(table, names, rate)
     notes = []
     if rate is not None and "t" in names:
         notes.append(_not_used(names.pop("t"), rate, table, units))
@@ -215,7 +235,7 @@ def _columns_in(
         notes.append(f"times follow from the {rate:g} samples a second in {own_rate[0]}")
     if count := count_left_out(table, names):
         notes.append(f"column {count} counts samples and is left out")
-    return names, rate, notes
+    return table, names, rate, own, notes
 
 
 def _not_used(column: str, rate: float, table: Table, units: Mapping[str, str]) -> str:
@@ -234,19 +254,17 @@ def _not_used(column: str, rate: float, table: Table, units: Mapping[str, str]) 
 
 def _rotation(
     found: Mapping[str, tuple[Values, str]],
+    teeth: Teeth | None,
     times: Values,
     time: str,
-    keyphasor: str,
-    fill: bool,
     column: str,
 ) -> dict[str, xr.Variable]:
     """Return the angle of the rotor or the pulses of its keyphasor, whichever the file has."""
     if "angle" in found:
         angles = _angle(found["angle"], times, column)
         return {"angle": labelled("angle", "t", angles)}
-    if "keyphasor" in found:
-        pulses = _pulses(found["keyphasor"], times, keyphasor, fill)
-        return {"keyphasor": _labelled("keyphasor", "pulse", pulses, time)}
+    if teeth is not None:
+        return {"keyphasor": _labelled("keyphasor", "pulse", teeth.times, time)}
     if "speed" in found:
         return {"angle": labelled("angle", "t", _integrated(found["speed"], times, time))}
     return {}
@@ -367,17 +385,17 @@ def _integrated(column: tuple[Values, str], times: Values, time: str) -> Values:
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def _pulses(column: tuple[Values, str], times: Values, kind: str, fill: bool) -> Values:
-    """Return the times of the pulses of a keyphasor."""
+def _teeth(
+    column: tuple[Values, str], times: Values, kind: str, per_revolution: int, fill: bool
+) -> Teeth:
+    """Return the pulses of a keyphasor."""
     values, _ = column
     if kind == "signal" and values.size != times.size:
         raise InputError(f"keyphasor must have one reading for each t, got {values.size}")
-    sampled = kind == "signal" or (kind == "auto" and values.size == times.size)
-    pulses = pulses_in(times, values) if sampled else values
-    if fill:
-        pulses = with_lost_pulses(pulses)
-    check_pulses(pulses)
-    return pulses
+    if kind == "signal" or (kind == "auto" and values.size == times.size):
+        return teeth_in(times, values, per_revolution, fill=fill)
+    nothing = np.zeros(values.size)
+    return teeth_of(Rises(values, nothing, nothing + np.nan), per_revolution, fill=fill)
 
 
 def _labelled(name: str, dim: str, values: Values, unit: str) -> xr.Variable:

@@ -23,6 +23,8 @@ from rotor_ida.signals.sampling import check_sampling, run_angles, velocities_of
 FEWEST_SAMPLES = 16
 # Times that were written with few digits are still equally spaced: of a step.
 UNEQUAL = 0.01
+# Origins of an angle that no mark tells: that of a speed, and one of several pulses a revolution.
+UNKNOWN, ONE_OF_SEVERAL = "unknown", "one of several pulses"
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ class Record:
     @property
     def has_mark(self) -> bool:
         """Whether angles are known and counted from a mark on the shaft."""
-        return self.angles is not None and not integrated(self.attributes)
+        return self.angles is not None and not lacks_mark(self.attributes)
 
     def known_angles(self) -> Values:
         """Return the angles of the rotor; raise `InputError` if they are not known."""
@@ -110,9 +112,9 @@ class Record:
         )
 
 
-def integrated(attributes: Mapping[str, object]) -> bool:
-    """Return whether the angle of signals is the integral of a speed, and has no known origin."""
-    return attributes.get("angle_origin") == "unknown"
+def lacks_mark(attributes: Mapping[str, object]) -> bool:
+    """Return whether no mark is the origin of the angle: that of a speed, or one of many pulses."""
+    return attributes.get("angle_origin") in (UNKNOWN, ONE_OF_SEVERAL)
 
 
 def equal_step(times: Values, name: str, unequal: float) -> float:

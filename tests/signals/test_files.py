@@ -58,21 +58,32 @@ def refused(path: Path, **options: object) -> str:
     return message
 
 
-def write_uff(path: Path, *, binary: int, columns: dict[str, Array] | None = None) -> None:
+def write_uff(
+    path: Path,
+    *,
+    binary: int,
+    columns: dict[str, Array] | None = None,
+    times: dict[str, Array] | None = None,
+    function: int = 1,
+) -> None:
     file = pyuff.UFF(str(path))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ResourceWarning)  # it leaves binary files to be collected
-        _write_sets(file, binary, columns or {"Probe A": A, "Probe B": B, "Keyphasor": PULSE})
+        columns = columns or {"Probe A": A, "Probe B": B, "Keyphasor": PULSE}
+        _write_sets(file, binary, columns, times or {}, function)
         gc.collect()
 
 
-def _write_sets(file: pyuff.UFF, binary: int, columns: dict[str, Array]) -> None:
+def _write_sets(
+    file: pyuff.UFF, binary: int, columns: dict[str, Array], clocks: dict[str, Array], function: int
+) -> None:
     for number, (name, values) in enumerate(columns.items(), 1):
+        times = clocks.get(name, TIMES)
         file.write_sets({
-            "type": 58, "binary": binary, "func_type": 1, "id1": name, "rsp_node": number,
-            "rsp_dir": 1, "ref_node": 0, "ref_dir": 0, "data": values, "x": TIMES,
-            "num_pts": TIMES.size, "abscissa_spacing": 1, "abscissa_min": 0.0,
-            "abscissa_inc": 1.0 / RATE, "abscissa_spec_data_type": 17,
+            "type": 58, "binary": binary, "func_type": function, "id1": name, "rsp_node": number,
+            "rsp_dir": 1, "ref_node": 0, "ref_dir": 0, "data": values, "x": times,
+            "num_pts": times.size, "abscissa_spacing": 1, "abscissa_min": times[0],
+            "abscissa_inc": times[1] - times[0], "abscissa_spec_data_type": 17,
             "abscissa_axis_units_lab": "s", "ordinate_spec_data_type": 8,
             "ordinate_axis_units_lab": "um", "orddenom_spec_data_type": 0,
             "z_axis_spec_data_type": 0,
@@ -126,11 +137,14 @@ def test_tdms_comes_back_with_its_times_units_and_speed(tmp_path: Path) -> None:
     np.testing.assert_allclose(found.angle, TURN, rtol=0, atol=1e-9)
 
 
-def test_tdms_channels_of_another_rate_are_left_out_and_listed(tmp_path: Path) -> None:
-    write_tdms(tmp_path / "a.tdms", temperature=np.arange(3.0))
+def test_tdms_channels_of_another_rate_are_listed_and_not_guessed(tmp_path: Path) -> None:
+    write_tdms(tmp_path / "a.tdms", **{"Probe A": np.arange(20.0), "Probe B": np.arange(20.0)})
     check(read_signals(tmp_path / "a.tdms", probe_angles=PROBES))
-    message = refused(tmp_path / "a.tdms", columns={"x": "none"})
-    assert "slow.temperature (of another rate)" in message
+    assert "slow.Probe B" in refused(tmp_path / "a.tdms", columns={"x": "none"})
+    columns = {"x": "run.Probe A", "y": "slow.Probe B"}
+    assert "x and y must have one sampling rate, got 2000 and 1 samples a second" in (
+        refused(tmp_path / "a.tdms", columns=columns, units={"y": "um"})
+    )
 
 
 def test_damaged_tdms_files_are_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -224,22 +238,29 @@ COMTRADE = """pump,recorder,{year}
 """
 
 
-def write_comtrade(path: Path, *, kind: str, size: int = TIMES.size) -> None:
+def write_comtrade(
+    path: Path,
+    *,
+    kind: str,
+    size: int = TIMES.size,
+    probes: tuple[Array, Array] = (A, B),
+    pulse: Array = PULSE,
+) -> None:
     gain = 0.002  # a count
-    counts = np.rint(np.stack([A, B]) / gain).astype(int)
+    counts = np.rint(np.stack(probes) / gain).astype(int)
     path.write_text(COMTRADE.format(year=1999, gain=gain, size=size, kind=kind))
     microseconds = np.rint(TIMES * 1e6).astype(int)
     rows = range(TIMES.size)
     if kind == "ASCII":
         lines = [
-            f"{row + 1},{microseconds[row]},{counts[0, row]},{counts[1, row]},20,{PULSE[row]:.0f}"
+            f"{row + 1},{microseconds[row]},{counts[0, row]},{counts[1, row]},20,{pulse[row]:.0f}"
             for row in rows
         ]
         path.with_suffix(".dat").write_text("\n".join(lines) + "\n")
     else:
         data = b"".join(
             struct.pack(
-                "<IIhhhH", row + 1, microseconds[row], *counts[:, row].tolist(), 20, int(PULSE[row])
+                "<IIhhhH", row + 1, microseconds[row], *counts[:, row].tolist(), 20, int(pulse[row])
             )
             for row in rows
         )

@@ -352,3 +352,31 @@ def test_what_was_read_is_saved_and_loaded(tmp_path):
         np.testing.assert_array_equal(back[name], found[name])
         assert back[name].attrs["units"] == found[name].attrs["units"]
     assert back.attrs["columns"] == found.attrs["columns"]
+
+
+def test_blanks_after_signs_belong_to_the_number(tmp_path):
+    def signed(value):
+        return f"{'+' if value >= 0.0 else '-'} {abs(value):.9f}"
+
+    for separator in (",", ";", " "):
+        head = separator.join(("t", "x", "y", "angle"))
+        rows = zip(*COLUMNS, strict=True)
+        body = "\n".join(
+            separator.join((f"{t:.9f}", signed(x), signed(y), f"{angle:.9f}"))
+            for t, x, y, angle in rows
+        )
+        check(read(tmp_path, f"{head}\n{body}"))
+
+
+@pytest.mark.parametrize("head", ["Date;Time;Microseconds", "Date;Time;Time_us", "Time;us"])
+def test_dates_times_and_microseconds_in_columns_of_their_own(head, tmp_path):
+    """Over midnight, so that the times of day alone fall."""
+    rows = []
+    for t, *others in zip(*COLUMNS, strict=True):
+        number = round(1e6 * t) + 86_398_500_000
+        second, part = divmod(number, 1_000_000)
+        day, second = divmod(second, 86_400)
+        clock = f"{second // 3600:02d}:{second // 60 % 60:02d}:{second % 60:02d}"
+        cells = [f"{28 + day}.02.2024"] * head.startswith("Date") + [clock, str(part)]
+        rows.append(";".join([*cells, *(f"{each:.9f}" for each in others)]))
+    check(read(tmp_path, f"{head};x [um];y [um];angle [rad]\n" + "\n".join(rows)))

@@ -31,7 +31,7 @@ from rotor_ida.plot.signals.speeds import legs_of, mark_speeds, title_of_signals
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
 from rotor_ida.signals.orders import check_orders, revolutions_for
 from rotor_ida.signals.orders import orders as tracked
-from rotor_ida.signals.record import integrated, record_of
+from rotor_ida.signals.record import lacks_mark, record_of
 
 SENSES = ("forward", "backward")
 # A jump between windows exceeds this fraction of the largest amplitude, and this multiple of the
@@ -144,7 +144,7 @@ def plot_bode(
         _draw_errors(upper, lower, one, angles, jumps | wraps)
         label_axis(upper.yaxis, "whirl_amplitude", one.units.lengths(amplitude))
         _label_degrees(lower)
-        if integrated(signals.attrs):
+        if lacks_mark(signals.attrs):
             lower.set_ylabel(f"{lower.get_ylabel()}\n(origin unknown)")
         for ax in (upper, lower):
             label_axis(ax.xaxis, "speed", speeds)

@@ -13,9 +13,10 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 
+_DATE = re.compile(r"\d{1,4}[-./]\d{1,2}[-./]\d{1,4}", re.ASCII)
 # 12:03:04.5, perhaps with a date before it, and PM, Z or +01:00 after it.
 _CLOCK = re.compile(
-    r"(?:(?P<date>\d{1,4}[-./]\d{1,2}[-./]\d{1,4})[T ] *)?"
+    rf"(?:(?P<date>{_DATE.pattern})[T ] *)?"
     r"(?P<hour>\d{1,3}):(?P<minute>[0-5]\d):(?P<second>[0-5]\d)(?:[.,](?P<part>\d{1,9})\d*)?"
     r"(?: ?(?P<half>[AP])M)?(?P<zone>Z|[+-]\d\d:?\d\d)?",
     re.ASCII | re.IGNORECASE,
@@ -27,6 +28,11 @@ _DAY = 86_400 * _SECOND
 def is_clock(cell: str) -> bool:
     """Return whether a cell is a time of day, perhaps with its date."""
     return ":" in cell and _CLOCK.fullmatch(cell) is not None
+
+
+def is_date(cell: str) -> bool:
+    """Return whether a cell is a date without a time."""
+    return _DATE.fullmatch(cell) is not None
 
 
 def seconds_of(cells: Sequence[str]) -> Values:

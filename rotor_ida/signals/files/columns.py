@@ -31,15 +31,29 @@ ENDINGS = {
 }
 # Largest number of numbers read from one file: 2 GiB.
 MOST_NUMBERS = 2**28
+# Part by which two sampling rates may differ and still be one.
+DIFFERENT_RATE = 0.01
 # Largest compression ratio of deflate, and numbers always allowed in a small file.
 LARGEST_COMPRESSION, SMALLEST_ALLOWANCE = 1032, 2**20
 
 
 class Column(NamedTuple):
-    """Numbers, NaN where a cell has none, and the unit given by the file, if any."""
+    """Numbers, NaN where a cell has none, and the unit given by the file, if any.
+
+    ``times`` are those of its samples, in the unit of the column ``t``, where the file gives each
+    channel its own; of ``t`` they are then its numbers.
+    """
 
     values: Values
     unit: str = ""
+    times: Values | None = None
+
+    @property
+    def step(self) -> float:
+        """The usual step of its own times, 0 if it has none."""
+        if self.times is None or self.times.size < 2:
+            return 0.0
+        return float(np.median(np.diff(self.times)))
 
 
 @dataclass(frozen=True)
@@ -186,6 +200,34 @@ def numbers_or_times(values: npt.ArrayLike) -> Values | None:
     if held.dtype.kind == "m":
         return np.asarray(held / np.timedelta64(1, "ns") * 1e-9, dtype=np.float64)
     return held.astype(np.float64, copy=False) if held.dtype.kind in "biuf" else None
+
+
+def with_clock(
+    columns: Mapping[str, Column], unit: str = "s", name: str = "t"
+) -> dict[str, Column]:
+    """Return columns after one of the times that most of them have; all have times on entry.
+
+    They keep their own times only if there are several.
+    """
+    clocks: list[Values] = []
+    counts: list[int] = []
+    found: dict[str, Column] = {}
+    for each, column in columns.items():
+        times = column.times
+        assert times is not None
+        same = (n for n, clock in enumerate(clocks) if np.array_equal(clock, times, equal_nan=True))
+        place = next(same, -1)
+        if place < 0:
+            clocks.append(times)
+            counts.append(0)
+        counts[place] += 1
+        found[each] = column._replace(times=clocks[place])
+    most = clocks[counts.index(max(counts))]
+    if len(clocks) == 1:
+        return {name: Column(most, unit)} | {
+            each: column._replace(times=None) for each, column in found.items()
+        }
+    return {name: Column(most, unit, most), **found}
 
 
 def possible_in(path: Path) -> float:

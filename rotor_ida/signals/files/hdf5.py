@@ -20,6 +20,10 @@ from rotor_ida.errors import InputError
 from rotor_ida.results.archive.library import LOCK, what_is_not_own
 from rotor_ida.signals.files.columns import MOST_NUMBERS, Column, check_size, one_line, possible_in
 
+# Attributes for numbers that were packed, with what they are if left out, and for missing ones.
+SCALING = {"scale_factor": 1.0, "add_offset": 0.0}
+MISSING = ("_FillValue", "missing_value")
+PACKING = (*SCALING, *MISSING)
 # Memory of the process [bytes]: the libraries, and the numbers twice.
 MEMORY = 3 * 2**30 + 2 * 8 * MOST_NUMBERS
 
@@ -104,8 +108,29 @@ def _group(group: Any) -> dict[str, object]:
         if values.dtype.names:
             held[name] = {field: values[field] for field in values.dtype.names}
         else:  # MATLAB counts dimensions from the other end
-            held[name] = Column(values.T if matlab else values, unit)
+            found = _unpacked(variable, values.T if matlab else values)
+            held[name] = found if isinstance(found, str) else Column(found, unit)
     for name, within in group.groups.items():
         if not name.startswith("#"):
             held[name] = _group(within)
     return held
+
+
+def _unpacked(variable: Any, values: Any) -> Any:
+    """Return numbers with scale and offset, NaN where one is missing; or why they have no meaning.
+
+    The attributes are those of netCDF, which HDF5 files have too.
+    """
+    held = {name: getattr(variable, name) for name in PACKING if hasattr(variable, name)}
+    if not held or values.dtype.kind not in "biuf":
+        return values
+    for name, value in held.items():
+        if np.asarray(value).dtype.kind not in "biuf" or (name in SCALING and np.size(value) != 1):
+            return f"numbers of which {name} is {shown(str(value))}"
+    scale, offset = (float(np.ravel(held.get(name, plain))[0]) for name, plain in SCALING.items())
+    found = values.astype(np.float64) * scale + offset
+    with np.errstate(invalid="ignore"):  # what does not fit into the type of the numbers
+        unknown = [np.ravel(held[name]).astype(values.dtype) for name in MISSING if name in held]
+    for each in unknown:
+        found[np.isin(values, each)] = np.nan
+    return found

@@ -5,24 +5,40 @@ from __future__ import annotations
 import math
 import re
 import warnings
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from rotor_ida.checks import shown
+from rotor_ida.arrays import Values
+from rotor_ida.checks import listed, shown
 from rotor_ida.errors import InputError
 from rotor_ida.signals.files.columns import (
+    DIFFERENT_RATE,
     Column,
     Table,
     check_size,
     numbers_or_times,
     understood,
+    unit_called,
+    with_clock,
 )
-from rotor_ida.signals.files.text import decoded, read_text, told_apart
+from rotor_ida.signals.files.text import decoded, number_in, read_text, told_apart
 
-TIME_RESPONSE = 1  # of functions in UFF
+# Types of functions in UFF, by number.
+FUNCTIONS = (
+    *("general or unknown", "time response", "auto spectrum", "cross spectrum"),
+    *("frequency response", "transmissibility", "coherence", "auto correlation"),
+    *("cross correlation", "power spectral density", "energy spectral density"),
+    *("probability density", "spectrum", "cumulative frequency distribution", "peaks and valleys"),
+    *("stress over cycles", "strain over cycles", "orbit", "mode indicator function"),
+    *("force pattern", "partial power", "partial coherence", "eigenvalues", "eigenvectors"),
+    *("shock response spectrum", "impulse response filter", "multiple coherence"),
+    *("order function", "phase compensation"),
+)
+UNKNOWN, TIME_RESPONSE = 0, 1
 TIME = 17  # of abscissae in UFF
 SINGLE, DOUBLE = 2, 4  # of real ordinates in UFF
 # Axes of a response in UFF.
@@ -34,6 +50,7 @@ _TAG = re.compile(rb"    -1(?: {74})?(?=[\r\n]|\Z)")
 # Bytes of an analogue channel in COMTRADE, by format.
 BYTES = {"BINARY": 2, "BINARY32": 4, "FLOAT32": 4}
 STATUS_BITS = 16
+NO_STAMP = 0xFFFFFFFF
 # Files of a COMTRADE record, and the beginning of a section where all are in one.
 PAIR, COMBINED = (".cfg", ".dat"), ".cff"
 _SECTION = re.compile(
@@ -72,32 +89,48 @@ def read_uff(path: Path) -> Table:
     if tags % 2 or not kinds:
         raise InputError(f"{shown(path)} must be a universal file (UFF) to its end, got a part")
     responses = [each for each in sets if _is_response(each)]
+    rest = list(map(_what_it_is, (each for each in sets if not _is_response(each))))
     if not responses:
+        other = dict.fromkeys(f"a set {kind}" for kind in kinds if kind != 58)
         raise InputError(
-            f"{shown(path)} must contain time responses (set 58 or 58b), got the sets {kinds}"
+            f"{shown(path)} must contain time responses (set 58 or 58b), got "
+            f"{listed([*dict.fromkeys(rest), *other])}"
         )
-    times = np.asarray(responses[0]["x"], dtype=np.float64)
-    names = told_apart([_response_name(each) for each in responses])
-    columns = {"t": Column(times, _label(responses[0], "abscissa_axis_units_lab") or "s")}
-    rest = [f"set of function {each['func_type']}" for each in sets if not _is_response(each)]
-    for name, each in zip(names, responses, strict=True):
-        values = np.asarray(each["data"], dtype=np.float64)[: int(each["num_pts"])]
-        if values.size < int(each["num_pts"]):
+    labels = {_label(each, "abscissa_axis_units_lab") or "s" for each in responses}
+    if len(labels) > 1:
+        raise InputError(
+            f"the sets of {shown(path)} must have times in one unit, got {listed(sorted(labels))}"
+        )
+    names = told_apart(["t", *map(_response_name, responses)])
+    columns = {}
+    for name, each in zip(names[1:], responses, strict=True):
+        values, times = (np.asarray(each[key], dtype=np.float64) for key in ("data", "x"))
+        # behind binary numbers there may be an end of line
+        if not 0 <= values.size - int(each["num_pts"]) <= each["binary"]:
             raise InputError(
                 f"{shown(path)} must contain the {each['num_pts']} points that its set {name} "
                 f"declares, got {values.size}"
             )
-        columns[name] = Column(values, _label(each, "ordinate_axis_units_lab"))
-        if not np.array_equal(np.asarray(each["x"])[: values.size], times[: values.size]):
-            raise InputError(f"the sets of {shown(path)} must have the same times, {name} has not")
-    columns["t"] = Column(times[: next(iter(responses))["num_pts"]], columns["t"].unit)
-    return _sampled(columns, ", ".join(rest))
+        size = slice(int(each["num_pts"]))
+        columns[name] = Column(values[size], _label(each, "ordinate_axis_units_lab"), times[size])
+    found = with_clock(columns, labels.pop())
+    return _sampled(found, ", ".join(rest))
 
 
 def _is_response(dataset: dict[str, Any]) -> bool:
-    """Return whether a set is a real function of time."""
-    over_time = dataset["func_type"] == TIME_RESPONSE or dataset["abscissa_spec_data_type"] == TIME
+    """Return whether a set is a real function of time, and no correlation or other result."""
+    over_time = dataset["func_type"] == TIME_RESPONSE or (
+        dataset["func_type"] == UNKNOWN and dataset["abscissa_spec_data_type"] == TIME
+    )
     return over_time and dataset["ord_data_type"] in (SINGLE, DOUBLE)
+
+
+def _what_it_is(dataset: dict[str, Any]) -> str:
+    """Return in words what a set 58 that is no time response contains."""
+    number = int(dataset["func_type"])
+    of_complex = "" if dataset["ord_data_type"] in (SINGLE, DOUBLE) else " of complex numbers"
+    words = FUNCTIONS[number] if 0 <= number < len(FUNCTIONS) else "unknown function"
+    return f"a set 58 with the function type {number} ({words}{of_complex})"
 
 
 def _response_name(dataset: dict[str, Any]) -> str:
@@ -121,7 +154,7 @@ def read_tdms(path: Path) -> Table:
     with (
         understood(path, "a TDMS file"),
         path.open("rb") as held,
-        nptdms.TdmsFile.open(held) as file,
+        nptdms.TdmsFile.open(held, raw_timestamps=True) as file,
     ):
         channels = [each for group in file.groups() for each in group.channels() if len(each)]
         check_size(path, sum(map(len, channels)), possible=8.0 * path.stat().st_size)
@@ -130,27 +163,64 @@ def read_tdms(path: Path) -> Table:
         several = len({each.group_name for each in channels}) > 1
         columns: dict[str, Column] = {}
         rest: list[str] = []
-        # channels with another rate than the longest one have other times
+        # the longest first
         channels.sort(key=len, reverse=True)
-        step = channels[0].properties.get("wf_increment") if channels else None
+        first = next((start for each in channels if (start := _start_of(each)) is not None), None)
         for channel in channels:
             name = f"{channel.group_name}.{channel.name}" if several else channel.name
-            values = numbers_or_times(channel[:])
-            if values is None:
-                rest.append(f"{name} (no numbers)")
-            elif channel.properties.get("wf_increment", step) != step:
-                rest.append(f"{name} (of another rate)")
+            column = _channel(channel, first)
+            if isinstance(column, str):
+                rest.append(f"{name} ({column})")
             else:
-                unit = channel.properties.get("unit_string") or channel.properties.get(
-                    "NI_UnitDescription", ""
-                )
-                is_date = np.asarray(channel[:1]).dtype.kind == "M"
-                columns[name] = Column(values, "s" if is_date else str(unit))
-        if step and channels and "t" not in columns:
-            columns = {"t": Column(channels[0].time_track(), "s"), **columns}
+                columns[name] = column
+        if "t" not in columns and any(each.times is not None for each in columns.values()):
+            columns = _with_clock_of_others(columns)
     if not columns:
         raise InputError(f"{shown(path)} must contain channels of numbers, got {rest or 'none'}")
     return _sampled(columns, ", ".join(rest))
+
+
+def _channel(channel: Any, first: Any) -> Column | str:
+    """Return a channel of a TDMS file with its times after the first start, or what else it is."""
+    held, properties = channel[:], channel.properties
+    is_date = hasattr(held, "as_datetime64")
+    values = numbers_or_times(held.as_datetime64("ns") if is_date else held)
+    if values is None:
+        return "no numbers"
+    unit = properties.get("unit_string") or properties.get("NI_UnitDescription", "")
+    step = properties.get("wf_increment")
+    if not step or is_date:
+        return Column(values, "s" if is_date else str(unit))
+    over = str(properties.get("wf_xunit_string") or "s")
+    unit_of_step = unit_called(over)
+    if unit_of_step is None or unit_of_step.kind != "time":
+        return f"over {over}"
+    start, offset = _start_of(channel), properties.get("wf_start_offset", 0.0)
+    begin = unit_of_step.factor * float(offset)
+    if start is not None:
+        # in whole numbers, of which the difference is exact
+        begin += (start.seconds - first.seconds) + (
+            start.second_fractions - first.second_fractions
+        ) * 2.0**-64
+    times = begin + unit_of_step.factor * float(step) * np.arange(values.size)
+    return Column(values, str(unit), np.asarray(times, dtype=np.float64))
+
+
+def _start_of(channel: Any) -> Any:
+    """Return the time at which a channel of a TDMS file starts, None if it does not tell."""
+    start = channel.properties.get("wf_start_time")
+    return start if hasattr(start, "second_fractions") else None
+
+
+def _with_clock_of_others(columns: Mapping[str, Column]) -> dict[str, Column]:
+    """Return columns with ``t``; one without times has those of another of its length, if any."""
+    clocks = {each.values.size: each.times for each in columns.values() if each.times is not None}
+    timed = {
+        name: each._replace(times=clocks[each.values.size]) if each.times is None else each
+        for name, each in columns.items()
+        if each.times is not None or each.values.size in clocks
+    }
+    return {**with_clock(timed), **{name: columns[name] for name in columns if name not in timed}}
 
 
 def read_comtrade(path: Path) -> Table:
@@ -175,15 +245,16 @@ def read_comtrade(path: Path) -> Table:
             use_numpy_arrays=True, use_double_precision=True, ignore_warnings=True
         )
         record.cfg.read(head)
-        rows, whole = int(record.cfg.sample_rates[-1][1]), _rows_in(data, record.cfg)
-        if rows <= whole:
+        rows, stamps = int(record.cfg.sample_rates[-1][1]), _stamps_in(data, record.cfg)
+        if rows == stamps.size:
             binary = record.cfg.ft.upper() in BYTES
             record.read(head, data if binary else decoded(data))
-    if rows > whole:
+    if rows != stamps.size:
         raise InputError(
             f"{shown(path)} must contain the {rows} samples that {shown(source.name)} declares, "
-            f"got {whole}"
+            f"got {stamps.size}"
         )
+    _check_rates(record, stamps, source)
     with understood(path, "a COMTRADE record"):
         return _channels_of(record)
 
@@ -192,12 +263,36 @@ def _channels_of(record: Any) -> Table:
     """Return the channels of a COMTRADE record that was read, and ``t``."""
     channels = [*record.cfg.analog_channels, *record.cfg.status_channels]
     names = told_apart(["t", *(each.name.strip() or f"{each.n}" for each in channels)])
-    units = [str(getattr(each, "uu", "")).strip() for each in channels]
-    columns = {names[0]: Column(np.asarray(record.time, dtype=np.float64), "s")}
+    times = np.asarray(record.time, dtype=np.float64)
     values = [*record.analog, *record.status]
-    for name, each, unit in zip(names[1:], values, units, strict=True):
-        columns[name] = Column(np.asarray(each, dtype=np.float64), unit)
-    return _sampled(columns)
+    columns = {}
+    for name, each, channel in zip(names[1:], values, channels, strict=True):
+        unit = str(getattr(channel, "uu", "")).strip()
+        # a channel without its own converter is read later than the others [microseconds]
+        skew = 1e-6 * float(getattr(channel, "skew", 0.0))
+        columns[name] = Column(np.asarray(each, dtype=np.float64), unit, times + skew)
+    return _sampled(with_clock(columns))
+
+
+def _check_rates(record: Any, stamps: Values, source: Path) -> None:
+    """Raise `InputError` for several rates, or one that the time stamps [s] contradict."""
+    rates = record.cfg.sample_rates
+    if len({rate for rate, _ in rates}) > 1:
+        each = [f"{rate:g} a second up to sample {last}" for rate, last in rates]
+        raise InputError(
+            f"{shown(source.name)} must declare one sampling rate, got {listed(each)}; cut the "
+            "record there"
+        )
+    if record.cfg.timestamp_critical or not np.isfinite(stamps[[0, -1]]).all():
+        return  # the stamps are the times, or there are none
+    by_rate, by_stamps = (float(each[-1] - each[0]) for each in (record.time, stamps))
+    digit = record.cfg.time_base * record.cfg.timemult
+    if by_stamps and not abs(by_stamps - by_rate) <= DIFFERENT_RATE * by_rate + 2.0 * abs(digit):
+        raise InputError(
+            f"{shown(source.name)} must declare the sampling rate of its time stamps, "
+            f"{(stamps.size - 1) / by_stamps:.6g} a second, got {rates[0][0]:g}; correct it, or "
+            "their factor (a rate of 0 leaves the times to them)"
+        )
 
 
 def _pair_of(path: Path) -> dict[str, Path]:
@@ -232,13 +327,19 @@ def _check_channels(head: str) -> None:
         raise ValueError(f"{shown(lines[1])} declares more channels than there are lines")
 
 
-def _rows_in(data: bytes, cfg: Any) -> int:
-    """Return the number of samples in the data of a COMTRADE record."""
-    if cfg.ft.upper() not in BYTES:
-        return sum(1 for line in data.splitlines() if line.strip(b"\x1a \t"))
-    status = 2 * math.ceil(cfg.status_count / STATUS_BITS)
-    row = 8 + BYTES[cfg.ft.upper()] * int(cfg.analog_count) + status
-    return int(len(data) // row)
+def _stamps_in(data: bytes, cfg: Any) -> Values:
+    """Return the time stamp of each sample of a COMTRADE record [s], NaN where there is none."""
+    if cfg.ft.upper() in BYTES:
+        status = 2 * math.ceil(cfg.status_count / STATUS_BITS)
+        size = 8 + BYTES[cfg.ft.upper()] * int(cfg.analog_count) + status
+        rows = len(data) // size
+        held = np.frombuffer(data[: rows * size], dtype=np.uint8).reshape(rows, size)
+        stamps = np.ascontiguousarray(held[:, 4:8]).view("<u4").ravel().astype(np.float64)
+        stamps[stamps == NO_STAMP] = np.nan
+    else:
+        lines = (line.split(b",", 2) for line in data.splitlines() if line.strip(b"\x1a \t"))
+        stamps = np.array([number_in(decoded(b"".join(line[1:2])).strip()) for line in lines])
+    return np.asarray(stamps * cfg.time_base * cfg.timemult, dtype=np.float64)
 
 
 def _sampled(columns: dict[str, Column], rest: str = "") -> Table:

@@ -15,7 +15,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.signals.files.clock import is_clock, seconds_of
+from rotor_ida.signals.files.clock import is_clock, is_date, seconds_of
 from rotor_ida.signals.files.columns import Column, Table, name_and_unit, unit_called
 
 # Lines before the numbers in which instruments describe themselves.
@@ -25,6 +25,15 @@ COMMENTS = ("#", "%", "//")
 MISSING = {"", "-", "--", "---", "na", "n/a", "#n/a", "null", "none"}
 # What may be a decimal comma or one between thousands: 1,234 but not 0,234 nor 1,23.
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
+# A sign before a blank and a number.
+_LONE_PLUS = re.compile(r"(?<![^\s;,\"])\+ +(?=\.?\d)")
+_LONE_SIGN = re.compile(r"(?<![^\s;,\"])([+-]) +(?=\.?\d)")
+# What a column beside a clock holds, as a part of a second.
+PARTS = {
+    **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds"), 1e-3),
+    **dict.fromkeys(("us", "µs", "μs", "usec", "micros", "microsecond", "microseconds"), 1e-6),
+    **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds"), 1e-9),
+}
 # Digits that follow a decimal comma rather than stand alone: 05 but not 0 nor 5.
 _FRACTION = re.compile(r"0\d+")
 
@@ -50,7 +59,7 @@ class Layout:
 
 def read_text(path: Path) -> Table:
     """Return the columns of a text."""
-    lines = lines_of(path)
+    lines = _with_signs_joined(lines_of(path))
     layout = _layout(lines, path)
     names, units = _names(lines[: layout.first], layout, path)
     rows = [
@@ -60,10 +69,7 @@ def read_text(path: Path) -> Table:
     ]
     _check_commas(lines, rows, layout, path)
     numbers = _numbers([lines[row] for row in rows], rows, layout, path)
-    for place, first in enumerate(layout.cells(lines[layout.first])):
-        if is_clock(first):
-            numbers[:, place] = seconds_of([layout.cells(lines[row])[place] for row in rows])
-            units[place] = "s"
+    used = _read_clocks(numbers, [lines[row] for row in rows], layout, names, units)
 
     def cell(name: str, row: int) -> str:
         held = layout.cells(lines[rows[row]])[names.index(name)]
@@ -72,10 +78,51 @@ def read_text(path: Path) -> Table:
     return Table(
         {
             name: Column(np.ascontiguousarray(column), unit)
-            for name, column, unit in zip(names, numbers.T, units, strict=True)
+            for place, (name, column, unit) in enumerate(zip(names, numbers.T, units, strict=True))
+            if place not in used
         },
         cell,
     )
+
+
+def _read_clocks(
+    numbers: Values, body: Sequence[str], layout: Layout, names: Sequence[str], units: list[str]
+) -> set[int]:
+    """Fill in the columns of clock times in seconds; return those of their dates and fractions."""
+    first = layout.cells(body[0])
+    used: set[int] = set()
+    for place in [place for place, cell in enumerate(first) if is_clock(cell)]:
+        texts = [layout.cells(line)[place] for line in body]
+        are_whole = not any("." in text or "," in text for text in texts)
+        beside = [each for each in (place - 1, place + 1) if 0 <= each < len(first)]
+        date = next((each for each in beside if is_date(first[each])), None)
+        if date is not None:
+            texts = [
+                f"{layout.cells(line)[date]} {text}" for line, text in zip(body, texts, strict=True)
+            ]
+            used.add(date)
+        numbers[:, place] = seconds_of(texts)
+        units[place] = "s"
+        after = next((each for each in range(place + 1, len(first)) if each not in used), None)
+        part = PARTS.get(re.split(r"[^a-zµμ]+", names[after].lower())[-1]) if after else None
+        part = part or PARTS.get(units[after].lower()) if after else None
+        if after is None or part is None or not are_whole:
+            continue
+        fractions = numbers[:, after]
+        if (np.isfinite(fractions) & (fractions >= 0.0) & (fractions * part < 1.0)).all():
+            numbers[:, place] += (fractions - fractions[0]) * part
+            used.add(after)
+    return used
+
+
+def _with_signs_joined(lines: list[str]) -> list[str]:
+    """Return lines in which no sign stands apart from its number.
+
+    A lone minus may be a missing number, so only if a lone plus stands before some number.
+    """
+    if not any("+ " in line and _LONE_PLUS.search(line) for line in lines):
+        return lines
+    return [_LONE_SIGN.sub(r"\1", line) for line in lines]
 
 
 def lines_of(path: Path) -> list[str]:
@@ -278,6 +325,8 @@ def number_in(cell: str) -> float:
     >>> number_in("1.5e3"), number_in("1_0"), number_in("\uff11")  # as Python writes it, full width
     (1500.0, nan, nan)
     """
+    if cell[:1] in ("+", "-"):  # some write a blank after the sign
+        cell = cell[0] + cell[1:].lstrip(" ")
     try:
         return float(cell) if cell.isascii() and "_" not in cell else math.nan
     except ValueError:
