@@ -44,7 +44,8 @@ from rotor_ida.signals.keyphasor import (
     pulses_in,
     with_lost_pulses,
 )
-from rotor_ida.signals.probes import check_probes, displaced, displacements
+from rotor_ida.signals.probes import check_probes, displaced, displacements, mean_position
+from rotor_ida.signals.record import MEAN, position_text
 from rotor_ida.signals.sample_times import times_of
 
 NO_UNIT = "times have no unit: give it in units (t=s)"
@@ -84,6 +85,7 @@ def read_signals(
     pulses_per_revolution: int = 1,
     accept_clipped: bool = False,
     fill_pulses: bool = False,
+    keep_offset: bool = False,
 ) -> xr.Dataset:
     """Read the signals of two probes and a keyphasor, or a speed, from a measured file.
 
@@ -119,13 +121,18 @@ def read_signals(
     accept_clipped, fill_pulses : bool
         Whether a clipped probe is accepted, and lost pulses are filled in. By default both are
         refused.
+    keep_offset : bool
+        Whether ``x`` and ``y`` keep the mean position, as in data that are counted from the centre
+        of the stator. By default they are counted from it: the mean of a DC-coupled probe is the
+        voltage of its gap.
 
     Returns
     -------
     Dataset
         ``x y`` on ``t``, in s and um, mm or another unit given, and ``angle`` on ``t`` [rad] or
-        pulse times, ``keyphasor`` on ``pulse``. It can be saved and loaded like any result. The
-        attribute ``notes`` lists the assumptions.
+        pulse times, ``keyphasor`` on ``pulse``. ``mean_x`` and ``mean_y`` are the mean position
+        that was subtracted; `rotor_ida.centre_line` and `rotor_ida.orders` add it again. It can be
+        saved and loaded like any result. The attribute ``notes`` lists the assumptions.
 
     Raises
     ------
@@ -138,7 +145,9 @@ def read_signals(
     A pulse of a sampled keyphasor is where the signal passes half its height, interpolated between
     two samples. A speed instead of a keyphasor is integrated to the angle by the trapezoidal rule:
     amplitudes of orders are correct, but phase lags count from the first sample and drift with
-    the error of the speed.
+    the error of the speed. The mean position is that of the whole revolutions of the record, or of
+    all samples if no angle is known. One mean is subtracted from the whole record, so in a run-up
+    ``x`` and ``y`` still show how the centre line moves.
 
     Examples
     --------
@@ -157,6 +166,7 @@ def read_signals(
     per_revolution = check_per_revolution(pulses_per_revolution)
     check_flag("accept_clipped", accept_clipped)
     check_flag("fill_pulses", fill_pulses)
+    check_flag("keep_offset", keep_offset)
     told, given = _words("columns", columns), _words("units", units)
     if rate is not None:
         rate = check_between("rate", rate, *RATES)
@@ -188,14 +198,21 @@ def read_signals(
     elif "speed" in found:
         attributes["angle_origin"] = "unknown"
         notes.append(INTEGRATED)
+    rotation = _rotation(found, times, time, keyphasor, fill_pulses, names.get("angle", ""))
+    coordinates = {"t": _labelled("t", "t", times, time)}
+    if not keep_offset:
+        mean = mean_position(z, times, rotation)
+        z = z - mean
+        for axis, value in zip(MEAN, (mean.real, mean.imag), strict=True):
+            coordinates[axis] = _labelled(axis, (), value, length)
+        notes.append(f"the mean position is subtracted: {position_text(mean, length)}")
     if notes:
         attributes["notes"] = "; ".join(notes)
     variables = {
         "x": _labelled("x", "t", z.real, length),
         "y": _labelled("y", "t", z.imag, length),
-        **_rotation(found, times, time, keyphasor, fill_pulses, names.get("angle", "")),
+        **rotation,
     }
-    coordinates = {"t": _labelled("t", "t", times, time)}
     return labelled_dataset(
         "Signals of two probes", variables, coordinates, attributes, kind="signals"
     )
@@ -380,7 +397,9 @@ def _pulses(column: tuple[Values, str], times: Values, kind: str, fill: bool) ->
     return pulses
 
 
-def _labelled(name: str, dim: str, values: Values, unit: str) -> xr.Variable:
+def _labelled(
+    name: str, dim: str | tuple[()], values: npt.ArrayLike, unit: str
+) -> xr.Variable:
     """Return values labelled by name, in the given unit."""
     variable = labelled(name, dim, values)
     variable.attrs["units"] = unit

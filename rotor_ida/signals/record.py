@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +24,8 @@ from rotor_ida.signals.sampling import check_sampling, run_angles, velocities_of
 FEWEST_SAMPLES = 16
 # Times that were written with few digits are still equally spaced: of a step.
 UNEQUAL = 0.01
+# Mean position from which displacements of measured signals are counted.
+MEAN = ("mean_x", "mean_y")
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,8 @@ class Record:
     length, time : str
         Units of displacements and times.
     coordinates : mapping
-        The given parameters of the rotor; of a rotor system the node and its clearance.
+        The given parameters of the rotor; of a rotor system the node and its clearance; of measured
+        signals the mean position that was subtracted.
     attributes : mapping
         Attributes that results inherit.
     """
@@ -57,6 +61,11 @@ class Record:
     def has_mark(self) -> bool:
         """Whether angles are known and counted from a mark on the shaft."""
         return self.angles is not None and not integrated(self.attributes)
+
+    @property
+    def mean(self) -> complex:
+        """Position from which displacements are counted."""
+        return mean_of(self.coordinates)
 
     def known_angles(self) -> Values:
         """Return the angles of the rotor; raise `InputError` if they are not known."""
@@ -108,6 +117,24 @@ class Record:
             {**self.attributes, **(attributes or {})},
             kind=kind,
         )
+
+
+def mean_of(coordinates: Mapping[Any, xr.Variable | xr.DataArray]) -> complex:
+    """Return the position from which displacements of signals are counted: 0 by default."""
+    x, y = (float(coordinates[name]) if name in coordinates else 0.0 for name in MEAN)
+    return complex(x, y)
+
+
+def position_text(mean: complex, length: str) -> str:
+    """Return a position in words.
+
+    Examples
+    --------
+    >>> position_text(1275.36 - 8.0j, "um")
+    'x 1275 um, y -8 um'
+    """
+    unit = "" if length == "1" else f" {length}"
+    return f"x {mean.real:.4g}{unit}, y {mean.imag:.4g}{unit}"
 
 
 def integrated(attributes: Mapping[str, object]) -> bool:
@@ -217,7 +244,7 @@ def record_of(signals: object, name: str = "signals") -> Record:
         _unit_of(name, given["t"]),
         {
             each: given[each].variable.to_base_variable()
-            for each in (*ALL_PARAMETERS, *OF_NODE)
+            for each in (*ALL_PARAMETERS, *OF_NODE, *MEAN)
             if each in given.variables and not given[each].ndim
         },
         origin_of(given),
