@@ -397,9 +397,7 @@ def _pulses(column: tuple[Values, str], times: Values, kind: str, fill: bool) ->
     return pulses
 
 
-def _labelled(
-    name: str, dim: str | tuple[()], values: npt.ArrayLike, unit: str
-) -> xr.Variable:
+def _labelled(name: str, dim: str | tuple[()], values: npt.ArrayLike, unit: str) -> xr.Variable:
     """Return values labelled by name, in the given unit."""
     variable = labelled(name, dim, values)
     variable.attrs["units"] = unit
