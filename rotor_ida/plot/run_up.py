@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -137,10 +138,8 @@ def plot_run_up(run: xr.Dataset) -> Figure:
         _draw_radius(panels[-2], run, places, course)
         _draw_force(panels[-1], run, places, course)
         _finish_panels(panels, run, places, course)
-        for ax, orbit in zip(below.subplots(1, 3), orbits, strict=False):
+        for ax, orbit in zip(below.subplots(1, len(orbits), squeeze=False)[0], orbits, strict=True):
             _draw_orbit(ax, run, course, *orbit)
-        for ax in below.axes[len(orbits) :]:
-            ax.remove()
         below.axes[0].set_ylabel(label_of("y", run["y"]))
         above.align_ylabels(panels)
         shared_legend(below, [*panels, *below.axes], columns=7, outer=False)
@@ -226,33 +225,34 @@ def _in_order(times: Values, values: Values) -> tuple[Values, Values]:
     return times[known][order], values[known][order]
 
 
-def _orbits_of(places: Sequence[Place], course: Course) -> Iterator[tuple[str, Place, float]]:
-    """Yield words, place and time of each orbit; those of nearly one time and place are one."""
+def _orbits_of(places: Sequence[Place], course: Course) -> Iterator[tuple[str, Place, list[float]]]:
+    """Yield words, place and times of each orbit; those of nearly one time and place are one."""
     hardest, end = places[0], float(course.time[-1])
     touched = [each for each in places if each.entries.size]
     if touched:
         begins = [float(np.nan_to_num(each.entries, nan=course.time[0]).min()) for each in touched]
         first = int(np.argmin(begins))
+        hard = float(hardest.force_time[hardest.force.argmax()])
         wanted = [
-            ("first touch", touched[first], begins[first]),
-            ("largest force", hardest, float(hardest.force_time[hardest.force.argmax()])),
+            ("first touch", touched[first], [begins[first]]),
+            ("largest force", hardest, [hard]),
         ]
     else:
         farthest = float(hardest.path.time[hardest.radius.argmax()])
-        wanted = [("largest radius", hardest, farthest)]
-    wanted.append(("end", hardest, end))
+        wanted = [("largest radius", hardest, [farthest])]
+    wanted.append(("end", hardest, [end]))
     while wanted:
-        words, place, time = wanted.pop(0)
-        turn = course.turns_at(np.array([time]))
+        words, place, times = wanted.pop(0)
         if wanted and wanted[0][1] is place:
-            later = course.turns_at(np.array([wanted[0][2]]))
-            if abs(later - turn) < 0.5 * FEW_TURNS:
-                wanted[0] = (f"{words}, {wanted[0][0]}", place, wanted[0][2])
+            after, _, later = wanted[0]
+            apart = np.ptp(course.turns_at(np.array([*times, *later])))
+            if apart < 0.5 * FEW_TURNS:
+                wanted[0] = (f"{words}, {after}", place, [*times, *later])
                 continue
-        yield words, place, time
+        yield words, place, times
 
 
-def _bins(across: Values, turns: Values) -> Values:
+def _bins(across: Values, turns: Values) -> npt.NDArray[np.intp]:
     """Return the first sample of each column that is at least a dot and a revolution wide."""
     column = np.abs(across - across[0]) / (abs(across[-1] - across[0]) or 1.0) * COLUMNS
     starts, place = [], 0
@@ -284,7 +284,7 @@ def _draw_band(
 def _draw_radius(ax: Axes, run: xr.Dataset, places: Sequence[Place], course: Course) -> None:
     """Draw the radius in each place; over its clearance if there are several."""
     for number, place in enumerate(places):
-        part = place.clearance if len(places) > 1 else 1.0
+        part = (place.clearance or 1.0) if len(places) > 1 else 1.0
         values = place.radius / part
         _draw_band(
             ax, course, place.path.time, values, _colour(number, BLUE), _name(places, number)
@@ -341,10 +341,11 @@ def _finish_panels(
     speed, time = course.speed.values, course.time
     rising = slice(None, None, 1 if speed[-1] > speed[0] else -1)
     above = panels[0].secondary_xaxis("top", functions=(
-        lambda at: np.interp(at, speed[rising], time[rising]),
-        lambda at: np.interp(at, time, speed),
+        lambda at: np.interp(np.asarray(at), speed[rising], time[rising]),
+        lambda at: np.interp(np.asarray(at), time, speed),
     ))  # fmt: skip
-    above.xaxis.set_major_locator(MaxNLocator(8))
+    ticks = MaxNLocator(8).tick_values(time[0], time[-1])
+    above.set_ticks([tick for tick in ticks if time[0] <= tick <= time[-1]])
     above.set_xlabel(label_of("t", run["t"]))
 
 
@@ -359,10 +360,10 @@ def _contacts_across(places: Sequence[Place], course: Course) -> xr.Dataset:
 
 
 def _draw_orbit(
-    ax: Axes, run: xr.Dataset, course: Course, words: str, place: Place, time: float
+    ax: Axes, run: xr.Dataset, course: Course, words: str, place: Place, times: list[float]
 ) -> None:
-    """Draw the orbit of a few revolutions about a time, in the clearance."""
-    middle = float(course.turns_at(np.array([time]))[0])
+    """Draw the orbit of a few revolutions about some times, in the clearance."""
+    middle = float(course.turns_at(np.array(times)).mean())
     begin = max(0.0, min(middle - 0.5 * FEW_TURNS, course.turns[-1] - FEW_TURNS))
     path = place.path
     turns = course.turns_at(path.time)
@@ -380,9 +381,16 @@ def _draw_orbit(
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
     ax.set_xlabel(label_of("x", run["x"]))
-    at = f"{label_of('t', run['t']).split()[1]}$ = {time:.4g}$ {unit_of(run['t'])}".strip()
+    spans = [f"{label_of('t', run['t']).split()[1]} {_span(times)} {unit_of(run['t'])}".rstrip()]
     if "speed" in run.variables:
-        speed = float(np.interp(time, course.time, course.speed))
-        at = f"{speed:.0f} rpm, {at}" if course.speed.attrs["units"] == "rpm" else (
-            rf"$\omega = {speed:.4g}$, {at}")  # fmt: skip
-    ax.set_title("\n".join(filter(None, [words, place.title, at])), fontsize=9.0)
+        speeds = np.interp(times, course.time, course.speed).tolist()
+        in_turns = course.speed.attrs["units"] == "rpm"
+        span = _span([float(round(each)) for each in speeds] if in_turns else speeds)
+        spans.insert(0, f"{span} rpm" if in_turns else rf"$\omega$ {span}")
+    ax.set_title("\n".join(filter(None, [words, place.title, ", ".join(spans)])), fontsize=9.0)
+
+
+def _span(values: Sequence[float]) -> str:
+    """Return a value, or the first and the last if they differ as written."""
+    ends = dict.fromkeys(f"{each:.4g}" for each in (values[0], values[-1]))
+    return " to ".join(ends)
