@@ -1,4 +1,4 @@
-"""Probes in V with their gap: the mean position is subtracted, said, and kept as the centre line."""
+"""Probes in V with their gap: the mean position is subtracted, and kept as the centre line."""
 
 import numpy as np
 import pytest
@@ -14,10 +14,10 @@ from rotor_ida import (
 )
 from rotor_ida.plot import plot_centre_line, plot_orbit, plot_trace
 
-# 40 um at 30 Hz for 12.4 revolutions, 1,275 um from the tip of each probe
+# 40 um at 30 Hz for 12.4 revolutions, 1,270 um from the tip of each probe
 TIMES = np.arange(827) / 2000.0
 ANGLES = 2.0 * np.pi * 30.0 * TIMES
-GAP = 1275.0
+GAP = 1270.0
 VOLTS = 7.87e-3  # a micrometre
 
 
@@ -38,7 +38,7 @@ def test_the_gap_is_no_line_at_0_hz_and_the_orbit_lies_about_its_centre(file):
     signals = seen(file)
     np.testing.assert_allclose([signals.mean_x, signals.mean_y], -1e-3 * GAP, rtol=1e-6)
     np.testing.assert_allclose(np.hypot(signals.x, signals.y), 0.04, rtol=1e-4)
-    assert "the mean position is subtracted: x -1.275 mm, y -1.275 mm" in signals.attrs["notes"]
+    assert "the mean position is subtracted: x -1.27 mm, y -1.27 mm" in signals.attrs["notes"]
     lines = full_spectrum(signals)
     tallest = float(lines.frequency[lines.whirl_amplitude.argmax()])
     assert tallest == pytest.approx(2.0 * np.pi * 30.0, rel=0.1)
@@ -75,5 +75,5 @@ def test_figures_say_what_was_subtracted_and_draw_the_clearance_about_the_mean(f
     assert plot_trace(signals).get_title() == words
     ax = plot_centre_line(signals, clearance=0.15)
     (ring,) = (line for line in ax.lines if line.get_label() == "clearance")
-    assert np.mean([ring.get_xdata().min(), ring.get_xdata().max()]) == pytest.approx(-1.275)
+    assert np.mean([ring.get_xdata().min(), ring.get_xdata().max()]) == pytest.approx(-1.27)
     assert ax.get_title() == "clearance about the mean of the record"
