@@ -58,9 +58,9 @@ print(summary(run).attrs["sentence"])
 # %%
 # So it rubs. The force comes in short hits of up to ten times the weight of the rotor, 118 N.
 
-from rotor_ida.plot import plot_run
+from rotor_ida.plot import plot_run_up
 
-plot_run(run)
+plot_run_up(run)
 
 # %%
 # 3. Read the Bode plot
@@ -131,7 +131,8 @@ pd.DataFrame({
 }).to_csv("probes.csv", index=False)  # fmt: skip
 
 # %%
-# The columns and their units are guessed from their names; only the angles of the probes have to be given::
+# The columns and their units are guessed from their names; only the angles of the probes have to be given. The mean position is
+# subtracted, as it is the gap of DC-coupled probes; ``--keep-offset`` keeps it::
 #
 #     rotor-ida plot probes.csv --kind cascade --figure measured --probe-angles 45 -45
 #

@@ -368,6 +368,9 @@ class ReadingOptions:
     ] = None
     accept_clipped: Annotated[bool, flag_option("Accept clipped probe signals.")] = False
     fill_pulses: Annotated[bool, flag_option("Replace lost pulses by evenly spaced ones.")] = False
+    keep_offset: Annotated[
+        bool, flag_option("Keep the mean position of the probes, which is subtracted by default.")
+    ] = False
 
     def given(self) -> dict[str, Any]:
         """Return the given options as arguments of `rotor_ida.read_signals`."""

@@ -84,10 +84,12 @@ def problem_of(
         ENTRY: _by_record("entries", entries, len(given)),
         EXIT: _by_record("exits", exits, len(given)),
     }
+    # without a load the mean position says nothing, and may be the gap of a DC-coupled probe
+    with_mean = 0.0 in tracked or guess.load > 0.0 or "load" in [each.field for each in sought]
     records = [
         measured(
             each, tracked, revolutions, {kind: times[n] for kind, times in touches.items()},
-            in_si=in_si,
+            in_si=in_si, with_mean=with_mean,
         )
         for n, each in enumerate(given)
     ]  # fmt: skip

@@ -157,6 +157,7 @@ def measured(
     touches: Mapping[int, object],
     *,
     in_si: bool,
+    with_mean: bool,
 ) -> Measured:
     """Return signals as they are compared; raise `InputError` if they cannot be."""
     given = record_of(signals)
@@ -168,7 +169,8 @@ def measured(
             "give a part, or resample them"
         )
     begin = float(given.times[0])
-    record = replace(given, times=(given.times - begin) * time, z=given.z * length)
+    z = given.z + given.mean if with_mean else given.z
+    record = replace(given, times=(given.times - begin) * time, z=z * length)
     tracks = _tracks_of(record, orders, revolutions)
     turning, other_turnings = _turnings(signals, record, begin, time)
     times = np.minimum(record.times, turning.ends[-1])

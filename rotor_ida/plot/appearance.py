@@ -388,10 +388,12 @@ def circle(radius: float) -> tuple[Values, Values]:
     return radius * np.cos(turn), radius * np.sin(turn)
 
 
-def draw_ring(ax: Axes, clearance: float) -> None:
+def draw_ring(ax: Axes, clearance: float, centre: complex = 0j) -> None:
     """Draw the clearance circle, unless the clearance is 0."""
     if clearance > 0.0:
-        ax.plot(*circle(clearance), color=INK, lw=0.9, ls=DASHES, label="clearance", zorder=2.6)
+        x, y = circle(clearance)
+        ax.plot(x + centre.real, y + centre.imag, color=INK, lw=0.9, ls=DASHES,
+                label="clearance", zorder=2.6)  # fmt: skip
 
 
 def draw_marks(

@@ -18,7 +18,9 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.plot.datasets import parameters_in, rotors_in
 from rotor_ida.plot.labels import label_parameter
+from rotor_ida.plot.run_up import has_many_turns
 from rotor_ida.results.kinds import KINDS, kind_of, loaded
+from rotor_ida.results.run import is_of_system
 from rotor_ida.results.si_units import in_units_of
 from rotor_ida.signals.record import Record, record_of
 
@@ -46,6 +48,13 @@ def figure_of(dataset: xr.Dataset) -> Figure:
         raise InputError(f"figure must be of one of the kinds {able}, got {kind!r}")
     made: Axes | Figure = loaded(drawn)(dataset)
     return made if isinstance(made, Figure) else cast(Figure, made.figure)
+
+
+def figure_of_run(run: xr.Dataset) -> Figure:
+    """Return the figure of a run: over the speed if that changes, in bands if it is long."""
+    if has_many_turns(run):
+        return plot.plot_run_up(run)
+    return plot.system_figure(run) if is_of_system(run) else plot.plot_run(run)
 
 
 def figure_of_whirls(dataset: xr.Dataset) -> Figure:

@@ -99,7 +99,7 @@ KINDS = {
         Kind(
             name="system_run", meaning="run of a rotor system", variables=("x", "event_contact"),
             dims=("t", "node"), shown="rotor_ida.cli.describe_systems:show_system_run",
-            drawn="rotor_ida.plot:system_figure", verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_RUN",
+            drawn=f"{_DRAWN}:figure_of_run", verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_RUN",
         ),
         Kind(
             name="system_sweep", meaning="sweep of a rotor system",
@@ -194,7 +194,7 @@ KINDS = {
         Kind(
             name="run", meaning="run",
             variables=("event_time",), dims=("t",), along=("event",),
-            shown=f"{_SHOWN}:show_run", drawn="rotor_ida.plot:plot_run",
+            shown=f"{_SHOWN}:show_run", drawn=f"{_DRAWN}:figure_of_run",
             verified=f"{_VERIFIED}_motions:RUN",
         ),
         Kind(

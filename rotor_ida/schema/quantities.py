@@ -360,6 +360,8 @@ QUANTITIES: dict[str, Quantity] = {
     "backward_amplitude_error": length("standard error of the amplitude of the backward whirl"),
     "filter_error": length("standard error of a displacement filtered to one order"),
     "whirl_phase": Quantity("phase of the whirl at the time 0", "radian"),
+    "mean_x": length("mean horizontal position that was subtracted"),
+    "mean_y": length("mean vertical position that was subtracted"),
     "offset_x": length("mean horizontal displacement"),
     "offset_y": length("mean vertical displacement"),
     "window_residual": length("root mean square of the residual after the orders"),

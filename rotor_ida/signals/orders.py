@@ -119,7 +119,7 @@ def orders(
     length = revolutions_for(asked, revolutions)
     windows = windows_of(record, length, part)
     fitted = fit(record, windows, asked, part)
-    k, offset = asked.size, fitted.amplitudes[:, -1]
+    k, offset = asked.size, fitted.amplitudes[:, -1] + record.mean
     ahead, back = fitted.amplitudes[:, :k], fitted.amplitudes[:, k : 2 * k]
     variables: dict[str, Column] = {
         "forward_whirl_amplitude": (("window", "order"), np.abs(ahead)),

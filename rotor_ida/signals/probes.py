@@ -15,8 +15,8 @@ from rotor_ida.checks import LARGEST_NUMBER, check_array, check_count, shown
 from rotor_ida.errors import InputError
 from rotor_ida.signals.files.columns import unit_called
 from rotor_ida.signals.files.text import number_in
-from rotor_ida.signals.record import Record, record_of
-from rotor_ida.signals.windows import Complex, fit_orders, windows_of
+from rotor_ida.signals.record import MEAN, Record, record_of
+from rotor_ida.signals.windows import EDGE, Complex, fit_orders, windows_of
 
 # Sine of the smallest angle between two probes.
 NEARLY_ALONG = 1e-3
@@ -72,7 +72,15 @@ def correct_probes(
     True
     """
     record = record_of(signals)
-    return with_displacements(signals, record, displacements(record.z, angles, gains))
+    mean = displacements(np.array([record.mean]), angles, gains)[0]
+    found = with_displacements(signals, record, displacements(record.z, angles, gains))
+    return found.assign_coords(
+        {
+            name: found[name].copy(data=value)
+            for name, value in zip(MEAN, (mean.real, mean.imag), strict=True)
+            if name in found.coords
+        }
+    )
 
 
 def subtract_runout(
@@ -166,6 +174,18 @@ def displacements(z: Complex, angles: npt.ArrayLike, gains: npt.ArrayLike) -> Co
     x = (a * math.sin(second) - b * math.sin(first)) / between
     y = (b * math.cos(first) - a * math.cos(second)) / between
     return np.asarray(x + 1j * y, dtype=np.complex128)
+
+
+def mean_position(z: Complex, times: Values, rotation: Mapping[str, xr.Variable]) -> complex:
+    """Return the mean of whole revolutions, or of all samples without one."""
+    within = np.ones(times.size, dtype=bool)
+    if "keyphasor" in rotation:
+        pulses = rotation["keyphasor"].values
+        within = (times >= pulses[0]) & (times < pulses[-1])
+    elif "angle" in rotation:
+        turns = (rotation["angle"].values - rotation["angle"].values[0]) / (2.0 * math.pi)
+        within = turns < math.floor(turns[-1]) - EDGE
+    return complex(z[within].mean() if within.any() else z.mean())
 
 
 def with_displacements(signals: xr.Dataset, record: Record, z: Complex) -> xr.Dataset:

@@ -47,8 +47,8 @@ from rotor_ida.signals.guessing import (
     unit_of,
 )
 from rotor_ida.signals.keyphasor import Rises, check_per_revolution
-from rotor_ida.signals.probes import check_probes, displaced, displacements
-from rotor_ida.signals.record import UNKNOWN
+from rotor_ida.signals.probes import check_probes, displaced, displacements, mean_position
+from rotor_ida.signals.record import MEAN, UNKNOWN, position_text
 from rotor_ida.signals.sample_times import at_times_of_x, times_of, with_times_of_x
 from rotor_ida.signals.teeth import Teeth, teeth_in, teeth_of
 
@@ -88,6 +88,7 @@ def read_signals(
     pulses_per_revolution: int = 1,
     accept_clipped: bool = False,
     fill_pulses: bool = False,
+    keep_offset: bool = False,
 ) -> xr.Dataset:
     """Read the signals of two probes and a keyphasor, or a speed, from a measured file.
 
@@ -123,13 +124,18 @@ def read_signals(
     accept_clipped, fill_pulses : bool
         Whether a clipped probe is accepted, and lost pulses are filled in. By default both are
         refused.
+    keep_offset : bool
+        Whether ``x`` and ``y`` keep the mean position, as in data that are counted from the centre
+        of the stator. By default they are counted from it: the mean of a DC-coupled probe is the
+        voltage of its gap.
 
     Returns
     -------
     Dataset
         ``x y`` on ``t``, in s and um, mm or another unit given, and ``angle`` on ``t`` [rad] or
-        pulse times, ``keyphasor`` on ``pulse``. It can be saved and loaded like any result. The
-        attribute ``notes`` lists the assumptions.
+        pulse times, ``keyphasor`` on ``pulse``. ``mean_x`` and ``mean_y`` are the mean position
+        that was subtracted; `rotor_ida.centre_line` and `rotor_ida.orders` add it again. It can be
+        saved and loaded like any result. The attribute ``notes`` lists the assumptions.
 
     Raises
     ------
@@ -142,7 +148,9 @@ def read_signals(
     A pulse of a sampled keyphasor is where the signal passes half its height, interpolated between
     two samples. A speed instead of a keyphasor is integrated to the angle by the trapezoidal rule:
     amplitudes of orders are correct, but phase lags count from the first sample and drift with
-    the error of the speed.
+    the error of the speed. The mean position is that of the whole revolutions of the record, or of
+    all samples if no angle is known. One mean is subtracted from the whole record, so in a run-up
+    ``x`` and ``y`` still show how the centre line moves.
 
     Examples
     --------
@@ -161,6 +169,7 @@ def read_signals(
     per_revolution = check_per_revolution(pulses_per_revolution)
     check_flag("accept_clipped", accept_clipped)
     check_flag("fill_pulses", fill_pulses)
+    check_flag("keep_offset", keep_offset)
     told, given = _words("columns", columns), _words("units", units)
     if rate is not None:
         rate = check_between("rate", rate, *RATES)
@@ -168,8 +177,7 @@ def read_signals(
     table, names, rate, own, notes = _columns_in(table, told, given, rate)
     found = {each: _converted(each, names, table, given) for each in names}
     if sensitivity is not None:
-        for each in ("x", "y"):
-            found[each] = displaced(each, *found[each], sensitivity)
+        found |= {each: displaced(each, *found[each], sensitivity) for each in ("x", "y")}
     times, time = times_of(found, rate, table, names)
     if time == "1":
         notes.append(NO_UNIT)
@@ -199,22 +207,41 @@ def read_signals(
     }
     if rate is None and not np.array_equal(times, found["t"][0]):
         attributes["times"] = "evenly spaced, to the digits that the file has of them"
-    if teeth is not None:
-        attributes |= teeth.attributes(per_revolution)
-    elif "speed" in found:
-        attributes["angle_origin"] = UNKNOWN
-        notes.append(INTEGRATED)
+    origin, more = _origin_of_angle(found, teeth, per_revolution)
+    attributes |= origin
+    notes += more
+    rotation = _rotation(found, teeth, times, time, names.get("angle", ""))
+    coordinates = {"t": _labelled("t", "t", times, time)}
+    if not keep_offset:
+        mean = mean_position(z, times, rotation)
+        z = z - mean
+        coordinates |= _mean_of(mean, length)
+        notes.append(f"the mean position is subtracted: {position_text(mean, length)}")
     if notes:
         attributes["notes"] = "; ".join(notes)
     variables = {
         "x": _labelled("x", "t", z.real, length),
         "y": _labelled("y", "t", z.imag, length),
-        **_rotation(found, teeth, times, time, names.get("angle", "")),
+        **rotation,
     }
-    coordinates = {"t": _labelled("t", "t", times, time)}
     return labelled_dataset(
         "Signals of two probes", variables, coordinates, attributes, kind="signals"
     )
+
+
+def _origin_of_angle(
+    found: Mapping[str, object], teeth: Teeth | None, per_revolution: int
+) -> tuple[Mapping[str, object], list[str]]:
+    """Return attributes and notes about where the angle is counted from."""
+    if teeth is not None:
+        return teeth.attributes(per_revolution), []
+    return ({"angle_origin": UNKNOWN}, [INTEGRATED]) if "speed" in found else ({}, [])
+
+
+def _mean_of(mean: complex, length: str) -> dict[str, xr.Variable]:
+    """Return the mean position, from which displacements are counted."""
+    both = zip(MEAN, (mean.real, mean.imag), strict=True)
+    return {axis: _labelled(axis, (), value, length) for axis, value in both}
 
 
 def _columns_in(
@@ -398,7 +425,7 @@ def _teeth(
     return teeth_of(Rises(values, nothing, nothing + np.nan), per_revolution, fill=fill)
 
 
-def _labelled(name: str, dim: str, values: Values, unit: str) -> xr.Variable:
+def _labelled(name: str, dim: str | tuple[()], values: npt.ArrayLike, unit: str) -> xr.Variable:
     """Return values labelled by name, in the given unit."""
     variable = labelled(name, dim, values)
     variable.attrs["units"] = unit

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +26,8 @@ FEWEST_SAMPLES = 16
 UNEQUAL = 0.01
 # Origins of an angle that no mark tells: that of a speed, and one of several pulses a revolution.
 UNKNOWN, ONE_OF_SEVERAL = "unknown", "one of several pulses"
+# Mean position from which displacements of measured signals are counted.
+MEAN = ("mean_x", "mean_y")
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,8 @@ class Record:
     length, time : str
         Units of displacements and times.
     coordinates : mapping
-        The given parameters of the rotor; of a rotor system the node and its clearance.
+        The given parameters of the rotor; of a rotor system the node and its clearance; of measured
+        signals the mean position that was subtracted.
     attributes : mapping
         Attributes that results inherit.
     """
@@ -59,6 +63,11 @@ class Record:
     def has_mark(self) -> bool:
         """Whether angles are known and counted from a mark on the shaft."""
         return self.angles is not None and not lacks_mark(self.attributes)
+
+    @property
+    def mean(self) -> complex:
+        """Position from which displacements are counted."""
+        return mean_of(self.coordinates)
 
     def known_angles(self) -> Values:
         """Return the angles of the rotor; raise `InputError` if they are not known."""
@@ -115,6 +124,24 @@ class Record:
 def lacks_mark(attributes: Mapping[str, object]) -> bool:
     """Return whether no mark is the origin of the angle: that of a speed, or one of many pulses."""
     return attributes.get("angle_origin") in (UNKNOWN, ONE_OF_SEVERAL)
+
+
+def mean_of(coordinates: Mapping[Any, xr.Variable | xr.DataArray]) -> complex:
+    """Return the position from which displacements of signals are counted: 0 by default."""
+    x, y = (float(coordinates[name]) if name in coordinates else 0.0 for name in MEAN)
+    return complex(x, y)
+
+
+def position_text(mean: complex, length: str) -> str:
+    """Return a position in words.
+
+    Examples
+    --------
+    >>> position_text(1275.36 - 8.0j, "um")
+    'x 1275 um, y -8 um'
+    """
+    unit = "" if length == "1" else f" {length}"
+    return f"x {mean.real:.4g}{unit}, y {mean.imag:.4g}{unit}"
 
 
 def equal_step(times: Values, name: str, unequal: float) -> float:
@@ -219,7 +246,7 @@ def record_of(signals: object, name: str = "signals") -> Record:
         _unit_of(name, given["t"]),
         {
             each: given[each].variable.to_base_variable()
-            for each in (*ALL_PARAMETERS, *OF_NODE)
+            for each in (*ALL_PARAMETERS, *OF_NODE, *MEAN)
             if each in given.variables and not given[each].ndim
         },
         origin_of(given),

@@ -46,7 +46,9 @@ def test_order_1_and_one_spectrum_at_one_speed(tmp_path: Path):
     drawn = np.abs(lines.frequency_over_omega.values) <= measured.ORDERS
     np.testing.assert_array_equal(found.arrays["full_frequency"], lines.frequency[drawn])
     np.testing.assert_array_equal(found.arrays["full_amplitude"], lines.whirl_amplitude[drawn])
-    assert found.facts["notes"] == [NO_UNIT]
+    unit, mean = found.facts["notes"]
+    assert unit == NO_UNIT
+    assert mean.startswith("the mean position is subtracted: x ")
     assert found.facts["by"] == "angle"
     assert "cascade_speed" not in found.arrays
 
@@ -79,7 +81,7 @@ def test_of_lines_too_many_to_be_drawn_the_tallest_are_sent(
 ):
     path = written(tmp_path / "plain.csv", 0.0, angle=False)
     full = analysed(path)
-    assert full.facts["notes"] == [NO_UNIT, measured.NO_ANGLE]
+    assert [full.facts["notes"][place] for place in (0, -1)] == [NO_UNIT, measured.NO_ANGLE]
     assert full.facts["speed"] is None
     monkeypatch.setattr(measured, "MOST_LINES", 500)
     few = analysed(path)
@@ -93,7 +95,7 @@ def test_what_cannot_be_analysed_is_a_note(tmp_path: Path):
     table = np.stack([t, np.cos(t), np.sin(t), t], axis=1)
     np.savetxt(tmp_path / "odd.csv", table, "%.17g", ",", header="t,x,y,angle", comments="")
     found = analysed(tmp_path / "odd.csv")
-    (_, note) = found.facts["notes"]
+    (*_, note) = found.facts["notes"]
     assert "equally spaced" in note
     assert found.arrays["order_speed"].size > 5
 

@@ -94,6 +94,7 @@ WHIP = Rotor(omega=1.0, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
 WIDE = np.linspace(-12.0, 12.0, 25)
 FIGURES = {
     "run": lambda: plot.plot_run(made("run")),
+    "run_up": lambda: plot.plot_run_up(made("run")),
     "machine": lambda: plot.plot_machine(in_units(made("run"))),
     "drawn_out": lambda: plot.plot_drawn_out(made("run")).figure,
     "drawn_out_in_si": lambda: plot.plot_drawn_out(in_units(made("run"))).figure,

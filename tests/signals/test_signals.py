@@ -93,11 +93,11 @@ def written(path, z=WHIRL, head="t [s],x [um],y [um],angle [rad]", last=ANGLES, 
 
 
 def test_csv_wav_mat_and_archive_give_back_what_was_written(tmp_path):
-    read = read_signals(written(tmp_path / "a.csv"))
+    read = read_signals(written(tmp_path / "a.csv"), keep_offset=True)
     np.testing.assert_array_equal(read.x, WHIRL.real)
     xr.testing.assert_identical(load(save(read, tmp_path / "a.nc")).drop_attrs(), read.drop_attrs())
     wavfile.write(tmp_path / "a.wav", 1000, np.stack([WHIRL.real, WHIRL.imag], axis=1))
-    heard = read_signals(tmp_path / "a.wav", columns={"x": "1", "y": "2"})
+    heard = read_signals(tmp_path / "a.wav", columns={"x": "1", "y": "2"}, keep_offset=True)
     np.testing.assert_array_equal(heard.y, WHIRL.imag)
     pulses = np.arange(42) / 10.3
     held = {"t": TIMES, "x": WHIRL.real, "y": WHIRL.imag, "keyphasor": pulses}

@@ -17,7 +17,7 @@ from rotor_ida.plot.signals.units import Scales, Units, is_one_speed
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of, words_of
 from rotor_ida.signals.orders import centre_line
-from rotor_ida.signals.record import Record, record_of
+from rotor_ida.signals.record import Record, mean_of, record_of
 
 Indices = npt.NDArray[np.intp]
 
@@ -120,7 +120,9 @@ def _circles(whirls: xr.Dataset, given: xr.Dataset, length: float) -> list[Orbit
     # without a shaft the centre of a whirl that never touches may be anywhere
     free = (whirls["in_contact"].values.ravel() == 0) & ("shaft_stiffness" not in whirls.variables)
     middle = centre_line(given).isel(window=-1) if free.any() else None
-    centre = 0j if middle is None else complex(middle["offset_x"], middle["offset_y"])
+    centre = 0j
+    if middle is not None:
+        centre = complex(middle["offset_x"], middle["offset_y"]) - mean_of(middle.coords)
     orbits = []
     for radius, loose, stability in zip(
         whirls["amplitude"].values.ravel() * length, free, words_of(whirls["stability"]),

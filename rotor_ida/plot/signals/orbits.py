@@ -32,12 +32,12 @@ from rotor_ida.plot.runs import NEEDED, draw_orbit
 from rotor_ida.plot.signals.beneath import Beneath
 from rotor_ida.plot.signals.exact_motion import Orbit, Trace, centres_of, orbits_of, traces_of
 from rotor_ida.plot.signals.orders import tracks_of
-from rotor_ida.plot.signals.speeds import mark_speeds, title_of_signals
+from rotor_ida.plot.signals.speeds import mark_speeds, title_about_mean, title_of_signals
 from rotor_ida.plot.signals.units import is_one_speed, length_text, units_of
 from rotor_ida.results.run import check_columns, samples_in
 from rotor_ida.schema import flags_of
 from rotor_ida.signals.path import path_of
-from rotor_ida.signals.record import Record, record_of
+from rotor_ida.signals.record import MEAN, Record, mean_of, record_of
 from rotor_ida.signals.sampling import check_run_sampling
 
 # The orbit is blank for this fraction of a revolution before each pulse.
@@ -115,7 +115,7 @@ def plot_orbit(
             marked = record.has_mark if keyphasor is None else keyphasor
             _draw_orbit(ax, record, marked=marked)
             one_speed = "speed" not in given.variables
-            ax.set_title(title_of_signals(given, one_speed=one_speed))
+            ax.set_title(title_about_mean(given, one_speed=one_speed))
         ax.set_aspect("equal", adjustable="datalim")
         legend_below(ax)
     return ax
@@ -168,7 +168,8 @@ def plot_centre_line(
         label_axis(ax.xaxis, "x", units.lengths(x), words="mean displacement $x$")
         label_axis(ax.yaxis, "y", units.lengths(y), words="mean displacement $y$")
         ring = _ring_of(means, clearance)
-        draw_ring(ax, ring or 0.0)
+        mean = mean_of(means.coords)
+        draw_ring(ax, ring or 0.0, mean)
         if one_speed:
             _draw_places(ax, means, x, y)
         else:
@@ -180,7 +181,10 @@ def plot_centre_line(
         mark_speeds(ax, x + 1j * y, speeds, BLUE, apart=0.08 * size,
                     label=label_of("speed", speeds))  # fmt: skip
         ax.set_aspect("equal", adjustable="datalim")
-        ax.set_title(title_of_signals(means, one_speed=one_speed))
+        title = title_of_signals(means, one_speed=one_speed)
+        if ring and mean:  # where probes see the centre of the stator is not known
+            title = "\n".join(filter(None, [title, "clearance about the mean of the record"]))
+        ax.set_title(title)
         legend_below(ax)
     return ax
 
@@ -259,6 +263,8 @@ def plot_trace(
                 ax.axhline(side, color=INK, lw=0.7, ls=DASHES, zorder=2.6,
                            label="clearance" if side > 0.0 else "_")  # fmt: skip
         ax.set_xlim(float(times[0]), float(times[-1]))
+        if set(MEAN) <= set(given.variables):
+            ax.set_title(title_about_mean(given, one_speed=True))
         legend_below(ax, columns=5)
     return ax
 

@@ -14,7 +14,8 @@ from rotor_ida.arrays import Values
 from rotor_ida.plot.appearance import BLUE, GOING_DOWN, GOING_UP, INK, ORANGE, draw_marks
 from rotor_ida.plot.datasets import parameters_in
 from rotor_ida.plot.labels import in_lines, text_of, title_of_node
-from rotor_ida.plot.signals.units import is_one_speed
+from rotor_ida.plot.signals.units import is_one_speed, length_text
+from rotor_ida.signals.record import MEAN
 
 # A reversal of the speed is noise if it is smaller than this fraction of the largest, or than this
 # multiple of the noise of the speed.
@@ -41,6 +42,17 @@ def title_of_signals(dataset: xr.Dataset, *, one_speed: bool) -> str:
         if not dataset[name].ndim and (name != "omega" or one_speed)
     }
     return in_lines(text_of(dataset, known))
+
+
+def title_about_mean(dataset: xr.Dataset, *, one_speed: bool) -> str:
+    """Return the title of signals, with the mean position from which they are counted, if any."""
+    title = title_of_signals(dataset, one_speed=one_speed)
+    if not set(MEAN) <= set(dataset.variables):
+        return title
+    unit = str(dataset[MEAN[0]].attrs.get("units", "1"))
+    x, y = (length_text(float(dataset[name]), unit) for name in MEAN)
+    words = f"mean position subtracted: $x$ {x}, $y$ {y}"
+    return f"{title}\n{words}" if title else words
 
 
 def legs_of(speeds: Values, words: str) -> list[Leg]:

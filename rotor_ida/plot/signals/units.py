@@ -124,7 +124,7 @@ def length_text(value: float, unit: str) -> str:
     if not LENGTH.match(unit):
         return f"${number_text(value, '.3g')}$ {'' if unit == '1' else unit}".rstrip()
     metres = value * _metres(unit)
-    scaled, symbol = (1e6 * metres, "µm") if metres < 1e-3 else (1e3 * metres, "mm")
+    scaled, symbol = (1e6 * metres, "µm") if abs(metres) < 1e-3 else (1e3 * metres, "mm")
     return f"${number_text(scaled, '.3g')}$ {symbol}"
 
 

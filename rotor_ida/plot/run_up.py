@@ -1,0 +1,396 @@
+"""Plot of a run-up, or of any run of many revolutions: radius and force, and orbits of a few turns.
+
+The orbit of a whole run-up is a solid disc. Over the speed, or over time where the speed rests or
+reverses, the radius is drawn as the band between its extremes in each revolution.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from rotor_ida.arrays import Values
+from rotor_ida.checks import check_instance
+from rotor_ida.plot.appearance import (
+    BLUE,
+    DASHES,
+    INK,
+    RED,
+    draw_ring,
+    look,
+    new_figure,
+    say_in_middle,
+    shared_legend,
+    style,
+)
+from rotor_ida.plot.datasets import check_dataset, clearance_of
+from rotor_ida.plot.forces import shade_contacts
+from rotor_ida.plot.labels import label_axis, label_of, title_of, title_of_system, unit_of
+from rotor_ida.plot.runs import WITH_PEAKS, draw_motion
+from rotor_ida.results.run import check_system_run, is_of_system, nodes_in
+from rotor_ida.results.si_units import in_rpm, in_suitable_units, scale_of
+from rotor_ida.signals.nodes import Ring, path_in, rings_of
+from rotor_ida.signals.path import Path, force_along, path_of
+
+# Revolutions of an orbit, and of a run from which on it is drawn as bands.
+FEW_TURNS, MANY_TURNS = 3.0, 60.0
+# Columns of a band. A band of fewer revolutions than this is a line.
+COLUMNS, LINE = 700, 25
+# Of a system at most this many contacts are drawn, those of the largest forces.
+MOST_CONTACTS = 5
+# The speed is an axis if it changes one way, in each of so many parts of the time by at least this
+# fraction of an even change.
+PARTS, LEAST_CHANGE = 20, 0.05
+WIDTH, ROW, SIDE = 7.2, 1.65, 2.7
+
+
+class Place(NamedTuple):
+    """Where a rotor is seen: the disc, or a node of a system in one contact."""
+
+    title: str
+    path: Path
+    centre: complex
+    # 0 where there is no stator
+    clearance: float
+    # the force over time, through the peaks of the contacts
+    force_time: Values
+    force: Values
+    entries: Values
+    exits: Values
+
+    @property
+    def radius(self) -> Values:
+        """Distance from the centre of the stator."""
+        return np.abs(self.path.x + 1j * self.path.y - self.centre)
+
+
+class Course(NamedTuple):
+    """The speed of a run and its revolutions over time, and what is drawn across."""
+
+    time: Values
+    speed: xr.DataArray
+    turns: Values
+    over_speed: bool
+
+    def across(self, times: Values) -> Values:
+        """Return the horizontal position at times."""
+        return np.interp(times, self.time, self.speed) if self.over_speed else times
+
+    def turns_at(self, times: Values) -> Values:
+        """Return the revolutions since the beginning."""
+        return np.interp(times, self.time, self.turns)
+
+
+def plot_run_up(run: xr.Dataset) -> Figure:
+    """Draw a run-up or run-down: radius and contact force over the speed, and three orbits.
+
+    Parameters
+    ----------
+    run : Dataset
+        Result of `rotor_ida.run_up`, of one disc or of a `rotor_ida.RotorSystem`, or a long run of
+        `rotor_ida.simulate`.
+
+    Returns
+    -------
+    Figure
+        The figure. Radius and force are bands between their extremes in each revolution, and lines
+        in runs of fewer than 25 revolutions. Above is the time; where the speed rests or reverses,
+        the panels are over time, below one of the speed. The orbits are those of three revolutions
+        at the first touch, at the largest force, or the largest radius if nothing is touched, and
+        at the end. Of a system the contacts that are touched are drawn, at most five, with the
+        orbits in the one concerned.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, run_up
+    >>> up = run_up(Rotor(omega=0.3, zeta=0.1, delta0=1.5), start=(0, 0, 0, 0), to=2.0, rate=0.01)
+    >>> [ax.get_ylabel() for ax in plot_run_up(up).axes[:2]]
+    ['radius $|z|$', 'contact force $f$']
+    """
+    of_system = is_of_system(check_instance("run", run, xr.Dataset))
+    if of_system:
+        run = in_suitable_units(check_system_run(run))
+    else:
+        run = check_dataset("run", run, WITH_PEAKS)
+    course = _course_of(run)
+    places = _places_in_system(run) if of_system else [_place_of_disc(run)]
+    orbits = list(_orbits_of(places, course))
+    has_speed = "speed" in run.variables and not course.over_speed
+    rows = 3 if has_speed else 2
+    with style():
+        figure = new_figure(WIDTH, 0.9 + ROW * rows + SIDE)
+        above, below = figure.subfigures(
+            2, 1, squeeze=False, height_ratios=(0.5 + ROW * rows, SIDE + 0.4)
+        )[:, 0]
+        panels = above.subplots(rows, 1, sharex=True).tolist()
+        if has_speed:
+            panels[0].plot(course.time, course.speed, color=INK, lw=1.0)
+            label_axis(panels[0].yaxis, "speed", course.speed)
+        _draw_radius(panels[-2], run, places, course)
+        _draw_force(panels[-1], run, places, course)
+        _finish_panels(panels, run, places, course)
+        for ax, orbit in zip(below.subplots(1, len(orbits), squeeze=False)[0], orbits, strict=True):
+            _draw_orbit(ax, run, course, *orbit)
+        below.axes[0].set_ylabel(label_of("y", run["y"]))
+        above.align_ylabels(panels)
+        shared_legend(below, [*panels, *below.axes], columns=7, outer=False)
+        above.suptitle(title_of_system(run) if of_system else title_of("run", run), fontsize=10.0)
+    return figure
+
+
+def has_many_turns(run: xr.Dataset) -> bool:
+    """Return whether the speed of a run changes, or its orbit has too many turns for a picture."""
+    return "speed" in run.variables or _course_of(run).turns[-1] > MANY_TURNS
+
+
+def _course_of(run: xr.Dataset) -> Course:
+    """Return speed and revolutions over time, and whether the speed serves as an axis."""
+    time = run["t"].values
+    if "speed" not in run.variables:
+        speed = run.attrs["speed"] if is_of_system(run) else float(run["omega"])
+        turns = abs(speed) / scale_of(run, "time") * (time - time[0]) / (2.0 * math.pi)
+        return Course(time, run["t"], turns, over_speed=False)
+    turned = np.abs(np.diff(run["angle"].values, prepend=run["angle"].values[0]))
+    speed, rpm = run["speed"], in_rpm(run["speed"])
+    if rpm is not None:
+        speed = xr.DataArray(rpm, attrs={"units": "rpm"})
+    parts = np.diff(np.interp(np.linspace(time[0], time[-1], PARTS + 1), time, speed))
+    changes = parts / (parts.sum() or math.inf)
+    over_speed = bool((changes >= LEAST_CHANGE / PARTS).all())
+    return Course(time, speed, np.cumsum(turned) / (2.0 * math.pi), over_speed)
+
+
+def _place_of_disc(run: xr.Dataset) -> Place:
+    """Return the disc in its stator."""
+    path = path_of(run)
+    times = np.append(path.time, run["peak_time"].values)
+    forces = np.append(force_along(run, path), run["peak_force"].values)
+    return Place(
+        "", path, 0j, clearance_of(run), *_in_order(times, forces),
+        run["entry_time"].values, run["exit_time"].values,
+    )  # fmt: skip
+
+
+def _places_in_system(run: xr.Dataset) -> list[Place]:
+    """Return the contacts that are touched, by largest force; the nearest if none is.
+
+    Of a system without contacts it is the node that moves farthest.
+    """
+    rings = [
+        ring._replace(contacts=[number])
+        for ring in rings_of(run, nodes_in(run))
+        for number in ring.contacts
+    ]
+    places = [_place_at(run, ring) for ring in rings]
+    touched = sorted(
+        (each for each in places if each.entries.size), key=lambda each: -each.force.max()
+    )
+    if touched:
+        return touched[:MOST_CONTACTS]
+    if places:
+        return [max(places, key=lambda each: each.radius.max() / each.clearance)]
+    farthest = np.hypot(run["x"].values, run["y"].values).max(axis=0).argmax()
+    return [_place_at(run, Ring(nodes_in(run)[int(farthest)], "", []))]
+
+
+def _place_at(run: xr.Dataset, ring: Ring) -> Place:
+    """Return a node of a system in one contact, or in none."""
+    path = path_in(run, ring)
+    if not ring.contacts:
+        nothing = np.zeros(0)
+        return Place(ring.title, path, 0j, 0.0, path.time, 0.0 * path.time, nothing, nothing)
+    part = run.isel(contact=ring.contacts[0])
+    own = run.isel(episode=run["episode_contact"].values == ring.contacts[0])
+    times = np.append(run["t"].values, own["peak_force_time"].values)
+    forces = np.append(part["normal_force"].values, own["peak_force"].values)
+    return Place(
+        ring.title, path, complex(part["centre_x"], part["centre_y"]), float(part["clearance"]),
+        *_in_order(times, forces), own["entry_time"].values, own["exit_time"].values,
+    )  # fmt: skip
+
+
+def _in_order(times: Values, values: Values) -> tuple[Values, Values]:
+    """Return values in the order of their times, without unknown ones."""
+    known = np.isfinite(times) & np.isfinite(values)
+    order = np.argsort(times[known], kind="stable")
+    return times[known][order], values[known][order]
+
+
+def _orbits_of(places: Sequence[Place], course: Course) -> Iterator[tuple[str, Place, list[float]]]:
+    """Yield words, place and times of each orbit; those of nearly one time and place are one."""
+    hardest, end = places[0], float(course.time[-1])
+    touched = [each for each in places if each.entries.size]
+    if touched:
+        begins = [float(np.nan_to_num(each.entries, nan=course.time[0]).min()) for each in touched]
+        first = int(np.argmin(begins))
+        hard = float(hardest.force_time[hardest.force.argmax()])
+        wanted = [
+            ("first touch", touched[first], [begins[first]]),
+            ("largest force", hardest, [hard]),
+        ]
+    else:
+        farthest = float(hardest.path.time[hardest.radius.argmax()])
+        wanted = [("largest radius", hardest, [farthest])]
+    wanted.append(("end", hardest, [end]))
+    while wanted:
+        words, place, times = wanted.pop(0)
+        if wanted and wanted[0][1] is place:
+            after, _, later = wanted[0]
+            apart = np.ptp(course.turns_at(np.array([*times, *later])))
+            if apart < 0.5 * FEW_TURNS:
+                wanted[0] = (f"{words}, {after}", place, [*times, *later])
+                continue
+        yield words, place, times
+
+
+def _bins(across: Values, turns: Values) -> npt.NDArray[np.intp]:
+    """Return the first sample of each column that is at least a dot and a revolution wide."""
+    column = np.abs(across - across[0]) / (abs(across[-1] - across[0]) or 1.0) * COLUMNS
+    starts, place = [], 0
+    while place < across.size:
+        starts.append(place)
+        place = max(
+            int(np.searchsorted(each, math.floor(each[place]) + 1.0)) for each in (column, turns)
+        )
+    # the last one may be a part of a revolution
+    return np.array(starts[: max(len(starts) - 1, 1)], dtype=np.intp)
+
+
+def _draw_band(
+    ax: Axes, course: Course, times: Values, values: Values, colour: str, label: str
+) -> None:
+    """Draw the band between the extremes in each revolution; a line if these are few."""
+    across, turns = course.across(times), course.turns_at(times)
+    if turns[-1] - turns[0] < LINE:
+        ax.plot(across, values, color=colour, lw=0.9, label=label)
+        return
+    starts = _bins(across, turns)
+    low, high = (each.reduceat(values, starts) for each in (np.minimum, np.maximum))
+    middle = 0.5 * (across[starts] + across[np.append(starts[1:], across.size) - 1])
+    middle[[0, -1]] = across[[0, -1]]
+    ax.fill_between(middle, low, high, facecolor=colour, edgecolor=colour, lw=0.7, alpha=0.75,
+                    label=label)  # fmt: skip
+
+
+def _draw_radius(ax: Axes, run: xr.Dataset, places: Sequence[Place], course: Course) -> None:
+    """Draw the radius in each place; over its clearance if there are several."""
+    for number, place in enumerate(places):
+        part = (place.clearance or 1.0) if len(places) > 1 else 1.0
+        values = place.radius / part
+        _draw_band(
+            ax, course, place.path.time, values, _colour(number, BLUE), _name(places, number)
+        )
+        if place.clearance > 0.0:
+            ax.axhline(place.clearance / part, color=INK, lw=0.8, ls=DASHES, label="clearance",
+                       zorder=2.6)  # fmt: skip
+    ax.set_ylim(bottom=0.0)
+    if len(places) > 1:
+        ax.set_ylabel("radius over clearance")
+        return
+    label_axis(ax.yaxis, "radius", run["x"])
+    ax.set_title(places[0].title)
+
+
+def _draw_force(ax: Axes, run: xr.Dataset, places: Sequence[Place], course: Course) -> None:
+    """Draw the contact force in each place."""
+    of_disc = "normal_force" not in run.variables
+    force = run["peak_force"] if of_disc else run["normal_force"]
+    label_axis(ax.yaxis, "contact_force" if of_disc else "normal_force", force)
+    if not any(place.force.any() for place in places):
+        say_in_middle(ax, "no contact")
+        ax.set_yticks([])
+        return
+    for number, place in enumerate(places):
+        colour = _colour(number, RED)
+        _draw_band(ax, course, place.force_time, place.force, colour, _name(places, number))
+    ax.set_ylim(bottom=0.0)
+
+
+def _colour(number: int, alone: str) -> str:
+    """Return the colour of a place: one of its own if there are several."""
+    return alone if number == 0 else look(number + 1)[0]
+
+
+def _name(places: Sequence[Place], number: int) -> str:
+    """Return the entry of a place in the legend."""
+    return places[number].title if len(places) > 1 else "_"
+
+
+def _finish_panels(
+    panels: Sequence[Axes], run: xr.Dataset, places: Sequence[Place], course: Course
+) -> None:
+    """Label the shared axis, shade the contacts, and put the time above."""
+    ends = np.sort(course.across(course.time[[0, -1]]))
+    for ax in panels:
+        ax.grid(visible=False, axis="x")
+        shade_contacts(ax, _contacts_across(places, course))
+    panels[0].set_xlim(*ends)
+    if not course.over_speed:
+        label_axis(panels[-1].xaxis, "t", run["t"])
+        return
+    label_axis(panels[-1].xaxis, "speed", course.speed)
+    speed, time = course.speed.values, course.time
+    rising = slice(None, None, 1 if speed[-1] > speed[0] else -1)
+    above = panels[0].secondary_xaxis("top", functions=(
+        lambda at: np.interp(np.asarray(at), speed[rising], time[rising]),
+        lambda at: np.interp(np.asarray(at), time, speed),
+    ))  # fmt: skip
+    ticks = MaxNLocator(8).tick_values(time[0], time[-1])
+    above.set_ticks([tick for tick in ticks if time[0] <= tick <= time[-1]])
+    above.set_xlabel(label_of("t", run["t"]))
+
+
+def _contacts_across(places: Sequence[Place], course: Course) -> xr.Dataset:
+    """Return the intervals of contact along the horizontal axis."""
+    first, last = course.time[[0, -1]]
+    entries = np.concatenate([np.nan_to_num(each.entries, nan=first) for each in places])
+    exits = np.concatenate([np.nan_to_num(each.exits, nan=last) for each in places])
+    ends = np.sort(course.across(np.stack([entries, exits])), axis=0)
+    columns = {"entry_time": ("contact", ends[0]), "exit_time": ("contact", ends[1])}
+    return xr.Dataset(columns, {"t": np.sort(course.across(course.time[[0, -1]]))})
+
+
+def _draw_orbit(
+    ax: Axes, run: xr.Dataset, course: Course, words: str, place: Place, times: list[float]
+) -> None:
+    """Draw the orbit of a few revolutions about some times, in the clearance."""
+    middle = float(course.turns_at(np.array(times)).mean())
+    begin = max(0.0, min(middle - 0.5 * FEW_TURNS, course.turns[-1] - FEW_TURNS))
+    path = place.path
+    turns = course.turns_at(path.time)
+    shown = (turns >= begin) & (turns <= begin + FEW_TURNS)
+    names = ("time", "x", "y", "in_contact", "mode")
+    columns = {
+        name: getattr(path, name)[shown] for name in names if getattr(path, name) is not None
+    }
+    few = replace(path, radial_speed=None, **columns)
+    draw_ring(ax, place.clearance, place.centre)
+    draw_motion(ax, few, few.x, few.y, width=0.9, heavier=1.2)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_box_aspect(1.0)
+    ax.tick_params(labelsize=8.0)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
+    ax.set_xlabel(label_of("x", run["x"]))
+    spans = [f"{label_of('t', run['t']).split()[1]} {_span(times)} {unit_of(run['t'])}".rstrip()]
+    if "speed" in run.variables:
+        speeds = np.interp(times, course.time, course.speed).tolist()
+        in_turns = course.speed.attrs["units"] == "rpm"
+        span = _span([float(round(each)) for each in speeds] if in_turns else speeds)
+        spans.insert(0, f"{span} rpm" if in_turns else rf"$\omega$ {span}")
+    ax.set_title("\n".join(filter(None, [words, place.title, ", ".join(spans)])), fontsize=9.0)
+
+
+def _span(values: Sequence[float]) -> str:
+    """Return a value, or the first and the last if they differ as written."""
+    ends = dict.fromkeys(f"{each:.4g}" for each in (values[0], values[-1]))
+    return " to ".join(ends)
