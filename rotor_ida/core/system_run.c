@@ -142,8 +142,7 @@ static void look_for_standstill(struct work *work, double end, double until)
     memcpy(spin, work->spin, sizeof(double) * (size_t)(order + 1));
     for (int i = 0; i < MOST_CROSSINGS; i++) {
         const int is_below = !isnan(stands->since);
-        const double point =
-            first_crossing(spin, order, stands->limit, is_below, i > 0, end - at);
+        const double point = first_crossing(spin, order, stands->limit, is_below, i > 0, end - at);
         if (!(at + point < end))
             return;
         at += point;

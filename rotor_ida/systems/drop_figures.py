@@ -114,9 +114,10 @@ def _race(run: xr.Dataset, number: int) -> tuple[float, float]:
 
 
 def _whirl(run: xr.Dataset, number: int) -> tuple[float, float]:
-    """Return the turns of the longest whirl around a bearing, signed, and its mean speed.
+    """Return the turns of the longest whirl around a bearing, and its mean speed.
 
-    A whirl goes on while the rotor stays beyond half of the clearance.
+    A whirl goes on while the rotor stays beyond half of the clearance. Both are negative where the
+    whirl is backward: against the spin during it.
     """
     x, y = run["contact_x"].values[:, number], run["contact_y"].values[:, number]
     times, far = run["t"].values, np.hypot(x, y) > AROUND * float(run["clearance"][number])
@@ -124,10 +125,12 @@ def _whirl(run: xr.Dataset, number: int) -> tuple[float, float]:
     going = far[1:] & far[:-1]
     edges = np.flatnonzero(np.diff(np.concatenate([[False], going, [False]]).astype(np.int8)))
     total = np.concatenate([[0.0], np.cumsum(np.where(going, steps, 0.0))])
+    spin = run["angle"].values if "angle" in run else float(run.attrs["speed"]) * times
     best, rate = 0.0, math.nan
     for begin, end in edges.reshape(-1, 2):
         first, last = _farthest_apart(total[begin : end + 1])
         turned = float(total[begin + last] - total[begin + first])
+        turned *= math.copysign(1.0, spin[begin + last] - spin[begin + first])
         if abs(turned) > abs(best):
             best, rate = turned, turned / float(times[begin + last] - times[begin + first])
     return best / math.tau, rate

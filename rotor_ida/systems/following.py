@@ -184,11 +184,8 @@ def standstill_of(result: SystemResult) -> float:
     limit, since, rate, longest = result.standstill
     lasts, speed = result.time - since, result.turn[1]
     reverses = speed * rate > 0.0 and abs(speed) > SIGNLESS * limit
-    return (
-        since
-        if lasts > longest and not (reverses and lasts * abs(rate) <= 2.0 * limit)
-        else math.nan
-    )
+    passing = 2.0 * limit / abs(rate) if reverses else 0.0
+    return since if lasts > max(longest, passing) else math.nan
 
 
 def follow_system_again(
