@@ -66,8 +66,9 @@ def synchronous_response_system(
         On ``(speed, branch, contact)``: ``amplitude`` of the displacement at each contact, relative
         to a stator that moves, its ``phase_lag`` in the sense of the spin [rad],
         ``normal_force`` and ``in_contact``; on ``(speed, branch, node)``: ``node_amplitude`` and
-        ``node_phase_lag``; on ``(speed, branch)``: ``stability`` and ``growth_rate``. The branches are in order of the largest
-        amplitude over its clearance, the contact-free whirl first where it exists, padded with NaN.
+        ``node_phase_lag``; on ``(speed, branch)``: ``stability`` and ``growth_rate``. The branches
+        are in order of the largest amplitude over its clearance, the contact-free whirl first
+        where it exists, padded with NaN.
 
     Raises
     ------
