@@ -415,7 +415,10 @@ static void write_matrix(struct work *work)
         column_of_hold(work, pushed, column);
         for (int i = 0; i < work->rolls; i++)
             work->matrix[i][j] = -slip_by(work, &work->touching[work->rolling[i]], column);
-        work->matrix[j][j] += law->race_radius * law->race_radius * law->inverse_race_inertia;
+        for (int i = 0; i < work->rolls; i++) {
+            if (work->touching[work->rolling[i]].law->race == law->race)
+                work->matrix[i][j] += yield_of_race(law);
+        }
         if (work->has_torque)
             work->matrix[work->rolls][j] = law->radius + torque_by(work, column);
     }
@@ -457,12 +460,18 @@ static void add_implicit(struct work *work, int n)
                    - convolved_later(aside, ELEMENT_ANSWERS, &each->pull[0][0], 2, n)
                    + law->race_radius * law->inverse_race_inertia * law->race_drag
                          * each->series.terms[n][ELEMENT_RACE];
+        for (int64_t k = 0; k < run->contact_count; k++) {
+            const struct touching *other = &work->touching[k];
+            if (other != each && turns_race(other, each)) /* 0 yet of those that roll */
+                right[i] -= yield_of_race(law) * other->drag[n];
+        }
         if (!work->has_torque)
             right[i] += law->radius * work->spin_rate[n];
     }
     if (work->has_torque) {
         const struct piece *piece = &run->pieces[run->piece];
         double torque = (n == 0 ? piece->torque : 0.0) - piece->slope * work->spin[n];
+        torque += work->cosine[n] * run->weight[0] - work->sine[n] * run->weight[1];
         torque -= torque_by(work, to) + convolved_later(work->cosine, 1, &work->swung[0][1], 2, n)
                   - convolved_later(work->sine, 1, &work->swung[0][0], 2, n);
         for (int64_t i = 0; i < run->contact_count; i++) {
@@ -555,8 +564,11 @@ static void go_on(struct work *work, int n)
             double rate = -law->race_drag
                           * convolved(work->pace, 1, &each->series.terms[0][ELEMENT_RACE], WIDTH,
                                       n);
-            if (is_pressed(each))
-                rate += law->race_radius * convolved(work->pace, 1, each->drag, 1, n);
+            for (int64_t k = 0; k < run->contact_count; k++) {
+                const struct touching *other = &work->touching[k];
+                if (turns_race(other, each))
+                    rate += law->race_radius * convolved(work->pace, 1, other->drag, 1, n);
+            }
             terms[ELEMENT_RACE] = rate * law->inverse_race_inertia * share;
         }
         if (each->touch->way == ROLLS) {

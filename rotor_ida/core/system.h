@@ -17,6 +17,7 @@ struct system_law {
     double offset[2];
     double clearance, hertz, linear, contact_damping, friction, radius;
     double race_radius, inverse_race_inertia, race_drag;
+    int64_t race; /* the same number for contacts that share a race */
 };
 
 /* How a contact goes on: `way` as in core.h, the root of its indentation, the speed of its race,
@@ -45,6 +46,13 @@ struct race {
     struct extreme largest, smallest;
 };
 
+/* Whether a rotor that a torque drives stands: its speed stays below a limit in size. */
+struct standstill {
+    double limit;       /* 0 where nobody asks */
+    double since, rate; /* when it last fell below, NaN while it is above; its rate then */
+    double longest;     /* the longest time below that has ended */
+};
+
 /* What a run has gained and lost so far: by the unbalance, to damping (with what gyroscopic
  * matrices that are not skew do, and the part of the stiffness that is skew), to the stiffness that
  * a changing speed adds, and to the contacts, normally and tangentially. */
@@ -67,6 +75,7 @@ struct system_run {
     const struct piece *pieces;
     int64_t piece_count, piece;
     double inertia;                /* about the axis of rotation; 0 where the speed is prescribed */
+    double weight[2];              /* moment of the unbalance's, by cosine and by minus sine */
     double rtol;                   /* of one step */
     double displacement, velocity; /* by which errors are measured */
     double fastest;                /* a bound of the system's own rates, without contacts */
@@ -79,6 +88,7 @@ struct system_run {
     double piece_time, piece_angle; /* where the present piece of a prescribed speed began */
     double *state;                  /* two rows: y and y' */
     struct ledger ledger;
+    struct standstill standstill;
     int32_t began; /* whether the ways of the contacts are decided */
 
     const double *sample_times;

@@ -3,6 +3,8 @@
 
 /* Steps without progress in time after which a run counts as stuck. */
 enum { MOST_IDLE = 1000, FORCES_A_CONTACT = 4 };
+/* Crossings of a speed that are looked for in one step. */
+enum { MOST_CROSSINGS = 100 };
 
 /* The largest displacement, in clearances or, without contacts, in sizes of the motion. */
 static const double MOST_CLEARANCES = 1e30;
@@ -101,6 +103,58 @@ static void observe(struct work *work, double point, double until)
         keep_peaks(work, point, until);
 }
 
+/* Write a polynomial in the distance from a point. */
+static void begin_at(double point, int order, double *terms)
+{
+    for (int i = 0; i < order; i++)
+        for (int n = order - 1; n >= i; n--)
+            terms[n] = fma(point, terms[n + 1], terms[n]);
+}
+
+/* Where a speed first leaves its side of a limit; the first term by which it differs from one that
+ * it has just crossed is known to be a zero. */
+static double first_crossing(const double *spin, int order, double limit, int is_below, int crossed,
+                             double step)
+{
+    double first = INFINITY;
+    for (int side = 0; side < 2; side++) {
+        const double sign = side ? -1.0 : 1.0;
+        const int is_near = sign * spin[0] >= 0.0;
+        if (!is_below && !is_near)
+            continue;
+        double left[ORDERS];
+        for (int n = 0; n <= order; n++)
+            left[n] = (is_below ? -sign : sign) * spin[n];
+        left[0] += is_below ? limit : -limit;
+        first = smaller(first, first_fall(left, 1, order, step, is_near && crossed));
+    }
+    return first;
+}
+
+/* Keep since when the speed has stayed below its limit, up to a point and its time. */
+static void look_for_standstill(struct work *work, double end, double until)
+{
+    struct standstill *stands = &work->run->standstill;
+    if (!work->has_torque || stands->limit == 0.0)
+        return;
+    const int order = work->order;
+    double spin[ORDERS], at = 0.0;
+    memcpy(spin, work->spin, sizeof(double) * (size_t)(order + 1));
+    for (int i = 0; i < MOST_CROSSINGS; i++) {
+        const int is_below = !isnan(stands->since);
+        const double point = first_crossing(spin, order, stands->limit, is_below, i > 0, end - at);
+        if (!(at + point < end))
+            return;
+        at += point;
+        begin_at(point, order, spin);
+        const double time = smaller(polynomial(work->time, 1, order, at), until);
+        if (is_below)
+            stands->longest = fmax(stands->longest, time - stands->since);
+        stands->since = is_below ? NAN : time;
+        stands->rate = polynomial(work->spin_rate, 1, order - 1, at);
+    }
+}
+
 /* Go on with the next piece of a speed: the rate of the spin jumps, and with it what holds. */
 static int pass_system_piece(struct work *work)
 {
@@ -163,6 +217,7 @@ static int take_step(struct work *work, int *is_idle)
     if (ends && !happens)
         until = limit;
     observe(work, end, until);
+    look_for_standstill(work, end, until);
     const double before = run->time;
     move_columns(work, end);
     move_system(work, end);

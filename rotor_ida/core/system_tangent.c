@@ -253,6 +253,11 @@ static void ask_hold(const struct work *work, const struct touching *each,
                     count);
     add_scaled(law->race_radius * law->inverse_race_inertia * law->race_drag,
                &touch->race[n * count], right, count);
+    for (int64_t k = 0; k < run->contact_count; k++) {
+        const struct touching *other = &work->touching[k];
+        if (other != each && turns_race(other, each)) /* 0 yet of those that roll */
+            add_scaled(-yield_of_race(law), &columns->touching[k].drag[n * count], right, count);
+    }
 }
 
 /* Find the tangential forces of the contacts that roll, and let them act. */
@@ -337,9 +342,11 @@ static void expand_columns(struct work *work)
                 continue;
             const double share = law->inverse_race_inertia / (n + 1);
             add_product(-law->race_drag * share, work->pace, 1, touch->race, count, n, race, count);
-            if (is_pressed(&work->touching[i]))
-                add_product(law->race_radius * share, work->pace, 1, touch->drag, count, n, race,
-                            count);
+            for (int64_t k = 0; k < run->contact_count; k++) {
+                if (turns_race(&work->touching[k], &work->touching[i]))
+                    add_product(law->race_radius * share, work->pace, 1, columns->touching[k].drag,
+                                count, n, race, count);
+            }
         }
     }
 }
@@ -387,7 +394,9 @@ static void find_rates(struct work *work, double *races)
     for (int64_t i = 0; i < work->run->contact_count; i++) {
         const struct touching *each = &work->touching[i];
         const struct system_law *law = each->law;
-        const double drag = is_pressed(each) ? each->drag[0] : 0.0;
+        double drag = 0.0;
+        for (int64_t k = 0; k < work->run->contact_count; k++)
+            drag += turns_race(&work->touching[k], each) ? work->touching[k].drag[0] : 0.0;
         races[i] = law->inverse_race_inertia
                    * (law->race_radius * drag - law->race_drag * each->touch->race);
     }
@@ -467,8 +476,10 @@ void begin_columns(struct work *work)
                 v[i * count + c] += held[j]
                                     * (each->rows[i] * answers[ELEMENT_NORMAL_Y]
                                        - each->rows[work->stride + i] * answers[ELEMENT_NORMAL_X]);
-            races[work->rolling[j] * count + c] += held[j] * law->race_radius
-                                                   * law->inverse_race_inertia;
+            for (int64_t k = 0; k < run->contact_count; k++) {
+                if (work->touching[k].law->race == law->race)
+                    races[k * count + c] += held[j] * law->race_radius * law->inverse_race_inertia;
+            }
         }
     }
 }

@@ -122,6 +122,16 @@ static inline int is_pressed(const struct touching *each)
 {
     return each->touch->way != FLIES && each->touch->way != IS_LOOSE;
 }
+/* Whether the friction of another contact, or of this one, turns the race of a contact. */
+static inline int turns_race(const struct touching *other, const struct touching *each)
+{
+    return other->law->race == each->law->race && is_pressed(other);
+}
+/* The rate of the slip that a unit tangential force causes by the race. */
+static inline double yield_of_race(const struct system_law *law)
+{
+    return law->race_radius * law->race_radius * law->inverse_race_inertia;
+}
 
 /* system.c */
 struct work *open_work(struct system_run *run);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Callable
 from ctypes import Structure, byref, c_double, c_int, c_int32, c_int64, c_void_p
 from dataclasses import dataclass, field
@@ -33,6 +34,7 @@ LAW = np.dtype(
                 "race_radius", "inverse_race_inertia", "race_drag",
             )
         ),
+        ("race", np.int64),
     ]
 )  # fmt: skip
 TOUCH = np.dtype(
@@ -58,6 +60,25 @@ RACE = np.dtype(
 LEDGER = ("unbalance", "damping", "stiffness_rate", "normal", "tangential")
 
 
+class Standstill(NamedTuple):
+    """Whether a driven rotor stands: since when its speed has stayed below a limit in size.
+
+    Parameters
+    ----------
+    limit : float
+        The limit; 0 where it was not asked for.
+    since, rate : float
+        When the speed last fell below it, NaN while it is above; and its rate then.
+    longest : float
+        The longest time below that has ended.
+    """
+
+    limit: float
+    since: float = math.nan
+    rate: float = 0.0
+    longest: float = 0.0
+
+
 class SystemRunStruct(Structure):
     """``struct system_run``."""
 
@@ -68,13 +89,16 @@ class SystemRunStruct(Structure):
             "force", "rows", "laws", "touches", "pieces",
         )),
         *((name, c_int64) for name in ("piece_count", "piece")),
-        *((name, c_double) for name in ("inertia", "rtol", "displacement", "velocity", "fastest")),
+        ("inertia", c_double),
+        ("weight", 2 * c_double),
+        *((name, c_double) for name in ("rtol", "displacement", "velocity", "fastest")),
         *((name, c_int64) for name in ("order", "only_events")),
         ("duration", c_double),
         ("stop", c_void_p),
         *((name, c_double) for name in ("time", "speed", "angle", "piece_time", "piece_angle")),
         ("state", c_void_p),
         ("ledger", len(LEDGER) * c_double),
+        ("standstill", len(Standstill._fields) * c_double),
         ("began", c_int32),
         *((name, c_void_p) for name in (
             "sample_times", "samples", "sample_forces", "sample_turns",
@@ -116,6 +140,11 @@ class SystemRequest:
         Speed at time 0, if a torque drives it.
     inertia : float
         Moment of inertia about the axis of rotation, if a torque drives the rotor.
+    weight : tuple of float
+        Moment of the unbalance's weight about that axis, by the cosine of the angle and by minus
+        its sine.
+    standing : float
+        Speed below which a rotor that a torque drives stands; 0 if that is not asked.
     rtol : float
         Tolerance of one step.
     order : int
@@ -149,6 +178,8 @@ class SystemRequest:
     pieces: Rows
     speed: float
     inertia: float
+    weight: tuple[float, float]
+    standing: float
     rtol: float
     order: int
     only_events: bool = False
@@ -198,6 +229,8 @@ class SystemResult:
         Steps taken.
     turn : tuple of float
         Angle and speed at the end.
+    standstill : Standstill
+        Whether a driven rotor stands at the end.
     columns : ndarray, shape (column, 2 n + contact)
         What the changes of the start have become.
     """
@@ -220,6 +253,7 @@ class SystemResult:
     ledger: dict[str, float]
     steps: int
     turn: tuple[float, float]
+    standstill: Standstill
     columns: Values = field(default_factory=lambda: np.empty((0, 0)))
 
 
@@ -321,6 +355,8 @@ class _Run:
         )  # fmt: skip
         self.struct = SystemRunStruct(
             **{name: getattr(request, name) for name in of_same_name},
+            weight=(2 * c_double)(*request.weight),
+            standstill=(len(Standstill._fields) * c_double)(*Standstill(request.standing)),
             size=self.size, stride=self.stride, contact_count=count, **self.matrices(request),
             unbalance=self.read(self.wide(request.unbalance)),
             force=self.read(self.wide(request.force)), rows=self.read(self.wide(request.rows)),
@@ -393,7 +429,8 @@ class _Run:
             event_states=states.reshape(events, 2, self.stride)[:, :, :size], event_races=races,
             races=self.races,
             episodes=np.concatenate([held["episodes"][: run.episode_count], lasting]),
-            ledger=ledger, steps=run.steps, turn=(run.angle, run.speed), columns=self.columns.T,
+            ledger=ledger, steps=run.steps, turn=(run.angle, run.speed),
+            standstill=Standstill(*run.standstill), columns=self.columns.T,
         )  # fmt: skip
 
 

@@ -120,8 +120,8 @@ def in_basis(system: RotorSystem, basis: Values) -> RotorSystem:
         gyroscopic=gyroscopic, stiffness_rate=small(system.stiffness_rate),
         nodes={name: system.rows(name) @ basis for name in system.nodes},
         translations=translations, static_force=None if force is None else basis.T @ force,
-        positions=system.positions, units=system.units, added_mass=small(system.added_mass),
-        note=system.note,
+        gravity_in_static_force=system.gravity_in_static_force, positions=system.positions,
+        units=system.units, added_mass=small(system.added_mass), note=system.note,
     )  # fmt: skip
 
 

@@ -169,7 +169,8 @@ def _disc(
     both = np.eye(2)
     system = RotorSystem(
         mass=mass * both, stiffness=stiffness * both, damping=damping * both,
-        nodes={contact.node: (0, 1)}, static_force=np.array([0.0, -load]), units=units,
+        nodes={contact.node: (0, 1)}, static_force=np.array([0.0, -load]),
+        gravity_in_static_force=(0.0, -load / mass), units=units,
     )  # fmt: skip
     return system, [contact], [Unbalance(node=contact.node, moment=moment)]
 

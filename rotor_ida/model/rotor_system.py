@@ -49,6 +49,9 @@ class RotorSystem:
         have mass; or what the rows of the nodes determine.
     static_force : array_like, shape (n,), optional
         A constant force.
+    gravity_in_static_force : (float, float), optional
+        Acceleration, along x and y, of the gravity whose weight is a part of `static_force`. It
+        acts on unbalance too: under a torque its moment about the axis counts. Default: none.
     positions : mapping of str to float, optional
         Axial position of each node, for pictures of the deflected shape.
     units : {"SI", "1"}
@@ -76,6 +79,7 @@ class RotorSystem:
     nodes: Mapping[str, Node] = field(default_factory=dict)
     translations: Values | None = None
     static_force: Values | None = None
+    gravity_in_static_force: tuple[float, float] | None = None
     positions: Mapping[str, float] | None = None
     units: Literal["SI", "1"] = "SI"
     added_mass: Values | None = None
@@ -108,6 +112,9 @@ class RotorSystem:
         check_choice("units", self.units, UNITS)
         if not isinstance(self.note, str):
             raise InputError(f"note must be text, got {shown(self.note)}")
+        if (gravity := self.gravity_in_static_force) is not None:
+            pair = _shaped("gravity_in_static_force", gravity, (2,)).tolist()
+            object.__setattr__(self, "gravity_in_static_force", tuple(pair))
         for name, values in keep.items():
             values.setflags(write=False)
             object.__setattr__(self, name, values)

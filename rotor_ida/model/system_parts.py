@@ -61,7 +61,7 @@ class Race:
 class Stator:
     """A stator that moves: a mass on springs and dampers, with two degrees of freedom of its own.
 
-    Contacts that are given the same stator share it.
+    Contacts that are given the same stator share it, and its race, which the friction of all turns.
 
     Parameters
     ----------

@@ -83,6 +83,7 @@ def _plain_system(system: RotorSystem) -> dict[str, Any]:
     found = {name: _plain(getattr(system, name)) for name in ARRAYS}
     return found | {
         "nodes": {name: _plain(place) for name, place in system.nodes.items()},
+        "gravity_in_static_force": _plain(system.gravity_in_static_force),
         "positions": None if system.positions is None else dict(system.positions),
         "units": system.units,
         "note": system.note,

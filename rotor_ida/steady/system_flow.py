@@ -71,13 +71,17 @@ class SettlingProblem:
 
     @property
     def with_race(self) -> Flags:
-        """Which contacts have a race that spins."""
-        return np.array([race is not None for race in self.assembly.races], bool)
+        """Which contacts have a race that spins; of those that share one the first."""
+        races, numbers = self.assembly.races, self.assembly.race_numbers
+        return np.array(
+            [race is not None and numbers[i] == i for i, race in enumerate(races)], bool
+        )
 
     @property
     def race_speeds(self) -> Values:
         """The speeds of those races at time 0."""
-        return np.array([race.speed for race in self.assembly.races if race is not None])
+        speeds = [0.0 if race is None else race.speed for race in self.assembly.races]
+        return np.array(speeds)[self.with_race]
 
     @property
     def has_damping(self) -> bool:
@@ -169,8 +173,9 @@ class SystemFlow:
         motion, end = self.motion_of(state), float(times[-1])
         races[self.problem.with_race] = (state * self.scales)[motion.size :]
         request = replace(
-            self.request, start=motion, races=races, times=times, duration=end,
-            pieces=steady(self.speed, end).pieces(), only_events=only_events, columns=columns,
+            self.request, start=motion, races=races[self.request.laws["race"]], times=times,
+            duration=end, pieces=steady(self.speed, end).pieces(), only_events=only_events,
+            columns=columns,
         )  # fmt: skip
         return follow_system_again(request, self.stop)
 
@@ -221,6 +226,7 @@ class SystemFlow:
         size, races = 2 * self.problem.assembly.size, self.problem.with_race
         columns = np.zeros((len(changes), size + races.size))
         columns[:, np.concatenate([np.ones(size, bool), races])] = changes * self.scales
+        columns[:, size:] = columns[:, size + self.request.laws["race"]]
         run = self.run(state, np.array([duration]), only_events=True, columns=columns)
         moved = run.columns[:, np.concatenate([np.ones(size, bool), races])] / self.scales
         return self.end_of(run), self.turned_back(moved, run.time)

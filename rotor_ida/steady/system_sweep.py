@@ -343,7 +343,7 @@ def settle_along(ramp: SystemRampJob, stop: Stop) -> Rows:
             messages.append(reason_of(error))
             continue
         last = settled.state * flow.scales
-        _fill(row, settled, problem, last)
+        _fill(row, settled, flow, last)
         messages.append(settled.decision.message)
     return Rows(points[: len(messages)], messages)
 
@@ -375,8 +375,9 @@ def _fail(row: np.void) -> None:
     row["response"], row["status"], row["touched"] = RESPONSE[FAILED], STATUS["failed"], 0
 
 
-def _fill(row: np.void, settled: SettledSystem, problem: SettlingProblem, last: Values) -> None:
+def _fill(row: np.void, settled: SettledSystem, flow: SystemFlow, last: Values) -> None:
     """Write a settled response into a row."""
+    problem = flow.problem
     decision, features, size = settled.decision, settled.features, problem.assembly.size
     row["response"], row["status"] = RESPONSE[decision.kind], STATUS["done"]
     has_period = decision.period is not None and decision.kind not in (CONTACT_FREE, SYNCHRONOUS)
@@ -388,7 +389,8 @@ def _fill(row: np.void, settled: SettledSystem, problem: SettlingProblem, last: 
         np.abs, (features.contact_whirl, features.node_whirl)
     )
     row["phase_lag"], row["node_phase_lag"] = (
-        -np.angle(whirl) for whirl in (features.contact_whirl, features.node_whirl)
+        -math.copysign(1.0, flow.speed) * np.angle(whirl)  # in the sense of the spin
+        for whirl in (features.contact_whirl, features.node_whirl)
     )
     row["radius_min"], row["radius_max"] = features.contact_low, features.contact_high
     row["node_radius_min"], row["node_radius_max"] = features.node_low, features.node_high

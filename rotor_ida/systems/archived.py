@@ -64,6 +64,8 @@ def problem_variables(
     rows = np.array([system.rows(name) for name in system.nodes]).reshape(-1, 2, system.size)
     found["node_rows"] = (("node", "axis", "freedom"), rows)
     found["constant_force"] = ("assembled_freedom", assembly.force)
+    if assembly.gravity.any():
+        found["gravity"] = ("axis", assembly.gravity)
     if start is not None:
         is_one = start.shape == (2, assembly.size)
         found[START] = ("coordinate", start.ravel()) if is_one else (("start", "coordinate"), start)
@@ -96,6 +98,7 @@ def _contacts(assembly: Assembly) -> dict[str, Column]:
         assembly.stators.index(each.stator) if isinstance(each.stator, Stator) else -1
         for each in contacts
     ]
+    shared = [each.race is None and each.spinning_race is not None for each in contacts]
     nothing = dict.fromkeys(OF_RACE, np.nan)
     races = [
         nothing if race is None else {name: getattr(race, name) for name in OF_RACE}
@@ -110,6 +113,7 @@ def _contacts(assembly: Assembly) -> dict[str, Column]:
         "stator_number": ("contact", np.array(numbers, np.int16)),
         **{f"law_{name}": column([getattr(each, name) for each in contacts]) for name in LAW},
         **{f"race_{name}": column([race[name] for race in races]) for name in OF_RACE},
+        **({"race_is_of_stator": ("contact", np.array(shared, np.int8))} if any(shared) else {}),
     }
 
 
@@ -143,12 +147,18 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
     positions = None
     if "axial_position" in run.variables:
         positions = dict(zip(nodes, run["axial_position"].values.tolist(), strict=True))
-    system = RotorSystem(**matrices, nodes=nodes, positions=positions, units="SI" if si else "1",
-                         note=run.attrs.get(NOTE, ""))  # fmt: skip
+    system = RotorSystem(
+        **matrices, nodes=nodes, positions=positions, units="SI" if si else "1",
+        gravity_in_static_force=tuple(run["gravity"].values) if "gravity" in run else None,
+        note=run.attrs.get(NOTE, ""),
+    )  # fmt: skip
+    shared = _races_of_stators(run)
     stators = [
-        Stator(mass=mass, stiffness=tuple(stiffness), damping=tuple(damping))
-        for mass, stiffness, damping in _rows(run, [f"stator_{name}" for name in OF_STATOR])
-    ]
+        Stator(mass=mass, stiffness=tuple(stiffness), damping=tuple(damping),
+               race=shared.get(number))
+        for number, (mass, stiffness, damping) in enumerate(
+            _rows(run, [f"stator_{name}" for name in OF_STATOR]))
+    ]  # fmt: skip
     unbalance = [
         Unbalance(node=node, moment=moment, phase=phase)
         for node, moment, phase in _rows(
@@ -196,18 +206,32 @@ def problem_in(design: Mapping[str, Any]) -> tuple[RotorSystem, dict[str, Any]]:
     return problem_of(xr.Dataset({**variables, "speed": ((), 0.0, unit)}, attrs=note))
 
 
+def _race(row: xr.Dataset) -> Race | None:
+    """Return the race of one contact of a run."""
+    race = {name: float(row[f"race_{name}"]) for name in OF_RACE}
+    return None if np.isnan(race["radius"]) else Race(**race)
+
+
+def _races_of_stators(run: xr.Dataset) -> dict[int, Race | None]:
+    """Return the races that belong to stators, by the numbers of these."""
+    if "race_is_of_stator" not in run:
+        return {}
+    rows = run.isel(contact=run["race_is_of_stator"].values != 0)
+    numbers = rows["stator_number"].values.tolist()
+    return {number: _race(rows.isel(contact=i)) for i, number in enumerate(numbers)}
+
+
 def _contact(row: xr.Dataset, stators: Sequence[Stator]) -> Contact:
     """Return one contact of a run."""
     numbers = {name: float(row[f"law_{name}"]) for name in LAW}
     radius = numbers.pop("radius")
-    race = {name: float(row[f"race_{name}"]) for name in OF_RACE}
     number, name = int(row["stator_number"]), str(row["contact_stator"].values)
     return Contact(
         node=str(row["contact_node"].values), clearance=float(row["clearance"]), **numbers,
         radius=None if np.isnan(radius) else radius,
         centre=(float(row["centre_x"]), float(row["centre_y"])),
         stator=stators[number] if number >= 0 else name or None,
-        race=None if np.isnan(race["radius"]) else Race(**race),
+        race=None if number >= 0 and stators[number].race is not None else _race(row),
     )  # fmt: skip
 
 

@@ -42,6 +42,11 @@ class Assembly:
         Force over the square of the speed, by the cosine and the sine of the angle.
     force : ndarray, shape (n,)
         The constant force.
+    gravity : ndarray, shape (2,)
+        The acceleration of gravity whose weight it contains.
+    weight : tuple of float
+        Moment of the unbalance's weight about the axis, by the cosine of the angle and by minus
+        its sine.
     """
 
     system: RotorSystem
@@ -55,6 +60,8 @@ class Assembly:
     rows: Values
     unbalance: Values
     force: Values
+    gravity: Values
+    weight: tuple[float, float]
 
     @property
     def size(self) -> int:
@@ -70,6 +77,18 @@ class Assembly:
     def races(self) -> list[Race | None]:
         """The race of each contact."""
         return [each.spinning_race for each in self.contacts]
+
+    @property
+    def race_numbers(self) -> list[int]:
+        """The number of the first contact with the same race; without a race its own.
+
+        Contacts share the race of a `Stator` that they are given.
+        """
+        held = [
+            id(each.stator) if each.race is None and isinstance(each.stator, Stator) else (number,)
+            for number, each in enumerate(self.contacts)
+        ]
+        return [held.index(each) for each in held]
 
     @property
     def smallest_clearance(self) -> float:
@@ -152,6 +171,11 @@ def assemble(
             place = system.size + 2 * stators.index(each.stator)
             rows[number, :, place : place + 2] = -np.eye(2)
     mass, stiffness = (_joined(system, stators, name) for name in ("mass", "stiffness"))
+    pull = _gravity(gravity)
+    if system.static_force is not None or static_force is not None:
+        pull = pull + _gravity(system.gravity_in_static_force)
+    moment = sum(each.moment * np.exp(1j * each.phase) for each in unbalance)
+    turned = np.conj(moment) * complex(*pull)
     assert mass is not None
     assert stiffness is not None
     return Assembly(
@@ -161,6 +185,8 @@ def assemble(
         rows=rows,
         unbalance=_unbalance(system, unbalance, size),
         force=_force(system, stators, mass, gravity, static_force),
+        gravity=pull,
+        weight=(float(turned.imag), float(turned.real)),
         mass=mass,
         stiffness=stiffness,
         damping=_joined(system, stators, "damping"),
@@ -251,6 +277,16 @@ def _unbalance(system: RotorSystem, unbalance: Sequence[Unbalance], size: int) -
     return both
 
 
+def _gravity(given: tuple[float, float] | None) -> Values:
+    """Return the acceleration of gravity along x and y."""
+    if given is None:
+        return np.zeros(2)
+    g = check_array("gravity", given)
+    if g.shape != (2,):
+        raise InputError(f"gravity must be two numbers, along x and y, got {shown(given)}")
+    return g
+
+
 def _force(
     system: RotorSystem,
     stators: Sequence[Stator],
@@ -270,9 +306,7 @@ def _force(
             )
         force[: given.size] += given
     if gravity is not None:
-        g = check_array("gravity", gravity)
-        if g.shape != (2,):
-            raise InputError(f"gravity must be two numbers, along x and y, got {shown(gravity)}")
+        g = _gravity(gravity)
         force[: system.size] += system.weight(g)
         for number, each in enumerate(stators):
             place = system.size + 2 * number

@@ -56,6 +56,7 @@ def system_dataset(
         "event_state": (("event", "coordinate"), event_q.reshape(len(kinds), 2 * assembly.size)),
         "horizon": ((), followed.horizon),
         "final_state": ("component", np.concatenate([found.to_q(result.state).ravel(), races])),
+        **_standstill(followed),
         **_relative(assembly, q, event_q[:, 0], result.event_contacts),
         **_forces(followed),
         **_episodes(followed),
@@ -84,6 +85,14 @@ def system_dataset(
     kind = Quantity(QUANTITIES["event_kind"].long_name, flags=flags)
     dataset["event_kind"].attrs = kind.attributes()
     return with_system_units(dataset, system)
+
+
+def _standstill(followed: Followed) -> dict[str, Column]:
+    """Return since when a rotor that a torque drives has stood, if it turned at first."""
+    if followed.result.standstill.limit == 0.0:
+        return {}
+    return {"standstill_time": ((), followed.standstill),
+            "standstill_time_error": ((), followed.standstill_error)}  # fmt: skip
 
 
 def _extremes_of_races(races: Rows, with_race: Flags) -> dict[str, Column]:

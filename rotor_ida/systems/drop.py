@@ -108,7 +108,9 @@ def drop(
         by its ``whirl_turns``, ``whirl_speed`` and ``whirl_sense`` (from three turns on), and
         ``rest_time``, from which the contact lasts to the end; with capacities also ``load_ratio``,
         the largest force over them. On ``node`` ``largest_radius`` (at samples); on ``support`` its
-        ``support_load``; and ``standstill_time``, after which the speed stays below one per cent.
+        ``support_load``; and ``standstill_time``, an event after which the speed stays below
+        one per cent of that at the drop, and ``standstill_time_error``; NaN if it does not, as of
+        a rotor that rocks.
 
     Raises
     ------
@@ -124,7 +126,7 @@ def drop(
     Before the drop each support holds its node at the centre, whatever static load that takes, and
     the rotor whirls about this position by its unbalance, as linear springs and dampers allow. At
     time 0 the failing supports are gone. Then ``J Omega' = -drag Omega - sum R_j T_j - (reaction of
-    the unbalance)``.
+    the unbalance) + sum m e x g``, the last by the weight of each unbalance.
 
     After the `horizon` of the run the motion depends on rounding: see `drop_ensemble`.
 

@@ -14,8 +14,6 @@ from rotor_ida.systems.dataset import AROUND
 
 # Turns in one sense, without a return below half of the clearance, that make a whirl.
 FEWEST_TURNS = 3.0
-# Part of the speed at the drop below which the rotor counts as standing.
-STANDING = 0.01
 # Part of the end of a run for which a contact must last to be at rest in its bearing.
 LASTING = 0.1
 # What is delivered of each bearing, with the kind of number.
@@ -57,7 +55,8 @@ def figures_of_drop(
         limits = np.array([capacities.get(node, math.nan) for node in nodes])
         columns["load_capacity"] = ("contact", limits)
         columns["load_ratio"] = ("contact", columns["largest_force"][1] / limits)
-    columns["standstill_time"] = ((), _standstill(run))
+    if "standstill_time" not in run:  # at a speed that is held
+        columns |= {"standstill_time": ((), math.nan), "standstill_time_error": ((), math.nan)}
     return columns
 
 
@@ -124,9 +123,10 @@ def _race(run: xr.Dataset, number: int) -> tuple[float, float]:
 
 
 def _whirl(run: xr.Dataset, number: int) -> tuple[float, float]:
-    """Return the turns of the longest whirl around a bearing, signed, and its mean speed.
+    """Return the turns of the longest whirl around a bearing, and its mean speed.
 
-    A whirl goes on while the rotor stays beyond half of the clearance.
+    A whirl goes on while the rotor stays beyond half of the clearance. Both are negative where the
+    whirl is backward: against the spin during it.
     """
     x, y = run["contact_x"].values[:, number], run["contact_y"].values[:, number]
     times, far = run["t"].values, np.hypot(x, y) > AROUND * float(run["clearance"][number])
@@ -134,10 +134,12 @@ def _whirl(run: xr.Dataset, number: int) -> tuple[float, float]:
     going = far[1:] & far[:-1]
     edges = np.flatnonzero(np.diff(np.concatenate([[False], going, [False]]).astype(np.int8)))
     total = np.concatenate([[0.0], np.cumsum(np.where(going, steps, 0.0))])
+    spin = run["angle"].values if "angle" in run else float(run.attrs["speed"]) * times
     best, rate = 0.0, math.nan
     for begin, end in edges.reshape(-1, 2):
         first, last = _farthest_apart(total[begin : end + 1])
         turned = float(total[begin + last] - total[begin + first])
+        turned *= math.copysign(1.0, spin[begin + last] - spin[begin + first])
         if abs(turned) > abs(best):
             best, rate = turned, turned / float(times[begin + last] - times[begin + first])
     return best / math.tau, rate
@@ -157,14 +159,3 @@ def _rest(run: xr.Dataset, kinds: Values, times: Values) -> float:
     end = float(run["t"].values[-1])
     last = float(times[edges][-1])
     return last if end - last >= LASTING * end else math.nan
-
-
-def _standstill(run: xr.Dataset) -> float:
-    """Return when the speed stays below a part of that at the drop; NaN if it never does."""
-    if "speed" not in run:
-        return math.nan
-    speeds, times = np.abs(run["speed"].values), run["t"].values
-    fast = np.flatnonzero(speeds > STANDING * speeds[0])
-    if not fast.size or fast[-1] + 1 >= speeds.size:
-        return math.nan
-    return float(times[fast[-1] + 1])

@@ -7,6 +7,7 @@ events before it at the same contact, as a difference may vanish by chance.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -35,6 +36,9 @@ WIDENING, MEMORY, SAME_EVENT = 10.0, 4, 0.25
 ENOUGH = 2.0
 # Relative size below which an eigenvalue is that of a free motion.
 FREE = 1e-9
+# Part of the first speed below which a driven rotor stands. Speeds below this part of that have no
+# sign but by rounding.
+STANDING, SIGNLESS = 0.01, 1e-6
 # Growth rates below this part of the largest eigenvalue are rounding; so are those of eigenvalues
 # that are themselves below this part of it, as of a rotor that nothing holds: a double 0.
 GROWING, HELD = 1e-9, 1e-6
@@ -52,11 +56,15 @@ class Followed:
         Errors; infinite after the horizon.
     horizon : float
         Time up to which the start determines the motion at these tolerances.
+    standstill, standstill_error : float
+        Since when a driven rotor has stood at the end, NaN if it does not; and the error.
     """
 
     result: SystemResult
     event_time_errors: Values
     horizon: float
+    standstill: float
+    standstill_error: float
 
 
 class Growth(NamedTuple):
@@ -72,12 +80,12 @@ def request_of(
 ) -> SystemRequest:  # fmt: skip
     """Return the request of a run to the core."""
     laws = np.zeros(len(assembly.contacts), LAW)
-    for law, each in zip(laws, assembly.contacts, strict=True):
+    for law, each, shared in zip(laws, assembly.contacts, assembly.race_numbers, strict=True):
         is_hertz, race = each.exponent == HERTZ_EXPONENT, each.spinning_race
         law["offset"], law["clearance"] = each.centre, each.clearance
         law["hertz" if is_hertz else "linear"] = each.stiffness
         law["contact_damping"], law["friction"] = each.damping, each.friction
-        law["radius"] = each.radius or 0.0
+        law["radius"], law["race"] = each.radius or 0.0, shared
         if race is not None:
             law["race_radius"], law["inverse_race_inertia"] = race.radius, 1.0 / race.inertia
             law["race_drag"] = race.drag
@@ -87,7 +95,9 @@ def request_of(
         stiffness=found.stiffness, damping=found.damping, gyroscopic=found.gyroscopic,
         stiffness_rate=found.stiffness_rate, rows=found.rows, unbalance=found.unbalance,
         force=found.force, laws=laws, races=np.array(speeds), pieces=profile.pieces(),
-        speed=speed, inertia=inertia, rtol=max(STEP_SAFETY * rtol, TIGHTEST), order=ORDERS[0],
+        speed=speed, inertia=inertia, weight=assembly.weight,
+        standing=STANDING * abs(speed) if profile.is_driven else 0.0,
+        rtol=max(STEP_SAFETY * rtol, TIGHTEST), order=ORDERS[0],
         displacement=displacement, velocity=velocity, fastest=fastest, start=start, times=times,
         duration=duration, massless=found.massless,
     )  # fmt: skip
@@ -179,7 +189,30 @@ def follow_twice(
 
     other = follow_system(tighter, stop, watch, has_parted)
     check_status(other)
-    return Followed(result, *errors_of(result, other, len(request.laws), request.duration))
+    return compared(result, other, request)
+
+
+def compared(result: SystemResult, other: SystemResult, request: SystemRequest) -> Followed:
+    """Return a run with the errors of its events by another one."""
+    errors, horizon = errors_of(result, other, len(request.laws), request.duration)
+    since, error = standstill_of(result), math.inf
+    if since <= horizon and not math.isnan(other.standstill.since):
+        error = WIDENING * abs(since - other.standstill.since) + 4.0 * float(np.spacing(since))
+    return Followed(result, errors, horizon, since, math.nan if math.isnan(since) else error)
+
+
+def standstill_of(result: SystemResult) -> float:
+    """Return since when a driven rotor has stood at the end of a run; NaN if it does not stand.
+
+    One that rocks passes below the limit again and again. It stands as soon as it has been there
+    for longer than ever before and, if its speed has changed its sign, than to pass at a constant
+    rate would take.
+    """
+    limit, since, rate, longest = result.standstill
+    lasts, speed = result.time - since, result.turn[1]
+    reverses = speed * rate > 0.0 and abs(speed) > SIGNLESS * limit
+    passing = 2.0 * limit / abs(rate) if reverses else 0.0
+    return since if lasts > max(longest, passing) else math.nan
 
 
 def follow_system_again(

@@ -162,8 +162,14 @@ class SystemInMotion:
             law = request.laws[i]
             own = law["race_radius"] * law["inverse_race_inertia"]
             matrix[row] = [-across[row] @ column for column in columns]
-            matrix[row, row] += law["race_radius"] * own
+            for other, j in enumerate(rolling):
+                matrix[row, other] += law["race_radius"] * own * self.shares_race(i, j)
             right[row] = across[row] @ a - touches[i].turning
+            right[row] -= (
+                law["race_radius"]
+                * own
+                * sum(self.known_drag(j, touches[j]) for j in self.turning(i) if j not in rolling)
+            )
             right[row] += own * law["race_drag"] * state[2 * n + i]
             if driven:
                 matrix[row, -1] -= law["radius"]
@@ -175,6 +181,7 @@ class SystemInMotion:
             matrix[-1, -1] += request.inertia
             matrix[-1, : len(rolling)] += [request.laws[i]["radius"] for i in rolling]
             right[-1] = given - slope * self.spin(time, state)[1] - torque - pull @ a
+            right[-1] += self.torque_of_weight(time, state)
         return Implicit(a, np.array(columns).reshape(count, n), matrix, right, rolling)
 
     @property
@@ -189,6 +196,12 @@ class SystemInMotion:
         angle, _ = self.spin(time, state)
         by_cosine, by_sine = self.request.unbalance
         return np.asarray(np.cos(angle) * by_sine - np.sin(angle) * by_cosine)
+
+    def torque_of_weight(self, time: float, state: Values) -> float:
+        """Return the moment of the unbalance's weight about the axis."""
+        angle, _ = self.spin(time, state)
+        across, along = self.request.weight
+        return float(np.cos(angle) * across - np.sin(angle) * along)
 
     def bent(self, state: Values) -> Values:
         """Return the forces for each unit of angular acceleration, but for the unbalance."""
@@ -219,12 +232,28 @@ class SystemInMotion:
         for i, (way, touch) in enumerate(zip(self.ways, touches, strict=True)):
             if way in {FLIES, IS_LOOSE}:
                 continue
-            push = touch.push(way)
-            drag = touch.held if way == ROLLS else request.laws[i]["friction"] * way * push
+            push, drag = touch.push(way), self.known_drag(i, touch)
             a = a - request.rows[i].T @ (push * touch.normal + drag * touch.tangent)
             a[self.inert :] = 0.0
             torque += request.laws[i]["radius"] * drag
         return a, torque
+
+    def known_drag(self, number: int, touch: Touch) -> float:
+        """Return the tangential force of a contact that is pressed, unless it has to be solved."""
+        way = self.ways[number]
+        if way == ROLLS:
+            return touch.held
+        return float(self.request.laws[number]["friction"]) * way * touch.push(way)
+
+    def shares_race(self, number: int, other: int) -> bool:
+        """Return whether two contacts have one race, or are the same."""
+        races = self.request.laws["race"]
+        return bool(races[number] == races[other])
+
+    def turning(self, number: int) -> list[int]:
+        """Return the pressed contacts whose friction turns the race of a contact."""
+        return [j for j, way in enumerate(self.ways)
+                if way not in {FLIES, IS_LOOSE} and self.shares_race(number, j)]  # fmt: skip
 
     def rolling(self) -> list[int]:
         """Return the contacts that roll on stators with mass."""
@@ -238,12 +267,11 @@ class SystemInMotion:
         out[:n] = self.filled(time, state)[n : 2 * n]
         out[n : 2 * n] = implicit.explicit + found @ implicit.columns
         held = dict(zip(implicit.rolling, found, strict=False))
-        for i, way in enumerate(self.ways):
-            law = request.laws[i]
-            touch = self.touch(i, time, state)
-            drag = held.get(i, touch.held)
-            if way in {1, -1}:
-                drag = law["friction"] * way * touch.push(way)
+        for i, law in enumerate(request.laws):
+            drag = sum(
+                held[j] if j in held else self.known_drag(j, self.touch(j, time, state))
+                for j in self.turning(i)
+            )
             torque = law["race_radius"] * drag - law["race_drag"] * state[2 * n + i]
             out[2 * n + i] = law["inverse_race_inertia"] * torque
         angle_rate = self.spin(time, state)[1]

@@ -225,7 +225,9 @@ def run_up_system(
     Returns
     -------
     Dataset
-        As from `simulate_system`, with ``speed`` and ``angle`` on ``t``.
+        As from `simulate_system`, with ``speed`` and ``angle`` on ``t``. With a torque
+        ``standstill_time`` and ``standstill_time_error``: since when the speed has stayed below
+        one per cent of the first, NaN if it does not, as of a rotor that rocks.
 
     Raises
     ------
@@ -239,7 +241,9 @@ def run_up_system(
 
     Notes
     -----
-    With a torque ``J Omega' = tau0 - slope Omega - sum R_j T_j - (reaction of the unbalance)``.
+    With a torque ``J Omega' = tau0 - slope Omega - sum R_j T_j - (reaction of the unbalance)
+    + sum m e x g``: the weight of each unbalance has a moment about the axis. A `static_force` has
+    none, but for the weight that `RotorSystem.gravity_in_static_force` tells of.
 
     Examples
     --------

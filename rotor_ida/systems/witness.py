@@ -6,6 +6,7 @@ guard. Nothing is shared with the Taylor series but the statement of the model.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
@@ -20,6 +21,7 @@ from rotor_ida.core.systems import (
     LEDGER,
     RACE,
     TOUCH,
+    Standstill,
     SystemRequest,
     SystemResult,
 )
@@ -37,7 +39,7 @@ from rotor_ida.simulation.orbit import (
     SLIP,
 )
 from rotor_ida.simulation.spin import SpeedProfile
-from rotor_ida.systems.following import Followed, check_status, errors_of, follow_system_again
+from rotor_ida.systems.following import Followed, check_status, compared, follow_system_again
 from rotor_ida.systems.mechanics import SystemInMotion, pressed_way, settle
 
 # Points of a step at which guards are looked at.
@@ -58,6 +60,7 @@ class _Records:
     forces: list[Values] = field(default_factory=list)
     episodes: list[tuple[float, float, float]] = field(default_factory=list)
     entries: dict[int, float] = field(default_factory=dict)
+    standstill: Standstill = field(default_factory=lambda: Standstill(0.0))
     reached: float = 0.0
 
 
@@ -166,13 +169,37 @@ def _sample(run: SystemInMotion, records: _Records, motion: Integration, until: 
         records.forces.append(rows)
 
 
+def _look_for_standstill(
+    run: SystemInMotion, records: _Records, motion: Integration, until: float
+) -> None:
+    """Keep since when the speed has stayed below its limit, up to a time of a step."""
+    limit = run.request.standing
+    if limit == 0.0:
+        return
+
+    def beyond(time: float, state: Values) -> float:
+        return abs(run.spin(time, state)[1]) - limit
+
+    for low, high in pairwise(np.linspace(motion.low, until, LOOKS + 1).tolist()):
+        is_below = beyond(high, motion.at(high)) <= 0.0
+        if is_below == (beyond(low, motion.at(low)) <= 0.0):
+            continue
+        time, found = motion.root(beyond, low, high), records.standstill
+        rates = np.empty_like(state := motion.at(time))
+        run.rates(time, state, rates)
+        longest = found.longest if is_below else max(found.longest, time - found.since)
+        since = time if is_below else math.nan
+        records.standstill = Standstill(limit, since, float(rates[-1]), longest)
+
+
 def run_by_cvode(
     request: SystemRequest, profile: SpeedProfile, rtol: float, method: str, stop: Stop,
     watch: Watch,
 ) -> SystemResult:  # fmt: skip
     """Return the run of a rotor system by CVODE."""
     n, contacts = len(request.force), len(request.laws)
-    run, records = SystemInMotion(request, profile, [FLIES] * contacts), _Records()
+    run = SystemInMotion(request, profile, [FLIES] * contacts)
+    records = _Records(standstill=Standstill(request.standing))
     scale = np.concatenate([
         np.full(n, request.displacement), np.full(n, request.velocity),
         np.full(contacts, request.velocity / request.displacement), [1.0, 1.0],
@@ -199,6 +226,7 @@ def run_by_cvode(
             found = _first_crossing(run, motion, limit)
             until = found[0] if found else min(motion.high, limit)
             _sample(run, records, motion, until)
+            _look_for_standstill(run, records, motion, until)
             records.reached = until
             if found or motion.high >= limit or stop[0]:
                 break
@@ -261,6 +289,7 @@ def _result(
         event_states=events[:, : 2 * n].reshape(-1, 2, n),
         event_races=events[:, of_races], races=_extremes(speeds, seen), episodes=table,
         ledger=dict.fromkeys(LEDGER, np.nan), steps=0, turn=run.spin(time, state),
+        standstill=records.standstill,
     )  # fmt: skip
 
 
@@ -273,4 +302,4 @@ def follow_by_cvode(
     check_status(result)
     bare = replace(request, times=request.times[[-1]], only_events=True)
     other = follow_system_again(bare, stop, watch)
-    return Followed(result, *errors_of(result, other, len(request.laws), request.duration))
+    return compared(result, other, request)

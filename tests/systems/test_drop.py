@@ -17,6 +17,7 @@ from rotor_ida import (
     Support,
     Unbalance,
     drop,
+    run_up,
 )
 from rotor_ida.core import systems as core_systems
 from rotor_ida.paper.whip import is_whip
@@ -227,6 +228,26 @@ def test_dry_whip_has_the_frequency_of_the_rotor_with_its_contact_closed():
     np.testing.assert_allclose(nearest, 1j * whirl, rtol=1e-5)  # the transient
 
 
+def test_the_mirror_image_of_dry_whip_whirls_backward_too():
+    """At a speed of the other sign, mirrored in the x axis."""
+    system = RotorSystem(mass=20.0 * np.eye(2), stiffness=2e6 * np.eye(2),
+                         damping=800.0 * np.eye(2), nodes={"disc": (0, 1)})  # fmt: skip
+    touch = Contact(node="disc", clearance=3e-4, stiffness=5e7, exponent=1.0, friction=0.3,
+                    radius=0.006)  # fmt: skip
+    for change in ({}, {"inertia": 1.0}):
+        run, image = (
+            drop(system, bearings=[touch], speed=side * 30.0, gravity=(0.0, 0.0), duration=0.5,
+                 start=([3.2e-4, 0.0], [0.0, -side * 0.15]), **change)
+            for side in (1.0, -1.0)
+        )  # fmt: skip
+        for each in (run, image):
+            assert each.whirl_sense[0] == -1
+            assert each.whirl_turns[0] < -3.0
+            assert each.whirl_speed[0] < 0.0
+        np.testing.assert_allclose(image.whirl_turns, run.whirl_turns, rtol=1e-6)
+        np.testing.assert_allclose(image.whirl_speed, run.whirl_speed, rtol=1e-6)
+
+
 def test_a_support_that_stays_holds_its_end():
     given = {"bearings": [bearing("a"), bearing("b")], "speed": 1500.0, "duration": 0.3}
     run = drop(rigid(), **given, supports=SUPPORTS, failing=["a"])
@@ -286,6 +307,41 @@ def test_a_drop_ends_at_a_standstill():
     weight = run.support_load.values[:, 1] * 6.0 / run.total_contact_time.values
     np.testing.assert_allclose(run.mean_contact_force, weight, rtol=0.02)
     assert float(run.horizon) == 6.0
+
+
+@pytest.mark.parametrize(
+    ("samples", "method", "within"),
+    [(11, "taylor", 1e-13), (1001, "taylor", 1e-13), (11, "adams", 1e-8)],
+)
+def test_a_standstill_is_an_event_whatever_the_samples(samples, method, within):
+    """Under drag alone the speed is 500 exp(-t): it stands from ln 100 on."""
+    disc = RotorSystem(mass=np.eye(2), stiffness=np.zeros((2, 2)), nodes={"a": (0, 1)})
+    run = drop(disc, bearings=[soft("a")], speed=500.0, duration=6.0, inertia=0.08, drag=0.08,
+               gravity=(0.0, 0.0), samples=samples, method=method)  # fmt: skip
+    apart = abs(float(run.standstill_time) - np.log(100.0))
+    assert apart <= float(run.standstill_time_error) < 100.0 * within
+    assert apart < within
+
+
+def rocking(drag, duration):
+    """Return a run-up of a pendulum: an unbalance about a nearly rigid axis."""
+    system = RotorSystem(mass=np.eye(2), stiffness=1e4 * np.eye(2), damping=50.0 * np.eye(2),
+                         nodes={"disc": (0, 1)}, units="1")  # fmt: skip
+    return run_up(system, unbalance=[Unbalance(node="disc", moment=0.5)], speed=0.8,
+                  torque=(0.0, drag), inertia=1.0, duration=duration, gravity=(0.0, -1.0),
+                  samples=3001)  # fmt: skip
+
+
+def test_a_rotor_that_rocks_does_not_stand_until_its_swings_are_slight():
+    swings = rocking(0.0, 30.0)
+    turns = np.flatnonzero(np.diff(np.sign(swings.speed.values)))
+    assert turns.size > 3
+    for place in turns:  # at a reversal the speed is below a hundredth for an instant
+        assert np.isnan(rocking(0.0, float(swings.t[place + 1])).standstill_time)
+    fading = rocking(1.0, 30.0)
+    fast = np.abs(fading.speed.values) > 0.008
+    last = np.flatnonzero(fast)[-1]
+    assert float(fading.t[last]) <= float(fading.standstill_time) <= float(fading.t[last + 1])
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """Synchronous whirls of rotor systems, against one disc, balances of force, scans and runs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq, fsolve
@@ -14,6 +16,7 @@ from rotor_ida import (
     Unbalance,
     decode_flags,
     simulate,
+    sweep,
     synchronous_response,
 )
 from rotor_ida.systems.whirls.double_rubs import Pairs, double_rubs
@@ -73,7 +76,8 @@ def whirls_at(found, number):
     """Return amplitudes and phases of the whirls at a speed, shape (whirl, contact)."""
     here = found.isel(speed=number)
     here = here.isel(branch=(here.stability >= 0).values)
-    return here.amplitude.values * np.exp(-1j * here.phase_lag.values), here
+    lag = np.sign(here.speed.item()) * here.phase_lag.values
+    return here.amplitude.values * np.exp(-1j * lag), here
 
 
 def test_one_disc_as_a_system_has_the_same_whirls():
@@ -409,3 +413,19 @@ def test_a_resonance_without_damping_is_refused():
     system = RotorSystem(**SQUARE | {"damping": None})
     with pytest.raises(InputError, match=r"speed must not be a resonance .* got 1\.0"):
         synchronous_response(system, speed=[0.5, 1.0])
+
+
+@pytest.mark.parametrize("verb", [synchronous_response, sweep])
+def test_lags_at_negative_speeds_are_those_of_the_mirror_image(verb):
+    """A motion lags against the sense of its spin; unbalance is at the mirrored phases."""
+    system, contacts, unbalance = random_axisymmetric(3)
+    mirrored = [replace(each, phase=-each.phase) for each in unbalance]
+    there, back = (
+        verb(system, contacts=contacts, unbalance=each, speed=[speed])
+        for speed, each in ((0.4, unbalance), (-0.4, mirrored))
+    )
+    for name in ("amplitude", "node_amplitude"):
+        np.testing.assert_allclose(back[name].values, there[name].values, rtol=1e-6)
+    for name in ("phase_lag", "node_phase_lag"):
+        assert (np.abs(there[name]) > 1e-3).any()
+        np.testing.assert_allclose(back[name].values, there[name].values, atol=1e-6)

@@ -64,10 +64,11 @@ def synchronous_response_system(
     -------
     Dataset
         On ``(speed, branch, contact)``: ``amplitude`` of the displacement at each contact, relative
-        to a stator that moves, its ``phase_lag`` [rad], ``normal_force`` and ``in_contact``; on
-        ``(speed, branch, node)``: ``node_amplitude`` and ``node_phase_lag``; on ``(speed,
-        branch)``: ``stability`` and ``growth_rate``. The branches are in order of the largest
-        amplitude over its clearance, the contact-free whirl first where it exists, padded with NaN.
+        to a stator that moves, its ``phase_lag`` in the sense of the spin [rad],
+        ``normal_force`` and ``in_contact``; on ``(speed, branch, node)``: ``node_amplitude`` and
+        ``node_phase_lag``; on ``(speed, branch)``: ``stability`` and ``growth_rate``. The branches
+        are in order of the largest amplitude over its clearance, the contact-free whirl first
+        where it exists, padded with NaN.
 
     Raises
     ------
@@ -157,15 +158,16 @@ def _dataset(
     moved = response.node_free[whirls.row] - np.einsum(
         "wnk,wk->wn", response.node_flexibility[whirls.row], pushed
     )
+    spin = np.sign(speeds[whirls.row])[:, np.newaxis]  # the whirl lags in the sense of the spin
     along = ("speed", "branch")
     at_contact, at_node = (*along, "contact"), (*along, "node")
     variables: dict[str, Column] = {
         "amplitude": (at_contact, spread(np.abs(whirls.displacement), np.nan)),
-        "phase_lag": (at_contact, spread(-np.angle(whirls.displacement), np.nan)),
+        "phase_lag": (at_contact, spread(-spin * np.angle(whirls.displacement), np.nan)),
         "normal_force": (at_contact, spread(forces, np.nan)),
         "in_contact": (at_contact, spread(whirls.touches.astype(np.int8), 0)),
         "node_amplitude": (at_node, spread(np.abs(moved), np.nan)),
-        "node_phase_lag": (at_node, spread(-np.angle(moved), np.nan)),
+        "node_phase_lag": (at_node, spread(-spin * np.angle(moved), np.nan)),
         "stability": (along, spread(stable.astype(np.int8), STABILITY["absent"])),
         "growth_rate": (along, spread(growth, np.nan)),
         **described_problem(assembly, unbalance),
