@@ -250,7 +250,8 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return a folder for temporary files; a browser writes beside it what it is to open."""
     browser = tmp_path / "browser"
     browser.write_text(
-        f'#!/bin/sh\necho "$@" > {tmp_path}/opened\nexec sleep 300 >/dev/null 2>&1\n'
+        f'#!/bin/sh\necho "$@" > {tmp_path}/opened\n'
+        f'exec {sys.executable} -c "import time; time.sleep(300)" >/dev/null 2>&1\n'
     )
     browser.chmod(0o755)
     (tmp_path / "place").mkdir()
