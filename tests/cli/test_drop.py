@@ -99,6 +99,7 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd, monk
 # Killed as the third drop is about to be saved, or as the archive of all has been written.
 KILLED = """
 import os, signal, sys
+import rotor_ida
 from rotor_ida import cli, save
 from rotor_ida.results.studies.store import Study
 kept, keep = [], Study.keep
@@ -112,7 +113,7 @@ def killed(*given, **named):
     os.kill(os.getpid(), signal.SIGKILL)
 Study.keep = counted
 if sys.argv[1] == "writing":
-    cli.commands.drop.rotor_ida.save = killed
+    rotor_ida.save = killed
 sys.exit(cli.main(sys.argv[2:]))
 """
 
