@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("tests/explorer", "tests/core", "tests/results")
-# What compiles the core again, fills the memory, or only computes, and asks the machine for nothing.
+# What compiles the core again, fills the memory, or only computes.
 LEFT_OUT = (
     "tests/core/test_build.py::test_only_what_is_not_up_to_date_is_compiled",
     "tests/core/test_sanitized.py::test_no_entry_point_does_what_is_undefined[gcc",
