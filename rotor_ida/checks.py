@@ -120,13 +120,21 @@ def check_point(name: str, word: str) -> None:
     >>> check_point("clearance", "0,4mm")
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: clearance must have no comma, got '0,4mm': write 0.4mm with a point
+    rotor_ida.errors.InputError: clearance must have no comma, got '0,4mm': write '0.4mm' with a
+    point
     """
     if not re.match(r"\s*[-+]?\d[\d.]*,\d", word):
         return
-    remedy = f"write {word.replace(',', '.').strip()} with a point"
-    if word.count(",") > 1 or re.search(r",\d{3}(?!\d)", word):
-        remedy = f"write {word.replace(',', '').strip()}, or a point if it is decimal"
+    # quoted: its number is the user's, and already has the user's unit
+    plain = shown(word.replace(",", "").strip())
+    whole, _, rest = word.strip().rpartition(",")
+    decimal = shown(f"{whole.replace('.', '')}.{rest}")
+    if "," in whole or "." in rest.split()[0]:  # commas between thousands
+        remedy = f"write {plain}"
+    elif re.match(r"[-+]?[1-9]\d{0,2},\d{3}(?!\d)", word.strip()):
+        remedy = f"write {plain} if it separates thousands, else {decimal}"
+    else:
+        remedy = f"write {decimal} with a point"
     raise InputError(f"{name} must have no comma, got {shown(word)}: {remedy}")
 
 
@@ -338,6 +346,28 @@ def check_increasing(name: str, axis: Values, where: str = "") -> Values:
         words = f"increase {where}".rstrip()
         raise InputError(f"{name} must {words}, got {after!r} after {before!r}")
     return axis
+
+
+def check_direction(direction: str | None, name: str, speeds: Values) -> None:
+    """Raise `InputError` for a direction that a sweep over `speeds`, called `name`, cannot follow.
+
+    Examples
+    --------
+    >>> check_direction("up", "omega", np.array([1.7]))
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: omega must be two speeds or more with a direction, in which only
+    the speed changes, got 1.7
+    """
+    if direction is None:
+        return
+    check_choice("direction", direction, ("up", "down", "both"))
+    if speeds.size < 2:
+        raise InputError(
+            f"{name} must be two speeds or more with a direction, in which only the speed changes, "
+            f"got {speeds.item()!r}"
+        )
+    check_increasing(name, speeds, "in a sweep up or down")
 
 
 def check_points(*axes: Sized, most: int = MOST_NUMBERS) -> None:

@@ -185,6 +185,18 @@ def written(value: float, unit: str) -> str:
     return f"{quotient!r}{unit}"
 
 
+def rpm(speed: float) -> str:
+    """Return a speed in rad/s as a text in rpm, to four digits or a whole number, never as 1e+04.
+
+    Examples
+    --------
+    >>> [rpm(each * SPEED_UNITS["rpm"]) for each in (0.0, 95.126, 10512.3, -1.5e6)]
+    ['0 rpm', '95.13 rpm', '10,512 rpm', '-1,500,000 rpm']
+    """
+    turns = speed / SPEED_UNITS["rpm"]
+    return f"{turns:,.0f} rpm" if abs(turns) >= 1e3 else f"{turns:.4g} rpm"
+
+
 def usual(*allowed: str) -> str:
     """Return in words the usual units with the same dimensions as the given ones.
 

@@ -209,11 +209,11 @@ def going_on(study: Path | None) -> str:
     except RotorError:
         return ""
     folder = str(study)
+    saved = f"; {found['done']} of {found['points']} points are saved in {folder}; "
+    if found["kind"] == "drop_ensemble":  # the command writes a report besides
+        return f"{saved}the same command continues"
     word = f"./{folder}" if folder.startswith("-") else folder  # else it would be an option
-    return (
-        f"; {found['done']} of {found['points']} points are saved in {folder}; continue with "
-        f"rotor-ida resume {shlex.quote(word)}"
-    )
+    return f"{saved}continue with rotor-ida resume {shlex.quote(word)}"
 
 
 def check_varies(points: int) -> None:

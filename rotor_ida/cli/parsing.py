@@ -88,7 +88,7 @@ def number(name: str, words: Sequence[str]) -> float:
     >>> number("omega", ["1,7"])
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: omega must have no comma, got '1,7': write 1.7 with a point
+    rotor_ida.errors.InputError: omega must have no comma, got '1,7': write '1.7' with a point
     """
     word = words[0]
     check_point(name, word)

@@ -276,7 +276,7 @@ def parameters_in(dataset: xr.Dataset) -> Record:
 
 
 def with_unit(dataset: xr.Dataset, name: str) -> str:
-    """Return a variable's name with its unit, if it has one; angles are in radians."""
+    """Return a variable's name with its unit, if it has one."""
     if name == "duration" and "time_scale" in dataset.attrs:
         unit = dataset["t"].attrs["units"]
     elif name not in dataset.variables:
@@ -284,7 +284,8 @@ def with_unit(dataset: xr.Dataset, name: str) -> str:
     else:
         unit = unit_of(name, dataset[name].attrs.get("units", "1"))
     words = WORDS.get(name, name.replace("_", " "))
-    return words + (f" [{unit}]" if unit not in {"", "1", "radian"} else "")
+    unit = "rad" if unit == "radian" else unit
+    return words + (f" [{unit}]" if unit not in {"", "1"} else "")
 
 
 def span(values: np.ndarray[Any, Any], digits: int) -> str:

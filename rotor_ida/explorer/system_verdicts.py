@@ -11,7 +11,7 @@ from rotor_ida.explorer.system_touches import speed_in_words, titled
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.systems.depths import beyond_model
 from rotor_ida.systems.drop_figures import touched_clearances
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import SPEED_UNITS, rpm
 
 # Revolutions at the end of a run that the verdict is about.
 LAST = 10
@@ -95,7 +95,7 @@ def _of_bearing(own: xr.Dataset) -> list[str]:
         told.append("no lasting whirl")
     race = float(own["largest_race_speed"])
     if math.isfinite(race):
-        most = f"{race / SPEED_UNITS['rpm']:.4g} rpm" if _is_si(own) else f"{race:.4g}"
+        most = rpm(race) if _is_si(own) else f"{race:.4g}"
         told.append(f"race up to {most}")
     rest = float(own["rest_time"])
     resting = f"in contact to the end from {rest:.3g} {_unit(own, 't')}".strip()

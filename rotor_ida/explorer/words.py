@@ -9,7 +9,7 @@ from typing import Any
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.steady.response import CONTACT_FREE
 from rotor_ida.steady.run_up_summary import beyond_model, contact_in_words
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import rpm
 
 # Words for each kind of response, with its meaning on a machine.
 KINDS = {
@@ -333,7 +333,7 @@ def _energy(machine: Rotor | DimensionalRotor, value: float) -> str:
 def _rate(machine: Rotor | DimensionalRotor, value: float) -> str:
     if isinstance(machine, Rotor):
         return _short(value)
-    return f"{value * machine.reference_frequency / SPEED_UNITS['rpm']:,.4g} rpm"
+    return rpm(value * machine.reference_frequency)
 
 
 def _in_units(machine: Rotor | DimensionalRotor, value: float, scale: str, unit: str) -> str:

@@ -38,7 +38,7 @@ def progress_bar(description: str) -> Iterator[Callable[[int, int], None]]:
     """
     columns = (
         *(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), _RateColumn()),
-        *(TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn()),
+        *(TimeElapsedColumn(), TextColumn("elapsed,"), TimeRemainingColumn(), TextColumn("left")),
     )
     with Progress(*columns, console=Console(stderr=True)) as bar:
         task = bar.add_task(description, total=None)

@@ -17,8 +17,7 @@ import xarray as xr
 from rotor_ida.checks import (
     AT_REST,
     State,
-    check_choice,
-    check_increasing,
+    check_direction,
     check_progress,
     check_states,
 )
@@ -228,9 +227,7 @@ def sweep_rotors(
 ) -> xr.Dataset:
     """Follow rotors until they have settled, as `sweep` does."""
     states = check_states("starts", starts)
-    if direction is not None:
-        check_choice("direction", direction, ("up", "down", "both"))
-        check_increasing("omega", rotors.axes["omega"], "in a sweep up or down")
+    check_direction(direction, "omega", rotors.axes["omega"])
     directions = np.array(DIRECTIONS[direction], dtype=np.int8)
     grid = Grid(rotors, {"start": np.arange(len(states)), "direction": directions}, states)
     grid.check_size(study)

@@ -17,8 +17,7 @@ from rotor_ida.checks import (
     MOST_NUMBERS,
     MOST_POINTS_OF_STUDY,
     check_between,
-    check_choice,
-    check_increasing,
+    check_direction,
     check_points,
     check_progress,
     shown,
@@ -189,14 +188,12 @@ def sweep_system(
     return _dataset(ramps, columns, held)
 
 
-def _checked_speeds(speed: object, direction: object) -> Values:
+def _checked_speeds(speed: object, direction: Direction | None) -> Values:
     """Return spin speeds that a sweep can follow."""
     speeds = checked_speeds(speed)
     if not speeds.all():
         raise InputError("speed must not be 0 in a sweep of a rotor system, got 0.0")
-    if direction is not None:
-        check_choice("direction", direction, ("up", "down", "both"))
-        check_increasing("speed", speeds, "in a sweep up or down")
+    check_direction(direction, "speed", speeds)
     return speeds
 
 

@@ -49,7 +49,7 @@ MISTAKES = [
     (simulate(omega="-inf"), f"omega {FINITE} -inf"),
     (simulate(omega="-1"), "omega must be zero or positive, got -1.0"),
     (simulate(omega="fast"), f"omega {FINITE} 'fast'"),
-    (simulate(omega="1,2"), "omega must have no comma, got '1,2': write 1.2 with a point"),
+    (simulate(omega="1,2"), "omega must have no comma, got '1,2': write '1.2' with a point"),
     (simulate(omega="\u0661"), f"omega {FINITE} '\u0661'"),
     (simulate(samples="\u0661\u0662"), "samples must be a whole number, got '\u0661\u0662'"),
     (f"show {'a' * 100_000}", "path must be a shorter path, got 'aaa"),

@@ -1,7 +1,11 @@
 """The command drop: a report with archives beside it, and bad input in one line."""
 
 import hashlib
+import os
 import re
+import signal
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -95,6 +99,47 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd, monk
     assert "below 1 % of the speed at the drop (48 rpm) from [ms]" in page
     assert main(words) == 2
     assert "--force" in capfd.readouterr().err
+
+
+# Killed as the third drop is about to be saved, or as the archive of all has been written.
+KILLED = """
+import os, signal, sys
+import rotor_ida
+from rotor_ida import cli, save
+from rotor_ida.results.studies.store import Study
+kept, keep = [], Study.keep
+def counted(study, piece):
+    kept.append(piece)
+    if len(kept) == 3 and sys.argv[1] == "computing":
+        os.kill(os.getpid(), signal.SIGKILL)
+    keep(study, piece)
+def killed(*given, **named):
+    save(*given, **named)
+    os.kill(os.getpid(), signal.SIGKILL)
+Study.keep = counted
+if sys.argv[1] == "writing":
+    rotor_ida.save = killed
+sys.exit(cli.main(sys.argv[2:]))
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="kills with a signal")
+@pytest.mark.parametrize(("moment", "done"), [("computing", 2), ("writing", 4)])
+@pytest.mark.usefixtures("here")
+def test_a_killed_drop_continues_by_the_same_command(moment, done, capfd):
+    words = ["drop", "rotor.toml", "--out", "report", "--drops", "4", "--executor", "serial",
+             "--duration", "10ms"]  # fmt: skip
+    ended = subprocess.run([sys.executable, "-c", KILLED, moment, *words], check=False)
+    assert ended.returncode == -signal.SIGKILL
+    assert rotor_ida.status("report/unfinished")["done"] == done
+    capfd.readouterr()
+    assert main(words) == 0
+    assert f"continued: {done} of 4 drops were saved in report/unfinished" in capfd.readouterr().out
+    files = {each.name for each in Path("report").iterdir()}
+    assert files == {"drop.nc", "drops.nc", "report.html", "report.pdf"}
+    assert main([*words[:3], "whole", *words[4:]]) == 0
+    whole = rotor_ida.load("whole/drops.nc")
+    assert rotor_ida.load("report/drops.nc").equals(whole)
 
 
 @pytest.mark.usefixtures("here")

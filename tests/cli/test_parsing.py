@@ -62,7 +62,7 @@ def test_a_value_with_its_unit_is_in_si_units(word: str, unit: str, value: float
         ("heavy", "mass must be a finite real number, got 'heavy'"),
         ("1e999kg", "mass must be a finite real number, got inf"),
         ("1.2.3kg", "mass must be a finite real number, got '1.2.3kg'"),
-        ("1,2kg", "mass must have no comma, got '1,2kg': write 1.2kg with a point"),
+        ("1,2kg", "mass must have no comma, got '1,2kg': write '1.2kg' with a point"),
     ],
 )
 def test_a_value_of_another_dimension_or_none_gets_one_line(word: str, message: str):

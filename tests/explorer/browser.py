@@ -11,19 +11,20 @@ import time
 
 import numpy as np
 import pytest
+from selenium import webdriver
+from selenium.common.exceptions import TimeoutException
+from selenium.webdriver import ActionChains, Keys
+from selenium.webdriver.chrome.options import Options
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
 
-selenium = pytest.importorskip("selenium", reason="there is no selenium")
-DRIVER = shutil.which("chromedriver")
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
-if not (DRIVER and BROWSER):
-    pytest.skip("there is no Chromium with its driver", allow_module_level=True)
-
-from selenium import webdriver  # noqa: E402
-from selenium.common.exceptions import TimeoutException  # noqa: E402
-from selenium.webdriver import ActionChains, Keys  # noqa: E402
-from selenium.webdriver.chrome.options import Options  # noqa: E402
-from selenium.webdriver.chrome.service import Service  # noqa: E402
-from selenium.webdriver.common.by import By  # noqa: E402
+PROGRAMS = {
+    "chromium": shutil.which("chromium") or shutil.which("chromium-browser"),
+    "chromedriver": shutil.which("chromedriver"),
+}
+MISSING = [name for name, path in PROGRAMS.items() if path is None]
+# The module itself must be importable without them: others share its constants.
+needs_browser = pytest.mark.skipif(bool(MISSING), reason=f"not installed: {', '.join(MISSING)}")
 
 # Width and height of the window: what lies beyond it, no pointer reaches.
 WINDOW = (1400, 1000)
@@ -81,7 +82,7 @@ def chromium_in(folder, *, watched=False):
     One that is watched notes all that goes over the network, for `traffic_of`.
     """
     options = Options()
-    options.binary_location = BROWSER
+    options.binary_location = PROGRAMS["chromium"]
     size = f"window-size={WINDOW[0]},{WINDOW[1]}"
     # one process draws all pages: a new one for each would take a third of their time
     one = ("renderer-process-limit=1", "disable-site-isolation-trials")
@@ -89,7 +90,7 @@ def chromium_in(folder, *, watched=False):
         options.add_argument(f"--{word}")
     logs = {"browser": "ALL", **({"performance": "ALL"} if watched else {})}
     options.set_capability("goog:loggingPrefs", logs)
-    driver = webdriver.Chrome(options=options, service=Service(DRIVER))
+    driver = webdriver.Chrome(options=options, service=Service(PROGRAMS["chromedriver"]))
     driver.execute_cdp_cmd(
         "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)}
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import signal
 import socket
 import stat
@@ -24,6 +23,7 @@ from rotor_ida.cli.commands.explore import NEEDED
 from rotor_ida.explorer import explore as explorer
 from rotor_ida.explorer.explore import can_show_a_page
 from tests.explorer.asking import BEYOND, BEYOND_IN_SI, MACHINE, ROTOR, SLOW, asked
+from tests.explorer.browser import chromium_in, needs_browser
 from tests.explorer.conftest import MAIN, PATIENCE, Program, wait_until
 
 Start = Callable[..., Program]
@@ -250,7 +250,8 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return a folder for temporary files; a browser writes beside it what it is to open."""
     browser = tmp_path / "browser"
     browser.write_text(
-        f'#!/bin/sh\necho "$@" > {tmp_path}/opened\nexec sleep 300 >/dev/null 2>&1\n'
+        f'#!/bin/sh\necho "$@" > {tmp_path}/opened\n'
+        f'exec {sys.executable} -c "import time; time.sleep(300)" >/dev/null 2>&1\n'
     )
     browser.chmod(0o755)
     (tmp_path / "place").mkdir()
@@ -300,20 +301,13 @@ def test_without_a_browser_the_printed_address_has_the_key_and_no_file_is_writte
 
 
 @posix
+@needs_browser
 def test_the_page_comes_up_from_the_file_and_does_not_know_of_it(
     shown: tuple[Program, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     _, told = shown
     monkeypatch.delenv("TMPDIR")  # its name is too long for Chromium's own sockets
-    webdriver = pytest.importorskip("selenium.webdriver", reason="there is no selenium")
-    driver, chromium = shutil.which("chromedriver"), shutil.which("chromium")
-    if not (driver and chromium):
-        pytest.skip("there is no Chromium with its driver")
-    options = webdriver.ChromeOptions()
-    options.binary_location = chromium
-    for word in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage"):
-        options.add_argument(f"--{word}")
-    with webdriver.Chrome(options=options, service=webdriver.ChromeService(driver)) as browser:
+    with chromium_in(tmp_path) as browser:
         browser.get(told)
         wait_until(lambda: browser.execute_script(DRAWN), "a page that has an answer")
         assert browser.execute_script("return document.referrer") == ""

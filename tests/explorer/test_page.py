@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from selenium.webdriver import ActionChains, Keys
 
 import rotor_ida
 from rotor_ida import (
@@ -29,11 +30,6 @@ from rotor_ida.closed_forms import response_curve
 from rotor_ida.closed_forms.rest import hanging
 from rotor_ida.model.contact import contact_force
 from tests.explorer.asking import CHATTER, RUB, WHIP
-
-pytest.importorskip("selenium", reason="there is no selenium")
-
-from selenium.webdriver import ActionChains, Keys
-
 from tests.explorer.browser import (
     PATIENCE,
     WINDOW,
@@ -41,11 +37,12 @@ from tests.explorer.browser import (
     chromium_in,
     ended,
     errors_of,
+    needs_browser,
     served,
 )
 
 # On a machine that does other things as well.
-pytestmark = pytest.mark.timeout(1500)
+pytestmark = [needs_browser, pytest.mark.timeout(1500)]
 FIRST = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 SPEEDS = (0.05, 4.0)
 PLOTS = 8

@@ -7,6 +7,7 @@ import base64
 import numpy as np
 import pytest
 from scipy.io import wavfile
+from selenium.webdriver import Keys
 
 from rotor_ida import Rotor, run_up, simulate
 from rotor_ida.errors import InputError
@@ -15,16 +16,19 @@ from rotor_ida.explorer.run_ups import PER_REVOLUTION
 from rotor_ida.signals.orders import orders
 from rotor_ida.signals.reading import read_signals
 from rotor_ida.signals.spectra import full_spectrum, spectrogram
-
-pytest.importorskip("selenium", reason="there is no selenium")
-
-from selenium.webdriver import Keys
-
-from tests.explorer.browser import Page, chromium_in, ended, errors_of, served, traffic_of
+from tests.explorer.browser import (
+    Page,
+    chromium_in,
+    ended,
+    errors_of,
+    needs_browser,
+    served,
+    traffic_of,
+)
 from tests.signals.test_files import write_comtrade
 
 # On a machine that does other things as well.
-pytestmark = pytest.mark.timeout(1500)
+pytestmark = [needs_browser, pytest.mark.timeout(1500)]
 START = {"omega": 2.4, "zeta": 0.07, "delta0": 2.0}
 BOUNCED = (2.6, 0.75, 0.66, -1.65)
 ALL = "bode,polar,full,cascade"

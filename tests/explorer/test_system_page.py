@@ -9,7 +9,17 @@ import numpy as np
 import pytest
 
 from rotor_ida import load_system, simulate
-from tests.explorer.browser import PATIENCE, Page, chromium_in, ended, errors_of, served
+from tests.explorer.browser import (
+    PATIENCE,
+    Page,
+    chromium_in,
+    ended,
+    errors_of,
+    needs_browser,
+    served,
+)
+
+pytestmark = needs_browser
 
 DROPPED = """
 const files = new DataTransfer();

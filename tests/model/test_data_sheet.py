@@ -74,8 +74,9 @@ def test_a_load_may_be_the_weight():
      ({"friction": 0.1}, "disc_radius must be given with friction"),
      ({"mass": True}, "mass must be a finite real number, got True"),
      ({"mass": "-12kg"}, "mass must be positive, got -12.0"),
-     ({"clearance": "0,4mm"}, "clearance must have no comma, got '0,4mm': write 0.4mm"),
-     ({"speed": "1,450rpm"}, "speed must have no comma, got '1,450rpm': write 1450rpm")],
+     ({"clearance": "0,4mm"}, "clearance must have no comma, got '0,4mm': write '0.4mm' with a"),
+     ({"clearance": "0,175mm"}, "clearance .*, got '0,175mm': write '0.175mm' with a"),
+     ({"speed": "1,450rpm"}, "speed .*, got '1,450rpm': write '1450rpm' if it")],
 )  # fmt: skip
 def test_what_cannot_be_is_refused(given, message):
     with pytest.raises(InputError, match=f"^{message}"):

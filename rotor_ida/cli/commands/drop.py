@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 # What only one drop takes.
 NOT_OF_MANY = {"phase", "more_modes"}
+# The study of many drops in the folder of their report, until all of this is written.
+UNFINISHED = "unfinished"
 ReportFolder = Annotated[Path, path_option("Folder of the report, which is made."), IN_OUTPUT]
 DropSpeed = Annotated[
     float | None,
@@ -60,10 +63,12 @@ def drop(
 
         rotor-ida drop rotor.toml --out report
 
-    The folder gets the report as HTML and PDF, and the archives of the drops. With --study, many
-    drops continue after an interruption:
+    The folder gets the report as HTML and PDF, and the archives of the drops. After an interruption
+    the same command continues with the drops that are left:
 
-        rotor-ida drop rotor.toml --out report --drops 1000 --study many_drops
+        rotor-ida drop rotor.toml --out report --drops 1000
+
+    Until then they are in report/unfinished, or in the folder of --study, which stays.
     """
     from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
     from rotor_ida.cli.drop_report import report_files, sentence_of, write_report  # noqa: PLC0415
@@ -78,13 +83,15 @@ def drop(
     many = bool(vary)
     if study is not None and not many:
         raise InputError("study must be left out without drops")
+    unfinished = out / UNFINISHED
+    overwrite = force or (many and unfinished.is_dir())
     if film is not None:
-        check_film(film, overwrite=force, permission=FORCED)
+        check_film(film, overwrite=overwrite, permission=FORCED)
     files = report_files(out, many=many)
     made = _make(out)
     try:
         for path in files:
-            check_target("out", path, overwrite=force, permission=FORCED)
+            check_target("out", path, overwrite=overwrite, permission=FORCED)
         with working("drop [%]") as progress:
             run = rotor_ida.drop(**given, progress=progress)
     except BaseException:
@@ -92,23 +99,29 @@ def drop(
             for folder in made:
                 folder.rmdir()
         raise
-    rotor_ida.save(run, files[0], overwrite=force)
-    everything = _many(given, vary, jobs, study) if many else None
-    if everything is not None:
-        rotor_ida.save(everything, files[1], overwrite=force)
+    everything, before = None, ""
+    if many:
+        kept = study or unfinished
+        before = _saved_before(kept)
+        everything = _many(given, vary, jobs, kept)
+        unfinished.mkdir(exist_ok=True)
+        rotor_ida.save(everything, files[1], overwrite=overwrite)
+    rotor_ida.save(run, files[0], overwrite=overwrite)
     asked = [each for name, value in told.items() if value is not None
              for each in (f"--{name}", repr(value))]  # fmt: skip
-    pages = write_report(out, system, run, everything, asked, overwrite=force)
+    pages = write_report(out, system, run, everything, asked, overwrite=overwrite)
     written = [*files[:-2], *pages]
     if film is not None:
         from rotor_ida.plot import save_orbit_film  # noqa: PLC0415 - heavy
 
-        written.append(save_orbit_film(run, film, overwrite=force))
+        written.append(save_orbit_film(run, film, overwrite=overwrite))
+    if many:
+        shutil.rmtree(unfinished, ignore_errors=True)
     record, parts = describe(run, most=0)
     parts = [sentence_of(run, everything), *parts[1:2]]  # the bearings; the rest is in the report
     if everything is not None:
         record |= {"drops": describe(everything, most=0)[0]}
-    parts += [f"wrote {each}" for each in written]
+    parts += [*filter(None, [before]), *(f"wrote {each}" for each in written)]
     return Report(record=record, parts=parts, as_json=as_json)
 
 
@@ -151,8 +164,17 @@ def _make(folder: Path) -> list[Path]:
     return new
 
 
+def _saved_before(study: Path) -> str:
+    """Return how many drops an interrupted command has left; empty if none."""
+    try:
+        found = rotor_ida.status(study)
+    except InputError:
+        return ""
+    return f"continued: {found['done']} of {found['points']} drops were saved in {study}"
+
+
 def _many(
-    given: dict[str, Any], vary: dict[str, Any], jobs: options.JobOptions, study: Path | None
+    given: dict[str, Any], vary: dict[str, Any], jobs: options.JobOptions, study: Path
 ) -> Any:  # fmt: skip
     """Return the ensemble of drops."""
     ways = {name: each for name, each in given.items() if name not in NOT_OF_MANY}

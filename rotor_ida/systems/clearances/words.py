@@ -8,7 +8,7 @@ import xarray as xr
 from rotor_ida.schema import words_of
 from rotor_ida.systems.depths import beyond_model
 from rotor_ida.systems.units import NOTE
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import rpm
 
 # Forces from this one on [N] are in kN.
 LARGE_FORCE = 1e4
@@ -116,7 +116,7 @@ def _speed(report: xr.Dataset, speed: float) -> str:
     """Return a speed in rpm, or as it is where it has no unit."""
     if report["clearance"].attrs["units"] != "m":
         return f"a speed of {speed:.4g}"
-    return f"{speed / SPEED_UNITS['rpm']:.4g} rpm"
+    return rpm(speed)
 
 
 def _force(report: xr.Dataset, name: str) -> str:
