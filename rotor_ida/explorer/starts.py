@@ -14,7 +14,7 @@ from rotor_ida.basins.basin import basin, check_rotor
 from rotor_ida.basins.following import first_look
 from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.motion import facts_of
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import Rotor, check_no_load
 from rotor_ida.parallel import interruptible
 from rotor_ida.schema import RESPONSE, by_number
 
@@ -31,6 +31,7 @@ KEPT = 32
 def show_starts(question: Question) -> Iterator[Answer]:
     """Yield the basins over starts in x and y with the velocity of the start."""
     rotor = question.rotor
+    check_no_load(question.machine, "a basin")
     check_rotor(rotor)
     pictures = ((COARSE, RTOL), (FINE, None))
     if rotor.friction > 0.0:  # the preview decides nothing there, and starts take far longer

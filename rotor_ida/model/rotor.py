@@ -208,12 +208,13 @@ def check_no_friction(rotor: Rotor, what: str) -> None:
         )
 
 
-def check_no_load(rotor: Rotor, what: str) -> None:
+def check_no_load(rotor: Rotor | DimensionalRotor, what: str) -> None:
     """Raise `InputError` for a rotor with a load, where it is not supported."""
     if rotor.load > 0.0:
+        unit = " N" if isinstance(rotor, DimensionalRotor) else ""
         raise InputError(
             f"load must be 0 for {what}, as there is no synchronous whirl under a load, "
-            f"got {rotor.load!r}"
+            f"got {rotor.load!r}{unit}"
         )
 
 

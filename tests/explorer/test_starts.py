@@ -27,6 +27,8 @@ def test_a_machine_has_a_basin_and_under_a_load_a_reason():
     np.testing.assert_array_equal(coarse.arrays["label"], found["label"].values.ravel())
     (trouble,) = answer_to(question("starts", machine=machine | {"load": 0.5}))
     assert trouble.facts["message"].startswith("load must be 0 for a basin")
+    (trouble,) = answer_to(question("starts", machine=MACHINE | {"load": 0.5}))
+    assert trouble.facts["message"].endswith("got 0.5 N")
 
 
 @pytest.fixture(scope="module")
