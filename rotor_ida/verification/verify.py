@@ -36,6 +36,8 @@ class Verification:
     given: tuple[str, ...] = ()
     left_out: Callable[[xr.Dataset, xr.Dataset], Mapping[str, str]] = lambda _, __: {}
     tolerance: Callable[[xr.Dataset], float] = lambda _: TOLERANCE
+    # Where numbers belong to the motion, on any processor.
+    told: Callable[[xr.Dataset], xr.DataArray | None] = lambda _: None
 
 
 def rerun(
@@ -119,7 +121,7 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     counts, trouble = verification.compared(again, archived)
     found = compare_variables(
         again, archived, given=verification.given, left_out=verification.left_out(again, archived),
-        tolerance=verification.tolerance(archived),
+        tolerance=verification.tolerance(archived), told=verification.told(archived),
     )  # fmt: skip
     trouble = trouble or found.trouble or ("" if found.compared else "no variable was compared")
     counts |= {"variables": len(found.compared), "not_compared": found.left_out}
