@@ -189,8 +189,23 @@ def test_what_the_exact_whirls_leave_out_is_told(path: Path, of_drop: Path) -> N
     ]
     assert told == [
         [], ["without gravity and static forces"],
-        ["without gravity and static forces, and the supports before the drop"],
+        ["without gravity and static forces", "with the magnetic bearings, as before the drop"],
     ]  # fmt: skip
+
+
+def test_the_whirls_of_a_drop_are_those_on_its_magnetic_bearings(of_drop: Path) -> None:
+    """sqrt(k/m) with a damping ratio, of the file and its archive, and the whirl at its speed."""
+    archive = of_drop.with_suffix(".nc")
+    save(drop(**load_system(of_drop).drop), archive)
+    weighed = of_drop.with_name("weighed.toml")
+    weighed.write_text('gravity = ["0", "-9.81 m/s2"]\n' + DROP.split("[drop]", maxsplit=1)[0])
+    natural, ratio = np.sqrt(2e6 / 20.0), 2e3 / (2.0 * np.sqrt(2e6 * 20.0))
+    damped = natural * np.sqrt(1.0 - ratio**2)
+    for each in (of_drop, archive, weighed):
+        sent = {one.part: one for one in systems.show_system_map(question(each))}
+        rates = np.abs(sent["campbell"].arrays["whirl_speed"])
+        np.testing.assert_allclose(rates[np.isfinite(rates)], damped, rtol=1e-9)
+        assert "amplitude" in sent["map"].arrays
 
 
 def test_the_map_and_the_campbell_diagram_are_sent(path: Path) -> None:
