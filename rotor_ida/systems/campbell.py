@@ -151,7 +151,8 @@ def _critical(motions: LinearMotions, springs: Values, speeds: Values) -> dict[s
 
 def _seen(motions: Motions) -> Motions:
     """Return the motions that move a node."""
-    return Motions(*(each[motions.seen] for each in motions))
+    seen = motions.seen
+    return Motions(motions.eigenvalues[seen], motions.senses[seen], seen[seen])
 
 
 def _springs(given: object, contacts: Sequence[Contact]) -> Values:
