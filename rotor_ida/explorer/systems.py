@@ -28,7 +28,8 @@ from rotor_ida.explorer.system_touches import bands_in_words, clear_whirl, why_w
 from rotor_ida.explorer.system_verdicts import touched_on_the_way, verdict
 from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.model.supports import with_supports
+from rotor_ida.model.system_parts import Contact, Support, Unbalance
 from rotor_ida.results.archive import load
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.system_file import SystemFile, load_system
@@ -84,6 +85,25 @@ class Case:
     def drops(self) -> bool:
         """Whether the file describes a drop."""
         return self.file is not None and "duration" in self.file.fall
+
+    @property
+    def levitated(self) -> RotorSystem:
+        """The system with its magnetic bearings, of a drop with those before it.
+
+        It carries no static force: linear motions and whirls have none.
+        """
+        system, supports = self.system, []
+        if self.file is not None:
+            system, supports = self.file.rotor, list(self.file.supports)
+        elif self.run is not None and "support_fails" in self.run:
+            failed = self.run.isel(support=self.run["support_fails"].values == 1)
+            supports = [
+                Support(node=str(each["support_node"].values),
+                        stiffness=tuple(each["support_stiffness"].values.tolist()),
+                        damping=tuple(each["support_damping"].values.tolist()))
+                for each in (failed.isel(support=i) for i in range(failed.sizes["support"]))
+            ]  # fmt: skip
+        return replace(with_supports(system, supports), static_force=None)
 
 
 def case_of(question: SystemQuestion) -> Case:
@@ -313,14 +333,14 @@ def _campbell(case: Case) -> Answer:
     speeds = np.linspace(LOW * case.speed, HIGH * case.speed, FEW_SPEEDS)
     try:
         found = campbell(
-            case.system, contacts=case.contacts, speed=speeds,
+            case.levitated, contacts=case.contacts, speed=speeds,
             modes=min(MOST_EIGENVALUES, case.system.size),
         ).isel(contact_stiffness=0)  # fmt: skip
     except InputError as error:
         return Answer("campbell", {"notes": [str(error)]})
     rates = found["whirl_speed"].transpose("eigenvalue", "speed").values
     damping = found["damping_ratio"].transpose("eigenvalue", "speed").values
-    return Answer("campbell", {"notes": []}, {
+    return Answer("campbell", {"notes": _levitation(case) + _notes_of(case)}, {
         "speed": found["speed"].values, "whirl_speed": rates.ravel(), "damping": damping.ravel(),
     })  # fmt: skip
 
@@ -329,9 +349,9 @@ def _campbell(case: Case) -> Answer:
 def _whirls(question: SystemQuestion, _changed: int) -> tuple[xr.Dataset, xr.Dataset | None]:
     """Return the exact whirls at all nodes over the speed, and their special speeds."""
     case = case_of(question)
+    system = case.levitated
     low, high = LOW * case.speed, HIGH * case.speed
     around: dict[str, Any] = {"contacts": case.contacts, "unbalance": case.unbalance}
-    system = replace(case.system, static_force=None)  # the page says so
     whirls = synchronous_response_system(system, **around, speed=np.linspace(low, high, SPEEDS))
     points = None
     if case.contacts:
@@ -340,7 +360,7 @@ def _whirls(question: SystemQuestion, _changed: int) -> tuple[xr.Dataset, xr.Dat
 
 
 def _left_out(case: Case) -> list[str]:
-    """Return notes on what acts in the run, or before a drop, but not on the exact whirls."""
+    """Return notes on what acts in the run but not on the exact whirls, and the reverse."""
     forces: list[Any] = [case.system.static_force]
     if case.run is not None:
         forces.append(case.run["constant_force"].values)
@@ -348,13 +368,16 @@ def _left_out(case: Case) -> list[str]:
         forces.append(case.file.gravity)
         if case.drops and case.file.gravity is None and case.system.units == "SI":
             forces.append(GRAVITY)  # a drop's default
-    named = []
-    if any(each is not None and np.any(each) for each in forces):
-        named.append("gravity and static forces")
+    acts = any(each is not None and np.any(each) for each in forces)
+    told = ["without gravity and static forces"] if acts else []
+    return told + _levitation(case) + _notes_of(case)
+
+
+def _levitation(case: Case) -> list[str]:
+    """Return a note on the magnetic bearings of a drop, which its run lacks."""
     if case.drops or (case.run is not None and kind_of(case.run) == "drop"):
-        named.append("the supports before the drop")
-    told = [f"without {', and '.join(named)}"] if named else []
-    return told + _notes_of(case)
+        return ["with the magnetic bearings, as before the drop"]
+    return []
 
 
 def _notes_of(case: Case) -> list[str]:

@@ -410,10 +410,10 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         # archives had none at first
         critical = speeds_in(found["critical_speed"]) if "critical_speed" in found else np.empty(0)
         if critical.size:
-            draw_marks(ax, critical, critical, "o", INK, size=5.0, face="none",
+            draw_marks(ax, critical, np.abs(critical), "o", INK, size=5.0, face="none",
                        label="critical speed", level=3.7)  # fmt: skip
             handles.append(ax.lines[-1])
-        top = float(np.append(drawn, critical).max(initial=0.0))
+        top = float(np.append(drawn, np.abs(critical)).max(initial=0.0))
         ax.set_ylim(0.0, ABOVE * top or 1.0)
         legend_below(ax, handles=handles)
     return ax

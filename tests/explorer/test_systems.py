@@ -199,7 +199,7 @@ def test_what_the_exact_whirls_leave_out_is_told(path: Path, of_drop: Path) -> N
     ]
     assert told == [
         [], ["without gravity and static forces"],
-        ["without gravity and static forces, and the supports before the drop"],
+        ["without gravity and static forces", "with the magnetic bearings, as before the drop"],
     ]  # fmt: skip
 
 
@@ -266,6 +266,21 @@ def test_where_whirls_are_not_known_the_page_says_why_and_shows_the_one_without_
     # of the ellipse of x = Re(a e^(i t)), y = Re(-i b e^(i t))
     largest = 0.5 * (np.abs(exact.sum(axis=1)) + np.abs(exact[:, 0] - exact[:, 1]))
     assert amplitude[shown] == pytest.approx(largest, rel=1e-9)
+
+
+def test_the_whirls_of_a_drop_are_those_on_its_magnetic_bearings(of_drop: Path) -> None:
+    """sqrt(k/m) with a damping ratio, of the file and its archive, and the whirl at its speed."""
+    archive = of_drop.with_suffix(".nc")
+    save(drop(**load_system(of_drop).drop), archive)
+    weighed = of_drop.with_name("weighed.toml")
+    weighed.write_text('gravity = ["0", "-9.81 m/s2"]\n' + DROP.split("[drop]", maxsplit=1)[0])
+    natural, ratio = np.sqrt(2e6 / 20.0), 2e3 / (2.0 * np.sqrt(2e6 * 20.0))
+    damped = natural * np.sqrt(1.0 - ratio**2)
+    for each in (of_drop, archive, weighed):
+        sent = {one.part: one for one in systems.show_system_map(question(each))}
+        rates = np.abs(sent["campbell"].arrays["whirl_speed"])
+        np.testing.assert_allclose(rates[np.isfinite(rates)], damped, rtol=1e-9)
+        assert "amplitude" in sent["map"].arrays
 
 
 def test_the_map_and_the_campbell_diagram_are_sent(path: Path) -> None:

@@ -12,7 +12,6 @@ from rotor_ida import (
     campbell,
     synchronous_response,
 )
-from rotor_ida.systems.campbell import _crossings, _Motions
 from tests.systems.axisymmetric_systems import beam, random_axisymmetric
 
 
@@ -21,9 +20,9 @@ def overhung(**more):
     gyroscopic = np.zeros((4, 4))
     gyroscopic[2, 3], gyroscopic[3, 2] = 1.0, -1.0
     return RotorSystem(
-        mass=np.diag([1.0, 1.0, 0.5, 0.5]), gyroscopic=gyroscopic, units="1",
+        mass=np.diag([1.0, 1.0, 0.5, 0.5]), units="1",
         nodes={"disc": [[1, 0, 0.2, 0], [0, 1, 0, 0.2]]},
-        **{"stiffness": np.diag([4.0, 4.0, 8.0, 8.0])} | more,
+        **{"stiffness": np.diag([4.0, 4.0, 8.0, 8.0]), "gyroscopic": gyroscopic} | more,
     )  # fmt: skip
 
 
@@ -38,33 +37,105 @@ def test_a_disc_that_tilts_is_stiffened_forwards_and_softened_backwards():
     np.testing.assert_allclose(found.damping_ratio, 0.0, atol=1e-12)
 
 
-def test_a_whirl_that_ceases_or_jumps_across_the_spin_speed_is_not_critical():
-    """Damping stops it between two speeds, or another motion takes its place."""
-
-    def ceases(omega):
-        whirls = np.array([-0.1 + 1.5j]) if abs(omega - 1.5) > 0.3 else np.zeros(0, complex)
-        return _Motions(whirls, np.ones(whirls.size, np.int8))
-
-    def jumps(omega):
-        return _Motions(np.array([-0.1 + (2.5j if omega < 1.7 else 0.5j)]), np.ones(1, np.int8))
-
-    for motions_at in (ceases, jumps):
-        assert not list(_crossings(motions_at, 1, [1.0, 2.0]))
-
-
 def test_critical_speeds_are_those_of_whirls_with_the_spin_speed():
     """At 2 of the translation, and at sqrt(k/(I + I_p)) of the backward tilt; none at 0."""
     found = campbell(overhung(), speed=[-3.0, 3.0, 0.0, 1.9])
     expected = [2.0, 2.0, np.sqrt(8.0 / 1.5)]
-    np.testing.assert_allclose(found.critical_speed, expected, rtol=1e-10)
-    assert sorted(found.critical_sense.values[:2]) == [-1, 1]  # equal but for rounding
-    assert found.critical_sense[2] == -1
+    np.testing.assert_allclose(found.critical_speed[3:], expected, rtol=1e-10)
+    np.testing.assert_allclose(found.critical_speed[2::-1], np.negative(expected), rtol=1e-10)
+    assert sorted(found.critical_sense.values[3:5]) == [-1, 1]
+    assert found.critical_sense.values[[0, 5]].tolist() == [-1, -1]
     damped = RotorSystem(mass=np.eye(2), stiffness=np.diag([4.0, 9.0]), damping=0.4 * np.eye(2),
                          nodes={"d": (0, 1)}, units="1")  # fmt: skip
     found = campbell(damped, speed=[0.0, 5.0])
     np.testing.assert_allclose(found.critical_speed, [2 * np.sqrt(0.99), 3 * np.sqrt(1 - 1 / 225)])
     np.testing.assert_allclose(found.critical_damping_ratio, [0.1, 1 / 15])
     assert not campbell(damped, speed=1.0).sizes["critical"]
+
+
+UNEQUAL = {
+    "mass": np.diag([10.0, 10.0, 0.12, 0.12]),
+    "stiffness": [[7e5, 0, 6e4, 0], [0, 1.5e6, 0, 1e5], [6e4, 0, 2.8e4, 0], [0, 1e5, 0, 6e4]],
+    "gyroscopic": np.diag([0.0, 0, 0.2], 1) - np.diag([0.0, 0, 0.2], -1),
+    "nodes": {"disc": [[1, 0, 0.1, 0], [0, 1, 0, 0.1]]},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("points", [2, 36, 400])
+def test_critical_speeds_do_not_depend_on_the_speeds_given(points):
+    """Bearings that differ along x and y: the positive roots of det(K - W**2 (M - i G))."""
+    system = RotorSystem(**UNEQUAL)
+    found = campbell(system, speed=np.linspace(0.0, 700.0, points))
+    np.testing.assert_allclose(found.critical_speed, [226.816990, 333.199344, 409.316259])
+    for each in found.critical_speed.values:
+        dynamic = system.stiffness - each**2 * (system.mass - 1j * system.gyroscopic)
+        others = np.linalg.eigvalsh(dynamic)
+        assert np.abs(others).min() < 1e-9 * np.abs(others).max()
+
+
+def scanned(system, last):
+    """Return where the whirl speeds of a system pass the spin speed, by many eigenvalues."""
+    speeds, size = np.linspace(1e-3, last, 2000), system.size
+    matrix = np.zeros((speeds.size, 2 * size, 2 * size))
+    matrix[:, :size, size:] = np.eye(size)
+    matrix[:, size:, :size] = -np.linalg.solve(system.mass, system.stiffness)
+    drag = system.damping + speeds[:, np.newaxis, np.newaxis] * system.gyroscopic
+    matrix[:, size:, size:] = -np.linalg.solve(system.mass, drag)
+    turning = np.sort(np.linalg.eigvals(matrix).imag, axis=1)[:, size:]
+    place, _ = np.nonzero(np.diff(turning > speeds[:, np.newaxis], axis=0))
+    return speeds[place]
+
+
+def test_an_overdamped_tilt_hides_no_critical_speed():
+    """Dampers of 0 to 500 N m s/rad on the tilt: whirls cease, the others stay."""
+    for drag in (0.0, 20.0, 80.0, 500.0):
+        system = RotorSystem(**UNEQUAL, damping=np.diag([20.0, 20.0, drag, drag]))
+        found = campbell(system, speed=np.arange(0.0, 701.0, 20.0)).critical_speed.values
+        np.testing.assert_allclose(found, scanned(system, 700.0), atol=0.36)
+        assert found.size == 3
+    # a tilt without unequal stiffness: W**2 = k/(1 - g) - c**2/(2 - g)**2 for k and c over I
+    tilt, g = np.diag([0.0, 0, 0.25], 1) - np.diag([0.0, 0, 0.25], -1), 0.5
+    for c in (1.0, 8.4, 8.5):
+        system = overhung(gyroscopic=tilt, damping=np.diag([0.0, 0.0, 0.5 * c, 0.5 * c]))
+        found = campbell(system, speed=[0.0, 20.0])
+        exact = np.sqrt(max(16.0 / (1.0 - g) - (c / (2.0 - g)) ** 2, 0.0))
+        forward = found.critical_speed[found.critical_sense == 1].values
+        expected = sorted({2.0, exact} - {0.0})
+        np.testing.assert_allclose(forward, expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_critical_speeds_of_random_damped_systems_are_those_of_a_scan(seed):
+    """Also where cross-coupled stiffness, gyroscopic moments and dampers are large."""
+    random = np.random.default_rng(seed)
+    inertia, ratio = random.uniform(0.3, 1.0, 2), random.uniform(0.0, 2.0, 2)
+    gyroscopic = np.zeros((8, 8))
+    for number in (0, 1):
+        tilt = slice(4 * number + 2, 4 * number + 4)
+        gyroscopic[tilt, tilt] = inertia[number] * ratio[number] * np.array([[0, 1], [-1, 0]])
+    springs, dampers, across = random.normal(size=(3, 8, 8))
+    system = RotorSystem(
+        mass=np.diag([1, 1, *inertia[[0, 0]], 1, 1, *inertia[[1, 1]]]), gyroscopic=gyroscopic,
+        stiffness=springs @ springs.T / 8 + 0.3 * (seed % 2) * (across - across.T),
+        damping=dampers @ dampers.T * 10.0 ** random.uniform(-2, 0), units="1",
+        nodes={"left": (0, 1), "right": (4, 5)},
+    )  # fmt: skip
+    found = campbell(system, speed=[0.0, 6.0]).critical_speed.values
+    np.testing.assert_allclose(found, scanned(system, 6.0), atol=4e-3)
+    mirrored = RotorSystem(**{name: getattr(system, name) for name in ("mass", "stiffness",
+                           "damping", "nodes")}, gyroscopic=-gyroscopic, units="1")  # fmt: skip
+    again = campbell(mirrored, speed=[-6.0, 0.0]).critical_speed.values
+    np.testing.assert_allclose(-again[::-1], found, rtol=1e-9)
+
+
+def test_forward_is_the_sense_of_the_spin():
+    """A rotor that turns the other way is the mirror image; its whirls keep their names."""
+    found = campbell(overhung(), speed=[-1.0, 1.0]).isel(contact_stiffness=0)
+    np.testing.assert_allclose(found.whirl_speed[0], found.whirl_speed[1], rtol=1e-12)
+    assert (found.whirl_sense[0] == found.whirl_sense[1]).all()
+    uneven = overhung(stiffness=np.diag([4.0, 4.5, 8.0, 9.0]))
+    found = campbell(uneven, speed=[-1.0, 1.0]).isel(contact_stiffness=0)
+    np.testing.assert_allclose(found.whirl_speed[0], found.whirl_speed[1], rtol=1e-12)
 
 
 def test_damping_ratios_are_those_of_a_damped_oscillator():

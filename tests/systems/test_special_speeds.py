@@ -49,6 +49,22 @@ def test_one_disc_as_a_system_has_the_same_folds_and_hopf_points(disc):
     np.testing.assert_allclose(grazes.amplitude, disc["delta0"], rtol=1e-12)
 
 
+@pytest.mark.parametrize("disc", [
+    {"zeta": 0.05, "delta0": 0.5, "friction": 0.5, "shaft_stiffness": 0.1},
+    {"zeta": 0.014396, "delta0": 1.0, "friction": 0.556, "shaft_stiffness": 0.3},
+    {"zeta": 0.029059, "delta0": 2.0, "friction": 0.518, "shaft_stiffness": 0.05},
+], ids=str)  # fmt: skip
+def test_a_hopf_point_beside_a_graze_or_a_fold_is_found(disc):
+    """One lies 1.6e-7 from its fold; the grid has steps of 0.015 or, with 20 points, 0.15."""
+    system, contacts, unbalance = Rotor(omega=1.0, **disc, disc_radius=5.0).system()
+    exact = hopf_points(**disc).hopf_omega.values.ravel()
+    exact = exact[exact < 3.0]
+    for points in (20, 200):
+        found = special_speeds(system, contacts=contacts, unbalance=unbalance, limits=(0.05, 3.0),
+                               points=points)  # fmt: skip
+        np.testing.assert_allclose(of_kind(found, "hopf").special_speed, exact, rtol=1e-8)
+
+
 def test_the_number_and_stability_of_whirls_change_at_special_speeds_only():
     """Two contacts at once: between special speeds all whirls last, with their stability."""
     kinds = set()

@@ -1,6 +1,7 @@
 """Speeds at which the synchronous whirls of a rotor system change: folds, Hopf points, grazes.
 
-1. *Grid*: all rubs of each set of contacts, at many speeds.
+1. *Grid*: all rubs of each set of contacts, at many speeds. Folds and grazes join it, from both
+   sides and in several distances, until no other is found: so no cell has two of them.
 2. *Folds*: where the number of rubs changes by two between neighbouring speeds, the change is
    enclosed by halving, and Newton's method finds where the balance of forces and its determinant
    vanish together.
@@ -58,11 +59,14 @@ OF_WHIRLS = (
     "amplitude", "phase_lag", "normal_force", "in_contact", "node_amplitude", "node_phase_lag",
     "stability", "growth_rate",
 )  # fmt: skip
-# Number of halvings of an interval of speeds around a fold. Part of the range left out beside it.
-# Largest number of Newton steps, and the relative size of the last.
-_HALVINGS, _BESIDE, _STEPS, _SOLVED = 12, 1e-7, 30, 1e-11
-# Relative step of the differences in it.
-_DIFFERENCE = 1e-6
+# Number of halvings of an interval of speeds around a fold. Largest number of Newton steps, and the
+# relative size of the last.
+_HALVINGS, _STEPS, _SOLVED = 12, 30, 1e-11
+# Parts of the range at which speeds are added beside folds and grazes, and how often these are
+# sought again. Rubs of two contacts are told apart at the larger distances alone.
+_BESIDE, _ROUNDS = np.array([1e-4, 1e-6, 1e-8, 1e-10]), 5
+# Relative step of the differences in it, and the distance of rubs that are one.
+_DIFFERENCE, _SAME_ROOT = 1e-6, 1e-4
 
 Touching = tuple[int, ...]
 # The unknowns of each rub at each speed: shapes (rub, contacts that touch).
@@ -211,12 +215,10 @@ def special_speeds(
     check_no_races(assembly)
     check_masses(assembly)
     problem = RubProblem(assembly, forward_motions(assembly))
-    found = list(_folds(problem, speeds))
-    beside = [each.speed + side * _BESIDE * (high - low) for each in found for side in (-1.0, 1.0)]
-    speeds = np.unique(np.clip(np.concatenate([speeds, beside]), low, high))
-    for touching in [(), *touching_sets(assembly.contacts)]:
-        pieces = list(_pieces(touching, problem.roots(touching, speeds), speeds))
-        found += [*_grazes(problem, pieces), *_hopf_points(problem, pieces)]
+    grid = _Grid(problem, speeds)
+    found = grid.refined(_BESIDE * (high - low))
+    for touching in grid.roots:
+        found += _hopf_points(problem, grid.pieces(touching))
     whirls = synchronous_response_system(
         system, contacts=contacts, unbalance=unbalance, speed=np.linspace(low, high, points)
     )
@@ -235,12 +237,64 @@ def _limits(given: object) -> tuple[float, float]:
     return low, high
 
 
-def _folds(problem: RubProblem, speeds: Values) -> Iterator[_Point]:
-    """Yield the folds of each set of contacts between neighbouring speeds."""
-    for touching in touching_sets(problem.assembly.contacts):
-        roots = problem.roots(touching, speeds)
-        for ends, both in zip(pairwise(speeds.tolist()), pairwise(roots), strict=True):
-            yield from _folds_between(problem, touching, ends, both, _HALVINGS)
+class _Grid:
+    """All rubs of each set of contacts at speeds that increase, to which more are added."""
+
+    def __init__(self, problem: RubProblem, speeds: Values) -> None:
+        self.problem, self.speeds = problem, speeds
+        sets: list[Touching] = [(), *touching_sets(problem.assembly.contacts)]
+        self.roots = {touching: problem.roots(touching, speeds) for touching in sets}
+
+    def add(self, speeds: Values) -> None:
+        """Add speeds within the range."""
+        inside = (speeds > self.speeds[0]) & (speeds < self.speeds[-1])
+        fresh = np.setdiff1d(speeds[inside], self.speeds)
+        every = np.concatenate([self.speeds, fresh])
+        order = np.argsort(every)
+        for touching, known in self.roots.items():
+            roots = [*known, *self.problem.roots(touching, fresh)]
+            self.roots[touching] = [roots[i] for i in order.tolist()]
+        self.speeds = every[order]
+
+    def pieces(self, touching: Touching) -> list[_Piece]:
+        """Return the branches of a set of contacts between neighbouring speeds."""
+        return list(_pieces(touching, self.roots[touching], self.speeds))
+
+    def refined(self, distances: Values) -> list[_Point]:
+        """Return all folds and grazes, and add speeds beside each."""
+        found: list[_Point] = []
+        for _ in range(_ROUNDS):
+            every = [
+                each for touching in self.roots
+                for each in (*_grazes(self.problem, self.pieces(touching)), *self._folds(touching))
+            ]  # fmt: skip
+            fresh = [
+                each for each in every
+                if not any(_is_same(each, other, distances[-1]) for other in found)
+            ]  # fmt: skip
+            if not fresh:
+                break
+            found += fresh
+            places = np.array([each.speed for each in fresh])[:, np.newaxis]
+            self.add(np.concatenate([places - distances, places + distances], axis=1).ravel())
+        return found
+
+    def _folds(self, touching: Touching) -> Iterator[_Point]:
+        """Yield the folds of a set of contacts between neighbouring speeds."""
+        roots, speeds = self.roots[touching], self.speeds.tolist()
+        for ends, both in zip(pairwise(speeds), pairwise(roots), strict=True):
+            yield from _folds_between(self.problem, touching, ends, both, _HALVINGS)
+
+
+def _is_same(one: _Point, other: _Point, distance: float) -> bool:
+    """Return whether two points are one, found in different rounds."""
+    return (
+        one.kind == other.kind
+        and one.touching == other.touching
+        and (np.isnan(one.grazed) or one.grazed == other.grazed)
+        and abs(one.speed - other.speed) <= distance
+        and bool(np.allclose(one.v, other.v, rtol=_SAME_ROOT))
+    )
 
 
 def _folds_between(
