@@ -130,9 +130,9 @@ def _events_of_contacts(again: xr.Dataset, archived: xr.Dataset) -> Verdict:
     return counts | {"largest_difference": largest}, "; ".join(troubles)
 
 
-def _decided(drops: xr.Dataset) -> xr.DataArray:
+def _decided(drops: xr.Dataset) -> xr.Variable:
     """Return which drops do not depend on rounding up to their end."""
-    return drops["horizon"] >= float(drops.attrs["duration"])
+    return drops.variables["horizon"] >= float(drops.attrs["duration"])
 
 
 def _drops_counted(_again: xr.Dataset, archived: xr.Dataset) -> Verdict:
