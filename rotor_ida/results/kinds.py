@@ -87,13 +87,13 @@ KINDS = {
             name="drop", meaning="drop of a rotor system",
             variables=("whirl_turns", "standstill_time", "event_contact"), dims=("t", "node"),
             shown="rotor_ida.cli.describe_systems:show_drop",
-            drawn="rotor_ida.plot:drop_figure", verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_RUN",
+            drawn="rotor_ida.plot:drop_figure", verified=f"{_VERIFIED_SYSTEMS}:DROP",
         ),
         Kind(
             name="drop_ensemble", meaning="many drops of a rotor system",
             variables=("whirl_turns", "decided_fraction"), dims=("drop", "contact"),
             shown="rotor_ida.cli.describe_systems:show_drops",
-            drawn="rotor_ida.plot:drops_figure",
+            drawn="rotor_ida.plot:drops_figure", verified=f"{_VERIFIED_SYSTEMS}:DROPS",
             study="drop_ensemble", resumed=f"{_RESUMED}:resume_drops",
         ),
         Kind(

@@ -25,12 +25,12 @@ from rotor_ida.parallel import Progress
 from rotor_ida.results.kinds import STUDIES, loaded
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies import design_of, program_of
-from rotor_ida.steady.drop_design import case_from
 from rotor_ida.steady.drop_ensemble import drop_ensemble
 from rotor_ida.steady.run_ups import run_ups
 from rotor_ida.steady.sweep import sweep
 from rotor_ida.steady.system_sweep import sweep_system
 from rotor_ida.systems.archived import problem_in
+from rotor_ida.systems.drop_design import case_from
 
 # The design of a study, as in its folder; the arguments for its jobs; the function that resumes it.
 Design = Mapping[str, Any]

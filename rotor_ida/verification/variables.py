@@ -53,6 +53,7 @@ def compare_variables(
     given: Collection[str],
     left_out: Mapping[str, str],
     tolerance: float = TOLERANCE,
+    told: xr.Variable | None = None,
 ) -> Comparison:
     """Compare all variables of two results.
 
@@ -67,6 +68,8 @@ def compare_variables(
     tolerance : float
         Difference allowed for real numbers, relative to the largest number of the variable; for
         angles in radians.
+    told : Variable of bool, optional
+        Where numbers are those of the motion on any processor. By default from the response.
 
     Returns
     -------
@@ -76,14 +79,15 @@ def compare_variables(
     found = Comparison()
     reasons = {**DEPENDS_ON_ROUNDING, **left_out}
     for name in map(str, archived.variables):
-        keys = (name, *map(str, archived[name].dims))
+        keys = (name, *map(str, archived.variables[name].dims))
         reason = GIVEN if name in given else next(filter(None, map(reasons.get, keys)), "")
         if not reason and name not in again.variables:
             reason = NO_MORE
         if reason:
             found.left_out[name] = reason
             continue
-        apart, words = _apart(name, again, archived, tolerance)
+        where = _told(archived.variables[name], _periodic(archived, name) if told is None else told)
+        apart, words = _apart(name, again, archived, where, tolerance)
         if apart is None:
             found.left_out[name] = OF_ONE_STRETCH
             continue
@@ -95,14 +99,17 @@ def compare_variables(
 
 
 def _apart(
-    name: str, again: xr.Dataset, archived: xr.Dataset, tolerance: float
+    name: str,
+    again: xr.Dataset,
+    archived: xr.Dataset,
+    told: npt.NDArray[np.bool_],
+    tolerance: float,
 ) -> tuple[bool | None, str]:
     """Return whether a variable differs, and how; None if no number of it can be compared."""
-    here, there = again[name], archived[name]
+    here, there = again.variables[name], archived.variables[name]
     if dict(here.sizes) != dict(there.sizes):
         return True, f"{name} has {dict(here.sizes)} computed again, {dict(there.sizes)} archived"
     here = here.transpose(*there.dims)
-    told = _told(archived, there)
     if there.size and not told.any():
         return None, ""
     if there.dtype.kind != "f" or here.dtype.kind != "f":
@@ -117,15 +124,25 @@ def _apart(
     return bool(count), f"{name} differs in {count} of {there.size} places{largest}"
 
 
-def _told(archived: xr.Dataset, variable: xr.DataArray) -> npt.NDArray[np.bool_]:
-    """Return where a variable is that of a motion with a period, of one that was computed."""
-    by = next((each for each in ("response", "kind") if each in archived.data_vars), "")
-    dims = archived[by].dims if by else ()
-    if not dims or variable.name == by or not set(dims) <= set(variable.dims):
+def _periodic(archived: xr.Dataset, name: str) -> xr.Variable | None:
+    """Return where the response has numbers of its own; None for a result without responses."""
+    by = next((each for each in ("response", "kind") if each in archived.data_vars), None)
+    if by in {None, name}:
+        return None
+    words = CIRCULAR if name in OF_CIRCLES else PERIODIC
+    response = archived.variables[by]
+    known = np.isin(response.values, [RESPONSE[word] for word in words])
+    return xr.Variable(response.dims, known)
+
+
+def _told(variable: xr.Variable, known: xr.Variable | None) -> npt.NDArray[np.bool_]:
+    """Return where a variable is told, in its shape."""
+    if known is None or not known.dims or not set(known.dims) <= set(variable.dims):
         return np.ones(variable.shape, bool)
-    words = CIRCULAR if variable.name in OF_CIRCLES else PERIODIC
-    known = archived[by].isin([RESPONSE[word] for word in words])
-    return np.asarray(known.broadcast_like(variable).transpose(*variable.dims).values, bool)
+    dims = [dim for dim in variable.dims if dim in known.dims]
+    axes = tuple(axis for axis, dim in enumerate(variable.dims) if dim not in known.dims)
+    values = np.expand_dims(known.transpose(*dims).values, axes)
+    return np.array(np.broadcast_to(values, variable.shape), dtype=np.bool_)
 
 
 def _relative(here: Values, there: Values, *, angle: bool) -> Values:

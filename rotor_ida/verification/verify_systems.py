@@ -17,10 +17,13 @@ from rotor_ida.cycles.system_guess import CycleProblem
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress
+from rotor_ida.steady.drop_ensemble import drop_ensemble
 from rotor_ida.steady.system_sweep import sweep_system
 from rotor_ida.systems.archived import NAMES, NEEDED, PROBLEM, problem_of
 from rotor_ida.systems.campbell import campbell
 from rotor_ida.systems.clearances.report import clearance_report
+from rotor_ida.systems.drop import drop
+from rotor_ida.systems.drop_design import DESIGN, case_from, design_in
 from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.systems.whirls.special_speeds import special_speeds
 from rotor_ida.systems.whirls.synchronous import synchronous_response_system
@@ -43,6 +46,10 @@ OF_SYSTEM = (
     *NEEDED, *NAMES, "damping_matrix", "gyroscopic_matrix", "stiffness_rate_matrix",
     "axial_position",
 )  # fmt: skip
+# What a drop is computed from besides.
+OF_DROP = ("design", "support_node", "support_fails", "support_stiffness", "support_damping",
+           "node_clearance", "load_capacity")  # fmt: skip
+BEHIND_HORIZON = "some drops end behind their horizon, where another processor drops otherwise"
 # Differences allowed between machines, relative to the largest number of a variable.
 CLOSE = 1e-8
 
@@ -77,6 +84,29 @@ def _run(dataset: xr.Dataset, _workers: int | None, progress: Progress | None) -
     return run_up_system(system, **how, **changes)
 
 
+def _drop(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+    if DESIGN not in dataset:  # an older archive
+        return _run(dataset, workers, progress)
+    case = case_of("drop", dataset)
+    case |= {"method": dataset.attrs["method"], "samples": dataset["t"].values}
+    return drop(**case, progress=progress)
+
+
+def _drops(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
+    design = design_in(dataset)
+    given = case_of("ensemble", dataset) | design["varied"]
+    numbers = {name: design[name] for name in ("drops", "seed")}
+    return drop_ensemble(**given, **numbers, workers=workers, progress=progress)
+
+
+def case_of(what: str, dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the arguments of `drop` in a dataset."""
+    try:
+        return case_from(design_in(dataset))
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(f"this {what} cannot be verified: {error}") from error
+
+
 def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
     system, around = _archived(dataset, "sweep")
     return sweep_system(
@@ -98,6 +128,24 @@ def _events_of_contacts(again: xr.Dataset, archived: xr.Dataset) -> Verdict:
         largest = max(largest, float(str(found["largest_difference"])))
         troubles += [f"contact {number}: {trouble}"] if trouble else []
     return counts | {"largest_difference": largest}, "; ".join(troubles)
+
+
+def _decided(drops: xr.Dataset) -> xr.Variable:
+    """Return which drops do not depend on rounding up to their end."""
+    return drops.variables["horizon"] >= float(drops.attrs["duration"])
+
+
+def _drops_counted(_again: xr.Dataset, archived: xr.Dataset) -> Verdict:
+    counts = {"drops": archived.sizes["drop"], "decided_drops": int(_decided(archived).sum())}
+    return dict[str, object](counts), ""
+
+
+def _undecided(_again: xr.Dataset, archived: xr.Dataset) -> dict[str, str]:
+    """Return why statistics are not compared where drops end behind their horizon."""
+    if _decided(archived).all():
+        return {}
+    own = [str(name) for name, each in archived.data_vars.items() if "drop" not in each.dims]
+    return dict.fromkeys(own, BEHIND_HORIZON)
 
 
 def _whirls(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
@@ -194,6 +242,25 @@ SYSTEM_RUN = Verification(
     _events_of_contacts,
     (*OF_SYSTEM, "t"),
     tolerance=tolerance_of_run,
+)
+DROP = replace(SYSTEM_RUN, again=_drop, given=(*SYSTEM_RUN.given, *OF_DROP))
+DROPS = Verification(
+    ("horizon", "status", "largest_force", "contact_count"),
+    (),
+    _drops,
+    _drops_counted,
+    (
+        "drop",
+        "quantile",
+        "contact_node",
+        "clearance",
+        "node",
+        "node_clearance",
+        "load_capacity",
+        DESIGN,
+    ),
+    _undecided,
+    told=_decided,
 )
 SYSTEM_SWEEP = Verification(
     ("response", "direction", "touched", "period", *NUMBERS, *NEEDED),

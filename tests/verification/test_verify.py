@@ -10,10 +10,10 @@ from rotor_ida import (
     basin,
     basin_fractions,
     bifurcation_curve,
+    contact_summary,
     continue_attractors,
     continue_cycle,
     dimensional,
-    folds,
     limit_cycle,
     load,
     run_up,
@@ -215,15 +215,16 @@ def test_a_forged_result_of_many_points_does_not_verify(kind, forge, trouble):
 
 
 def test_another_kind_of_dataset_cannot_be_verified():
+    summary = contact_summary(simulate(ROTOR, start=(0, 0, 0, 0), duration=5.0))
     with pytest.raises(
         InputError,
-        match=r"^a result of the kind 'folds' cannot be verified: compute it again, and compare$",
+        match=r"^a result of the kind 'contact_summary' cannot be verified: compute it again, and",
     ):
-        rerun(folds(zeta=0.07, delta0=0.0))
+        rerun(summary)
     with pytest.raises(
-        InputError, match=r"compute it again with 'rotor-ida folds 1', and compare$"
+        InputError, match=r"compute it again with 'rotor-ida forces 1', and compare$"
     ):
-        rerun(folds(zeta=0.07, delta0=0.0).assign_attrs(command="rotor-ida folds 1"))
+        rerun(summary.assign_attrs(command="rotor-ida forces 1"))
     run = simulate(ROTOR, start=(0, 0, 0, 0), duration=5.0)
     del run.attrs["rtol"]
     with pytest.raises(InputError, match="this run cannot be verified: it lacks rtol"):

@@ -1,13 +1,17 @@
-"""What many drops have in common, as a design that a study keeps in JSON, and back."""
+"""What drops are computed from, as a design that studies and archives keep in JSON, and back."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
+from rotor_ida.checks import shown
+from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Race, Stator, Support, Unbalance
 
@@ -17,8 +21,10 @@ ARRAYS = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate", "trans
 OF_CASE = (
     "system", "stators", "bearings", "supports", "unbalance", "speed", "duration", "failing",
     "gravity", "static_force", "inertia", "drag", "clearances",
-    "capacities", "modes", "rtol",
+    "capacities", "modes", "rtol", "phase", "start", "more_modes", "method",
 )  # fmt: skip
+# The variable of a dataset that has its design.
+DESIGN = "design"
 
 
 def plain_case(case: Mapping[str, Any]) -> dict[str, Any]:
@@ -52,6 +58,24 @@ def plain_case(case: Mapping[str, Any]) -> dict[str, Any]:
         "supports": [asdict(each) for each in case["supports"]],
         "unbalance": [asdict(each) for each in case["unbalance"]],
     }  # fmt: skip
+
+
+def as_text(design: Mapping[str, Any]) -> str:
+    """Return a design as the text that a dataset keeps."""
+    return json.dumps(design, separators=(",", ":"))
+
+
+def design_in(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the design in a dataset."""
+    try:
+        found = json.loads(str(dataset[DESIGN].values))
+    except (ValueError, RecursionError) as error:
+        raise InputError(
+            f"{DESIGN} must be JSON, got {shown(str(dataset[DESIGN].values))}"
+        ) from error
+    if not isinstance(found, dict):
+        raise InputError(f"{DESIGN} must be that of drops, got {shown(found)}")
+    return found
 
 
 def case_from(plain: Mapping[str, Any]) -> dict[str, Any]:
