@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -82,7 +83,8 @@ _ORDER = (
 )
 
 _SETTINGS: Any = {
-    "font.family": "STIXGeneral",
+    # the second for what the first lacks, as in names of nodes
+    "font.family": ["STIXGeneral", "DejaVu Sans"],
     "mathtext.fontset": "stix",
     "font.size": 9.5,
     "axes.labelsize": 10.0,
@@ -123,9 +125,11 @@ def style() -> Iterator[None]:
     --------
     >>> with style():
     ...     mpl.rcParams["font.family"]
-    ['STIXGeneral']
+    ['STIXGeneral', 'DejaVu Sans']
     """
-    with mpl.rc_context():
+    with mpl.rc_context(), warnings.catch_warnings():
+        # a name in a script that no font has is drawn as boxes
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
         mpl.rcdefaults()
         mpl.rcParams.update(_SETTINGS)
         yield
