@@ -164,7 +164,9 @@ class Sheets:
 def _width(words: str, size: float, *, bold: bool = False) -> float:
     """Return the width of words [point]."""
     letters = FontProperties(size=size, weight="bold" if bold else "normal")
-    return float(TextToPath().get_text_width_height_descent(words, letters, ismath=False)[0])
+    return float(
+        TextToPath().get_text_width_height_descent(printable(words), letters, ismath=False)[0]
+    )
 
 
 def _widest(rows: Sequence[Sequence[str]], column: int, size: float) -> float:

@@ -81,6 +81,8 @@ def write_report(
     overwrite: bool,
 ) -> list[Path]:
     """Write the pages of a report, computed with options, into a folder; return them."""
+    from rotor_ida.plot.appearance import boxes_for_letters  # noqa: PLC0415 - heavy
+
     allowed = acceptance(run, drops)
     tables = [*run_tables(run), *([] if drops is None else drops_tables(drops)),
               *given_tables(run, drops)]  # fmt: skip
@@ -96,7 +98,7 @@ def write_report(
     html, pdf = folder / "report.html", folder / "report.pdf"
     with file_to_write("out", html, overwrite=overwrite) as part:
         part.write_text(_page(parts), encoding="utf-8")
-    with file_to_write("out", pdf, overwrite=overwrite) as part:
+    with file_to_write("out", pdf, overwrite=overwrite) as part, boxes_for_letters():
         _write_pdf(part, parts)
     return [html, pdf]
 

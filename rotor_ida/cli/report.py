@@ -80,14 +80,19 @@ def plain(value: object) -> object:
 
 
 def table(
-    title: str, rows: Sequence[Record], columns: Sequence[str], *, prefix: str = "", digits: int = 8
-) -> Table:
-    """Return the named columns of `rows`, numbers to the right, headed without the prefix."""
+    title: str, rows: Sequence[Record], columns: Sequence[str], *, prefix: str = "",
+    digits: int = 8, are_words: bool = True,
+) -> Table:  # fmt: skip
+    """Return the named columns of `rows`, numbers to the right, headed without the prefix.
+
+    Underscores of heads become blanks if they are words, not names of a user.
+    """
     drawn = _empty(title)
     for name in columns:
         numeric = all(_is_number(row[name]) for row in rows)
+        head = name.removeprefix(prefix)
         drawn.add_column(
-            printable(name.removeprefix(prefix).replace("_", " ")),
+            printable(head.replace("_", " ") if are_words else head),
             justify="right" if numeric else "left",
             overflow="fold",
             no_wrap=name != "message",

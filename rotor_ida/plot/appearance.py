@@ -127,11 +127,17 @@ def style() -> Iterator[None]:
     ...     mpl.rcParams["font.family"]
     ['STIXGeneral', 'DejaVu Sans']
     """
-    with mpl.rc_context(), warnings.catch_warnings():
-        # a name in a script that no font has is drawn as boxes
-        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
+    with mpl.rc_context(), boxes_for_letters():
         mpl.rcdefaults()
         mpl.rcParams.update(_SETTINGS)
+        yield
+
+
+@contextmanager
+def boxes_for_letters() -> Iterator[None]:
+    """Draw letters that no font has, as in names of nodes, as boxes without a warning."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
         yield
 
 

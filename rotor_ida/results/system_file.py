@@ -61,7 +61,7 @@ from rotor_ida.model.system_parts import (
     check_contacts,
 )
 from rotor_ida.results.toml_files import Table, naming, read_toml
-from rotor_ida.texts import brief, printable
+from rotor_ida.texts import brief
 
 MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate")
 # What may stand in each table of a file; with units where it is a number.
@@ -202,7 +202,7 @@ def load_system(path: str | os.PathLike[str]) -> SystemFile:
     try:
         return _system_file(table, Path(path).parent)
     except InputError as error:
-        raise InputError(f"{printable(str(path))}: {error}") from error
+        raise InputError(f"{path}: {error}") from error
 
 
 def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:

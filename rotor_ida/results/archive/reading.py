@@ -21,7 +21,6 @@ from rotor_ida.results.archive.checksum import content_sha256, seal_of
 from rotor_ida.results.archive.content import CHECKSUM, FORMAT, FORMAT_NUMBER, LABEL_OF, NUMERIC
 from rotor_ida.results.archive.library import LOCK, what_is_no_variable
 from rotor_ida.results.files import check_path
-from rotor_ida.texts import printable
 
 if TYPE_CHECKING:
     import netCDF4
@@ -157,9 +156,7 @@ def _reported(source: Path) -> Iterator[None]:
     except Exception as error:  # a damaged file can make the libraries raise anything
         told = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         reason = " ".join(told.split()) or type(error).__name__
-        raise ArchiveError(
-            f"cannot read {printable(str(source))}, which may be damaged: {reason}"
-        ) from error
+        raise ArchiveError(f"cannot read {source}, which may be damaged: {reason}") from error
 
 
 def _load(source: Path) -> xr.Dataset:
