@@ -16,14 +16,34 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rotor_ida import RotorSystem, load, load_system, save
+from rotor_ida import (
+    Contact,
+    Rotor,
+    RotorSystem,
+    drop_ensemble,
+    limit_cycle,
+    load,
+    load_system,
+    save,
+    simulate,
+)
 from rotor_ida.cli import main
 from rotor_ida.cli.report import Report, console_on, pairs, table, text_of
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.explorer import systems
 from rotor_ida.explorer.system_files import recorded_page
 from rotor_ida.explorer.system_questions import SystemQuestion
-from rotor_ida.plot import save_figure
+from rotor_ida.plot import (
+    drop_figure,
+    drops_figure,
+    plot_contact_forces,
+    plot_node_history,
+    plot_node_orbits,
+    plot_shape,
+    save_figure,
+    save_orbit_film,
+    system_cycle_figure,
+)
 from rotor_ida.plot.appearance import panels
 from rotor_ida.texts import (
     LONGEST_NAME,
@@ -195,11 +215,11 @@ unbalance = [ { node = "disc", moment = "100 g mm" } ]
 """
 
 
-def file_of(path, stiffness, more=""):
+def file_of(path, stiffness, more="", names=NAMES):
     """Write a system file whose nodes have odd names."""
-    quoted = [json.dumps(each, ensure_ascii=False) for each in NAMES]
+    quoted = [json.dumps(each, ensure_ascii=False) for each in names]
     nodes = ", ".join(f"{each} = [{2 * n}, {2 * n + 1}]" for n, each in enumerate(quoted))
-    count = 2 * len(NAMES)
+    count = 2 * len(names)
     text = FILE.format(masses=[20.0] * count, stiffness=[stiffness] * count,
                        damping=[4e3] * count, nodes=nodes)  # fmt: skip
     for number, node in enumerate(quoted[: len(AT_CONTACTS)]):
@@ -225,7 +245,7 @@ def told_by(capfd, *words):
 
 
 def test_every_command_of_a_system_shows_odd_names(folder, capfd):
-    file_of(folder / "odd.toml", 1e7)
+    file_of(folder / "odd.toml", 1e7, names=NAMES[:4])
     end, shown = ["--figure", "fig", "--force"], {}
     for words in (
         ["simulate", "--duration", "5ms", "--out", "run.nc", "--csv", "run.csv"],
@@ -242,11 +262,47 @@ def test_every_command_of_a_system_shows_odd_names(folder, capfd):
     shown["show"] = told_by(capfd, "show", "run.nc")
     for command in ("simulate", "show", "clearance-report"):
         assert all(name in shown[command] for name in AT_CONTACTS), command
-    assert load("run.nc")["node"].values.tolist() == NAMES
+    assert load("run.nc")["node"].values.tolist() == NAMES[:4]
     told_by(capfd, "verify", "run.nc")
     told_by(capfd, "plot", "run.nc", "--kind", "orbit", "--node", NAMES[1], *end)
     assert main(["plot", "run.nc", "--kind", "orbit", "--node", "\x1b[31m", *end]) == 2
     assert obeyed(capfd.readouterr().err) == []
+
+
+@pytest.fixture(scope="module")
+def results():
+    """Return results of a small system by the functions that draw them."""
+    system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    around = {"contacts": contacts, "unbalance": unbalance}
+    run = simulate(system, **around, speed=2.0, duration=20.0)
+    rotor = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
+    bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0)
+    given = {"bearings": [bearing], "speed": 500.0, "duration": 0.02, "workers": 1}
+    drops = drop_ensemble(rotor, **given, drops=2)
+    return [
+        (plot_node_orbits, run), (plot_shape, run), (plot_contact_forces, run), (drop_figure, run),
+        (lambda run: plot_node_history(run, node=str(run["node"].values[0])), run),
+        (system_cycle_figure, limit_cycle(system, **around, speed=2.0)), (drops_figure, drops),
+        (drops_figure, drop_ensemble(rotor, **given, phase=[0.0, 1.0])),
+    ]  # fmt: skip
+
+
+def renamed(result, name):
+    """Return a result whose nodes have another name."""
+    return result.assign(
+        {each: (result[each].dims, np.full(result[each].shape, name, dtype=object))
+         for each in ("node", "contact_node") if each in result.variables}
+    )  # fmt: skip
+
+
+def test_figures_of_altered_results_are_drawn(results, tmp_path):
+    name = "_$\\frac{1}{$\x1b[31m\0b\udcff"
+    for number, (draw, result) in enumerate(results):
+        path, *_ = save_figure(
+            draw(renamed(result, name)), tmp_path / f"fig{number}", formats="svg"
+        )
+        ElementTree.parse(path)
+    save_orbit_film(renamed(results[0][1], name), tmp_path / "film.gif", frames=2)
 
 
 def test_the_report_of_a_drop_shows_odd_names(folder, capfd):

@@ -113,8 +113,10 @@ def _head(run: xr.Dataset, system: Path) -> str:
 def _commands(folder: Path, system: Path, options: Sequence[str], *, many: bool) -> list[str]:
     """Return the commands that compute the drops again, and check them."""
     files = report_files(folder, many=many)
-    words = ["drop", system, "--out", folder, *options], ["verify", files[0]]
-    return [" ".join(["rotor-ida", *map(in_shell, each)]) for each in words]
+    lines: tuple[list[str | Path], ...] = (
+        ["drop", system, "--out", folder, *options], ["verify", files[0]],
+    )  # fmt: skip
+    return [" ".join(["rotor-ida", *map(in_shell, words)]) for words in lines]
 
 
 def _versions(run: xr.Dataset) -> list[tuple[str, str]]:

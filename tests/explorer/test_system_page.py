@@ -66,7 +66,8 @@ def test_a_system_is_shown_and_played_and_one_page_shows_every_node_without_the_
         assert errors_of(driver) == []
         ended(process)
         check_alone(SystemPage(driver, file.as_uri()), command, path)
-        assert errors_of(driver) == []
+        # the first page has no server any more
+        assert [each for each in errors_of(driver) if "connection.js" not in each] == []
     finally:
         driver.quit()
         ended(process)
