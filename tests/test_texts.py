@@ -227,10 +227,16 @@ def file_of(path, stiffness, more="", names=NAMES):
     path.write_text(text + "".join(more.format(node=node) for node in quoted))
 
 
+@pytest.fixture(autouse=True)
+def _rough_pictures(monkeypatch):
+    """Figures of few dots, laid out once."""
+    monkeypatch.setattr("rotor_ida.plot.saving._DOTS_PER_INCH", 30)
+    monkeypatch.setattr("rotor_ida.plot.appearance.MOST_PASSES", 1)
+
+
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("rotor_ida.plot.saving._DOTS_PER_INCH", 30)
     monkeypatch.setattr("rotor_ida.cli.drop_report.RESOLUTION", 30)
     return tmp_path
 
