@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
+from rotor_ida.texts import LONGEST_NAME, LONGEST_NOTE, unfit
 
 State = tuple[float, float, float, float]
 AT_REST: State = (0.0, 0.0, 0.0, 0.0)
@@ -85,6 +86,52 @@ def listed(names: Sequence[str], last: str = "and") -> str:
     """
     *first, end = names
     return f"{', '.join(first)} {last} {end}" if first else end
+
+
+def check_name(what: str, value: object) -> str:
+    r"""Return the name of something, a short text without control characters.
+
+    Examples
+    --------
+    >>> check_name("name of a node", "disc"), check_name("name of a node", "Scheibe #2 </>")
+    ('disc', 'Scheibe #2 </>')
+    >>> check_name("name of a node", "disc\x1b[31m")
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: name of a node must have no control characters, got
+    'disc\x1b[31m' with '\x1b'
+    """
+    if not isinstance(value, str) or not value:
+        raise InputError(f"{what} must be text, got {shown(value)}")
+    if len(value) > LONGEST_NAME:
+        raise InputError(
+            f"{what} must have at most {LONGEST_NAME} characters, got {len(value)}: {shown(value)}"
+        )
+    _check_characters(what, value)
+    return value
+
+
+def check_note(what: str, value: object) -> str:
+    """Return a note, a text of some lines without other control characters.
+
+    Examples
+    --------
+    >>> check_note("note", "Bearings at 300 rad/s.")
+    'Bearings at 300 rad/s.'
+    """
+    if not isinstance(value, str):
+        raise InputError(f"{what} must be text, got {shown(value)}")
+    if len(value) > LONGEST_NOTE:
+        raise InputError(f"{what} must have at most {LONGEST_NOTE} characters, got {len(value)}")
+    _check_characters(what, value, kept="\n\t")
+    return value
+
+
+def _check_characters(what: str, text: str, kept: str = "") -> None:
+    if found := unfit(text, kept):
+        raise InputError(
+            f"{what} must have no control characters, got {shown(text)} with {found!a}"
+        )
 
 
 def check_real(name: str, value: object) -> float:

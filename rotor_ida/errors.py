@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import math
 
+from rotor_ida.texts import printable
+
 
 class RotorError(Exception):
-    """Base of every error that this package raises on purpose."""
+    """Base of every error that this package raises on purpose.
+
+    Names of files in a message may have characters that a terminal obeys: they are shown instead.
+    """
+
+    def __init__(self, *told: object) -> None:
+        super().__init__(*(printable(each) if isinstance(each, str) else each for each in told))
 
 
 class InputError(RotorError, ValueError):

@@ -118,7 +118,7 @@ def show_drop(dataset: xr.Dataset, most: int | None) -> Description:
         | {f"{number}: {each['node']}": each[name] for number, each in enumerate(bearings)}
         for name in names
     ]
-    drawn = table("Bearings", turned, list(turned[0]), digits=5)
+    drawn = table("Bearings", turned, list(turned[0]), digits=5, are_words=False)
     sentence, *others = parts
     return {**record, "bearings": bearings}, [sentence, drawn, *others]
 

@@ -19,6 +19,7 @@ from matplotlib.lines import Line2D
 from matplotlib.textpath import TextToPath
 
 from rotor_ida.cli.drop_tables import Listed
+from rotor_ida.texts import printable
 
 # Size of a page, its margins, and the space between columns [point].
 WIDTH, HEIGHT, MARGIN, BETWEEN = 595.0, 842.0, 42.0, 9.0
@@ -128,8 +129,9 @@ class Sheets:
     ) -> None:  # fmt: skip
         height = HEIGHT - self._top - size
         self.pages[-1].text(
-            left / WIDTH, height / HEIGHT, words, fontsize=size, family=family, parse_math=False,
-            weight="bold" if bold else "normal", ha="right" if right else "left",
+            left / WIDTH, height / HEIGHT, printable(words), fontsize=size, family=family,
+            parse_math=False, weight="bold" if bold else "normal",
+            ha="right" if right else "left",
         )  # fmt: skip
 
     def _block(self, rows: Sequence[Sequence[str]], columns: Sequence[int], size: float) -> None:
@@ -162,7 +164,9 @@ class Sheets:
 def _width(words: str, size: float, *, bold: bool = False) -> float:
     """Return the width of words [point]."""
     letters = FontProperties(size=size, weight="bold" if bold else "normal")
-    return float(TextToPath().get_text_width_height_descent(words, letters, ismath=False)[0])
+    return float(
+        TextToPath().get_text_width_height_descent(printable(words), letters, ismath=False)[0]
+    )
 
 
 def _widest(rows: Sequence[Sequence[str]], column: int, size: float) -> float:

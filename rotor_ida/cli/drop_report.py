@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import hashlib
 import io
-import shlex
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -28,6 +27,7 @@ from rotor_ida.results.files import file_to_write
 from rotor_ida.results.toml_files import read_toml
 from rotor_ida.systems.depths import beyond_model
 from rotor_ida.systems.drop_figures import touched_clearances
+from rotor_ida.texts import in_shell, printable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -81,6 +81,8 @@ def write_report(
     overwrite: bool,
 ) -> list[Path]:
     """Write the pages of a report, computed with options, into a folder; return them."""
+    from rotor_ida.plot.appearance import boxes_for_letters  # noqa: PLC0415 - heavy
+
     allowed = acceptance(run, drops)
     tables = [*run_tables(run), *([] if drops is None else drops_tables(drops)),
               *given_tables(run, drops)]  # fmt: skip
@@ -96,7 +98,7 @@ def write_report(
     html, pdf = folder / "report.html", folder / "report.pdf"
     with file_to_write("out", html, overwrite=overwrite) as part:
         part.write_text(_page(parts), encoding="utf-8")
-    with file_to_write("out", pdf, overwrite=overwrite) as part:
+    with file_to_write("out", pdf, overwrite=overwrite) as part, boxes_for_letters():
         _write_pdf(part, parts)
     return [html, pdf]
 
@@ -111,8 +113,10 @@ def _head(run: xr.Dataset, system: Path) -> str:
 def _commands(folder: Path, system: Path, options: Sequence[str], *, many: bool) -> list[str]:
     """Return the commands that compute the drops again, and check them."""
     files = report_files(folder, many=many)
-    return [shlex.join(["rotor-ida", "drop", str(system), "--out", str(folder), *options]),
-            shlex.join(["rotor-ida", "verify", str(files[0])])]  # fmt: skip
+    lines: tuple[list[str | Path], ...] = (
+        ["drop", system, "--out", folder, *options], ["verify", files[0]],
+    )  # fmt: skip
+    return [" ".join(["rotor-ida", *map(in_shell, words)]) for words in lines]
 
 
 def _versions(run: xr.Dataset) -> list[tuple[str, str]]:
@@ -240,8 +244,9 @@ def _page(parts: dict[str, Any]) -> str:
     from jinja2 import Environment, PackageLoader, StrictUndefined  # noqa: PLC0415 - heavy
 
     environment = Environment(
-        loader=PackageLoader("rotor_ida", "cli"), undefined=StrictUndefined, autoescape=True
-    )
+        loader=PackageLoader("rotor_ida", "cli"), undefined=StrictUndefined, autoescape=True,
+        finalize=lambda value: printable(value) if isinstance(value, str) else value,
+    )  # fmt: skip
     figures = [{"title": title, "png": base64.b64encode(png).decode()}
                for title, png in parts["figures"]]  # fmt: skip
     template = environment.get_template("drop_report.html.jinja")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
@@ -18,6 +17,7 @@ from rotor_ida.cli import options
 from rotor_ida.cli.option_types import OUTPUT
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report
 from rotor_ida.errors import ArchiveError, InputError, RotorError, SimulationError
+from rotor_ida.texts import in_shell
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -208,12 +208,10 @@ def going_on(study: Path | None) -> str:
         found = rotor_ida.status(study)
     except RotorError:
         return ""
-    folder = str(study)
-    saved = f"; {found['done']} of {found['points']} points are saved in {folder}; "
+    saved = f"; {found['done']} of {found['points']} points are saved in {study}; "
     if found["kind"] == "drop_ensemble":  # the command writes a report besides
         return f"{saved}the same command continues"
-    word = f"./{folder}" if folder.startswith("-") else folder  # else it would be an option
-    return f"{saved}continue with rotor-ida resume {shlex.quote(word)}"
+    return f"{saved}continue with rotor-ida resume {in_shell(study)}"
 
 
 def check_varies(points: int) -> None:

@@ -57,6 +57,7 @@ from rotor_ida.cli.parsing import SYSTEM_ENDING, as_given, readable, refuse_unit
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
 from rotor_ida.errors import InputError, RotorError, SimulationError
+from rotor_ida.texts import printable
 
 HELP = """Simulate rotors that touch their stators, and compare with exact results.
 
@@ -304,5 +305,6 @@ def _missing(error: MissingArgumentError, option: str) -> str:
 def _complain(message: str, status: int) -> int:
     if sys.stderr is not None:
         # one line, in which a file name keeps its blanks
-        print("rotor-ida:", " ".join(map(str.strip, message.splitlines())), file=sys.stderr)
+        line = " ".join(map(str.strip, message.splitlines()))
+        print("rotor-ida:", printable(line), file=sys.stderr)
     return status

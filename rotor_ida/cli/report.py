@@ -13,6 +13,8 @@ from rich import box
 from rich.console import Console, RenderableType
 from rich.table import Column, Table
 
+from rotor_ida.texts import printable
+
 FAILED, INTERRUPTED = 1, 130
 # Wide enough to avoid line breaks when the output is a file or a pipe, unless COLUMNS is set.
 NO_TERMINAL_WIDTH = 10_000
@@ -55,7 +57,8 @@ def text_of(report: Report, console: Console) -> str:
         console.width = NO_TERMINAL_WIDTH
     with console.capture() as shown:
         for part in report.parts:
-            console.print(_fitting(part, console))
+            words = printable(part) if isinstance(part, str) else part
+            console.print(_fitting(words, console))
     return shown.get()
 
 
@@ -77,14 +80,19 @@ def plain(value: object) -> object:
 
 
 def table(
-    title: str, rows: Sequence[Record], columns: Sequence[str], *, prefix: str = "", digits: int = 8
-) -> Table:
-    """Return the named columns of `rows`, numbers to the right, headed without the prefix."""
+    title: str, rows: Sequence[Record], columns: Sequence[str], *, prefix: str = "",
+    digits: int = 8, are_words: bool = True,
+) -> Table:  # fmt: skip
+    """Return the named columns of `rows`, numbers to the right, headed without the prefix.
+
+    Underscores of heads become blanks if they are words, not names of a user.
+    """
     drawn = _empty(title)
     for name in columns:
         numeric = all(_is_number(row[name]) for row in rows)
+        head = name.removeprefix(prefix)
         drawn.add_column(
-            name.removeprefix(prefix).replace("_", " "),
+            printable(head.replace("_", " ") if are_words else head),
             justify="right" if numeric else "left",
             overflow="fold",
             no_wrap=name != "message",
@@ -100,7 +108,7 @@ def pairs(title: str, entries: Record) -> Table:
     drawn.add_column()
     drawn.add_column(overflow="fold")
     for name, value in entries.items():
-        drawn.add_row(name.replace("_", " "), shown(value))
+        drawn.add_row(printable(name.replace("_", " ")), shown(value))
     return drawn
 
 
@@ -118,7 +126,7 @@ def shown(value: object, digits: int = 8) -> str:
         return "-" if math.isnan(value) else f"{value:.{digits}g}"
     if isinstance(value, (list, tuple)):
         return " ".join(shown(entry, digits) for entry in value)
-    return "-" if value is None or value == "" else str(value)
+    return "-" if value is None or value == "" else printable(str(value))
 
 
 def _fitting(part: RenderableType, console: Console) -> RenderableType:
@@ -154,7 +162,7 @@ def _is_number(value: object) -> bool:
 
 def _empty(title: str, *, header: bool = True) -> Table:
     return Table(
-        title=title,
+        title=printable(title),
         title_justify="left",
         title_style="bold",
         show_header=header,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-import json
+import hashlib
 import re
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import replace
@@ -26,6 +26,7 @@ from rotor_ida.plot import plot_machine, plot_run, save_figure
 from rotor_ida.plot.appearance import without_pyplot
 from rotor_ida.results.archive import save
 from rotor_ida.results.si_units import dimensional, is_in_si
+from rotor_ida.texts import in_page
 
 NAME = "run"
 LINES = '''\
@@ -55,13 +56,16 @@ SPEEDS: npt.NDArray[np.float64] = np.linspace(0.075, 0.825, 61)
 KEPT = 10
 TIMES = ("t", "event_time", "exit_time")
 SCRIPT = '<script type="module" src="{}"></script>'
+RECORDED = '<script type="application/json" id="recorded">{}</script>'
 LINKS = re.compile(r'<link rel="(?:icon|stylesheet)"[^>]*>\n')
 # A page on disk cannot load its scripts: they are modules in the page.
 IMPORTS = re.compile(r'from "\./([\w./]+)"')
 MODULES = "rotor-ida/"
+# Only what has the nonce runs, and what it imports. A hash in its place would exclude the modules,
+# and "data:" for them would admit scripts of others.
 POLICY = (
     '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
-    "script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data: blob:; "
+    "script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src data: blob:; "
     "base-uri 'none'; form-action 'none'\">"
 )
 
@@ -230,7 +234,7 @@ def recording(
         "state": {**machine.given, **dict(zip(("x", "y", "vx", "vy"), start, strict=True))},
         "fastest": largest_speed(machine) if isinstance(machine, DimensionalRotor) else None,
     }  # fmt: skip
-    return page_with(json.dumps(recorded))
+    return page_with(recorded)
 
 
 def check_speeds(machine: Rotor | DimensionalRotor, speeds: Sequence[float] | None) -> list[float]:
@@ -311,8 +315,9 @@ def as_text(answer: Answer) -> str:
     return base64.b64encode(packed(answer)).decode()
 
 
-def page_with(recorded: str, *, page: str = "index.html", script: str = "main.js") -> str:
+def page_with(recorded: object, *, page: str = "index.html", script: str = "main.js") -> str:
     """Return a page with all its files and the recorded results."""
+    results = RECORDED.format(in_page(recorded))
     files = {name: contents.decode() for name, contents in page_files().items()}
     styles = "".join(files[name] for name in ("uplot/uPlot.min.css", "style.css"))
     modules = {
@@ -320,13 +325,16 @@ def page_with(recorded: str, *, page: str = "index.html", script: str = "main.js
         for name, script in files.items()
         if name.endswith(".js")
     }
+    # a digest of the page: nothing in the results can contain it
+    nonce = hashlib.sha256("".join([results, files[page], styles, *modules.values()]).encode())
+    own = f'nonce="{nonce.hexdigest()}"'
     head = "\n".join([
-        POLICY,
+        POLICY.format(nonce=nonce.hexdigest()),
         f'<link rel="icon" href="{_data("image/svg+xml", files["icon.svg"])}">',
-        f"<style>{styles}</style>",
-        f'<script type="importmap">{json.dumps({"imports": modules})}</script>',
-        f'<script type="application/json" id="recorded">{recorded}</script>',
-        f'<script type="module">import "{MODULES}{script}";</script>',
+        f"<style {own}>{styles}</style>",
+        f'<script type="importmap" {own}>{in_page({"imports": modules})}</script>',
+        results,
+        f'<script type="module" {own}>import "{MODULES}{script}";</script>',
     ])  # fmt: skip
     return LINKS.sub("", files[page]).replace(SCRIPT.format(script), head)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -57,10 +56,10 @@ def recorded_page(question: SystemQuestion) -> str:
         common = common or shared
         frames.append([as_text(in_single(each)) for each in answers])
     return page_with(
-        json.dumps({
+        {
             "nodes": nodes, "node": systems.node_of(case, question), "courses": {"nodes": frames},
             "common": [as_text(in_single(each)) for each in common],
-        }),
+        },
         page="system.html", script="system.js",
     )  # fmt: skip
 

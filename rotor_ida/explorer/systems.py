@@ -44,6 +44,7 @@ from rotor_ida.systems.modes import in_modes
 from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.systems.whirls.special_speeds import special_speeds
 from rotor_ida.systems.whirls.synchronous import synchronous_response_system
+from rotor_ida.texts import brief, in_python, in_shell
 from rotor_ida.units import written
 
 # Samples that are sent of a run, and speeds of the exact response and of the Campbell diagram.
@@ -432,11 +433,11 @@ def lines_of(question: SystemQuestion) -> str:
     case, path = case_of(question), question.path
     assert path is not None
     if case.run is not None:
-        return f'from rotor_ida import load\n\nrun = load("{path.name}")\n'
+        return f"from rotor_ida import load\n\nrun = load({in_python(path.name)})\n"
     lines = [
         "from dataclasses import replace", "",
         f"from rotor_ida import {'drop' if case.drops else 'simulate'}, load_system", "",
-        f'case = load_system("{path.name}")', "contacts = list(case.contacts)",
+        f"case = load_system({in_python(path.name)})", "contacts = list(case.contacts)",
         "unbalance = list(case.unbalance)",
     ]  # fmt: skip
     changes = dict(question.changes)
@@ -474,7 +475,7 @@ def command_of(question: SystemQuestion) -> str:
     case, path = case_of(question), question.path
     assert path is not None
     if case.run is not None:
-        return f"rotor-ida show {path.name}"
+        return f"rotor-ida show {in_shell(Path(path.name))}"
 
     def told(value: float, unit: str) -> str:
         return written(value, unit) if case.system.units == "SI" and unit else repr(value)
@@ -487,12 +488,12 @@ def command_of(question: SystemQuestion) -> str:
         quoted = number if number == repr(value) else f'"{number}"'
         first.append(f"set {name} = {quoted} in contact {question.contact}")
     first += [f"multiply each moment of the unbalance by {factor!r}"] if factor != 1.0 else []
-    said = f"# first, in {path.name}: {'; '.join(first)}\n" if first else ""
-    speed = told(case.speed, "rpm")
+    said = f"# first, in {brief(path.name)}: {'; '.join(first)}\n" if first else ""
+    speed, name = told(case.speed, "rpm"), in_shell(Path(path.name))
     if case.drops:
-        return f"{said}rotor-ida drop {path.name} --speed {speed} --out report"
+        return f"{said}rotor-ida drop {name} --speed {speed} --out report"
     return (
-        f"{said}rotor-ida simulate {path.name} --speed {speed} "
+        f"{said}rotor-ida simulate {name} --speed {speed} "
         f"--duration {told(_duration(case, question.revolutions), 's')} --out run.nc --figure run"
     )
 

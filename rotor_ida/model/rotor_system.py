@@ -15,7 +15,15 @@ import numpy.typing as npt
 from scipy.linalg import LinAlgError, cholesky
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_array, check_choice, check_real, did_you_mean, shown
+from rotor_ida.checks import (
+    check_array,
+    check_choice,
+    check_name,
+    check_note,
+    check_real,
+    did_you_mean,
+    shown,
+)
 from rotor_ida.errors import InputError
 
 # Relative size below which a part of a matrix that should vanish is rounding.
@@ -41,8 +49,9 @@ class RotorSystem:
         Damping matrix; skew-symmetric gyroscopic matrix, which the speed multiplies; and the
         matrix that the rate of the speed multiplies. Default: none.
     nodes : mapping
-        Nodes by name: two indices of q, its displacements along x and y; or an array of shape
-        (2, n) by which q gives them, as in modal coordinates.
+        Nodes by name, of at most 80 characters without control characters: two indices of
+        q, its displacements along x and y; or an array of shape (2, n) by which q gives them, as in
+        modal coordinates.
     translations : array_like, shape (n, 2), optional
         The coordinates of unit translations along x and y, by which gravity acts. Default: 1 at
         the displacements of all nodes that are given by indices, so that these must be all that
@@ -110,8 +119,7 @@ class RotorSystem:
                 "added_mass", _square("added_mass", self.added_mass, size)
             )
         check_choice("units", self.units, UNITS)
-        if not isinstance(self.note, str):
-            raise InputError(f"note must be text, got {shown(self.note)}")
+        check_note("note", self.note)
         if (gravity := self.gravity_in_static_force) is not None:
             pair = _shaped("gravity_in_static_force", gravity, (2,)).tolist()
             object.__setattr__(self, "gravity_in_static_force", tuple(pair))
@@ -275,9 +283,7 @@ def _nodes(given: object, size: int) -> Mapping[str, Node]:
         raise InputError(f"nodes must map names to pairs of indices, got {shown(given)}")
     nodes: dict[str, Node] = {}
     for name, node in given.items():
-        where = f"node {name!r}"
-        if not isinstance(name, str) or not name:
-            raise InputError(f"names of nodes must be text, got {shown(name)}")
+        where = f"node {check_name('names of nodes', name)!r}"
         values = check_array(where, node, largest=LARGEST_IN_ROW)
         if values.shape == (2,):
             indices = tuple(int(value) for value in values)

@@ -81,7 +81,7 @@ def _arguments(arrays: dict[str, Any], path: str) -> dict[str, Any]:
         check_dimensions(shown(name), getattr(values, "shape", ()))
         given = values.toarray() if hasattr(values, "toarray") else np.asarray(values)
         if name == NOTE:
-            found[NOTE] = " ".join(map(str, np.ravel(values)))
+            found[NOTE] = " ".join(" ".join(map(str, np.ravel(values))).split())
         elif name.startswith(NODE):
             nodes[name.removeprefix(NODE)] = given.ravel() if given.size == 2 else given
         elif own in found:

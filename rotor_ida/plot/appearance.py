@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -82,7 +83,8 @@ _ORDER = (
 )
 
 _SETTINGS: Any = {
-    "font.family": "STIXGeneral",
+    # the second for what the first lacks, as in names of nodes
+    "font.family": ["STIXGeneral", "DejaVu Sans"],
     "mathtext.fontset": "stix",
     "font.size": 9.5,
     "axes.labelsize": 10.0,
@@ -123,11 +125,19 @@ def style() -> Iterator[None]:
     --------
     >>> with style():
     ...     mpl.rcParams["font.family"]
-    ['STIXGeneral']
+    ['STIXGeneral', 'DejaVu Sans']
     """
-    with mpl.rc_context():
+    with mpl.rc_context(), boxes_for_letters():
         mpl.rcdefaults()
         mpl.rcParams.update(_SETTINGS)
+        yield
+
+
+@contextmanager
+def boxes_for_letters() -> Iterator[None]:
+    """Draw letters that no font has, as in names of nodes, as boxes without a warning."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
         yield
 
 

@@ -25,6 +25,7 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.datasets import check_dataset, check_same_units, hold_units, table_of
 from rotor_ida.plot.labels import LABELS, label_axis, label_of, number_text, title_of, unit_of
+from rotor_ida.texts import in_figure
 
 MOTIONS = {
     "circular_period": ("circle", BLUE, "-", "o"),
@@ -248,7 +249,7 @@ def plot_solutions(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             colour, line = look(number)
             here = compared.sel(solution=name)
             ax.plot(here["t"].values, here["solution_x"].values, color=colour, ls=line,
-                    lw=1.0, label=str(name))  # fmt: skip
+                    lw=1.0, label=in_figure(str(name)))  # fmt: skip
         ax.set_xlim(float(compared["t"][0]), float(compared["t"][-1]))
         own_legend(ax)
     return ax
@@ -285,7 +286,7 @@ def plot_deviation(compared: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             values = error.sel(solution=name).values
             shown = np.where(values > 0.0, values, np.nan)
             ax.semilogy(compared["t"].values, shown, color=colour, ls=line, lw=1.1,
-                        label=str(name))  # fmt: skip
+                        label=in_figure(str(name)))  # fmt: skip
         ax.set_xlim(float(compared["t"][0]), float(compared["t"][-1]))
         own_legend(ax)
     return ax

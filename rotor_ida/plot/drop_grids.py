@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from rotor_ida.plot.appearance import look, new_figure, shared_legend, style
 from rotor_ida.plot.labels import label_axis
 from rotor_ida.schema import OF_DROP
+from rotor_ida.texts import in_figure
 
 WIDTH, HEIGHT = 7.2, 5.0
 RANGES = {
@@ -69,7 +70,7 @@ def _draw_range(ax: Axes, drops: xr.Dataset, name: str, figure_of: str, number: 
     across = np.unique(drops[f"drop_{name}"].values)[kept]
     low, high, mean = (np.array([pick(known[place]) for place in kept])
                        for pick in (np.min, np.max, np.mean))  # fmt: skip
-    node = str(drops["contact_node"].values[number])
+    node = in_figure(drops["contact_node"].values[number])
     ax.fill_between(across, low, high, color=colour, alpha=0.15, lw=0.0)
     ax.plot(across, mean, color=colour, ls=dashes, marker="o", ms=2.5, label=node)
 

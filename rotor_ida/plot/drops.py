@@ -33,6 +33,7 @@ from rotor_ida.plot.labels import label_axis
 from rotor_ida.results.files import check_target, file_to_write
 from rotor_ida.results.run import check_system_run
 from rotor_ida.results.si_units import in_suitable_units
+from rotor_ida.texts import in_figure
 
 WIDTH, ROW = 7.2, 1.7
 # Figures of a bearing in many drops, and samples of an orbit behind the rotor in a film.
@@ -95,7 +96,7 @@ def drop_figure(run: xr.Dataset) -> Figure:
 def _draw_bearing(above: Axes, below: Axes, run: xr.Dataset, number: int) -> None:
     """Draw radius and force of one bearing."""
     colour, dashes = look(1 + number)
-    time, node = run["t"].values, str(run["contact_node"].values[number])
+    time, node = run["t"].values, in_figure(run["contact_node"].values[number])
     x, y = run["contact_x"].values[:, number], run["contact_y"].values[:, number]
     radius = np.hypot(x, y) / float(run["clearance"][number])
     kept = kept_in_columns(time, radius)
@@ -198,7 +199,7 @@ def _draw_distribution(ax: Axes, drops: xr.Dataset, name: str, number: int) -> N
     if not values.size:
         return
     colour, dashes = look(1 + number)  # as in the figure of one drop
-    node = str(drops["contact_node"].values[number])
+    node = in_figure(drops["contact_node"].values[number])
     ax.step(values, np.arange(1, values.size + 1) / values.size, where="post", color=colour,
             ls=dashes, lw=1.0, label=node)  # fmt: skip
     if f"{name}_quantile" not in drops.variables:
@@ -315,7 +316,9 @@ def _film_panel(ax: Axes, run: xr.Dataset, number: int) -> tuple[Line2D, Line2D]
     (dot,) = ax.plot([], [], "o", color=ORANGE, ms=5.0)
     ax.set(xlim=(-reach, reach), ylim=(-reach, reach))
     ax.set_aspect("equal")
-    ax.set_title(f"contact {number} at {run['contact_node'].values[number]}", fontsize=9.5)
+    ax.set_title(
+        f"contact {number} at {in_figure(run['contact_node'].values[number])}", fontsize=9.5
+    )
     label_axis(ax.xaxis, "x_alone", run["x"])
     label_axis(ax.yaxis, "y_alone", run["y"])
     return trail, dot

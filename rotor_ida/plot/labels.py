@@ -20,6 +20,7 @@ from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.plot.datasets import hold_units, one_value, units_in
 from rotor_ida.results.run import course_of
 from rotor_ida.results.si_units import in_rpm, machine_of, scale_of, si_of
+from rotor_ida.texts import in_figure
 from rotor_ida.units import SPEED_UNITS
 
 SEPARATOR = ",  "
@@ -149,7 +150,7 @@ def unit_of(variable: xr.DataArray | xr.Variable) -> str:
     unit = units_in(variable)
     if unit in ("", "1", "radian"):
         return ""
-    return re.sub("^u", "µ", unit).replace(" s-1", "/s").replace("s-1", "1/s")
+    return in_figure(re.sub("^u", "µ", unit).replace(" s-1", "/s").replace("s-1", "1/s"))
 
 
 def label_of(name: str, variable: xr.DataArray, *, words: str | None = None) -> str:
@@ -230,7 +231,9 @@ def _short(speed: float) -> str:
 
 def title_of_node(dataset: xr.Dataset) -> str:
     """Return the node of signals of a rotor system, and the speed if it is constant."""
-    return SEPARATOR.join([f"node {dataset['node'].values!s}", *_speed_of_system(dataset)])
+    return SEPARATOR.join(
+        [f"node {in_figure(str(dataset['node'].values))}", *_speed_of_system(dataset)]
+    )
 
 
 def title_of_system(run: xr.Dataset) -> str:

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
+from rotor_ida.checks import shown
 from rotor_ida.cycles.branch_course import runs_of
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
@@ -28,6 +29,7 @@ from rotor_ida.plot.system_whirls import (
     speeds_in,
 )
 from rotor_ida.schema import words_of
+from rotor_ida.texts import in_figure
 
 CYCLE = ("x", "y", "node", "clearance", "contact_node", "centre_x", "centre_y", "stability")
 BRANCH = ("speed", "stability", "radius_max", "clearance", "contact_node", "special_kind",
@@ -70,7 +72,7 @@ def plot_system_cycle(
     names = list(map(str, cycle["node"].values))
     chosen = str(cycle["contact_node"].values[0]) if node is None else node
     if chosen not in names:
-        raise InputError(f"node must be one of {', '.join(names)}, got {chosen!r}")
+        raise InputError(f"node must be one of {', '.join(map(shown, names))}, got {shown(chosen)}")
     own = cycle.isel(node=names.index(chosen))
     stable = words_of(cycle["stability"])[0] == "stable"
     with drawing(ax, width=4.0, height=4.0) as ax:
@@ -83,7 +85,9 @@ def plot_system_cycle(
         label_axis(ax.xaxis, "x", cycle["x"])
         label_axis(ax.yaxis, "y", cycle["y"])
         ax.set_aspect("equal", adjustable="datalim")
-        ax.set_title(f"{chosen}, on {cycle.attrs.get('axes', 'turning')} axes")
+        ax.set_title(
+            f"{in_figure(chosen)}, on {in_figure(cycle.attrs.get('axes', 'turning'))} axes"
+        )
     return ax
 
 

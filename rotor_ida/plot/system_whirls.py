@@ -39,6 +39,7 @@ from rotor_ida.plot.systems import name_nodes
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import SPECIAL, STABILITY, WHIRL_DIRECTION
 from rotor_ida.signals.nodes import Ring
+from rotor_ida.texts import in_figure
 
 WHIRLS = ("speed", "amplitude", "node_amplitude", "stability", "in_contact", "clearance")
 # The whirls of a result of special speeds, by their names in one of whirls.
@@ -175,7 +176,9 @@ def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Ax
         label_axis(ax.yaxis, "amplitude", whirls["node_amplitude"])
         for number, node in enumerate(chosen):
             colour, dashes = look(number)
-            ax.plot(speeds, amplitude[:, node], color=colour, ls=dashes, label=str(names[node]))
+            ax.plot(
+                speeds, amplitude[:, node], color=colour, ls=dashes, label=in_figure(names[node])
+            )
         ax.set_yscale("log")
         ax.set_title("contact-free whirl by node")
         legend_below(ax, columns=4)

@@ -42,6 +42,7 @@ from rotor_ida.results.run import check_system_run, nodes_in
 from rotor_ida.results.si_units import in_suitable_units
 from rotor_ida.schema import MODE
 from rotor_ida.signals.nodes import Ring, check_node, path_in, rings_of
+from rotor_ida.texts import in_figure
 
 # Panels in a row, nodes of the figure of a run that shows all of them, and panels of one figure.
 COLUMNS, FEW_NODES, MOST_ORBITS = 4, 12, 100
@@ -395,7 +396,7 @@ def _draw_shape(ax: Axes, now: xr.Dataset, name: str, across: Values) -> None:
 def name_nodes(ax: Axes, names: Sequence[str]) -> None:
     """Write the names of nodes along an axis, turned or not all of them if there are many."""
     step = math.ceil(len(names) / MOST_NAMES)
-    drawn = names[::step]
+    drawn = list(map(in_figure, names[::step]))
     turned = sum(map(len, drawn)) + 2 * len(drawn) > MOST_CHARACTERS
     ax.set_xticks(range(0, len(names), step), drawn, rotation=90 if turned else 0)
     ax.set_xlim(-0.5, len(names) - 0.5)

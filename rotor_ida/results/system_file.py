@@ -61,6 +61,7 @@ from rotor_ida.model.system_parts import (
     check_contacts,
 )
 from rotor_ida.results.toml_files import Table, naming, read_toml
+from rotor_ida.texts import brief
 
 MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate")
 # What may stand in each table of a file; with units where it is a number.
@@ -257,7 +258,9 @@ def _system(file: Table, folder: Path) -> RotorSystem:
             found = read_system(folder / place)
         twice = sorted(set(nodes) & set(found["nodes"]))
         if twice:
-            raise InputError(f"system.nodes.{twice[0]} must be left out: the file has this node")
+            raise InputError(
+                f"system.nodes.{brief(twice[0])} must be left out: the file has this node"
+            )
         arguments = {**found, "nodes": {**found["nodes"], **nodes}}
     else:
         given.check(("file", *OF_SYSTEM), needed=("mass", "stiffness", "nodes"))
@@ -348,7 +351,7 @@ def _contacts(file: Table, stators: Mapping[str, Stator], system: RotorSystem) -
             yield Contact(node=_node(table, system), **found, race=race)
     unused = [name for name in stators if name not in used]
     if unused:
-        raise InputError(f"stators.{unused[0]} must be the stator of a contact, got none")
+        raise InputError(f"stators.{brief(unused[0])} must be the stator of a contact, got none")
 
 
 def _node(table: Table, system: RotorSystem) -> str:

@@ -13,6 +13,7 @@ from rotor_ida.checks import did_you_mean, listed, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import in_si
 from rotor_ida.results.files import check_path
+from rotor_ida.texts import brief
 
 # Files by hand have some twenty lines; matrices in them may be larger.
 MOST_BYTES = 1_000_000
@@ -58,7 +59,7 @@ class Table:
 
     def name(self, key: str) -> str:
         """Return the name of an entry in the whole file."""
-        return f"{self.place}.{key}" if self.place else key
+        return f"{self.place}.{brief(key)}" if self.place else brief(key)
 
     def check(self, allowed: tuple[str, ...], needed: tuple[str, ...] = ()) -> None:
         """Refuse an unknown key, or a missing one."""

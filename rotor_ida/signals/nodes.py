@@ -15,6 +15,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.results.run import check_system_run, nodes_in, samples_in
 from rotor_ida.schema import MODE, labelled, origin_of, words_of
 from rotor_ida.signals.path import AFTER, Path
+from rotor_ida.texts import in_figure
 
 # What is needed of the contacts, and what signals keep of a node besides its motion.
 OF_CONTACTS = ("contact_node", "contact_stator", "clearance", "centre_x", "centre_y")
@@ -33,7 +34,7 @@ class Ring(NamedTuple):
         """What it is called in a figure."""
         # a number alone says little
         names = (f"node {each}" if each.isdecimal() else each for each in (self.node, self.stator))
-        return " in ".join(filter(None, names))
+        return " in ".join(map(in_figure, filter(None, names)))
 
 
 def at_node(run: xr.Dataset, node: object) -> xr.Dataset:

@@ -52,7 +52,7 @@ def test_legend_is_no_wider_than_the_figure(delta0):
 def test_basin_is_drawn_in_the_style_of_the_others():
     axis = np.linspace(-5.0, 5.0, 4)
     (ax,) = figure_of(basin(Rotor(omega=1.7, zeta=0.07, delta0=0.0), x=axis, y=axis)).axes
-    assert ax.get_xticklabels()[0].get_fontfamily() == ["STIXGeneral"]
+    assert ax.get_xticklabels()[0].get_fontfamily() == ["STIXGeneral", "DejaVu Sans"]
 
 
 def test_a_sweep_of_machines_has_a_panel_each_with_the_curve_where_one_is_known():

@@ -162,5 +162,5 @@ def test_pyplot_saves_a_figure_in_its_own_style(tmp_path, run):
         pyplot.savefig(tmp_path / "by_pyplot.pdf")
     assert (tmp_path / "by_pyplot.pdf").stat().st_size > 5000
     for text in (ax.xaxis.label, *ax.get_xticklabels()):
-        assert text.get_fontfamily() == ["STIXGeneral"]
+        assert text.get_fontfamily() == ["STIXGeneral", "DejaVu Sans"]
     assert ax.get_xticklabels()[0].get_fontsize() == 9.0

@@ -50,7 +50,7 @@ def test_two_branches_share_axes_and_one_entry_of_the_legend(branch):
 def test_figures_of_results_of_another_kind_are_refused(cycle, branch):
     with pytest.raises(InputError, match="branch must"):
         plot.plot_system_branch(cycle)
-    with pytest.raises(InputError, match="node must be one of disc, got 'tip'"):
+    with pytest.raises(InputError, match="node must be one of 'disc', got 'tip'"):
         plot.plot_system_cycle(cycle, node="tip")
     with pytest.raises(InputError, match="contact must be one of 0 to 0, got 1"):
         plot.plot_system_branch(branch, contact=1)

@@ -26,6 +26,7 @@ from rotor_ida.explorer.messages import MOST_REVOLUTIONS, largest_speed
 from rotor_ida.explorer.system_questions import ENDINGS, SYSTEM_RUNS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import check_can_be_followed
+from rotor_ida.texts import printable
 
 # Packages that serve the page, not required otherwise.
 NEEDED = ("starlette", "uvicorn", "websockets")
@@ -208,4 +209,4 @@ def _write(place: Path, page: str, force: bool) -> int:
 
 
 def _say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
+    print(printable(text), file=sys.stderr, flush=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from importlib.resources import files
 from unicodedata import lookup
@@ -19,6 +18,7 @@ from rotor_ida.schema import (
     SPECIAL,
     STABILITY,
 )
+from rotor_ida.texts import in_page
 from rotor_ida.units import SPEED_UNITS
 
 TYPES = {
@@ -92,7 +92,7 @@ def _tables() -> str:
         "stability": STABILITY,
         "special": SPECIAL,
     }
-    return json.dumps(tables, ensure_ascii=False)
+    return in_page(tables)
 
 
 def _ways() -> list[tuple[str, ...]]:
