@@ -22,7 +22,6 @@ from rotor_ida.checks import (
     check_state,
     shown,
 )
-from rotor_ida.closed_forms.rest import hanging
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.system_questions import READERS, SystemQuestion, SystemUpload
 from rotor_ida.model.data_sheet import KEYS, check_keys, implausible, machine_from_data_sheet
@@ -338,6 +337,8 @@ def machine_of(given: object) -> Rotor | DimensionalRotor:
 def _checked(given: Mapping[str, Any]) -> Question:
     machine = machine_of(given["machine"])
     rotor = machine if isinstance(machine, Rotor) else machine.rotor()
+    from rotor_ida.closed_forms.rest import hanging  # noqa: PLC0415 - heavy, and not for --help
+
     start = hanging(rotor) if given["start"] is None else check_state("start", given["start"])
     check_can_be_followed(rotor, start)
     speeds = given["speeds"]

@@ -27,7 +27,7 @@ from rotor_ida.errors import BudgetError
 from rotor_ida.fitting.arguments import problem_of
 from rotor_ida.fitting.fit import _least, _with_stiffness
 from rotor_ida.fitting.problem import MOST_TRIALS, Unknown
-from rotor_ida.signals.keyphasor import pulses_in
+from rotor_ida.signals.teeth import teeth_in
 
 TRUE = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
 GUESS = Rotor(omega=0.3, zeta=0.08, delta0=1.8, shaft_stiffness=0.9)
@@ -209,7 +209,8 @@ def test_errors_contain_those_of_pulses_that_are_rounded_to_samples():
         ahead = rng.uniform(-3.0, 3.0)
         pulse = (run.angle.values - ahead) % (2.0 * math.pi) < 0.5
         seen = noisy(run, rng, 1.0).drop_vars("angle")
-        seen["keyphasor"] = "pulse", pulses_in(run.t.values, pulse.astype(float))
+        pulses = teeth_in(run.t.values, pulse.astype(float), 1, fill=False).times
+        seen["keyphasor"] = "pulse", pulses
         found = fit(seen, fan, sought)
         assert found.attrs["remainder"].startswith("the residuals are noise")
         apart = found.estimate.values - [16.0, 1e-5, 8e-5, 4e4, ahead]

@@ -85,7 +85,7 @@ def test_a_mode_without_a_sharp_peak_is_not_too_near(zeta, sharp):
     assert (report.required_margin.item() > 0.0) == sharp
     words = report.attrs["sentence"]
     assert ("Too near to the running speeds" in words) == sharp
-    assert ("None is asked at 3416 rpm, as there is no sharp peak." in words) != sharp
+    assert ("None is asked at 3,416 rpm, as there is no sharp peak." in words) != sharp
     assert "nan" not in words
 
 
@@ -227,7 +227,7 @@ def test_without_probes_the_clearances_are_where_vibration_is_measured():
 def test_a_sentence_says_what_dry_whip_would_do():
     report = clearance_report(DISC, contacts=[SEAL], probes=["disc"], speed=(600.0, 1500.0))
     told = report.attrs["sentence"]
-    assert f"backwards at {-report.whip_speed.item() / RPM:.4g} rpm" in told
+    assert f"backwards at {-report.whip_speed.item() / RPM:,.0f} rpm" in told
     assert f"with {report.whip_force.item() / 1e3:.4g} kN" in told
     slippery = Contact(node="disc", clearance=100e-6, stiffness=1e8, exponent=1.0, friction=1e-4,
                        radius=0.05)  # fmt: skip
