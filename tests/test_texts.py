@@ -177,7 +177,8 @@ def test_in_a_figure_a_text_is_no_mathematics_and_the_file_is_valid(tmp_path):
     ElementTree.parse(files[0])
 
 
-def test_in_tables_names_are_words_without_markup():
+def test_in_tables_names_are_words_without_markup(monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)
     console = console_on(io.StringIO())
     parts = [f"at {ANY[0]}", pairs("\x1bPairs", {each: each for each in ANY}),
              table("\x1bTable", [{each: each for each in ANY}], ANY)]  # fmt: skip
@@ -237,6 +238,7 @@ def _rough_pictures(monkeypatch):
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("COLUMNS", raising=False)
     monkeypatch.setattr("rotor_ida.cli.drop_report.RESOLUTION", 30)
     return tmp_path
 
