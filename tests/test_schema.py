@@ -17,7 +17,14 @@ from rotor_ida import (
     save,
     synchronous_response,
 )
-from rotor_ida.schema import QUANTITIES, STABILITY, flags_of, labelled, labelled_dataset
+from rotor_ida.schema import (
+    QUANTITIES,
+    STABILITY,
+    flags_of,
+    labelled,
+    labelled_dataset,
+    words_of,
+)
 from tests.kinds import KINDS, REST
 
 RESULTS = {
@@ -130,6 +137,17 @@ def test_words_of_flags_choose_as_numbers_do():
 def test_a_flag_without_a_value_has_no_word():
     kinds = xr.DataArray(labelled("event_kind", "event", [1.0, np.nan, -1.0]))
     assert decode_flags(kinds).values.tolist() == ["entry", "", "exit"]
+
+
+def test_a_number_that_is_no_flag_is_refused_by_name():
+    whirls = synchronous_response(omega=1.7, zeta=0.07, delta0=0.0)
+    odd = whirls.assign(stability=whirls["stability"] + np.int8(90))
+    odd["stability"].attrs = whirls["stability"].attrs
+    with pytest.raises(InputError, match="stability must be one of .*, got 91"):
+        words_of(odd["stability"])
+    del odd["stability"].attrs["flag_values"]
+    with pytest.raises(InputError, match="must have a number for each of"):
+        words_of(odd["stability"])
 
 
 def test_numbers_without_words_are_refused():

@@ -93,7 +93,11 @@ def flags_of(variable: xr.DataArray | xr.Variable) -> dict[str, int]:
     if "flag_meanings" not in variable.attrs:
         raise InputError(f"a flag variable must have flag_meanings, got one with {variable.attrs}")
     words = str(variable.attrs["flag_meanings"]).split()
-    numbers = np.atleast_1d(variable.attrs["flag_values"]).tolist()
+    numbers = np.atleast_1d(variable.attrs.get("flag_values", ())).tolist()
+    if len(words) != len(numbers):
+        raise InputError(
+            f"a flag variable must have a number for each of {', '.join(words)}, got {numbers}"
+        )
     return dict(zip(words, numbers, strict=True))
 
 
@@ -107,7 +111,12 @@ def words_of(variable: xr.DataArray) -> list[str]:
     ['entry', 'exit']
     """
     words = by_number(flags_of(variable))
-    return [words[number] for number in variable.values.ravel().tolist()]
+    numbers = variable.values.ravel().tolist()
+    for number in numbers:
+        if number not in words:
+            allowed = ", ".join(map(str, words))
+            raise InputError(f"{variable.name} must be one of {allowed}, got {number!r}")
+    return [words[number] for number in numbers]
 
 
 def decode_flags(data: Labelled) -> Labelled:
