@@ -143,7 +143,7 @@ def test_a_number_that_is_no_flag_is_refused_by_name():
     whirls = synchronous_response(omega=1.7, zeta=0.07, delta0=0.0)
     odd = whirls.assign(stability=whirls["stability"] + np.int8(90))
     odd["stability"].attrs = whirls["stability"].attrs
-    with pytest.raises(InputError, match="stability must be one of .*, got 91"):
+    with pytest.raises(InputError, match=r"stability must be one of .*, got 9\d"):
         words_of(odd["stability"])
     del odd["stability"].attrs["flag_values"]
     with pytest.raises(InputError, match="must have a number for each of"):
