@@ -42,12 +42,13 @@ def run_dataset(
         The requested change of speed, as attributes.
     """
     variables: dict[str, Column | xr.Variable] = {
-        **motion_columns(orbit),
+        **_columns("", "t", orbit.states),
         "starts_in_contact": ((), np.int8(orbit.starts_in_contact)),
         **event_columns(orbit.event_times, orbit.event_kinds, orbit.rotor),
         **_columns("event_", "event", orbit.event_states),
         "event_time_error": ("event", errors.event_time_errors),
         "horizon": ((), errors.horizon),
+        **motion_columns(orbit),
     }
     coordinates = parameter_coordinates(orbit.rotor) | {"t": ("t", orbit.times)}
     attributes = provenance(orbit.options.attributes()) | {

@@ -51,7 +51,7 @@ def test_the_documented_file_runs_as_in_python_to_the_bit(load):
         node="seal", clearance=150e-6, stiffness=5e7, exponent=1.0, friction=0.1, radius=0.05,
         stator=Stator(mass=20.0, stiffness=1e7, damping=2000.0),
     )  # fmt: skip
-    around = {"contacts": [seal], "gravity": (0.0, -9.81),
+    around = {"contacts": [seal], "gravity": (0.0, -9.81), "start": "rest",
               "unbalance": [Unbalance(node="disc", moment=1.2e-3, phase=np.pi / 2)]}  # fmt: skip
     one = simulate(case.system, **case.around, speed=case.speed, duration=0.1)
     other = simulate(system, **around, speed=4300 * RPM, duration=0.1)

@@ -60,7 +60,7 @@ def test_the_rows_of_a_grid_are_in_the_order_of_its_dimensions():
 
 def test_the_samples_of_a_run_are_read_as_signals(run: xr.Dataset, tmp_path: Path):
     samples = save_tables(run, tmp_path / "run.csv")[1]
-    read = read_signals(samples, units={"t": "1", "x": "1", "y": "1"})
+    read = read_signals(samples, units={"t": "1", "x": "1", "y": "1"}, keep_offset=True)
     assert read["x"].values.tolist() == run["x"].values.tolist()
 
 

@@ -166,7 +166,7 @@ def clearance_report(
     >>> report.scale_factor.values.round(3), report.running_share.values.round(4)
     (array([6.]), array([[0.1091]]))
     >>> print(report.attrs["sentence"].split(";")[0])
-    Contact 0 at 'disc' passes: the scaled orbit fills at most 11 % of the clearance at 7639 rpm
+    Contact 0 at 'disc' passes: the scaled orbit fills at most 11 % of the clearance at 7,639 rpm
     """
     problem = _problem(system, contacts, speed, probes, vibration_limit)
     multiple = check_between("multiple", multiple, *MULTIPLES)
