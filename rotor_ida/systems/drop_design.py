@@ -51,7 +51,8 @@ def plain_case(case: Mapping[str, Any]) -> dict[str, Any]:
         | {"stator": stators.index(each.stator) if isinstance(each.stator, Stator) else each.stator}
         for each in bearings
     ]
-    found = {name: _plain(value) for name, value in case.items() if name != "system"}
+    parts = ("system", "bearings", "supports", "unbalance")
+    found = {name: _plain(value) for name, value in case.items() if name not in parts}
     return found | {
         "system": _plain_system(case["system"]),
         "stators": [asdict(each) for each in stators], "bearings": rows,
@@ -122,7 +123,8 @@ def _plain(value: Any) -> Any:
         return {name: _plain(each) for name, each in value.items()}
     if isinstance(value, list | tuple) and all(isinstance(each, str) for each in value):
         return list(value)
-    return np.asarray(value).tolist()
+    numbers = np.asarray(value)
+    return (numbers.astype(float) if numbers.dtype == object else numbers).tolist()
 
 
 def _race(given: Mapping[str, Any] | None) -> Race | None:
