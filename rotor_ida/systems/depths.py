@@ -62,6 +62,8 @@ def beyond_model(result: xr.Dataset) -> str:
 def _depths(result: xr.Dataset) -> Values | None:
     """Return the largest indentation of each contact in a result; None where it has none."""
     clearance = result["clearance"]
+    if not clearance.size:
+        return None
     if "excursion" in result:
         found = (result["excursion"] - 1.0) * clearance * result.get("drop_clearance", 1.0)
     elif "radius_max" in result:

@@ -21,6 +21,7 @@ CIRCULAR = ("contact_free", "synchronous")
 OF_CIRCLES = ("amplitude", "phase_lag", "node_amplitude", "node_phase_lag")
 GIVEN = "what the result was computed from"
 NO_MORE = "not computed by this version"
+NOT_BY_METHOD = "not computed by this method"
 OF_ONE_STRETCH = "chaotic or undecided: another processor follows another stretch of the motion"
 
 
@@ -96,6 +97,19 @@ def compare_variables(
             found.differing.append(name)
             found.trouble = found.trouble or words
     return found
+
+
+def missing_in(again: xr.Dataset, archived: xr.Dataset) -> list[str]:
+    """Return the variables of which a result has no number, and the archive has some."""
+
+    def has_none(dataset: xr.Dataset, name: str) -> bool:
+        return bool(np.isnan(dataset.variables[name].values).all())
+
+    real = [str(name) for name, each in archived.variables.items() if each.dtype.kind == "f"]
+    return [
+        name for name in real
+        if name in again.variables and has_none(again, name) and not has_none(archived, name)
+    ]  # fmt: skip
 
 
 def _apart(

@@ -18,8 +18,10 @@ from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.results.si_units import dimensionless
 from rotor_ida.schema.quantities import TOLERANCE
 from rotor_ida.simulation.options import Method
-from rotor_ida.verification.variables import compare_variables
+from rotor_ida.verification.variables import NOT_BY_METHOD, compare_variables, missing_in
 
+# Relative differences allowed for another method, whose extrema may be those of its samples.
+TOLERANCE_OF_OTHERS = 1e-4
 # Numbers compared and differences; and the first difference in words.
 Verdict = tuple[dict[str, object], str]
 
@@ -119,9 +121,14 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     verification = _verification_of(archived)
     again, archived = dimensionless(again), dimensionless(archived)
     counts, trouble = verification.compared(again, archived)
+    left_out = {**verification.left_out(again, archived)}
+    tolerance = verification.tolerance(archived)
+    if again.attrs.get("method") != archived.attrs.get("method"):
+        left_out |= dict.fromkeys(missing_in(again, archived), NOT_BY_METHOD)
+        tolerance = max(tolerance, TOLERANCE_OF_OTHERS)
     found = compare_variables(
-        again, archived, given=verification.given, left_out=verification.left_out(again, archived),
-        tolerance=verification.tolerance(archived), told=verification.told(archived),
+        again, archived, given=verification.given, left_out=left_out,
+        tolerance=tolerance, told=verification.told(archived),
     )  # fmt: skip
     is_result = any(name in archived.data_vars for name in found.compared)
     trouble = trouble or found.trouble or ("" if is_result else "no variable was compared")

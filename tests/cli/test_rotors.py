@@ -45,7 +45,8 @@ def test_simulate_takes_the_whole_rotor_and_says_so(program: Program):
     answer = program(*SIMULATE, *words(**BEYOND), "--out", "run.nc", "--json")
     assert (answer.status, answer.err) == (0, "")
     told = json.loads(answer.out)["parameters"]
-    assert told == {**ROTOR, **BEYOND, "start": [0, 0, 0, 0], "duration": 10.0}
+    sag = BEYOND["load"] / BEYOND["shaft_stiffness"]
+    assert told == {**ROTOR, **BEYOND, "start": [0, -sag, 0, 0], "duration": 10.0}
     run = rotor_ida.load("run.nc")
     assert {name: run[name].item() for name in FRICTIONLESS} == BEYOND
 

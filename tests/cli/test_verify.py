@@ -48,10 +48,11 @@ def test_an_archived_sweep_verifies(program: Program, archives: Path):
 
 
 def test_what_nothing_can_compute_again_is_refused(program: Program):
-    rotor_ida.save(rotor_ida.folds(zeta=0.07, delta0=0.0), "folds.nc")
-    answer = program("verify", "folds.nc")
+    run = rotor_ida.simulate(rotor_ida.Rotor(omega=2.0, zeta=0.07, delta0=2.0), duration=5.0)
+    rotor_ida.save(rotor_ida.contact_summary(run), "summary.nc")
+    answer = program("verify", "summary.nc")
     assert answer.status == 2
     assert answer.err.startswith(
-        "rotor-ida: a result of the kind 'folds' cannot be verified: compute it again"
+        "rotor-ida: a result of the kind 'contact_summary' cannot be verified: compute it again"
     )
     assert program("verify", "missing.nc").status == 2
