@@ -63,7 +63,8 @@ OF_WHIRLS = (
 # relative size of the last.
 _HALVINGS, _STEPS, _SOLVED = 12, 30, 1e-11
 # Parts of the range at which speeds are added beside folds and grazes, and how often these are
-# sought again. Rubs of two contacts are told apart at the larger distances alone.
+# sought again. None are added for rubs of two contacts at once: beside their folds the subdivision
+# takes millions of boxes.
 _BESIDE, _ROUNDS = np.array([1e-4, 1e-6, 1e-8, 1e-10]), 5
 # Relative step of the differences in it, and the distance of rubs that are one.
 _DIFFERENCE, _SAME_ROOT = 1e-6, 1e-4
@@ -241,24 +242,27 @@ class _Grid:
     """All rubs of each set of contacts at speeds that increase, to which more are added."""
 
     def __init__(self, problem: RubProblem, speeds: Values) -> None:
-        self.problem, self.speeds = problem, speeds
+        self.problem = problem
         sets: list[Touching] = [(), *touching_sets(problem.assembly.contacts)]
+        self.speeds = dict.fromkeys(sets, speeds)
         self.roots = {touching: problem.roots(touching, speeds) for touching in sets}
 
     def add(self, speeds: Values) -> None:
-        """Add speeds within the range."""
-        inside = (speeds > self.speeds[0]) & (speeds < self.speeds[-1])
-        fresh = np.setdiff1d(speeds[inside], self.speeds)
-        every = np.concatenate([self.speeds, fresh])
-        order = np.argsort(every)
+        """Add speeds within the range, but for rubs of two contacts at once."""
         for touching, known in self.roots.items():
+            own = self.speeds[touching]
+            if len(touching) > 1:
+                continue
+            fresh = np.setdiff1d(speeds[(speeds > own[0]) & (speeds < own[-1])], own)
+            every = np.concatenate([own, fresh])
+            order = np.argsort(every)
             roots = [*known, *self.problem.roots(touching, fresh)]
             self.roots[touching] = [roots[i] for i in order.tolist()]
-        self.speeds = every[order]
+            self.speeds[touching] = every[order]
 
     def pieces(self, touching: Touching) -> list[_Piece]:
         """Return the branches of a set of contacts between neighbouring speeds."""
-        return list(_pieces(touching, self.roots[touching], self.speeds))
+        return list(_pieces(touching, self.roots[touching], self.speeds[touching]))
 
     def refined(self, distances: Values) -> list[_Point]:
         """Return all folds and grazes, and add speeds beside each."""
@@ -281,7 +285,7 @@ class _Grid:
 
     def _folds(self, touching: Touching) -> Iterator[_Point]:
         """Yield the folds of a set of contacts between neighbouring speeds."""
-        roots, speeds = self.roots[touching], self.speeds.tolist()
+        roots, speeds = self.roots[touching], self.speeds[touching].tolist()
         for ends, both in zip(pairwise(speeds), pairwise(roots), strict=True):
             yield from _folds_between(self.problem, touching, ends, both, _HALVINGS)
 
