@@ -30,7 +30,7 @@ from rotor_ida.errors import InputError
 ROUNDED = 1e-9
 UNITS = ("SI", "1")
 MOST_NODES_SHOWN = 6
-# A matrix of so many degrees of freedom has 32 MB; beam models have a few hundred.
+# One matrix of this size takes 32 MB; beam models have a few hundred degrees of freedom.
 MOST_COORDINATES = 2000
 # Products of larger numbers leave the range of doubles.
 LARGEST_IN_MATRIX, LARGEST_IN_ROW = 1e30, 1e15

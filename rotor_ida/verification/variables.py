@@ -150,7 +150,7 @@ def _periodic(archived: xr.Dataset, name: str) -> xr.Variable | None:
 
 
 def _told(variable: xr.Variable, known: xr.Variable | None) -> npt.NDArray[np.bool_]:
-    """Return where a variable is told, in its shape."""
+    """Return where the numbers of a variable are compared, in its shape."""
     if known is None or not known.dims or not set(known.dims) <= set(variable.dims):
         return np.ones(variable.shape, bool)
     dims = [dim for dim in variable.dims if dim in known.dims]
