@@ -47,8 +47,8 @@ FEW_TURNS, MANY_TURNS = 3.0, 60.0
 COLUMNS, LINE = 700, 25
 # Of a system at most this many contacts are drawn, those of the largest forces.
 MOST_CONTACTS = 5
-# The speed is an axis if it changes one way, in each of so many parts of the time by at least this
-# fraction of an even change.
+# The speed is the axis if it only rises or only falls: in each of PARTS equal parts of the time by
+# at least this fraction of a uniform change.
 PARTS, LEAST_CHANGE = 20, 0.05
 WIDTH, ROW, SIDE = 7.2, 1.65, 2.7
 

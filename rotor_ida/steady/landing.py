@@ -8,8 +8,8 @@ at once. It is taken for the one that the motion leads to only if the motion sho
 2. some periods later the motion has come nearer, about as much as they say;
 3. no contact can open or close on the way that does not on the cycle.
 
-Where any of these fails the motion is followed further. An unstable cycle is told only where the
-motion sits on it, as on an equilibrium by symmetry. The cycle is then simulated as any other
+Where any of these fails the motion is followed further. An unstable cycle is reported only where
+the motion sits on it, as on an equilibrium by symmetry. The cycle is then simulated as any other
 motion is, and decided on.
 """
 
