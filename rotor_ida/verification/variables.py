@@ -37,14 +37,11 @@ class Comparison:
         Why others were not compared, by name.
     trouble : str
         The first difference in words; empty if there is none.
-    differing : list of str
-        Variables that differ.
     """
 
     compared: list[str] = field(default_factory=list)
     left_out: dict[str, str] = field(default_factory=dict)
     trouble: str = ""
-    differing: list[str] = field(default_factory=list)
 
 
 def compare_variables(
@@ -94,7 +91,6 @@ def compare_variables(
             continue
         found.compared.append(name)
         if apart:
-            found.differing.append(name)
             found.trouble = found.trouble or words
     return found
 

@@ -178,7 +178,8 @@ def special_speeds(
         Lowest and highest speed.
     points : int
         Number of speeds in between, at equal distances, by which changes are noticed. Two that
-        undo each other between neighbouring speeds, such as the folds of a small isola, are not.
+        undo each other between neighbouring speeds, such as the folds of a small isola, are not;
+        nor may be Hopf points of rubs at two contacts at once beside their folds.
 
     Returns
     -------
