@@ -151,9 +151,19 @@ def widening(chi_square: float, freedom: int) -> float:
 
 
 def left_in_words(chi_square: float, freedom: int) -> str:
-    """Return in words whether the residuals of a fit are noise."""
+    """Return in words whether the residuals of a fit are noise.
+
+    Examples
+    --------
+    >>> left_in_words(1.1, 1185)
+    'the residuals are smaller than the noise: chi-square 1.1 with 1185 degrees of freedom'
+    """
+    from scipy.stats import chi2  # noqa: PLC0415 - takes long to import
+
     told = f"chi-square {chi_square:.4g} with {freedom} degrees of freedom"
     wider = widening(chi_square, freedom)
     if wider > 1.0:
         return f"the residuals exceed the noise, so errors are widened {wider:.3g} times: {told}"
+    if freedom > 0 and chi2.cdf(chi_square, freedom) < NO_CHANCE:
+        return f"the residuals are smaller than the noise: {told}"
     return f"the residuals are noise: {told}"

@@ -399,7 +399,11 @@ def _name(attractor: xr.Dataset) -> str:
         return kind
     unit = unit_of(attractor["amplitude"])
     low, high = float(attractor["radius_min"]), float(attractor["radius_max"])
+    amplitude = float(attractor["amplitude"])
     if math.isnan(high) or high - low <= CONSTANT_RADIUS * high:
-        return f"{kind}, $A = {number_text(float(attractor['amplitude']))}$ {unit}".rstrip()
+        # a circle that does not turn at the spin speed, as dry whip, has another radius
+        is_synchronous = not abs(amplitude - high) > CONSTANT_RADIUS * high
+        symbol, size = ("A", amplitude) if is_synchronous else ("|z|", high)
+        return f"{kind}, ${symbol} = {number_text(size)}$ {unit}".rstrip()
     low_text, high_text = number_text(low), number_text(high)
     return f"{kind}, ${low_text} \\leq |z| \\leq {high_text}$ {unit}".rstrip()

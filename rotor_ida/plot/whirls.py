@@ -48,6 +48,8 @@ LOOKS = {
     "slipping": (GREY, DASHES, "slipping whirl", 0.8),
     "rolling": (DARK_BROWN, "-", "dry whip", 0.5),
 }
+# Circles that are smaller than the figure by this factor are drawn once more, enlarged.
+MAGNIFIED = 20.0
 
 
 def plot_jumps(jumps: xr.Dataset, *, ax: Axes) -> Axes:
@@ -262,33 +264,43 @@ def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """
     whirls = check_dataset("whirls", whirls, BACKWARD)
     radii, clearance = whirls["amplitude"].values, clearance_of(whirls, "whirls")
-    reach = 1.1 * max(clearance, float(np.nan_to_num(radii).max()))
-    length, rate = (
-        f" {unit}" if unit else ""
-        for unit in map(unit_of, (whirls["amplitude"], whirls["whirl_speed"]))
-    )
     with drawing(ax, width=4.2, height=5.4) as ax:
         label_axis(ax.xaxis, "x", whirls["amplitude"])
         label_axis(ax.yaxis, "y", whirls["amplitude"])
-        draw_ring(ax, clearance)
-        for radius, speed, kind, stability in zip(
-            radii.tolist(), whirls["whirl_speed"].values.tolist(), words_of(whirls["kind"]),
-            words_of(whirls["stability"]), strict=True,
-        ):  # fmt: skip
-            if math.isfinite(radius):
-                colour, dashes, words, angle = LOOKS[kind]
-                size, turns = number_text(radius, ".4g"), number_text(speed, ".4g")
-                ax.plot(*circle(radius), color=colour, ls=dashes, lw=1.4,
-                        label=rf"{words}: {stability}, $|z| = {size}${length}, "
-                        rf"$\Omega = {turns}${rate}")  # fmt: skip
-                _draw_backward_arrow(ax, radius, angle, colour)
+        _draw_circles(ax, whirls, clearance, max(clearance, float(np.nan_to_num(radii).max())))
         if not np.isfinite(radii).any():
             say_in_middle(ax, _why_there_is_none(whirls))
-        ax.set_aspect("equal")
-        ax.set(xlim=(-reach, reach), ylim=(-reach, reach))
+        inner = max(clearance, float(np.nan_to_num(radii, nan=math.inf).min()))
+        if ax.get_xlim()[1] > MAGNIFIED * inner > 0.0:
+            inset = ax.inset_axes((0.3, 0.3, 0.4, 0.4))
+            _draw_circles(inset, whirls, clearance, inner)
+            inset.tick_params(labelsize=7.0)
+            inset.locator_params(nbins=3)
+            ax.indicate_inset_zoom(inset, edgecolor=INK)
         legend_below(ax, columns=1)
         ax.set_title(title_of("whirls", whirls))
     return ax
+
+
+def _draw_circles(ax: Axes, whirls: xr.Dataset, clearance: float, largest: float) -> None:
+    """Draw the clearance and the circles of the whirls as far as the largest radius."""
+    length = unit_of(whirls["amplitude"])
+    rate = unit_of(whirls["whirl_speed"]).replace("1/s", "rad/s")
+    draw_ring(ax, clearance)
+    for radius, speed, kind, stability in zip(
+        whirls["amplitude"].values.tolist(), whirls["whirl_speed"].values.tolist(),
+        words_of(whirls["kind"]), words_of(whirls["stability"]), strict=True,
+    ):  # fmt: skip
+        if math.isfinite(radius):
+            colour, dashes, words, angle = LOOKS[kind]
+            size = f"{number_text(radius, '.4g')}$ {length}".rstrip()
+            turns = f"{number_text(speed, '.4g')}$ {rate}".rstrip()
+            ax.plot(*circle(radius), color=colour, ls=dashes, lw=1.4,
+                    label=rf"{words}: {stability}, $|z| = {size}, $\Omega = {turns}")  # fmt: skip
+            if largest / MAGNIFIED < radius <= largest:
+                _draw_backward_arrow(ax, radius, angle, colour)
+    ax.set_aspect("equal")
+    ax.set(xlim=(-1.1 * largest, 1.1 * largest), ylim=(-1.1 * largest, 1.1 * largest))
 
 
 def _draw_backward_arrow(ax: Axes, radius: float, angle: float, colour: str) -> None:

@@ -60,8 +60,10 @@ def changed(name, place, value):
         (changed("label", 3, 0), ["synchronous response, $A = 1.88$"]),
         (changed("radius_min", 0, 1.0), [r"synchronous response, $1.00 \leq |z| \leq 1.88$"]),
         (changed("count", 0, 0), ["synchronous response, $A = 9.49$"]),
+        # the radius of dry whip is not its part at the spin speed
+        (changed("amplitude", 0, 0.3), ["synchronous response, $|z| = 1.88$"]),
     ],
-    ids=["constant radius", "changing radius", "attractor without start"],
+    ids=["constant radius", "changing radius", "attractor without start", "not at the speed"],
 )
 def test_the_legend_names_kinds_and_amplitudes_or_radii_of_attractors(figure_7, change, first):
     shown = words(plot_basin(change(figure_7)))

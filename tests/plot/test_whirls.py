@@ -102,6 +102,18 @@ def test_where_there_is_no_whirl_it_is_said_why(changes, told):
     assert len(ax.lines) == 1
 
 
+def test_circles_too_small_to_be_seen_are_drawn_once_more_enlarged():
+    wide = Rotor(omega=0.24, zeta=0.006, delta0=9.0, shaft_stiffness=0.04, contact_exponent=1.0,
+                 friction=0.12, disc_radius=3590.0)  # fmt: skip
+    whirls = backward_whirl(wide)
+    ax = plot_backward_whirl(whirls)
+    (inset,) = ax.child_axes
+    (_, slipping, _) = (line.get_xdata().max() for line in inset.lines)
+    assert slipping == pytest.approx(whirls.amplitude[0].item())
+    assert inset.get_xlim()[1] == pytest.approx(1.1 * slipping)
+    assert not plot_backward_whirl(backward_whirl(Rotor(omega=2.0, **MACHINE))).child_axes
+
+
 def test_without_damping_there_is_whip_alone():
     (_, whip) = plot_backward_whirl(
         backward_whirl(Rotor(omega=0.5, **MACHINE | {"zeta": 0.0}))
