@@ -125,13 +125,17 @@ def flags(
 
 
 def build(
-    compiler: Sequence[str], *, out: Path = CORE, warnings: bool = False, sanitize: bool = False
-) -> list[Path]:
-    """Compile the libraries that `out` lacks or holds in another state; return those made."""
+    compiler: Sequence[str], *, out: Path = CORE, warnings: bool = False, sanitize: bool = False,
+    only: Sequence[str] | None = None,
+) -> list[Path]:  # fmt: skip
+    """Compile the libraries that `out` lacks or holds in another state; return those made.
+
+    Those of all levels, or of some `only`.
+    """
     version = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
     digest, told = identity["sources_digest"](CORE), described(compiler)
     wanted = {}
-    for level, model in product(levels(), identity["MODELS"]):
+    for level, model in product(only or levels(), identity["MODELS"]):
         given = flags(compiler, level, model=model, warnings=warnings, sanitize=sanitize)
         shown = {"compiler": told, "flags": " ".join(given), "level": level}
         shown |= {"model": model, "sources": digest, "version": version}

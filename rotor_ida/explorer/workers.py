@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from importlib import import_module
 from queue import SimpleQueue
-from types import FrameType
+from types import CodeType, FrameType
 from typing import BinaryIO, Literal, cast
 
 from rotor_ida.errors import RotorError
@@ -50,7 +50,7 @@ SHOWN_BY = {
 OF_SYSTEMS = {
     about: ("systems", f"show_{about}") for about in ("system_run", "system_map", "system_run_up")
 } | {SystemUpload.about: ("systems", "show_opened_file")}
-# Seconds after which a part is interrupted again.
+# Seconds after which a part is interrupted again, and again.
 SOON = 0.01
 # Bytes of the length of an answer, little-endian.
 LENGTH = 4
@@ -113,9 +113,11 @@ class Desk:
             self._begun.pop(number, None)
         return part
 
-    def break_off(self, _signal: int, _frame: FrameType | None) -> None:
+    def break_off(self, _signal: int, frame: FrameType | None) -> None:
         """Interrupt the current part if its answer is cancelled."""
-        if self._at is not None and self._at not in self._begun:
+        if self._at is None or self._at in self._begun:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+        elif Desk.break_off_again.__code__ not in _codes(frame):  # there it would be lost as well
             self._at = None
             raise KeyboardInterrupt
 
@@ -123,9 +125,16 @@ class Desk:
         """Interrupt again later if the first interrupt was lost, as when an object is deleted."""
         if lost.exc_type is KeyboardInterrupt:
             self._at = self._number
-            signal.setitimer(signal.ITIMER_REAL, SOON)
+            signal.setitimer(signal.ITIMER_REAL, SOON, SOON)  # until it has come
         else:
             sys.__unraisablehook__(lost)
+
+
+def _codes(frame: FrameType | None) -> Iterator[CodeType]:
+    """Yield the code of a frame and of all that called it."""
+    while frame is not None:
+        yield frame.f_code
+        frame = frame.f_back
 
 
 def _listen(desk: Desk, orders: BinaryIO) -> None:

@@ -216,18 +216,6 @@ def test_it_ends_while_it_still_starts(name: str, start: Start):
 
 
 @posix
-def test_it_ends_while_a_page_is_open_and_an_answer_is_computed(start: Start):
-    program = start(*[f"--{key}={value}" for key, value in MACHINE.items()], start_new_session=True)
-    program.wait_until_ready()
-    given = {key: float(value) for key, value in state_of(program).items() if key in MACHINE}
-    assert given == MACHINE
-    with program.talk() as talk:
-        talk.send(json.dumps(asked("starts", machine=SLOW)))
-        assert talk.recv(PATIENCE)
-        end(program, SIGNALS["Ctrl-C"])
-
-
-@posix
 def test_a_file_gives_rotor_start_and_revolutions_and_a_killed_program_takes_all_along(
     start: Start, archives: Path
 ):
@@ -289,15 +277,17 @@ def test_only_the_user_can_read_the_key_and_only_while_the_program_lives(
 
 
 @posix
-def test_without_a_browser_the_printed_address_has_the_key_and_no_file_is_written(
-    start: Start, place: Path
-):
-    program = start()
+def test_it_ends_while_a_page_is_open_and_an_answer_is_computed(start: Start, place: Path):
+    """Without a browser: the printed address has the key, and no file is written."""
+    program = start(*[f"--{key}={value}" for key, value in MACHINE.items()], start_new_session=True)
     program.wait_until_ready()
     assert not list(place.glob("*.html"))
+    given = {key: float(value) for key, value in state_of(program).items() if key in MACHINE}
+    assert given == MACHINE
     with program.talk() as talk:
-        talk.send(json.dumps(asked()))
+        talk.send(json.dumps(asked("starts", machine=SLOW)))
         assert talk.recv(PATIENCE)
+        end(program, SIGNALS["Ctrl-C"])
 
 
 @posix

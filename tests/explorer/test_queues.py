@@ -230,7 +230,20 @@ def desk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
         signal.signal(number, handler)
 
 
-def test_a_part_is_broken_off_even_where_the_first_time_is_lost(desk: Desk):
+@pytest.mark.parametrize("held_up", [False, True])
+def test_a_part_is_broken_off_even_where_the_first_time_is_lost(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch, held_up: bool
+):
+    """The second comes where the loss of the first is noticed, if that is held up."""
+    setitimer = signal.setitimer
+
+    def slow(which: int, *seconds: float) -> None:
+        setitimer(which, *seconds)
+        time.sleep(5.0 * seconds[0])
+
+    if held_up:
+        monkeypatch.setattr(signal, "setitimer", slow)
+
     class Deaf:
         def __del__(self) -> None:  # what is raised here goes nowhere
             desk.take((1, "drop"))
