@@ -81,6 +81,7 @@ class Rows:
             return []
         dims = [str(dim) for dim in lead.dims]
         there = [self.lead, *(name for name in self.names if name in dataset or name in dims)]
+        there = [name for name in there if set(dataset[name].dims) <= set(dims)]
         there += [*names_on(dataset, *dims), *(dim for dim in dims if dim in dataset.coords)]
         rows = rows_of(dataset, list(dict.fromkeys(there)))
         values = lead.values.ravel()
@@ -148,7 +149,7 @@ def _dimensions(dataset: xr.Dataset) -> list[tuple[str, ...]]:
 def _along(dataset: xr.Dataset, dims: tuple[str, ...]) -> Rows:
     """Return the rows of all variables along some dimensions, after the coordinates."""
     known = [name for name in (*ALL_PARAMETERS, *dims) if name in dataset.coords]
-    places = [name for name in dict.fromkeys(known) if set(dataset[name].dims) & set(dims)]
+    places = [name for name in dict.fromkeys(known) if dataset[name].dims]
     names, words = names_on(dataset, *dims), ", ".join(dims)
     return Rows(
         title=f"Along {words}",
@@ -278,7 +279,7 @@ def parameters_in(dataset: xr.Dataset) -> Record:
 def with_unit(dataset: xr.Dataset, name: str) -> str:
     """Return a variable's name with its unit, if it has one."""
     if name == "duration" and "time_scale" in dataset.attrs:
-        unit = dataset["t"].attrs["units"]
+        unit = str(dataset["t"].attrs.get("units", "1"))
     elif name not in dataset.variables:
         unit = "1"
     else:
