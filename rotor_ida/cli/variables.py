@@ -81,9 +81,9 @@ class Rows:
             return []
         dims = [str(dim) for dim in lead.dims]
         there = [self.lead, *(name for name in self.names if name in dataset or name in dims)]
-        there = [name for name in there if set(dataset[name].dims) <= set(dims)]
         there += [*names_on(dataset, *dims), *(dim for dim in dims if dim in dataset.coords)]
-        rows = rows_of(dataset, list(dict.fromkeys(there)))
+        there = [name for name in dict.fromkeys(there) if set(dataset[name].dims) <= set(dims)]
+        rows = rows_of(dataset, there)
         values = lead.values.ravel()
         order = np.argsort(-values, kind="stable") if self.falling else np.arange(values.size)
         if self.gaps:
@@ -283,7 +283,7 @@ def with_unit(dataset: xr.Dataset, name: str) -> str:
     elif name not in dataset.variables:
         unit = "1"
     else:
-        unit = unit_of(name, dataset[name].attrs.get("units", "1"))
+        unit = unit_of(name, str(dataset[name].attrs.get("units", "1")))
     words = WORDS.get(name, name.replace("_", " "))
     unit = "rad" if unit == "radian" else unit
     return words + (f" [{unit}]" if unit not in {"", "1"} else "")

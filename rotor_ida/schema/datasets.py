@@ -128,8 +128,11 @@ def check_variables(name: str, dataset: xr.Dataset) -> None:
 
 
 def _is_text(variable: xr.Variable) -> bool:
-    values = variable.values.ravel().tolist() if variable.dtype.kind == "O" else ()
-    return variable.dtype.kind in "UOT" and all(isinstance(value, str) for value in values)
+    """Return whether a variable is text, with NaN where one is missing."""
+    if variable.dtype.kind != "O":
+        return variable.dtype.kind in "UT"
+    values = variable.values.ravel().tolist()
+    return all(isinstance(value, str) or value is np.nan for value in values)
 
 
 def check_as_computed(name: str, dataset: xr.Dataset) -> None:
