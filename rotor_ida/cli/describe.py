@@ -29,10 +29,10 @@ from rotor_ida.cli.variables import (
 )
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
-from rotor_ida.results.kinds import KINDS, kind_of, loaded
+from rotor_ida.results.kinds import KINDS, OTHER, kind_of, loaded
 from rotor_ida.results.run import course_of
 from rotor_ida.results.si_units import MACHINE, UNITS, in_rpm, in_suitable_units, si_of
-from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, by_number, flags_of
+from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, words_of
 from rotor_ida.systems.depths import beyond_model
 from rotor_ida.units import SPEED_UNITS
 
@@ -91,9 +91,10 @@ RENAMED = {"kind": "of", "points": "most_points", "parameters": "varied"}
 
 def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
     """Return the record of a dataset and its tables, with a largest number of rows each."""
-    record, parts = loaded(KINDS[kind_of(dataset)].shown)(dataset, most)
+    kind = kind_of(dataset)
+    record, parts = loaded(KINDS[kind].shown)(dataset, most)
     note, told = dataset.attrs.get("note"), str(dataset.attrs.get("sentence", ""))
-    more = [beyond_model(dataset), f"Note: {note}." if note else ""]
+    more = ["" if kind == OTHER else beyond_model(dataset), f"Note: {note}." if note else ""]
     return record, [*parts, *(each for each in more if each not in told)]
 
 
@@ -155,7 +156,7 @@ def show_run_up_summary(dataset: xr.Dataset, _most: int | None) -> Description:
         told[with_unit(shown, name) if turns is None else f"{name} [rpm]"] = (
             value if turns is None else float(turns)
         )
-    sentence = str(dataset.attrs["sentence"])
+    sentence = str(dataset.attrs.get("sentence", ""))
     return record, [sentence, pairs("Run-up", told)]
 
 
@@ -233,15 +234,16 @@ def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
 def count_of_kinds(dataset: xr.Dataset, ranges: Sequence[str] = RANGES) -> RenderableType:
     """Return a table of the number of points of each kind, and their ranges."""
     response = dataset["response"]
-    numbers = response.values
-    words = by_number(flags_of(response))
-    found, first = np.unique(numbers, return_index=True)
-    names = [name for name in ranges if name in dataset]  # a diagram has no amplitudes
+    words = response.copy(data=np.reshape(words_of(response), response.shape))
+    found, first = np.unique(words, return_index=True)
+    dims = set(response.dims)
+    # a diagram has no amplitudes
+    names = [name for name in ranges if name in dataset and set(dataset[name].dims) <= dims]
     units = {name: with_unit(dataset, name) for name in names}
     rows: list[Record] = []
     for kind in found[np.argsort(first)].tolist():
-        here = response == kind
-        row: Record = {"response": words[kind], "points": int(here.sum())}
+        here = words == kind
+        row: Record = {"response": kind, "points": int(here.sum())}
         rows.append(row | {units.get(name, name): each
                            for name, each in ranges_of(dataset, names, here).items()})  # fmt: skip
     return table("Responses by kind", rows, list(rows[0]))
@@ -317,8 +319,11 @@ def _followed(title: str, dataset: xr.Dataset, varied: list[str], most: int | No
 def show_fit(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the estimates of a fit, their constraint by the signals, and the residuals."""
     record, parts = tabled(dataset, most, FITTED)
-    told = [f"{each}." for each in str(dataset.attrs["identifiability"]).split("; ")]
-    summary: Record = {"machine": dataset.attrs["machine"], "windows": dataset.sizes["window"]}
+    told = [f"{each}." for each in str(dataset.attrs.get("identifiability", "")).split("; ")]
+    summary: Record = {
+        "machine": dataset.attrs.get("machine", ""),
+        "windows": dataset.sizes["window"],
+    }
     last = ("search", "remainder", "contact_times", "columns", "notes")
     summary |= {name: record[name] for name in (*OF_FIT, *last) if name in record}
     record |= summary | {"identifiability": told}

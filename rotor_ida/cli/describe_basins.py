@@ -87,7 +87,7 @@ def show_atlas(dataset: xr.Dataset, most: int | None) -> Description:
         "missed_fraction": float(dataset["missed_fraction"]),
         "largest_undecided_fraction": float(dataset["undecided_fraction"].max()),
     }
-    if "agreement" in dataset:
+    if {"agreement", "agreement_count"} <= dataset.keys():
         scalars |= _agreement(dataset)
     record, _ = tabled(dataset, most)
     if isinstance(given := record.get("starts"), list):  # the archive contains them, row by row
@@ -115,7 +115,9 @@ def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
         if rows and name in rows[0]
     ]
     if rows and f"{PARAMETERS[0]}_low" in rows[0]:
-        names = [name for name in ALL_PARAMETERS if f"{name}_low" in rows[0]]
+        told_of = [f"{word}{end}" for word in ENDS for end in ("", "_end")]
+        names = [name for name in ALL_PARAMETERS
+                 if all(f"{name}_{each}" in rows[0] for each in told_of)]  # fmt: skip
         for name, word in product(names, ENDS):
             ends = [_end(row, f"{name}_{word}") for row in rows]
             lines.append({"": f"{name} {ENDS[word]}", **dict(zip(heads, ends, strict=True))})
@@ -123,7 +125,7 @@ def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
     parts: list[RenderableType] = [
         table(counted, lines, list(lines[0]), digits=5) if lines else counted
     ]
-    if SHOCK[0] in dataset:
+    if all(name in dataset for name in SHOCK):
         shocks = _shocks(dataset)
         told: list[Record] = [
             {"from": heads[one], "to": heads[to]}

@@ -27,6 +27,7 @@ from rotor_ida.cli.variables import (
     with_units,
 )
 from rotor_ida.results.si_units import in_rpm
+from rotor_ida.signals.record import record_of
 from rotor_ida.units import SPEED_UNITS
 
 # Peaks below this multiple of the floor may be noise.
@@ -52,6 +53,7 @@ def show_signals(dataset: xr.Dataset, most: int | None) -> Description:
 
     The samples stay in the archive.
     """
+    record_of(dataset)
     times = dataset["t"].values
     rate = (times.size - 1) / float(times[-1] - times[0])
     rows = [_displacement(dataset, name) for name in ("x", "y")]

@@ -15,6 +15,7 @@ from rotor_ida.cli.variables import (
     Description,
     Record,
     Rows,
+    names_on,
     rows_of,
     rows_table,
     scalars_of,
@@ -58,13 +59,14 @@ COLUMNS = {
     "first_touch": "entry_time", "largest_r_over_clearance": "", "largest_force": "peak_force",
     "rolling_time": "rolling_time", "ends": "",
 }  # fmt: skip
+# What is told of each figure of a bearing in a sample and on a grid.
+OF_SAMPLE = ("mean", "mean_low", "mean_high", "quantile", "quantile_low", "quantile_high")
+OF_GRID = ("min", "min_drop", "max", "max_drop", "mean", "mean_change")
 OF_RUN = ("method", "rtol", "modes", "more_modes")
 
 
 def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:
     """Return contacts, scalars, events and episodes of a run of a rotor system."""
-    if not {"contact", "event", "episode"} <= dataset.sizes.keys():  # a part of a run
-        return show_by_dimension(dataset, most)
     contacts = [_of_contact(dataset, number) for number in range(dataset.sizes["contact"])]
     touching = [each for each in contacts if not math.isnan(each["first_touch"])]
     first = min(touching, key=lambda each: each["first_touch"], default=None)
@@ -86,8 +88,6 @@ def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:
 
 def show_system_sweep(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the responses of a sweep, with their number by kind, and the worst of all contacts."""
-    if not {"contact", "speed"} <= dataset.sizes.keys():  # a part of a sweep
-        return show_by_dimension(dataset, most)
     worst = {
         "excursion": dataset["radius_max"] / dataset["clearance"],
         "largest_force": dataset["largest_force"],
@@ -105,8 +105,9 @@ def show_system_sweep(dataset: xr.Dataset, most: int | None) -> Description:
 def show_drop(dataset: xr.Dataset, most: int | None) -> Description:
     """Return what is delivered of a drop by bearing, then what is shown of any run."""
     record, parts = show_system_run(dataset, most)
-    names = [name for name in (*OF_BEARING, "load_ratio") if name in dataset.variables]
-    if "contact" not in dataset.sizes or not names:
+    there = names_on(dataset, "contact")
+    names = [name for name in (*OF_BEARING, "load_ratio") if name in there]
+    if not names:
         return record, parts
     bearings = [
         {"node": str(dataset["contact_node"].values[number])}
@@ -126,12 +127,12 @@ def show_drop(dataset: xr.Dataset, most: int | None) -> Description:
 def show_drops(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the statistics of many drops by bearing, the cells of a grid, and the drops."""
     is_grid = "cell" in dataset.sizes
-    if not {"drop", "contact"} <= dataset.sizes.keys() or (
-        not is_grid and "quantile" not in dataset.sizes
-    ):  # a part
+    if not is_grid and not dataset.sizes.get("quantile"):  # a part
         return show_by_dimension(dataset, most)
-    statistics = _over_grid if is_grid else _statistics
-    names = [name for name in OF_BEARING if name in dataset.variables]
+    statistics, ends = (_over_grid, OF_GRID) if is_grid else (_statistics, OF_SAMPLE)
+    there = {*names_on(dataset, "contact"), *names_on(dataset, "quantile", "contact")}
+    names = [name for name in OF_BEARING if name in dataset
+             and {f"{name}_{end}" for end in ends} <= there]  # fmt: skip
     record, parts = tabled(dataset, most, DROPS)
     tables: list[Any] = []
     for number in range(dataset.sizes["contact"]):
@@ -140,7 +141,7 @@ def show_drops(dataset: xr.Dataset, most: int | None) -> Description:
         record |= {f"contact_{number}": rows}
         tables.append(table(f"Bearing {number} at node {node!r}", rows, list(rows[0]), digits=4))
         facts: Record = {word: _margins(own, name) for word, name in FRACTIONS.items()
-                         if f"{name}_fraction" in own.variables}  # fmt: skip
+                         if f"{name}_fraction" in there}  # fmt: skip
         margin = "its change on coarser grids" if is_grid else "its 95 % interval"
         tables.append(pairs(f"Fraction of drops, with {margin}", facts))
     if is_grid:
@@ -204,7 +205,8 @@ def _cells(dataset: xr.Dataset) -> list[Record]:
 def _margins(own: xr.Dataset, name: str) -> list[float]:
     """Return a fraction, and the ends of its interval or its change on coarser grids."""
     ends = ("", "_change") if "cell" in own.sizes else ("", "_low", "_high")
-    return [float(own[f"{name}_fraction{end}"]) for end in ends]
+    there = names_on(own)
+    return [float(own[each]) for end in ends if (each := f"{name}_fraction{end}") in there]
 
 
 def _of_contact(run: xr.Dataset, number: int) -> dict[str, Any]:

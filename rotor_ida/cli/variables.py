@@ -82,7 +82,8 @@ class Rows:
         dims = [str(dim) for dim in lead.dims]
         there = [self.lead, *(name for name in self.names if name in dataset or name in dims)]
         there += [*names_on(dataset, *dims), *(dim for dim in dims if dim in dataset.coords)]
-        rows = rows_of(dataset, list(dict.fromkeys(there)))
+        there = [name for name in dict.fromkeys(there) if set(dataset[name].dims) <= set(dims)]
+        rows = rows_of(dataset, there)
         values = lead.values.ravel()
         order = np.argsort(-values, kind="stable") if self.falling else np.arange(values.size)
         if self.gaps:
@@ -148,7 +149,7 @@ def _dimensions(dataset: xr.Dataset) -> list[tuple[str, ...]]:
 def _along(dataset: xr.Dataset, dims: tuple[str, ...]) -> Rows:
     """Return the rows of all variables along some dimensions, after the coordinates."""
     known = [name for name in (*ALL_PARAMETERS, *dims) if name in dataset.coords]
-    places = [name for name in dict.fromkeys(known) if set(dataset[name].dims) & set(dims)]
+    places = [name for name in dict.fromkeys(known) if dataset[name].dims]
     names, words = names_on(dataset, *dims), ", ".join(dims)
     return Rows(
         title=f"Along {words}",
@@ -278,11 +279,11 @@ def parameters_in(dataset: xr.Dataset) -> Record:
 def with_unit(dataset: xr.Dataset, name: str) -> str:
     """Return a variable's name with its unit, if it has one."""
     if name == "duration" and "time_scale" in dataset.attrs:
-        unit = dataset["t"].attrs["units"]
+        unit = str(dataset["t"].attrs.get("units", "1"))
     elif name not in dataset.variables:
         unit = "1"
     else:
-        unit = unit_of(name, dataset[name].attrs.get("units", "1"))
+        unit = unit_of(name, str(dataset[name].attrs.get("units", "1")))
     words = WORDS.get(name, name.replace("_", " "))
     unit = "rad" if unit == "radian" else unit
     return words + (f" [{unit}]" if unit not in {"", "1"} else "")

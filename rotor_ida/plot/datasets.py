@@ -14,7 +14,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, OPTIONAL
 from rotor_ida.results.run import refuse_system
 from rotor_ida.results.si_units import in_suitable_units, scale_of
-from rotor_ida.schema import QUANTITIES
+from rotor_ida.schema import QUANTITIES, check_variables
 
 
 def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Dataset:
@@ -28,6 +28,7 @@ def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Datas
     if missing:
         refuse_system(name, dataset)
         raise InputError(f"{name} must contain {', '.join(needed)}; it lacks {', '.join(missing)}")
+    check_variables(name, dataset)
     period = dataset.variables.get("period")
     if period is not None and not period.ndim and np.isnan(period.values):
         raise InputError(f"{name} must contain a limit cycle, but the search found none")

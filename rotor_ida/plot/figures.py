@@ -19,7 +19,7 @@ from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.plot.datasets import parameters_in, rotors_in
 from rotor_ida.plot.labels import label_parameter
 from rotor_ida.plot.run_up import has_many_turns
-from rotor_ida.results.kinds import KINDS, kind_of, loaded
+from rotor_ida.results.kinds import KINDS, kind_of, loaded, why_not
 from rotor_ida.results.run import is_of_system
 from rotor_ida.results.si_units import in_units_of
 from rotor_ida.signals.record import Record, record_of
@@ -45,7 +45,8 @@ def figure_of(dataset: xr.Dataset) -> Figure:
     drawn = KINDS[kind].drawn
     if not drawn:
         able = ", ".join(name for name, each in KINDS.items() if each.drawn)
-        raise InputError(f"figure must be of one of the kinds {able}, got {kind!r}")
+        got = f"{kind!r}{why_not(dataset)}"
+        raise InputError(f"figure must be of one of the kinds {able}, got {got}")
     made: Axes | Figure = loaded(drawn)(dataset)
     return made if isinstance(made, Figure) else cast(Figure, made.figure)
 

@@ -11,14 +11,17 @@ none of those that compute and draw. A new kind has a row here, its variables in
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from typing import Any
 
 import xarray as xr
 
-from rotor_ida.model.parameters import PARAMETERS
-from rotor_ida.schema import RESULT_KIND
+from rotor_ida.checks import COMPONENTS, listed
+from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.schema import RESULT_KIND, check_variables
 
 OTHER = "other"
 
@@ -33,11 +36,13 @@ class Kind:
         Value of the attribute ``result_kind``.
     meaning : str
         Its name on the page on datasets.
-    variables, dims : tuple of str
-        Variables and dimensions of every result of the kind. Archives without a stated kind are
-        recognised by these; a kind without any is not recognised.
-    along : tuple of str
-        Dimensions of the first of `variables`, if they are always the same.
+    variables : str
+        Variables of every result of the kind, with their dimensions in brackets; without brackets
+        they have some of `dims`, parameters and components. Those with a question mark may be
+        missing.
+        Archives without a stated kind are recognised by these; a kind without any is not.
+    dims : tuple of str
+        Dimensions of every result of the kind.
     shown : str
         Function of the dataset and a number of rows that returns its record and its tables.
     drawn : str
@@ -53,23 +58,43 @@ class Kind:
 
     name: str
     meaning: str
-    variables: tuple[str, ...] = ()
+    variables: str = ""
     dims: tuple[str, ...] = ()
-    along: tuple[str, ...] = ()
     shown: str = "rotor_ida.cli.variables:show_by_dimension"
     drawn: str = ""
     verified: str = ""
     study: str = ""
     resumed: str = ""
 
-    def fits(self, dataset: xr.Dataset) -> bool:
-        """Return whether a dataset has the variables and dimensions of this kind."""
-        has_all = set(self.variables) <= dataset.variables.keys()
-        if not has_all or not set(self.dims) <= set(dataset.dims):
-            return False
-        return not self.along or dataset[self.variables[0]].dims == self.along
+    def lacking_in(self, dataset: xr.Dataset) -> str:
+        """Return, in words, a variable or dimension of this kind that a dataset lacks, or ""."""
+        for dim in self.dims:
+            if dim not in dataset.sizes or (dim in _FILLED and not dataset.sizes[dim]):
+                return f"values along {dim}"
+        for name, bracket, along, optional in _variables_in(f"{self.variables} {_PARAMETERS}"):
+            if optional and name not in dataset.variables:
+                continue
+            found = {*dataset[name].dims} if name in dataset.variables else {None}
+            axes = {*self.dims, *ALL_PARAMETERS, *COMPONENTS}
+            if found != {*along.split()} if bracket else not found <= axes:
+                return f"{name} along {listed(along.split())}" if along else str(name)
+        return ""
 
 
+_PARAMETERS = "".join(f"{name}? " for name in ALL_PARAMETERS)
+
+
+@cache
+def _variables_in(text: str) -> list[tuple[str, str, str, str]]:
+    """Return names, brackets, dimensions in them and question marks in the text of a kind."""
+    return re.findall(r"(\w+)(\(([\w ]*)\))?(\?)?", text)
+
+
+# Dimensions along which every result has at least one value.
+_FILLED = frozenset(
+    (*PARAMETERS, "t", "speed", "start", "direction", "rate", "phase", "window", "order", "point",
+     "frequency")
+)  # fmt: skip
 _WHIRLS = "rotor_ida.plot.figures:figure_of_whirls"
 _SHOWN = "rotor_ida.cli.describe"
 _SIGNALS = "rotor_ida.cli.describe_signals"
@@ -79,32 +104,55 @@ _VERIFIED = "rotor_ida.verification.verify"
 _VERIFIED_SYSTEMS = "rotor_ida.verification.verify_systems"
 _RESUMED = "rotor_ida.verification.resume"
 
+_CONTACTS = "clearance(contact) contact_node(contact) law_radius(contact)?"
+_SYSTEM_RUN = (
+    "x(t node) mode(t contact) normal_force(t contact) t(t)? speed(t)? event_time(event) "
+    "event_kind(event) event_contact(event) episode_contact(episode) entry_time(episode) "
+    "peak_force(episode) rolling_time(episode) contact_stator(contact) excursion(contact) "
+    + _CONTACTS
+)  # fmt: skip
+_STARTS = "start_x(start) start_y(start) start_vx(start) start_vy(start)"
+_BRANCH = "special_kind(special) period(point) radius_min(point) radius_max(point)"
+_WINDOWS = " t(window) speed(window)? window_residual(window)?"
+_ORDERS = "order(order) window_residual(window) " + " ".join(
+    f"{sense}_{what}(window order)"
+    for sense in ("forward", "backward")
+    for what in ("whirl_amplitude", "amplitude_error", "phase_lag")
+)
+
 # In the order in which archives without a stated kind are recognised.
 KINDS = {
     kind.name: kind
     for kind in (
         Kind(
             name="drop", meaning="drop of a rotor system",
-            variables=("whirl_turns", "standstill_time", "event_contact"), dims=("t", "node"),
+            variables=_SYSTEM_RUN + " whirl_turns(contact) standstill_time()",
+            dims=("t", "node", "contact", "event", "episode", "coordinate"),
             shown="rotor_ida.cli.describe_systems:show_drop",
             drawn="rotor_ida.plot:drop_figure", verified=f"{_VERIFIED_SYSTEMS}:DROP",
         ),
         Kind(
             name="drop_ensemble", meaning="many drops of a rotor system",
-            variables=("whirl_turns", "decided_fraction"), dims=("drop", "contact"),
+            variables=(
+                "whirl_turns(drop contact) decided_fraction(contact) status(drop) "
+                "contact_node(contact)"
+            ),
+            dims=("drop", "contact"),
             shown="rotor_ida.cli.describe_systems:show_drops",
             drawn="rotor_ida.plot:drops_figure", verified=f"{_VERIFIED_SYSTEMS}:DROPS",
             study="drop_ensemble", resumed=f"{_RESUMED}:resume_drops",
         ),
         Kind(
-            name="system_run", meaning="run of a rotor system", variables=("x", "event_contact"),
-            dims=("t", "node"), shown="rotor_ida.cli.describe_systems:show_system_run",
+            name="system_run", meaning="run of a rotor system",
+            variables=_SYSTEM_RUN,
+            dims=("t", "node", "contact", "event", "episode", "coordinate"),
+            shown="rotor_ida.cli.describe_systems:show_system_run",
             drawn=f"{_DRAWN}:figure_of_run", verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_RUN",
         ),
         Kind(
             name="system_sweep", meaning="sweep of a rotor system",
-            variables=("response", "touched", "node_amplitude"),
-            dims=("speed", "start", "direction"),
+            variables="response touched node_amplitude radius_max largest_force " + _CONTACTS,
+            dims=("speed", "start", "direction", "contact", "node"),
             shown="rotor_ida.cli.describe_systems:show_system_sweep",
             drawn="rotor_ida.plot:system_sweep_figure",
             verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_SWEEP",
@@ -112,156 +160,206 @@ KINDS = {
         ),
         Kind(
             name="system_branch", meaning="branch of limit cycles of a rotor system",
-            variables=("multiplier_real", "special_state"), dims=("point", "contact"),
+            variables="multiplier_real(point multiplier) special_state " + _CONTACTS,
+            dims=("point", "contact", "special", "component"),
             shown=f"{_SYSTEM_WHIRLS}:SYSTEM_BRANCH", drawn="rotor_ida.plot:system_branch_figure",
             verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_BRANCH",
             study="branch_of_system", resumed=f"{_RESUMED}:resume_system_branch",
         ),
         Kind(
             name="system_cycle", meaning="limit cycle of a rotor system",
-            variables=("multiplier_real", "node_radius_max"), dims=("t", "contact"),
+            variables="multiplier_real(multiplier) node_radius_max(node) " + _CONTACTS,
+            dims=("t", "contact"),
             shown=f"{_SYSTEM_WHIRLS}:SYSTEM_CYCLE", drawn="rotor_ida.plot:system_cycle_figure",
             verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_CYCLE",
         ),
         Kind(
             name="system_whirls", meaning="exact whirls of a rotor system",
-            variables=("amplitude", "node_amplitude"), dims=("speed", "branch"),
+            variables="amplitude node_amplitude " + _CONTACTS,
+            dims=("speed", "branch", "contact", "node"),
             shown=f"{_SYSTEM_WHIRLS}:WHIRLS_OF_SYSTEM", drawn="rotor_ida.plot:system_whirls_figure",
             verified=f"{_VERIFIED_SYSTEMS}:WHIRLS",
         ),
         Kind(
             name="system_special_points", meaning="special speeds of a rotor system",
-            variables=("special_speed",), shown=f"{_SYSTEM_WHIRLS}:SPECIAL_SPEEDS",
+            variables="special_speed " + _CONTACTS, dims=("special", "contact"),
+            shown=f"{_SYSTEM_WHIRLS}:SPECIAL_SPEEDS",
             drawn="rotor_ida.plot:special_speeds_figure",
             verified=f"{_VERIFIED_SYSTEMS}:SPECIAL_SPEEDS",
         ),
         Kind(
             name="campbell", meaning="eigenvalues over the speed",
-            variables=("whirl_speed", "damping_ratio"), dims=("eigenvalue",),
+            variables="whirl_speed damping_ratio",
+            dims=("speed", "eigenvalue", "contact_stiffness"),
             shown=f"{_SYSTEM_WHIRLS}:EIGENVALUES", drawn="rotor_ida.plot:plot_campbell",
             verified=f"{_VERIFIED_SYSTEMS}:CAMPBELL",
         ),
         Kind(
             name="clearance_report", meaning="report on close clearances",
-            variables=("running_share", "clearance_verdict"), dims=("case", "contact"),
+            variables="running_share clearance_verdict law_stiffness law_exponent " + _CONTACTS,
+            dims=("case", "contact"),
             shown=f"{_SYSTEM_WHIRLS}:show_clearance_report",
             drawn="rotor_ida.plot:clearance_report_figure",
             verified=f"{_VERIFIED_SYSTEMS}:CLEARANCE_REPORT",
         ),
         Kind(
-            name="comparison", meaning="comparison", variables=("matched_branch",),
+            name="comparison", meaning="comparison",
+            variables="matched_branch lies_on response digits delta0",
+            dims=("delta0", "start", "direction"),
             shown=f"{_SHOWN}:show_comparison",
         ),
         Kind(
-            name="basin", meaning="basin", variables=("label",), dims=("attractor",),
+            name="basin", meaning="basin",
+            variables="label", dims=("attractor",),
             shown=f"{_SHOWN}_basins:show_attractors", drawn="rotor_ida.plot:plot_basin",
             verified=f"{_VERIFIED}_motions:BASIN",
             study="basin", resumed=f"{_RESUMED}:resume_basin",
         ),
         Kind(
-            name="basin_fractions", meaning="basin fractions", variables=("response_fraction",),
+            name="basin_fractions", meaning="basin fractions",
+            variables="response_fraction", dims=("response",),
             shown=f"{_SHOWN}_basins:show_attractors", drawn=f"{_DRAWN}:figure_of_fractions",
             verified=f"{_VERIFIED}_motions:FRACTIONS",
             study="basin_fractions", resumed=f"{_RESUMED}:resume_fractions",
         ),
         Kind(
-            name="atlas", meaning="atlas", variables=("missed_fraction",), dims=PARAMETERS,
+            name="atlas", meaning="atlas",
+            variables="missed_fraction() undecided_fraction kind fraction radius_max",
+            dims=("omega", "zeta", "delta0", "attractor"),
             shown=f"{_SHOWN}_basins:show_atlas", drawn=f"{_DRAWN}:figure_of_atlas",
             verified=f"{_VERIFIED}_motions:ATLAS",
             study="continue_attractors", resumed=f"{_RESUMED}:resume_atlas",
         ),
         Kind(
             name="touchdown", meaning="report on touching",
-            variables=("missed_fraction", "excursion"), shown=f"{_SHOWN}_basins:show_touchdown",
+            variables=(
+                "missed_fraction excursion(attractor) kind(attractor) "
+                "velocity_shock(attractor target)? displacement_shock(attractor target)?"
+            ),
+            dims=("attractor",),
+            shown=f"{_SHOWN}_basins:show_touchdown",
         ),
         Kind(
             name="bifurcation_diagram", meaning="bifurcation diagram",
-            variables=("extremum_radius",), shown=f"{_SHOWN}:show_sweep",
+            variables="extremum_radius(extremum) response " + _STARTS, dims=("start",),
+            shown=f"{_SHOWN}:show_sweep",
             drawn=f"{_DRAWN}:figure_of_diagram", verified=f"{_VERIFIED}_motions:DIAGRAM",
         ),
         Kind(
-            name="run_ups", meaning="run-ups", variables=("ending", "rate", "to"),
+            name="run_ups", meaning="run-ups",
+            variables="ending rate(rate) to() largest_force failed_count " + _STARTS,
+            dims=("rate", "phase", "start"),
             shown=f"{_SHOWN}:show_run_ups", drawn="rotor_ida.plot:run_ups_figure",
             verified=f"{_VERIFIED}_motions:RUN_UPS",
             study="run_ups", resumed=f"{_RESUMED}:resume_run_ups",
         ),
         Kind(
-            name="sweep", meaning="sweep", variables=("response",), dims=PARAMETERS,
+            name="sweep", meaning="sweep",
+            variables="response " + _STARTS,
+            dims=("omega", "zeta", "delta0", "start", "direction"),
             shown=f"{_SHOWN}:show_sweep", drawn=_WHIRLS,
             verified=f"{_VERIFIED}_motions:SWEEP",
             study="sweep", resumed=f"{_RESUMED}:resume_sweep",
         ),
         Kind(
             name="run", meaning="run",
-            variables=("event_time",), dims=("t",), along=("event",),
+            variables=(
+                "event_time(event) t(t)? speed(t)? entry_time(contact)? peak_indentation(contact)? "
+                "peak_force(contact)? heat(contact)?"
+            ),
+            dims=("t",),
             shown=f"{_SHOWN}:show_run", drawn=f"{_DRAWN}:figure_of_run",
             verified=f"{_VERIFIED}_motions:RUN",
         ),
         Kind(
-            name="whirls", meaning="exact whirls", variables=("amplitude",), dims=("branch",),
+            name="whirls", meaning="exact whirls",
+            variables="amplitude omega zeta delta0", dims=("branch",),
             shown=f"{_SHOWN}_whirls:WHIRLS", drawn=_WHIRLS, verified=f"{_VERIFIED}_whirls:WHIRLS",
         ),
         Kind(
-            name="folds", meaning="folds", variables=("fold_omega",),
+            name="folds", meaning="folds",
+            variables="fold_omega zeta delta0", dims=("fold",),
             shown=f"{_SHOWN}_whirls:FOLDS", drawn=_WHIRLS, verified=f"{_VERIFIED}_whirls:FOLDS",
         ),
         Kind(
-            name="hopf_points", meaning="Hopf points", variables=("hopf_omega",),
+            name="hopf_points", meaning="Hopf points",
+            variables="hopf_omega zeta delta0", dims=("hopf",),
             shown=f"{_SHOWN}_whirls:HOPF_POINTS", drawn=_WHIRLS,
             verified=f"{_VERIFIED}_whirls:HOPF_POINTS",
         ),
         Kind(
             name="backward_whirl", meaning="backward whirls",
-            variables=("birth_omega",), dims=("whirl",),
+            variables="birth_omega", dims=("whirl",),
             shown=f"{_SHOWN}_whirls:BACKWARD_WHIRL", drawn="rotor_ida.plot:plot_backward_whirl",
         ),
         Kind(
-            name="curve", meaning="bifurcation curve", variables=("special_second_value",),
+            name="curve", meaning="bifurcation curve",
+            variables="special_second_value(special) " + _BRANCH, dims=("point", "special"),
             shown=f"{_SHOWN}:show_curve", drawn=f"{_DRAWN}:figure_of_curve",
             verified=f"{_VERIFIED}_cycles:CURVE",
         ),
         Kind(
-            name="fit", meaning="fit", variables=("estimate", "covariance"),
+            name="fit", meaning="fit",
+            variables="estimate(unknown) covariance", dims=("unknown", "unknown_too", "window"),
             shown=f"{_SHOWN}:show_fit", drawn="rotor_ida.plot:fit_figure",
         ),
         Kind(
-            name="branch", meaning="branch", variables=("special_value",), dims=("special",),
+            name="branch", meaning="branch",
+            variables=(
+                "special_value(special) stability(point) response(point) special_point(special) "
+                "special_radius_min(special) special_radius_max(special) " + _BRANCH
+            ),
+            dims=("point", "special"),
             shown=f"{_SHOWN}:show_branch", drawn=f"{_DRAWN}:figure_of_branch",
             verified=f"{_VERIFIED}_cycles:BRANCH",
             study="branch", resumed=f"{_RESUMED}:resume_branch",
         ),
         Kind(
-            name="cycle", meaning="limit cycle", variables=("period_error", "multiplier_error"),
+            name="cycle", meaning="limit cycle",
+            variables=(
+                "period_error multiplier_error(multiplier) multiplier_real(multiplier) period() "
+                "response() whirl_amplitude(line) line_kind(line) frequency(line)"
+            ),
             shown=f"{_SHOWN}:show_cycle", drawn="rotor_ida.plot:cycle_figure",
             verified=f"{_VERIFIED}_cycles:CYCLE",
         ),
         Kind(
-            name="orders", meaning="orders", variables=("forward_whirl_amplitude",),
+            name="orders", meaning="orders",
+            variables=_ORDERS + _WINDOWS, dims=("window", "order"),
             shown=f"{_SIGNALS}:show_orders", drawn="rotor_ida.plot:plot_orders",
         ),
         Kind(
-            name="centre_line", meaning="mean position", variables=("offset_x",),
+            name="centre_line", meaning="mean position",
+            variables="offset_x(window) offset_y(window) " + _WINDOWS, dims=("window",),
             shown=f"{_SIGNALS}:show_centre_line", drawn="rotor_ida.plot:plot_centre_line",
         ),
         Kind(
-            name="whirl_over_spin", meaning="whirl against spin", variables=("whirl_over_spin",),
+            name="whirl_over_spin", meaning="whirl against spin",
+            variables="whirl_over_spin(window) whirl_sense(window) " + _WINDOWS,
+            dims=("window",),
             shown=f"{_SIGNALS}:show_whirl_over_spin",
         ),
         Kind(
-            name="full_spectrum", meaning="full spectrum", variables=("noise_floor",),
+            name="full_spectrum", meaning="full spectrum",
+            variables="noise_floor() whirl_amplitude(frequency) frequency(frequency) bandwidth()",
+            dims=("frequency",),
             shown=f"{_SIGNALS}:show_full_spectrum", drawn="rotor_ida.plot:plot_full_spectrum",
         ),
         Kind(
-            name="spectrogram", meaning="spectrogram", variables=("bandwidth",), dims=("window",),
+            name="spectrogram", meaning="spectrogram",
+            variables="bandwidth() whirl_amplitude(window frequency) frequency(frequency)"
+            + _WINDOWS,
+            dims=("window", "frequency"),
             shown=f"{_SIGNALS}:show_spectrogram", drawn="rotor_ida.plot:plot_spectrogram",
         ),
         Kind(
             name="spectral_lines", meaning="lines of the spectrum",
-            variables=("window_residual",), dims=("line",),
+            variables="window_residual", dims=("line",),
             shown=f"{_SIGNALS}:SPECTRAL_LINES",
         ),
         Kind(
-            name="signals", meaning="signals", variables=("x", "y"), dims=("t",),
+            name="signals", meaning="signals",
+            variables="x(t) y(t) t(t) angle(t)?", dims=("t",),
             shown=f"{_SIGNALS}:show_signals", drawn=f"{_DRAWN}:figure_of_signals",
         ),
         Kind(
@@ -269,7 +367,8 @@ KINDS = {
         ),
         Kind(
             name="run_up_summary", meaning="summary of a run-up",
-            variables=("smallest_gap", "ending"), shown=f"{_SHOWN}:show_run_up_summary",
+            variables="smallest_gap ending",
+            shown=f"{_SHOWN}:show_run_up_summary",
         ),
         Kind(name="contact_summary", meaning="summary of contacts"),
         Kind(name="contact_forces", meaning="contact forces"),
@@ -297,6 +396,11 @@ def kind_of(dataset: xr.Dataset) -> str:
     A dataset without a part of its kind, such as a dimension removed by a selection, is recognised
     by the remaining ones.
 
+    Raises
+    ------
+    InputError
+        If a variable is not of the type that `QUANTITIES` states.
+
     Examples
     --------
     >>> from rotor_ida import synchronous_response
@@ -305,10 +409,27 @@ def kind_of(dataset: xr.Dataset) -> str:
     ('whirls', 'other')
     """
     stated = KINDS.get(str(dataset.attrs.get(RESULT_KIND, "")))
-    if stated is not None and stated.fits(dataset):
-        return stated.name
-    recognised = (kind for kind in KINDS.values() if kind.variables and kind.fits(dataset))
-    return next((kind.name for kind in recognised), OTHER)
+    possible = (stated, *(kind for kind in KINDS.values() if kind.variables))
+    kind = next((kind for kind in possible if kind and not kind.lacking_in(dataset)), None)
+    if kind is None:
+        return OTHER
+    check_variables(f"this {kind.meaning}", dataset)
+    return kind.name
+
+
+def why_not(dataset: xr.Dataset) -> str:
+    """Return what a dataset lacks of the kind that it states, in words that follow its kind.
+
+    Examples
+    --------
+    >>> from rotor_ida import synchronous_response
+    >>> whirls = synchronous_response(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> why_not(whirls.drop_vars("amplitude")), why_not(whirls)
+    (" (for 'whirls' it lacks amplitude)", '')
+    """
+    stated = KINDS.get(str(dataset.attrs.get(RESULT_KIND, "")))
+    lacking = stated.lacking_in(dataset) if stated else ""
+    return f" (for {stated.name!r} it lacks {lacking})" if stated and lacking else ""
 
 
 def loaded(place: str) -> Any:

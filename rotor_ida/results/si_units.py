@@ -12,7 +12,7 @@ from rotor_ida.checks import COMPONENTS, check_between, check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor
-from rotor_ida.schema import QUANTITIES
+from rotor_ida.schema import QUANTITIES, check_variables
 from rotor_ida.units import PREFIXES, SPEED_UNITS
 
 UNITS = {
@@ -98,6 +98,7 @@ def dimensional(
     """
     check_instance("dataset", dataset, xr.Dataset)
     check_instance("machine", machine, DimensionalRotor)
+    check_variables("dataset", dataset)
     if "length_scale" in dataset.attrs:
         raise InputError("the dataset is in SI units already")
     in_si = {
@@ -158,6 +159,7 @@ def dimensionless(dataset: xr.Dataset) -> xr.Dataset:
     check_instance("dataset", dataset, xr.Dataset)
     if not is_in_si(dataset):
         return dataset
+    check_variables("dataset", dataset)
     converted = {}
     for name, variable in dataset.variables.items():
         quantity = QUANTITIES.get(str(name))

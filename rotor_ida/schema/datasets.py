@@ -10,7 +10,9 @@ import xarray as xr
 from xarray.indexes import Index, PandasIndex
 
 from rotor_ida.arrays import Column
+from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
+from rotor_ida.schema.flags import check_flags
 from rotor_ida.schema.quantities import QUANTITIES
 
 CONVENTIONS = "CF-1.11"
@@ -91,15 +93,52 @@ def origin_of(dataset: xr.Dataset) -> dict[str, object]:
     return {str(name): value for name, value in dataset.attrs.items() if name not in own}
 
 
+def check_variables(name: str, dataset: xr.Dataset) -> None:
+    """Raise `InputError` for a variable of a result that is not what `QUANTITIES` says.
+
+    Examples
+    --------
+    >>> from rotor_ida import synchronous_response
+    >>> whirls = synchronous_response(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> check_variables("whirls", whirls.assign(amplitude=whirls.amplitude.astype(str)))
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: amplitude of whirls must be real numbers, got <U32
+    """
+    for each, variable in dataset.variables.items():
+        what, quantity = f"{each} of {name}", QUANTITIES.get(str(each))
+        for told in ("units", "long_name"):
+            if not isinstance(variable.attrs.get(told, ""), str):
+                word = shown(variable.attrs[told])
+                raise InputError(f"{told} of {what} must be text, got {word}")
+        if quantity is None:
+            continue
+        if quantity.is_text:
+            if not _is_text(variable):
+                raise InputError(f"{what} must be text, got {variable.dtype}")
+        elif quantity.flags and variable.dtype.kind in "UO":
+            raise InputError(
+                f"{name} must have its flags as numbers, got words in {each}: give the result from "
+                "before decode_flags"
+            )
+        elif variable.dtype.kind not in "iuf":
+            raise InputError(f"{what} must be real numbers, got {variable.dtype}")
+        elif "flag_meanings" in variable.attrs:
+            check_flags(what, variable)
+
+
+def _is_text(variable: xr.Variable) -> bool:
+    """Return whether a variable is text, with NaN where one is missing."""
+    if variable.dtype.kind != "O":
+        return variable.dtype.kind in "UT"
+    values = variable.values.ravel().tolist()
+    return all(isinstance(value, str) or value is np.nan for value in values)
+
+
 def check_as_computed(name: str, dataset: xr.Dataset) -> None:
     """Raise `InputError` for a result in SI units, or with words in place of flags."""
     if "length_scale" in dataset.attrs:
         raise InputError(
             f"{name} must be dimensionless, got one in SI units: convert the result instead"
         )
-    for flag, variable in dataset.variables.items():
-        if variable.dtype.kind in "UO" and flag in QUANTITIES and QUANTITIES[str(flag)].flags:
-            raise InputError(
-                f"{name} must have its flags as numbers, got words in {flag}: give the result from "
-                "before decode_flags"
-            )
+    check_variables(name, dataset)

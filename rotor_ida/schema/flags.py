@@ -93,7 +93,7 @@ def flags_of(variable: xr.DataArray | xr.Variable) -> dict[str, int]:
     if "flag_meanings" not in variable.attrs:
         raise InputError(f"a flag variable must have flag_meanings, got one with {variable.attrs}")
     words = str(variable.attrs["flag_meanings"]).split()
-    numbers = np.atleast_1d(variable.attrs.get("flag_values", ())).tolist()
+    numbers = np.ravel(variable.attrs.get("flag_values", ())).tolist()
     if len(words) != len(numbers):
         raise InputError(
             f"a flag variable must have a number for each of {', '.join(words)}, got {numbers}"
@@ -101,8 +101,18 @@ def flags_of(variable: xr.DataArray | xr.Variable) -> dict[str, int]:
     return dict(zip(words, numbers, strict=True))
 
 
-def words_of(variable: xr.DataArray) -> list[str]:
-    """Return the values of a flag variable as a flat list of words.
+def check_flags(name: str, variable: xr.DataArray | xr.Variable) -> dict[int, str]:
+    """Return the words of a flag variable by number; refuse a number of it that has none."""
+    words = by_number(flags_of(variable))
+    numbers = np.unique(variable.values[~np.isnan(variable.values)])
+    for number in numbers.tolist():
+        if number not in words:
+            raise InputError(f"{name} must be one of {', '.join(map(str, words))}, got {number!r}")
+    return words
+
+
+def words_of(variable: xr.DataArray | xr.Variable, name: object = None) -> list[str]:
+    """Return the values of a flag variable as a flat list of words; empty where one is NaN.
 
     Examples
     --------
@@ -110,13 +120,8 @@ def words_of(variable: xr.DataArray) -> list[str]:
     >>> words_of(xr.DataArray(labelled("event_kind", "event", [1, -1])))
     ['entry', 'exit']
     """
-    words = by_number(flags_of(variable))
-    numbers = variable.values.ravel().tolist()
-    for number in numbers:
-        if number not in words:
-            allowed = ", ".join(map(str, words))
-            raise InputError(f"{variable.name} must be one of {allowed}, got {number!r}")
-    return [words[number] for number in numbers]
+    words = check_flags(str(name or getattr(variable, "name", None) or "flags"), variable)
+    return [words.get(number, "") for number in variable.values.ravel().tolist()]
 
 
 def decode_flags(data: Labelled) -> Labelled:
@@ -167,10 +172,6 @@ def decode_flags(data: Labelled) -> Labelled:
 
 def _decoded(variable: xr.Variable) -> xr.Variable:
     """Return a flag variable as words; empty where its number is NaN."""
-    words = by_number(flags_of(variable))
-    unknown = sorted(set(np.unique(variable.values[~np.isnan(variable.values)])) - set(words))
-    if unknown:
-        raise InputError(f"flags must be one of {', '.join(map(str, words))}, got {unknown[0]}")
-    texts = [words.get(number, "") for number in variable.values.ravel().tolist()]
+    texts = words_of(variable)
     told = {name: value for name, value in variable.attrs.items() if name not in OF_FLAGS}
     return xr.Variable(variable.dims, np.reshape(np.array(texts, dtype=str), variable.shape), told)

@@ -37,10 +37,11 @@ class Quantity:
     """Description of one variable of a dataset."""
 
     long_name: str
-    units: str = "1"  # "1" if dimensionless; empty for text
+    units: str = "1"  # "1" if dimensionless; empty for text, and for values in units of their own
     scale: str = ""  # scale of a machine that converts it to SI units, empty if none
     flags: Mapping[str, int] = field(default_factory=dict)  # the number of each word of a category
     angular: bool = False  # whether it is an angular speed, whose unit s-1 is read as rad/s
+    is_text: bool = False
 
     def attributes(self) -> dict[str, object]:
         """Return the attributes of a variable with this quantity."""
@@ -63,6 +64,7 @@ turning = partial(Quantity, scale="rate", angular=True)
 force = partial(Quantity, scale="force")
 impulse = partial(Quantity, scale="impulse")
 energy = partial(Quantity, scale="energy")
+text = partial(Quantity, units="", is_text=True)
 
 # Parameters whose range of existence is computed for attractors, where they are not 0.
 WITH_EXTENTS = ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "friction")
@@ -83,8 +85,8 @@ def _states(words: str, axes: Mapping[str, str], where: Mapping[str, str]) -> di
 
 QUANTITIES: dict[str, Quantity] = {
     # a fit
-    "unknown": Quantity("fitted parameter", ""),
-    "unknown_too": Quantity("fitted parameter, second axis", ""),
+    "unknown": text("fitted parameter"),
+    "unknown_too": text("fitted parameter, second axis"),
     "estimate": Quantity("estimate, in the unit of the parameter", ""),
     "standard_error": Quantity("standard error, in the unit of the parameter", ""),
     "lower": Quantity("lower end of the confidence interval, in the unit of the parameter", ""),
@@ -94,7 +96,7 @@ QUANTITIES: dict[str, Quantity] = {
         "whether the search converged and the standard error is at most half of the value",
         flags=NO_YES,
     ),
-    "unit": Quantity("unit of the value", ""),
+    "unit": text("unit of the value"),
     "covariance": Quantity("covariance of two values, in their units", ""),
     "record": Quantity("number of the record of signals"),
     "fitted_forward_whirl_amplitude": length("fitted amplitude of forward whirl"),
@@ -128,11 +130,11 @@ QUANTITIES: dict[str, Quantity] = {
     "event_time": time("time of contact entry or exit"),
     "event_kind": Quantity("kind of contact event", flags=EVENT_KIND),
     # a rotor system
-    "node": Quantity("node of a rotor system", ""),
+    "node": text("node of a rotor system"),
     "axial_position": length("position of a node along the axis"),
-    "contact_node": Quantity("node of a contact", ""),
+    "contact_node": text("node of a contact"),
     "clearance": length("radial clearance of a contact"),
-    "contact_stator": Quantity("stator of a contact, empty for the ground", ""),
+    "contact_stator": text("stator of a contact, empty for the ground"),
     **{
         f"{of}_{axis}": length(f"{word} {noun}")
         for axis, word in (("x", "horizontal"), ("y", "vertical"))
@@ -151,7 +153,7 @@ QUANTITIES: dict[str, Quantity] = {
     "branch_stability": Quantity("stability of a whirl", flags=STABILITY),
     # a report on close clearances
     "case": Quantity("number of the case of unbalance"),
-    "probe": Quantity("node at which vibration is measured", ""),
+    "probe": text("node at which vibration is measured"),
     "major_axis": length("largest axis of the orbit at a contact, from peak to peak"),
     "probe_major_axis": length("largest axis of the orbit at a probe, from peak to peak"),
     "scale_factor": Quantity("vibration limit over the largest axis at a probe, at most 6"),
@@ -237,7 +239,7 @@ QUANTITIES: dict[str, Quantity] = {
     "stator_mass": Quantity("mass of a moving stator"),
     "stator_stiffness": Quantity("stiffness of the mount of a moving stator"),
     "stator_damping": Quantity("damping of the mount of a moving stator"),
-    "unbalance_node": Quantity("node of an unbalance", ""),
+    "unbalance_node": text("node of an unbalance"),
     "unbalance_moment": Quantity("unbalance: mass times eccentricity"),
     "unbalance_phase": Quantity("angle of an unbalance from the x axis at time 0", "radian"),
     # a drop
@@ -290,7 +292,7 @@ QUANTITIES: dict[str, Quantity] = {
     "cell_backward_whirl_fraction": Quantity(
         "fraction of the phases of a cell with a backward whirl in the bearing"
     ),
-    "support_node": Quantity("node of a support", ""),
+    "support_node": text("node of a support"),
     "support_fails": Quantity("whether a support fails", flags=NO_YES),
     "support_stiffness": Quantity("stiffness of a support, by axis"),
     "support_damping": Quantity("damping of a support, by axis"),
@@ -465,7 +467,7 @@ QUANTITIES: dict[str, Quantity] = {
     "touched": Quantity("whether the contact is touched in the final window", flags=NO_YES),
     "node_radius_min": length("smallest distance of a node from the axis over the final window"),
     "node_radius_max": length("largest distance of a node from the axis over the final window"),
-    "message": Quantity("why the run failed or its response is unresolved", ""),
+    "message": text("why the run failed or its response is unresolved"),
     "event_count": Quantity("number of contact events of the run"),
     "event_row": Quantity("row of the first contact event of the run"),
     # many run-ups
@@ -617,7 +619,7 @@ QUANTITIES: dict[str, Quantity] = {
     "exact_radius_max": length("largest distance from the bearing axis on the exact limit cycle"),
     "digits": Quantity("decimal digits to which simulated and exact response agree"),
 }
-QUANTITIES["design"] = Quantity("what it was computed from, as JSON", units="")
+QUANTITIES["design"] = text("what it was computed from, as JSON")
 # What may vary between drops, in words.
 OF_DROP = {
     "phase": "angle of the rotor", "friction": "friction coefficient",

@@ -71,7 +71,7 @@ def _depths(result: xr.Dataset) -> Values | None:
     elif "in_contact" in result:
         found = result["amplitude"] - clearance
     elif "rub_force" in result:
-        forces = xr.concat([result[name] for name in OF_RUBS], "rub")
+        forces = xr.concat([result[name] for name in OF_RUBS if name in result], "rub")
         found = (forces / result["law_stiffness"]) ** (1.0 / result["law_exponent"])
     else:
         return None

@@ -14,7 +14,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress
-from rotor_ida.results.kinds import KINDS, kind_of, loaded
+from rotor_ida.results.kinds import KINDS, kind_of, loaded, why_not
 from rotor_ida.results.si_units import dimensionless
 from rotor_ida.schema.quantities import TOLERANCE
 from rotor_ida.simulation.options import Method
@@ -148,7 +148,8 @@ def _verification_of(dataset: xr.Dataset) -> Verification:
         command = str(dataset.attrs.get("command", ""))
         way = f" with {shown(command)}" if command.startswith("rotor-ida ") else ""
         raise InputError(
-            f"a result of the kind {kind!r} cannot be verified: compute it again{way}, and compare"
+            f"a result of the kind {kind!r}{why_not(dataset)} cannot be verified: compute it "
+            f"again{way}, and compare"
         )
     missing = [name for name in verification.variables if name not in dataset.variables]
     missing += [name for name in verification.attributes if name not in dataset.attrs]

@@ -57,7 +57,7 @@ def test_curves_are_datasets(curves):
         (FRACTIONS.isel(omega=[]), "along omega and response, got omega: 0"),
         (FRACTIONS.isel(omega=[0]), "at least 2 omega, got 1"),
         (FRACTIONS.expand_dims(zeta=[0.07, 0.08]), "got zeta: 2, omega: 2, response: 2"),
-        (FRACTIONS.astype(str), "as real numbers, got <U"),
+        (FRACTIONS.astype(str), "must be real numbers, got <U"),
     ],
 )
 def test_fractions_are_drawn_over_several_speeds_of_one_rotor(dataset, words):
