@@ -87,14 +87,13 @@ def cycle() -> xr.Dataset:
 
 
 def system_of_cycles() -> dict[str, object]:
-    system, contacts, unbalance = replace(CYCLES, shaft_stiffness=0.01).system()
-    return {"system": system, "contacts": contacts, "unbalance": unbalance}
+    return {"rotor": replace(CYCLES, shaft_stiffness=0.01).system()}
 
 
 @functools.cache
 def system_cycle() -> xr.Dataset:
     start = ((3.0, 1.0), (0.0, 0.0))
-    return rotor_ida.limit_cycle_system(**system_of_cycles(), speed=3.0, start=start)
+    return rotor_ida.limit_cycle(**system_of_cycles(), speed=3.0, start=start)
 
 
 @functools.cache
@@ -351,12 +350,12 @@ GIVEN |= {
     },
     "drop": lambda _: {
         "system": SYSTEM, "speed": 1.2, "duration": 2.0, "gravity": (0.0, -1.0),
-        "bearings": [Contact(node="disc", clearance=0.5, stiffness=4.0)],
+        "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)],
         "supports": [Support(node="disc", stiffness=2.0)],
     },
     "drop_ensemble": lambda folder: {
         "system": SYSTEM, "speed": 1.2, "duration": 1.0, "gravity": (0.0, -1.0), "drops": 2,
-        "bearings": [Contact(node="disc", clearance=0.5, stiffness=4.0)], "workers": 1,
+        "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)], "workers": 1,
         "supports": [Support(node="disc", stiffness=2.0)], "study": folder / "drops",
     },
     "run_up_system": lambda _: {"system": SYSTEM, "speed": 1.2, "to": 1.4, "rate": 0.1},
