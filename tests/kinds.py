@@ -84,7 +84,7 @@ def over_speed(function: str) -> xr.Dataset:
     if function == "campbell":
         return rotor_ida.campbell(system, speed=[0.5, 1.0], contacts=contacts)
     given = {
-        "synchronous_response_system": {"speed": [0.5, 1.0]},
+        "synchronous_response": {"speed": [0.5, 1.0]},
         "special_speeds": {"limits": (0.5, 1.5), "points": 8},
         "clearance_report": {"speed": (2.0, 3.0), "probes": ["end"], "points": 8},
     }[function]
@@ -136,7 +136,7 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "system_sweep": a_system_sweep,
     "system_cycle": a_system_cycle,
     "system_branch": a_system_branch,
-    "system_whirls": lambda: over_speed("synchronous_response_system"),
+    "system_whirls": lambda: over_speed("synchronous_response"),
     "special_speeds": lambda: over_speed("special_speeds"),
     "campbell": lambda: over_speed("campbell"),
     "clearance_report": lambda: over_speed("clearance_report"),

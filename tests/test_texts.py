@@ -123,7 +123,7 @@ def test_other_names_are_kept_in_system_files_and_archives(tmp_path):
     path = tmp_path / "odd.toml"
     matrices = f"mass = {numbers}, stiffness = {numbers}"
     path.write_text(f"system = {{ {matrices}, nodes = {{ {nodes} }} }}")
-    assert list(load_system(path).system.nodes) == list(system(NAMES).nodes) == NAMES
+    assert list(load_system(path).nodes) == list(system(NAMES).nodes) == NAMES
 
 
 def test_a_message_of_a_file_is_one_line_without_control_characters(tmp_path):

@@ -19,7 +19,6 @@ from rotor_ida import (
     simulate,
     special_speeds,
     sweep,
-    sweep_system,
     synchronous_response,
 )
 from rotor_ida.schema import STABILITY
@@ -346,7 +345,7 @@ def test_bad_input_is_refused_in_one_line(changes, message):
     system, contacts, unbalance = two_discs()
     given = {"contacts": contacts, "unbalance": unbalance, "speed": [0.5, 0.7]} | changes
     with pytest.raises(InputError, match=message) as caught:
-        sweep_system(system, **given)
+        sweep(system, **given)
     assert "\n" not in str(caught.value)
 
 
