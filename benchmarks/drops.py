@@ -36,7 +36,7 @@ def rotor():
     bearings = [Contact(node=node, clearance=2e-4, stiffness=2e9, damping=1.0, friction=0.1,
                         radius=0.03, race=race) for node in "ab"]  # fmt: skip
     supports = [Support(node=node, stiffness=2e6, damping=2e3) for node in "ab"]
-    return system, {"bearings": bearings, "supports": supports, "inertia": 0.08, "speed": 600.0,
+    return system, {"contacts": bearings, "supports": supports, "inertia": 0.08, "speed": 600.0,
                     "unbalance": [Unbalance(node="disc", moment=8e-5)]}  # fmt: skip
 
 
@@ -58,7 +58,7 @@ def long_drop():
     begun = time.process_time()
     run = drop(
         replace(system, stiffness=stiffness, damping=damping, translations=translations),
-        bearings=[Contact(node=name, clearance=5e-5, stiffness=1e11, friction=0.02, radius=0.02)
+        contacts=[Contact(node=name, clearance=5e-5, stiffness=1e11, friction=0.02, radius=0.02)
                   for name in "19"],
         supports=[Support(node=name, stiffness=beam.BEARING[0], damping=beam.BEARING[1])
                   for name in "19"],

@@ -144,7 +144,7 @@ def compare_growth(speeds=(200.0, 426.0, 900.0)):
     found = synchronous_response(
         system, unbalance=[Unbalance(node="3", moment=1e-4)], speed=list(speeds)
     ).growth_rate.values[:, 0]
-    motions = forward_motions(assemble(system, [], [], None, None))
+    motions = forward_motions(assemble(system))
     mpmath.mp.dps = 40
     mass, stiffness, damping, gyroscopic = (
         mpmath.matrix(getattr(system, name).tolist())

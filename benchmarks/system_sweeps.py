@@ -62,10 +62,8 @@ def random_disc(rng):
 def labels_of_disc(given):
     """Return the labels of one disc as such and as a system."""
     one = sweep(**given, method="taylor", workers=1).squeeze()
-    system, contacts, unbalance = Rotor(**given).system()
-    found = sweep(
-        system, contacts=contacts, unbalance=unbalance, speed=given["omega"], workers=1
-    ).squeeze()
+    system = Rotor(**given).system()
+    found = sweep(system, speed=given["omega"], workers=1).squeeze()
     return decode_flags(one.response).item(), decode_flags(found.response).item()
 
 

@@ -42,9 +42,7 @@ def random_rotor(rng):
 
 def as_system(rotor, start, **how):
     """Return a run of a rotor of one disc as a system."""
-    system, contacts, unbalance = rotor.system()
-    around = {"contacts": contacts, "unbalance": unbalance, "speed": rotor.omega}
-    return simulate(system, **around, start=(start[:2], start[2:]), **how)
+    return simulate(rotor.system(), speed=rotor.omega, start=(start[:2], start[2:]), **how)
 
 
 def compare(trials):

@@ -15,8 +15,6 @@ from .cycles.bifurcation_curve import bifurcation_curve as bifurcation_curve
 from .cycles.branches import branches_through as branches_through
 from .cycles.dispatch import continue_cycle as continue_cycle
 from .cycles.dispatch import limit_cycle as limit_cycle
-from .cycles.system_branch import continue_cycle_system as continue_cycle_system
-from .cycles.system_cycle import limit_cycle_system as limit_cycle_system
 from .errors import ArchiveError as ArchiveError
 from .errors import InputError as InputError
 from .errors import InstallationError as InstallationError
@@ -41,6 +39,7 @@ from .results.machine_file import load_machine as load_machine
 from .results.machine_file import save_machine as save_machine
 from .results.si_units import dimensional as dimensional
 from .results.studies import status as status
+from .results.system_file import load_course as load_course
 from .results.system_file import load_system as load_system
 from .schema import decode_flags as decode_flags
 from .signals.filtering import filtered_orbit as filtered_orbit
@@ -65,17 +64,12 @@ from .steady.dispatch import sweep as sweep
 from .steady.drop_ensemble import drop_ensemble as drop_ensemble
 from .steady.run_up_summary import summary as summary
 from .steady.run_ups import run_ups as run_ups
-from .steady.system_lyapunov import lyapunov_exponent_system as lyapunov_exponent_system
-from .steady.system_sweep import sweep_system as sweep_system
 from .systems.campbell import campbell as campbell
 from .systems.clearances.report import clearance_report as clearance_report
 from .systems.dispatch import run_up as run_up
 from .systems.dispatch import simulate as simulate
 from .systems.dispatch import synchronous_response as synchronous_response
 from .systems.drop import drop as drop
-from .systems.simulate import run_up_system as run_up_system
-from .systems.simulate import simulate_system as simulate_system
 from .systems.whirls.special_speeds import special_speeds as special_speeds
-from .systems.whirls.synchronous import synchronous_response_system as synchronous_response_system
 from .verification.compare import compare as compare
 from .verification.resume import resume as resume

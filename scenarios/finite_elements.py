@@ -15,8 +15,7 @@ the figures as PNG and SVG.
 
 import math
 import sys
-from collections.abc import Sequence
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -61,23 +60,19 @@ CLOSED = (0.0, 1e5, 1e6)  # stiffness of the contacts between open and closed [N
 
 
 def main(settings: Settings) -> None:
-    system, contacts = rotor(), stops()
     unbalance = [Unbalance(node=name, moment=UNBALANCE) for name in DISCS]
-    run = simulate(
-        system, contacts=contacts, unbalance=unbalance, speed=SPEED, duration=0.2,
-        modes=12 if settings.quick else None,
-    )  # fmt: skip
+    system = replace(rotor(), contacts=stops(), unbalance=unbalance)
+    run = simulate(system, speed=SPEED, duration=0.2, modes=12 if settings.quick else None)
     settings.keep(run, "constant")
     draw_constant(run, settings)
     up = run_up(
-        system, contacts=contacts, unbalance=unbalance, speed=FIRST, to=LAST,
-        rate=(4000.0 if settings.quick else 1000.0) * RPM, modes=8,
-    )  # fmt: skip
+        system, speed=FIRST, to=LAST, rate=(4000.0 if settings.quick else 1000.0) * RPM, modes=8
+    )
     settings.keep(up, "run_up")
     draw_run_up(up, critical_speed(system), settings)
-    draw_speed_map(system, contacts, unbalance, settings)
-    draw_shapes(system, {"contacts": contacts, "unbalance": unbalance}, settings)
-    draw_eigenvalues(system, contacts, settings)
+    draw_speed_map(system, settings)
+    draw_shapes(system, settings)
+    draw_eigenvalues(system, settings)
 
 
 def rotor() -> RotorSystem:
@@ -184,18 +179,15 @@ def draw_run_up(up: xr.Dataset, critical: float, settings: Settings) -> None:
     )  # fmt: skip
 
 
-def draw_speed_map(
-    system: RotorSystem, contacts: list[Contact], unbalance: list[Unbalance], settings: Settings
-) -> None:
+def draw_speed_map(system: RotorSystem, settings: Settings) -> None:
     """Draw the settled responses up and down, over the exact whirls."""
-    reduced = system.reduced(modes=6 if settings.quick else 12, keep=list(DISCS))
-    around = {"contacts": contacts, "unbalance": unbalance}
+    reduced = system.reduced(modes=6 if settings.quick else 12)
     swept = sweep(
-        reduced, **around, direction="both",
+        reduced, direction="both",
         speed=np.linspace(FIRST, LAST, 15 if settings.quick else 71),
     )  # fmt: skip
     settings.keep(swept, "speed_map")
-    special = special_speeds(reduced, **around, limits=(FIRST, LAST))
+    special = special_speeds(reduced, limits=(FIRST, LAST))
     folds = special.special_speed.values[special.special_kind.values == SPECIAL["fold"]]
     largest = swept.largest_force.max(["speed", "start", "direction"]).values.tolist()
     touched = swept.touched.any("contact").squeeze("start")
@@ -211,9 +203,9 @@ def draw_speed_map(
     )  # fmt: skip
 
 
-def draw_shapes(system: RotorSystem, around: dict[str, Any], settings: Settings) -> None:
+def draw_shapes(system: RotorSystem, settings: Settings) -> None:
     """Draw the deflected shapes of all synchronous whirls at a speed."""
-    whirls = synchronous_response(system, **around, speed=BISTABLE)
+    whirls = synchronous_response(system, speed=BISTABLE)
     settings.keep(whirls, "whirls")
     settings.show(
         plot_whirl_shapes(whirls).figure, "shapes", archives=["whirls"],
@@ -223,10 +215,10 @@ def draw_shapes(system: RotorSystem, around: dict[str, Any], settings: Settings)
     )  # fmt: skip
 
 
-def draw_eigenvalues(system: RotorSystem, contacts: Sequence[Contact], settings: Settings) -> None:
+def draw_eigenvalues(system: RotorSystem, settings: Settings) -> None:
     """Draw whirl speeds over the speed, with contacts open, half closed and closed."""
     found = campbell(
-        system, contacts=contacts, speed=np.linspace(0.0, LAST, 9 if settings.quick else 35),
+        system, speed=np.linspace(0.0, LAST, 9 if settings.quick else 35),
         contact_stiffness=CLOSED, modes=8,
     )  # fmt: skip
     settings.keep(found, "campbell")

@@ -59,14 +59,14 @@ def main(settings: Settings) -> None:
         with progress_bar(f"cycles {name}") as progress:
             cycles[turns] = cycle_at(system, speed)
             branches[turns] = continue_cycle(
-                system, **around(), start=cycles[turns], limits=LIMITS,
+                system, start=cycles[turns], limits=LIMITS,
                 points=6 if settings.quick else 100, progress=progress,
             )  # fmt: skip
         settings.keep(cycles[turns], f"cycle_{name}")
         settings.keep(branches[turns], f"branch_{name}")
     with progress_bar("runs") as progress:
         swept = sweep(
-            system, **around(), speed=np.linspace(1.6, 3.6, 2 if settings.quick else 41),
+            system, speed=np.linspace(1.6, 3.6, 2 if settings.quick else 41),
             starts=[kicked()], workers=settings.workers, progress=progress,
         )  # fmt: skip
     settings.keep(swept, "runs")
@@ -87,13 +87,9 @@ def overhung() -> RotorSystem:
     return RotorSystem(
         mass=mass, stiffness=whole, damping=OF_MASS * mass + OF_STIFFNESS * whole,
         gyroscopic=np.kron([[0.0, 1.0], [-1.0, 0.0]], turning),
-        nodes={"inner": (0, 4), "outer": (2, 6)}, units="1",
+        nodes={"inner": (0, 4), "outer": (2, 6)}, units="1", contacts=CONTACTS,
+        unbalance=UNBALANCE,
     )  # fmt: skip
-
-
-def around() -> dict:
-    """Return what stands around the rotor."""
-    return {"contacts": CONTACTS, "unbalance": UNBALANCE}
 
 
 def kicked() -> tuple[np.ndarray, np.ndarray]:
@@ -105,7 +101,7 @@ def kicked() -> tuple[np.ndarray, np.ndarray]:
 
 def cycle_at(system: RotorSystem, speed: float) -> xr.Dataset:
     """Return the limit cycle to which the kick leads at a speed."""
-    return limit_cycle(system, **around(), speed=speed, start=kicked())
+    return limit_cycle(system, speed=speed, start=kicked())
 
 
 def first_whirls(system: RotorSystem, speed: float) -> tuple[float, float]:

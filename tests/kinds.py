@@ -56,26 +56,20 @@ def a_system_run() -> xr.Dataset:
 
 def a_system_sweep() -> xr.Dataset:
     """Return a sweep of one disc as a system, up and down."""
-    system, contacts, unbalance = Rotor(
-        omega=1.0, zeta=0.3, delta0=0.5, shaft_stiffness=0.25
-    ).system()
-    return rotor_ida.sweep(
-        system, contacts=contacts, unbalance=unbalance, speed=[0.3, 1.2], direction="both"
-    )
+    system = Rotor(omega=1.0, zeta=0.3, delta0=0.5, shaft_stiffness=0.25).system()
+    return rotor_ida.sweep(system, speed=[0.3, 1.2], direction="both")
 
 
 def a_system_cycle() -> xr.Dataset:
     """Return a limit cycle of one disc as a system."""
-    system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    return rotor_ida.limit_cycle(system, contacts=contacts, unbalance=unbalance, speed=2.0)
+    system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    return rotor_ida.limit_cycle(system, speed=2.0)
 
 
 def a_system_branch() -> xr.Dataset:
     """Return its branch, with a period doubling."""
-    system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    return rotor_ida.continue_cycle(
-        system, contacts=contacts, unbalance=unbalance, start=a_system_cycle(), limits=(1.7, 2.1)
-    )
+    system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    return rotor_ida.continue_cycle(system, start=a_system_cycle(), limits=(1.7, 2.1))
 
 
 def over_speed(function: str) -> xr.Dataset:
@@ -90,7 +84,7 @@ def over_speed(function: str) -> xr.Dataset:
     if function == "campbell":
         return rotor_ida.campbell(system, speed=[0.5, 1.0], contacts=contacts)
     given = {
-        "synchronous_response_system": {"speed": [0.5, 1.0]},
+        "synchronous_response": {"speed": [0.5, 1.0]},
         "special_speeds": {"limits": (0.5, 1.5), "points": 8},
         "clearance_report": {"speed": (2.0, 3.0), "probes": ["end"], "points": 8},
     }[function]
@@ -108,7 +102,7 @@ def given_for_drops() -> dict[str, object]:
     )  # fmt: skip
     supports = [rotor_ida.Support(node=node, stiffness=2.0) for node in ("disc", "end")]
     unbalance = [rotor_ida.Unbalance(node="disc", moment=0.01)]
-    return {"system": system, "bearings": [touch], "supports": supports, "failing": ["disc"],
+    return {"system": system, "contacts": [touch], "supports": supports, "failing": ["disc"],
             "unbalance": unbalance, "speed": 3.0, "duration": 5.0, "inertia": 5.0}  # fmt: skip
 
 
@@ -142,7 +136,7 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "system_sweep": a_system_sweep,
     "system_cycle": a_system_cycle,
     "system_branch": a_system_branch,
-    "system_whirls": lambda: over_speed("synchronous_response_system"),
+    "system_whirls": lambda: over_speed("synchronous_response"),
     "special_speeds": lambda: over_speed("special_speeds"),
     "campbell": lambda: over_speed("campbell"),
     "clearance_report": lambda: over_speed("clearance_report"),

@@ -38,10 +38,11 @@ def run_up(rotor: Rotor) -> np.ndarray:
 
 
 def system(rotor: Rotor | DimensionalRotor) -> np.ndarray:
-    found, (contact,), (unbalance,) = rotor.system()
+    found = rotor.system()
+    (contact,), (unbalance,) = found.contacts, found.unbalance
     law = (contact.clearance, contact.stiffness, contact.exponent, contact.damping,
            contact.friction, contact.radius or 0.0, unbalance.moment)  # fmt: skip
-    matrices = (found.mass, found.stiffness, found.damping, found.static_force)
+    matrices = (found.mass, found.stiffness, found.damping, found.gravity or (0.0, 0.0))
     return np.concatenate([*map(np.ravel, matrices), law])
 
 

@@ -123,7 +123,7 @@ def test_other_names_are_kept_in_system_files_and_archives(tmp_path):
     path = tmp_path / "odd.toml"
     matrices = f"mass = {numbers}, stiffness = {numbers}"
     path.write_text(f"system = {{ {matrices}, nodes = {{ {nodes} }} }}")
-    assert list(load_system(path).system.nodes) == list(system(NAMES).nodes) == NAMES
+    assert list(load_system(path).nodes) == list(system(NAMES).nodes) == NAMES
 
 
 def test_a_message_of_a_file_is_one_line_without_control_characters(tmp_path):
@@ -280,17 +280,17 @@ def test_every_command_of_a_system_shows_odd_names(folder, capfd):
 @pytest.fixture(scope="module")
 def results():
     """Return results of a small system by the functions that draw them."""
-    system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    around = {"contacts": contacts, "unbalance": unbalance}
-    run = simulate(system, **around, speed=2.0, duration=20.0)
-    rotor = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
+    system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    run = simulate(system, speed=2.0, duration=20.0)
     bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0)
-    given = {"bearings": [bearing], "speed": 500.0, "duration": 0.02, "workers": 1}
+    rotor = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)},
+                        contacts=[bearing])  # fmt: skip
+    given = {"speed": 500.0, "duration": 0.02, "workers": 1}
     drops = drop_ensemble(rotor, **given, drops=2)
     return [
         (plot_node_orbits, run), (plot_shape, run), (plot_contact_forces, run), (drop_figure, run),
         (lambda run: plot_node_history(run, node=str(run["node"].values[0])), run),
-        (system_cycle_figure, limit_cycle(system, **around, speed=2.0)), (drops_figure, drops),
+        (system_cycle_figure, limit_cycle(system, speed=2.0)), (drops_figure, drops),
         (drops_figure, drop_ensemble(rotor, **given, phase=[0.0, 1.0])),
     ]  # fmt: skip
 

@@ -14,7 +14,8 @@ HERE = Path(__file__).parents[1]
 TASKS = {
     "Describe a rotor": ["Rotor", "DimensionalRotor", "dimensional"],
     "Describe a rotor system": [
-        *("RotorSystem", "Contact", "Stator", "Race", "Unbalance", "load_system"),
+        *("RotorSystem", "Contact", "Stator", "Race", "Unbalance", "Support"),
+        *("load_system", "load_course"),
     ],
     "Simulate": ["simulate", "run_up", "run_ups", "contact_summary", "contact_forces", "rotating"],
     "Exact responses": [
@@ -23,12 +24,10 @@ TASKS = {
     ],
     "Steady states, sweeps and chaos": [
         *("sweep", "compare", "bifurcation_diagram", "poincare_section", "lyapunov_exponent"),
-        *("lyapunov_exponent_system",),
         "spectrum",
     ],
     "Limit cycles and branches": [
         *("limit_cycle", "continue_cycle", "bifurcation_curve", "branches_through"),
-        *("limit_cycle_system", "continue_cycle_system"),
     ],
     "Basins of attraction": [
         *("basin", "basin_fractions", "continue_attractors", "touchdown_report"),

@@ -20,7 +20,7 @@ from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
     from rotor_ida.model.rotor_system import RotorSystem
-    from rotor_ida.results.system_file import SystemFile
+    from rotor_ida.results.system_file import Course
 
 # Options of one disc that also apply to a system.
 SPEED = "speed"
@@ -37,13 +37,13 @@ def simulate_file(
 ) -> Report:
     """Simulate the system of a file at a constant speed."""
     how = _checked(rotor.given, rotor.machine, start, solver, output)
-    case = _case(file, rotor.given, given)
-    speed = rotor.given.get(SPEED, case.speed)
+    system, course = case_of(file, {**rotor.given, **given})
+    speed = rotor.given.get(SPEED, course.speed)
     if speed is None:
         raise InputError(f"speed must be given with --speed or in {file}")
     with working("simulate [%]") as progress, _told_by_the_answer():
-        run = rotor_ida.simulate_system(
-            case.system, **case.around, **given, **how, speed=speed, progress=progress
+        run = rotor_ida.simulate(
+            system, **course.motion, **given, **how, speed=speed, progress=progress
         )
     return answer(run, output, most=FIRST_ROWS)
 
@@ -60,12 +60,10 @@ def run_up_file(
     """Simulate the system of a file at a changing speed."""
     how = _checked(rotor.given, rotor.machine, start, solver, output)
     of_change = {name: each for name, each in asdict(change).items() if each is not None}
-    case = _case(file, rotor.given, {**given, **of_change})
+    system, course = case_of(file, {**rotor.given, **given, **of_change})
     with working("run-up [%]") as progress, _told_by_the_answer():
-        run = rotor_ida.run_up_system(
-            case.system, **case.around, **given, **how, **_change(case, rotor, of_change),
-            progress=progress,
-        )  # fmt: skip
+        ways = _change(course, rotor, of_change)
+        run = rotor_ida.run_up(system, **course.motion, **given, **how, **ways, progress=progress)
     return answer(run, output, most=FIRST_ROWS)
 
 
@@ -86,13 +84,11 @@ def sweep_file(
         )
     if SPEED not in rotors.values:
         raise InputError("speed must be given with --speed for a sweep of a rotor system")
-    case = _case(file, rotors.values, {})
-    around = {name: each for name, each in case.around.items() if name != "more_modes"}
-    begun = around.pop("start", None)
+    system, course = case_of(file, rotors.values)
     with working("sweep", given["study"]) as progress:
-        dataset = rotor_ida.sweep_system(
-            case.system, **around, starts=[begun], speed=rotors.values[SPEED], **given, **how,
-            progress=progress,
+        dataset = rotor_ida.sweep(
+            system, starts=[course.start], modes=course.modes, speed=rotors.values[SPEED],
+            **given, **how, progress=progress,
         )  # fmt: skip
         return answer_whole(dataset, output, given["study"])
 
@@ -106,13 +102,15 @@ def _told_by_the_answer() -> Iterator[None]:
 
 
 def cycle_case(
-    file: Path, rotor: RotorOptions, start: State | None, output: Output
+    file: Path, rotor: RotorOptions, start: State | None, output: Output, *, without_gravity: bool
 ) -> tuple[RotorSystem, dict[str, Any]]:
     """Return the system of a file, and what its cycles are computed from."""
     _checked(rotor.given, rotor.machine, start, options.SolverOptions(), output)
-    case = _case(file, rotor.given, {})
-    given = {name: each for name, each in case.around.items() if name != "more_modes"}
-    return case.system, given | {SPEED: rotor.given.get(SPEED, case.speed)}
+    system, course = case_of(file, rotor.given)
+    if without_gravity:
+        system = replace(system, gravity=None)
+    speed = rotor.given.get(SPEED, course.speed)
+    return system, {"start": course.start, "modes": course.modes, SPEED: speed}
 
 
 def _checked(
@@ -135,24 +133,16 @@ def _checked(
     return {name: chosen[name] for name in OF_SYSTEM if chosen[name] is not None}
 
 
-def _case(file: Path, quantities: Mapping[str, Any], given: Mapping[str, Any]) -> SystemFile:
-    """Return what a file says; units are for one in SI units."""
-    case = rotor_ida.load_system(file)
-    if case.system.units != "SI":
-        refuse_units({**quantities, **given})
-    return case
-
-
-def _change(case: SystemFile, rotor: RotorOptions, given: Mapping[str, Any]) -> dict[str, Any]:
+def _change(course: Course, rotor: RotorOptions, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the change of speed: that of the file, unless options give another."""
     begins = [each for each in (given.get("begin"), rotor.given.get(SPEED)) if each is not None]
     if len(begins) > 1:
         raise InputError("speed must be left out with --from, got both")
     ways = {name: each for name, each in given.items() if name != "begin"}
     replaces = bool(ways.keys() - {"duration"})
-    found = {**({} if replaces else case.change), **ways}
+    found = {**({} if replaces else course.run_up), **ways}
     if "speeds" not in found:
-        found[SPEED] = begins[0] if begins else case.change.get(SPEED, 0.0)
+        found[SPEED] = begins[0] if begins else course.run_up.get(SPEED, 0.0)
     elif begins:
         raise InputError(f"from must be left out with speeds, got {shown(begins[0])}")
     return found
@@ -167,42 +157,32 @@ def whirls_file(
         if name != SPEED and value is not None:
             raise InputError(f"{name} must be left out with a rotor system, got {shown(value)}")
     output.check()
-    case = case_of(file, {SPEED: speeds})
+    system, course = linear_case(file, {SPEED: speeds}, without_gravity=without_gravity)
     if speeds is None:
-        speeds = case.speed
+        speeds = course.speed
     if speeds is None:
         raise InputError(f"speed must be given with --speed or in {file}")
-    found = rotor_ida.synchronous_response_system(
-        **weighed(case, without_gravity=without_gravity), speed=speeds
-    )
+    found = rotor_ida.synchronous_response(system, speed=speeds)
     return answer(found, output, most=FIRST_ROWS)
 
 
-def case_of(file: Path, given: Mapping[str, Any]) -> SystemFile:
+def case_of(file: Path, given: Mapping[str, Any]) -> tuple[RotorSystem, Course]:
     """Return what a file says; options with units are for one in SI units."""
-    case = rotor_ida.load_system(file)
-    if case.system.units != "SI":
+    from rotor_ida.results.system_file import read_system_file  # noqa: PLC0415 - heavy
+
+    system, course = read_system_file(file)
+    if system.units != "SI":
         refuse_units(given)
-    return case
+    return system, course
 
 
-def linear_system(case: SystemFile, system: RotorSystem | None = None) -> RotorSystem:
-    """Return the rotor of a file, or a given one, in a few modes if the file says so."""
-    rotor = case.system if system is None else system
-    if case.modes is None:
-        return rotor
-    held = [each.node for each in case.contacts]
-    held += [each.stator for each in case.contacts if isinstance(each.stator, str)]
-    return rotor.reduced(modes=case.modes, keep=list(dict.fromkeys(held)))
+def linear_case(
+    file: Path, given: Mapping[str, Any], *, without_gravity: bool
+) -> tuple[RotorSystem, Course]:
+    """Return what a file says, its system in a few modes if the file says so."""
+    from rotor_ida.systems.modes import in_modes  # noqa: PLC0415 - heavy
 
-
-def weighed(case: SystemFile, *, without_gravity: bool) -> dict[str, Any]:
-    """Return the system with its weight as a static force, its contacts and unbalance."""
-    from rotor_ida.model.supports import levitated_system  # noqa: PLC0415 - heavy
-
-    gravity = None if without_gravity else case.gravity
-    system = linear_system(case, levitated_system(case.rotor, case.supports, gravity))
-    if gravity is not None:
-        own = 0.0 if system.static_force is None else system.static_force
-        system = replace(system, static_force=own + system.weight(gravity))
-    return {"system": system, "contacts": case.contacts, "unbalance": case.unbalance}
+    system, course = case_of(file, given)
+    if without_gravity:
+        system = replace(system, gravity=None)
+    return in_modes(system, course.modes, None)[0], course

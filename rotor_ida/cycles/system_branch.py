@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Unpack
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
@@ -25,8 +24,7 @@ from rotor_ida.cycles.system_dataset import system_branch_dataset
 from rotor_ida.cycles.system_guess import CLOSING_RTOL, CycleProblem, guess_of_system
 from rotor_ida.cycles.system_problem import SystemGuess, branch_over_speed
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, interruptible
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Folder, open_results
@@ -37,31 +35,30 @@ from rotor_ida.systems.starts import Start
 def continue_cycle_system(
     system: RotorSystem,
     *,
-    contacts: Sequence[Contact],
     limits: tuple[float, float],
     speed: float | None = None,
-    unbalance: Sequence[Unbalance] = (),
-    gravity: tuple[float, float] | None = None,
-    static_force: npt.ArrayLike | None = None,
     start: Start | xr.Dataset = None,
     modes: int | None = None,
     direction: Direction = "both",
     points: int = 2000,
     study: Folder | None = None,
     progress: Progress | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Follow a limit cycle of a rotor system over the speed, around folds and through grazes.
 
     Parameters
     ----------
-    system, contacts, unbalance, gravity, static_force, modes
-        As in `limit_cycle_system`.
+    system, modes
+        As in `limit_cycle`.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of the system, as in `simulate`.
     limits : tuple of float
         Smallest and largest speed, both of the same sign.
     speed : float
         Speed at the start; by default that of the start.
     start : (q, velocity), "settled", "rest", None or Dataset
-        A start that leads to the cycle; or the result of `limit_cycle_system`; or one point of a
+        A start that leads to the cycle; or the result of `limit_cycle`; or one point of a
         branch or of a `sweep`; or one special point of a branch, where the branch of doubled cycles
         is followed from a period doubling; or a Hopf point of `special_speeds`, where the cycles
         born from that rub are followed.
@@ -76,7 +73,7 @@ def continue_cycle_system(
     Returns
     -------
     Dataset
-        On ``point``: ``speed`` and, as in `limit_cycle_system`, the numbers of the cycles. On
+        On ``point``: ``speed`` and, as in `limit_cycle`, the numbers of the cycles. On
         ``special``, in order along the branch: ``special_kind`` (fold, period doubling, torus,
         graze, sliding, hopf, discontinuous), ``special_speed``, ``special_period``,
         ``special_radius_max`` and ``special_state``; ``special_point`` is the point before it.
@@ -100,20 +97,16 @@ def continue_cycle_system(
     Examples
     --------
     >>> from rotor_ida import Rotor
-    >>> system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    >>> branch = continue_cycle_system(
-    ...     system, contacts=contacts, unbalance=unbalance, speed=2.0, limits=(1.7, 2.1))
+    >>> system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    >>> branch = continue_cycle_system(system, speed=2.0, limits=(1.7, 2.1))
     >>> branch.special_speed.values.round(6), branch.special_kind.values
     (array([1.803392]), array([2], dtype=int8))
     """
+    system = changed_system(continue_cycle_system, system, changed)
     check_choice("direction", direction, tuple(WAYS))
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
     check_progress(progress)
-    around = {
-        "system": system, "contacts": contacts, "unbalance": unbalance, "start": start,
-        "static_force": static_force,
-    }  # fmt: skip
-    problem, begun = CycleProblem.of(modes, around, gravity)
+    problem, begun = CycleProblem.of(system, modes, start)
     guess = guess_of_system(problem, begun, speed)
     bounds = _limits(limits, guess.flow.speed)
     return branch_from(problem, _with_period(guess), bounds, direction, count, study, progress)

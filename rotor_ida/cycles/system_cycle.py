@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
+from typing import Unpack
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Stop, Values
@@ -22,8 +21,7 @@ from rotor_ida.cycles.system_guess import (
 )
 from rotor_ida.cycles.system_orbit import SystemOrbit, with_tolerance
 from rotor_ida.cycles.system_problem import SystemGuess, closed_orbit
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import interruptible
 from rotor_ida.steady.response import BOUNCING, FULL_CONTACT, ROLLING, UNRESOLVED
 from rotor_ida.steady.system_motion import settle
@@ -39,25 +37,26 @@ LOOSER, ELSEWHERE = 30.0, 0.37
 def limit_cycle_system(
     system: RotorSystem,
     *,
-    contacts: Sequence[Contact],
     speed: float | None = None,
-    unbalance: Sequence[Unbalance] = (),
-    gravity: tuple[float, float] | None = None,
-    static_force: npt.ArrayLike | None = None,
     start: Start | xr.Dataset = None,
     period: float | None = None,
     modes: int | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute the limit cycle of a rotor system to which a start leads, or near a guess.
 
     Parameters
     ----------
-    system, contacts, unbalance, gravity, static_force, modes
-        As in `simulate_system`. There must be contacts and damping.
+    system : RotorSystem
+        The rotor. There must be contacts and damping.
+    modes : int, optional
+        As in `simulate`.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of the system, as in `simulate`.
     speed : float
         Spin speed, not 0; by default that of the start.
     start : (q, velocity), "settled", "rest", None or Dataset
-        Start at time 0, as in `simulate_system`, from which the system is followed to its
+        Start at time 0, as in `simulate`, from which the system is followed to its
         attractor. Another limit cycle, or one point of a branch or of a `sweep` that has a period,
         serves as a guess.
     period : float, optional
@@ -98,16 +97,12 @@ def limit_cycle_system(
     One disc as a system:
 
     >>> from rotor_ida import Rotor
-    >>> system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    >>> cycle = limit_cycle_system(system, contacts=contacts, unbalance=unbalance, speed=2.0)
+    >>> cycle = limit_cycle_system(Rotor(omega=2.0, zeta=0.07, delta0=2.0).system(), speed=2.0)
     >>> cycle.period.round(9).item(), cycle.contact_count.values
     (4.563916675, array([1]))
     """
-    around = {
-        "system": system, "contacts": contacts, "unbalance": unbalance, "start": start,
-        "static_force": static_force,
-    }  # fmt: skip
-    problem, begun = CycleProblem.of(modes, around, gravity)
+    system = changed_system(limit_cycle_system, system, changed)
+    problem, begun = CycleProblem.of(system, modes, start)
     guess = guess_of_system(problem, begun, speed, period)
     check_is_cycle(guess)
     return interruptible(lambda stop: _dataset_from(problem, guess, stop))

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,7 +14,7 @@ from rotor_ida.core.runs import NO_STOP
 from rotor_ida.cycles.guess import DOUBLING, NO_CYCLE
 from rotor_ida.cycles.system_problem import HOPF, RubNear, SystemGuess
 from rotor_ida.errors import InputError
-from rotor_ida.model.system_parts import Unbalance
+from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.schema import SPECIAL, by_number
 from rotor_ida.steady.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.system_sweep import check_slowest, first_state
@@ -38,40 +36,33 @@ class CycleProblem:
     ----------
     assembly : Assembly
         The system with its stators, contacts and forces.
-    unbalance : sequence of Unbalance
-        Its unbalance.
     settling : SettlingProblem
         The same as a motion, with the tolerance that closes cycles.
     """
 
     assembly: Assembly
-    unbalance: Sequence[Unbalance]
     settling: SettlingProblem
 
     @classmethod
     def of(
-        cls, modes: int | None, around: Mapping[str, Any], gravity: tuple[float, float] | None
+        cls, system: RotorSystem, modes: int | None = None, start: object = None
     ) -> tuple[CycleProblem, object]:
-        """Return the problem of a system with what is around it, and its start, in its modes."""
-        around = dict(around)
-        system, dataset = around.pop("system"), None
-        if isinstance(around["start"], xr.Dataset):  # already in the modes of the system
-            dataset, around["start"] = around["start"], None
-        given = in_modes(system, modes, around)
-        assembly = assemble(
-            given["system"], given["contacts"], given["unbalance"], gravity, given["static_force"]
-        )
+        """Return the problem of a system, and its start, in its modes.
+
+        A dataset is already in these.
+        """
+        taken, begun = in_modes(system, modes, start)
+        assembly = assemble(taken)
         if not assembly.contacts:
             raise InputError("contacts must be given for a limit cycle of a system, got none")
         settling = SettlingProblem.of(assembly, CLOSING_RTOL)
         if not settling.has_damping:
             raise InputError("damping must be above 0 for a limit cycle: nothing settles")
-        problem = cls(assembly, given["unbalance"], settling)
-        return problem, given["start"] if dataset is None else dataset
+        return cls(assembly, settling), begun
 
     def described(self) -> dict[str, Column]:
         """Return what it is computed from, as variables, with the names of its nodes."""
-        held = described_problem(self.assembly, self.unbalance)
+        held = described_problem(self.assembly)
         return held | {"node": ("node", np.array(list(self.assembly.system.nodes), str))}
 
     def at(self, speed: float) -> SystemFlow:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -28,11 +28,10 @@ from rotor_ida.explorer.system_touches import bands_in_words, clear_whirl, why_w
 from rotor_ida.explorer.system_verdicts import touched_on_the_way, verdict
 from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.supports import with_supports
-from rotor_ida.model.system_parts import Contact, Support, Unbalance
+from rotor_ida.model.system_parts import Contact, Support
 from rotor_ida.results.archive import load
 from rotor_ida.results.kinds import kind_of
-from rotor_ida.results.system_file import SystemFile, load_system
+from rotor_ida.results.system_file import Course, read_system_file
 from rotor_ida.schema import SPECIAL, STABILITY
 from rotor_ida.signals.nodes import at_node
 from rotor_ida.signals.record import record_of
@@ -57,46 +56,38 @@ LOW, HIGH, TURNS = 0.1, 1.5, 300
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """A system with what is around it, changed as the page asks; of an archive, its run too.
+    """A system, changed as the page asks, and how it moves; of an archive, its run too.
 
     Parameters
     ----------
     system : RotorSystem
         The rotor.
-    contacts : tuple of Contact
-        Its contacts.
-    unbalance : tuple of Unbalance
-        Its unbalance.
     speed : float
         Running speed.
-    file : SystemFile, optional
-        The system file, if it is one.
+    course : Course, optional
+        How it moves, if it is from a system file.
     run : Dataset, optional
         The run of an archive.
     """
 
     system: RotorSystem
-    contacts: tuple[Contact, ...]
-    unbalance: tuple[Unbalance, ...]
     speed: float
-    file: SystemFile | None = None
+    course: Course | None = None
     run: xr.Dataset | None = None
 
     @property
     def drops(self) -> bool:
         """Whether the file describes a drop."""
-        return self.file is not None and "duration" in self.file.fall
+        return self.course is not None and "duration" in self.course.fall
 
     @property
     def levitated(self) -> RotorSystem:
         """The system with its magnetic bearings, of a drop with those before it.
 
-        It carries no static force: linear motions and whirls have none.
+        It carries no constant force: linear motions and whirls have none.
         """
-        system, supports = self.system, []
-        if self.file is not None:
-            system, supports = self.file.rotor, list(self.file.supports)
-        elif self.run is not None and "support_fails" in self.run:
+        supports = self.system.supports
+        if self.run is not None and "support_fails" in self.run:
             failed = self.run.isel(support=self.run["support_fails"].values == 1)
             supports = [
                 Support(node=str(each["support_node"].values),
@@ -104,7 +95,7 @@ class Case:
                         damping=tuple(each["support_damping"].values.tolist()))
                 for each in (failed.isel(support=i) for i in range(failed.sizes["support"]))
             ]  # fmt: skip
-        return replace(with_supports(system, supports), static_force=None)
+        return replace(self.system, supports=supports, gravity=None, static_force=None)
 
 
 def case_of(question: SystemQuestion) -> Case:
@@ -112,16 +103,17 @@ def case_of(question: SystemQuestion) -> Case:
     if question.path is None:
         raise InputError("a system file or an archive of one must be given: drop it on the page")
     found = _case_in(question.path)
-    contacts = list(found.contacts)
+    contacts = list(found.system.contacts)
     changes: dict[str, Any] = dict(question.changes)
     factor = changes.pop("unbalance_factor", 1.0)
     if changes:
         if question.contact >= len(contacts):
             raise InputError(f"contact must be below {len(contacts)}, got {question.contact}")
         contacts[question.contact] = replace(contacts[question.contact], **changes)
-    unbalance = tuple(replace(each, moment=factor * each.moment) for each in found.unbalance)
+    unbalance = [replace(each, moment=factor * each.moment) for each in found.system.unbalance]
     speed = found.speed if question.speed is None else question.speed
-    return replace(found, contacts=tuple(contacts), unbalance=unbalance, speed=speed)
+    system = replace(found.system, contacts=contacts, unbalance=unbalance)
+    return replace(found, system=system, speed=speed)
 
 
 def _case_in(path: Path) -> Case:
@@ -143,13 +135,11 @@ def show_opened_file(upload: SystemUpload) -> Iterator[Answer]:
 def _read(path: Path, _changed: int) -> Case:
     """Return the case of a file; a newer version of the file is read again."""
     if path.suffix.lower() == ".toml":
-        file = load_system(path)
-        speed = file.speed if file.speed is not None else file.change.get("to")
+        system, course = read_system_file(path)
+        speed = course.speed if course.speed is not None else course.run_up.get("to")
         if speed is None:
             raise InputError(f"{path.name}: speed must be given")
-        system = file.rotor if "duration" in file.fall else file.system
-        return Case(system=system, contacts=file.contacts, unbalance=file.unbalance,
-                    speed=speed, file=file)  # fmt: skip
+        return Case(system=system, speed=speed, course=course)
     try:
         run = load(path)
     except (OSError, ValueError) as error:
@@ -158,10 +148,8 @@ def _read(path: Path, _changed: int) -> Case:
         raise InputError(
             f"{path.name}: a run or a drop of a rotor system must be given, got {kind_of(run)!r}"
         )
-    system, around = problem_of(run)
     fastest = float(run["speed"].max()) if "speed" in run else float(run.attrs["speed"])
-    return Case(system=system, contacts=tuple(around["contacts"]),
-                unbalance=tuple(around["unbalance"]), speed=fastest, run=run)  # fmt: skip
+    return Case(system=problem_of(run)[0], speed=fastest, run=run)
 
 
 @lru_cache(maxsize=2)
@@ -170,14 +158,10 @@ def _computed(question: SystemQuestion, _changed: int) -> xr.Dataset:
     case = case_of(question)
     if case.run is not None:
         return case.run
-    assert case.file is not None
+    assert case.course is not None
     if case.drops:
-        given = case.file.drop | {
-            "bearings": case.contacts, "unbalance": case.unbalance, "speed": case.speed
-        }  # fmt: skip
-        return drop(**given)
-    around = case.file.around | {"contacts": case.contacts, "unbalance": case.unbalance}
-    return simulate_system(case.system, **around, speed=case.speed,
+        return drop(case.system, **case.course.drop | {"speed": case.speed})
+    return simulate_system(case.system, **case.course.motion, speed=case.speed,
                            duration=_duration(case, question.revolutions))  # fmt: skip
 
 
@@ -228,16 +212,8 @@ def show_system_run(question: SystemQuestion) -> Iterator[Answer]:
 
 def _assembly(case: Case) -> Assembly:
     """Return the system with its stators and constant forces, in the modes of its file."""
-    around: dict[str, Any] = {
-        "contacts": case.contacts, "unbalance": case.unbalance, "gravity": None,
-        "static_force": None, "start": None,
-    }  # fmt: skip
-    if case.run is not None:
-        around["static_force"] = case.run["constant_force"].values
-    elif case.file is not None:
-        around["gravity"] = case.file.gravity
-    given = in_modes(case.system, None if case.file is None else case.file.modes, around)
-    return assemble(**{name: each for name, each in given.items() if name != "start"})
+    modes = None if case.course is None else case.course.modes
+    return assemble(in_modes(case.system, modes, None)[0])
 
 
 @lru_cache(maxsize=2)
@@ -247,7 +223,11 @@ def _bands(question: SystemQuestion, _changed: int) -> str:
     Before a drop the rotor levitates: what holds it then is not in the system.
     """
     case = case_of(question)
-    if case.drops or (case.run is not None and kind_of(case.run) == "drop") or not case.contacts:
+    if (
+        case.drops
+        or (case.run is not None and kind_of(case.run) == "drop")
+        or (not case.system.contacts)
+    ):
         return ""
     try:
         return bands_in_words(_assembly(case), np.linspace(0.0, HIGH * case.speed, SPEEDS)[1:])
@@ -260,30 +240,30 @@ def node_of(case: Case, question: SystemQuestion) -> str:
     nodes = list(case.system.nodes)
     if question.node and question.node not in nodes:
         raise InputError(f"node must be one of {', '.join(nodes)}, got {shown(question.node)}")
-    return question.node or (case.contacts[0].node if case.contacts else nodes[0])
+    contacts = case.system.contacts
+    return question.node or (contacts[0].node if contacts else nodes[0])
 
 
 def _sketch(case: Case, question: SystemQuestion) -> dict[str, object]:
     """Return what a sketch of the rotor shows, and where sliders start."""
     places = case.system.positions or {n: float(i) for i, n in enumerate(case.system.nodes)}
-    supports = () if case.file is None else case.file.supports
     contacts = [
         {"node": each.node, "centre": each.centre, "on_stator": each.stator is not None}
         | {name: getattr(each, name) for name in OF_CONTACT}
-        for each in case.contacts
+        for each in case.system.contacts
     ]
     file = _read(question.path, question.path.stat().st_mtime_ns) if question.path else case
     return {
         "nodes": list(places), "positions": list(places.values()),
         "has_positions": case.system.positions is not None, "units": case.system.units,
-        "contacts": contacts, "supports": [each.node for each in supports],
+        "contacts": contacts, "supports": [each.node for each in case.system.supports],
         "masses": [_mass(case.system, node) for node in case.system.nodes],
-        "unbalance": [each.node for each in case.unbalance], "node": node_of(case, question),
+        "unbalance": [each.node for each in case.system.unbalance], "node": node_of(case, question),
         "speed": case.speed, "file_speed": file.speed, "is_archive": case.run is not None,
         "is_drop": case.drops,
         "from_file": [
             {name: getattr(each, name) for name in OF_CONTACT} | {"rubs": each.radius is not None}
-            for each in file.contacts
+            for each in file.system.contacts
         ],
     }  # fmt: skip
 
@@ -334,8 +314,7 @@ def _campbell(case: Case) -> Answer:
     speeds = np.linspace(LOW * case.speed, HIGH * case.speed, FEW_SPEEDS)
     try:
         found = campbell(
-            case.levitated, contacts=case.contacts, speed=speeds,
-            modes=min(MOST_EIGENVALUES, case.system.size),
+            case.levitated, speed=speeds, modes=min(MOST_EIGENVALUES, case.system.size)
         ).isel(contact_stiffness=0)  # fmt: skip
     except InputError as error:
         return Answer("campbell", {"notes": [str(error)]})
@@ -352,23 +331,18 @@ def _whirls(question: SystemQuestion, _changed: int) -> tuple[xr.Dataset, xr.Dat
     case = case_of(question)
     system = case.levitated
     low, high = LOW * case.speed, HIGH * case.speed
-    around: dict[str, Any] = {"contacts": case.contacts, "unbalance": case.unbalance}
-    whirls = synchronous_response_system(system, **around, speed=np.linspace(low, high, SPEEDS))
+    whirls = synchronous_response_system(system, speed=np.linspace(low, high, SPEEDS))
     points = None
-    if case.contacts:
-        points = special_speeds(system, **around, limits=(low, high))
+    if system.contacts:
+        points = special_speeds(system, limits=(low, high))
     return whirls, points
 
 
 def _left_out(case: Case) -> list[str]:
     """Return notes on what acts in the run but not on the exact whirls, and the reverse."""
-    forces: list[Any] = [case.system.static_force]
-    if case.run is not None:
-        forces.append(case.run["constant_force"].values)
-    elif case.file is not None:
-        forces.append(case.file.gravity)
-        if case.drops and case.file.gravity is None and case.system.units == "SI":
-            forces.append(GRAVITY)  # a drop's default
+    forces: list[Any] = [case.system.static_force, case.system.gravity]
+    if case.drops and case.system.gravity is None and case.system.units == "SI":
+        forces.append(GRAVITY)  # a drop's default
     acts = any(each is not None and np.any(each) for each in forces)
     told = ["without gravity and static forces"] if acts else []
     return told + _levitation(case) + _notes_of(case)
@@ -410,7 +384,7 @@ def show_system_run_up(question: SystemQuestion) -> Iterator[Answer]:
     arrays |= unless_impossible(cascade_rows, signals, record, notes)
     facts: dict[str, object] = {
         "notes": notes, "node": node_of(case, question),
-        "touches": touched_on_the_way(run) if case.contacts else "",
+        "touches": touched_on_the_way(run) if case.system.contacts else "",
     }  # fmt: skip
     yield Answer("run_up", facts, arrays)
 
@@ -419,13 +393,12 @@ def show_system_run_up(question: SystemQuestion) -> Iterator[Answer]:
 def _run_up(question: SystemQuestion, _changed: int) -> xr.Dataset:
     """Return the run-up of the file, or else one over the speeds shown."""
     case = case_of(question)
-    assert case.file is not None
-    change: Mapping[str, Any] = case.file.change
+    assert case.course is not None
+    change = case.course.run_up
     if not change.keys() - {"speed"}:  # the file has no run-up
         time = 2.0 * math.pi * TURNS / (0.5 * (LOW + HIGH) * case.speed)
         change = {"speed": LOW * case.speed, "to": HIGH * case.speed, "ramp_time": time}
-    around = case.file.around | {"contacts": case.contacts, "unbalance": case.unbalance}
-    return run_up_system(case.system, **around, **change)
+    return run_up_system(case.system, **case.course.motion, **change)
 
 
 def lines_of(question: SystemQuestion) -> str:
@@ -434,36 +407,36 @@ def lines_of(question: SystemQuestion) -> str:
     assert path is not None
     if case.run is not None:
         return f"from rotor_ida import load\n\nrun = load({in_python(path.name)})\n"
+    verb, path_said = "drop" if case.drops else "simulate", in_python(path.name)
     lines = [
-        "from dataclasses import replace", "",
-        f"from rotor_ida import {'drop' if case.drops else 'simulate'}, load_system", "",
-        f"case = load_system({in_python(path.name)})", "contacts = list(case.contacts)",
-        "unbalance = list(case.unbalance)",
+        f"from rotor_ida import {verb}, load_course, load_system", "",
+        f"system, course = load_system({path_said}), load_course({path_said})",
     ]  # fmt: skip
     changes = dict(question.changes)
     factor = changes.pop("unbalance_factor", 1.0)
+    changed = []
     if changes:
         words = ", ".join(f"{name}={value!r}" for name, value in changes.items())
         number = question.contact
-        lines.append(f"contacts[{number}] = replace(contacts[{number}], {words})")
+        lines += ["contacts = list(system.contacts)",
+                  f"contacts[{number}] = replace(contacts[{number}], {words})"]  # fmt: skip
+        changed.append("contacts=contacts")
     if factor != 1.0:
-        lines.append(
-            f"unbalance = [replace(each, moment={factor!r} * each.moment) for each in unbalance]"
-        )
+        lines += [
+            f"unbalance = [replace(each, moment={factor!r} * each.moment)"
+            " for each in system.unbalance]"
+        ]
+        changed.append("unbalance=unbalance")
+    if changed:
+        lines = ["from dataclasses import replace", "", *lines,
+                 f"system = replace(system, {', '.join(changed)})"]  # fmt: skip
     if case.drops:
-        lines += [
-            'given = {**case.drop, "bearings": contacts, "unbalance": unbalance, '
-            f'"speed": {case.speed!r}}}',
-            "run = drop(**given)",
-        ]
+        lines.append(f'run = drop(system, **course.drop | {{"speed": {case.speed!r}}})')
     else:
-        lines += [
-            'around = {**case.around, "contacts": contacts, "unbalance": unbalance}',
-            f"run = simulate(case.system, **around, speed={case.speed!r}, "
-            f"duration={_duration(case, question.revolutions)!r})",
-        ]
-    if not (changes or factor != 1.0):
-        lines = lines[2:]
+        lines.append(
+            f"run = simulate(system, speed={case.speed!r}, "
+            f"duration={_duration(case, question.revolutions)!r}, **course.motion)"
+        )
     return "\n".join(lines) + "\n"
 
 
@@ -484,7 +457,7 @@ def command_of(question: SystemQuestion) -> str:
     factor = changes.pop("unbalance_factor", 1.0)
     first = []
     for name, value in changes.items():
-        number = told(value, _unit(name, case.contacts[question.contact]))
+        number = told(value, _unit(name, case.system.contacts[question.contact]))
         quoted = number if number == repr(value) else f'"{number}"'
         first.append(f"set {name} = {quoted} in contact {question.contact}")
     first += [f"multiply each moment of the unbalance by {factor!r}"] if factor != 1.0 else []

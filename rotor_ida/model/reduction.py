@@ -30,7 +30,9 @@ STILL = 1e-9
 DEPENDENT = 1e-8
 
 
-def reduced_system(system: RotorSystem, *, modes: int, keep: Sequence[str] = ()) -> RotorSystem:
+def reduced_system(
+    system: RotorSystem, *, modes: int, keep: Sequence[str] | None = None
+) -> RotorSystem:
     """Return a rotor system in fewer coordinates.
 
     Parameters
@@ -40,13 +42,15 @@ def reduced_system(system: RotorSystem, *, modes: int, keep: Sequence[str] = ())
     modes : int
         Number of modes without damping and rotation, the slowest first. Modes that move no node,
         such as those of torsion and along the axis, do not count.
-    keep : sequence of str
-        Nodes whose static flexibility is kept: two coordinates more for each.
+    keep : sequence of str, optional
+        Nodes whose static flexibility is kept: two coordinates more for each. Default: those of the
+        contacts.
 
     Returns
     -------
     RotorSystem
-        With a unit mass matrix, and nodes by rows.
+        With a unit mass matrix, and nodes by rows; with the same contacts, unbalance, supports and
+        gravity.
 
     Raises
     ------
@@ -68,8 +72,12 @@ def reduced_system(system: RotorSystem, *, modes: int, keep: Sequence[str] = ())
     return in_basis(system, reduced_basis(system, modes=modes, keep=keep))
 
 
-def reduced_basis(system: RotorSystem, *, modes: int, keep: Sequence[str] = ()) -> Values:
+def reduced_basis(system: RotorSystem, *, modes: int, keep: Sequence[str] | None = None) -> Values:
     """Return the directions that `reduced_system` keeps, shape (n, k), orthonormal by the mass."""
+    if keep is None:
+        touched = [each.node for each in system.contacts]
+        touched += [each.stator for each in system.contacts if isinstance(each.stator, str)]
+        keep = list(dict.fromkeys(touched))
     if isinstance(keep, str) or not all(isinstance(each, str) for each in keep):
         raise InputError(f"keep must be a list of names of nodes, got {shown(keep)}")
     count = check_count("modes", modes, minimum=0, maximum=system.size)
@@ -109,7 +117,9 @@ def in_basis(system: RotorSystem, basis: Values) -> RotorSystem:
         translations = basis.T @ (system.mass @ system.unit_translations())
     except InputError:  # gravity is asked for later, or never
         translations = None
-    force = system.static_force
+    force, size = system.static_force, system.size
+    if force is not None:  # stators keep theirs
+        force = np.concatenate([basis.T @ force[:size], force[size:]])
     stiffness = small(system.stiffness)
     assert stiffness is not None
     gyroscopic = small(system.gyroscopic)
@@ -119,7 +129,8 @@ def in_basis(system: RotorSystem, basis: Values) -> RotorSystem:
         mass=np.eye(basis.shape[1]), stiffness=stiffness, damping=small(system.damping),
         gyroscopic=gyroscopic, stiffness_rate=small(system.stiffness_rate),
         nodes={name: system.rows(name) @ basis for name in system.nodes},
-        translations=translations, static_force=None if force is None else basis.T @ force,
+        translations=translations, contacts=system.contacts, unbalance=system.unbalance,
+        supports=system.supports, gravity=system.gravity, static_force=force,
         gravity_in_static_force=system.gravity_in_static_force, positions=system.positions,
         units=system.units, added_mass=small(system.added_mass), note=system.note,
     )  # fmt: skip

@@ -26,7 +26,7 @@ from rotor_ida.units import SpeedUnit
 
 if TYPE_CHECKING:
     from rotor_ida.model.rotor_system import RotorSystem
-    from rotor_ida.model.system_parts import Contact, Unbalance
+    from rotor_ida.model.system_parts import Contact
 
 # Quotients and products of smaller or larger scales leave the range of doubles.
 SMALLEST_SCALE = 1e-100
@@ -122,13 +122,13 @@ class Rotor:
         """Whether all energy is lost to viscous damping, so that areas shrink as exp(-2 zeta t)."""
         return self.beyond.keys() <= {"shaft_stiffness", "contact_exponent", "load"}
 
-    def system(self) -> tuple[RotorSystem, list[Contact], list[Unbalance]]:
+    def system(self) -> RotorSystem:
         """Return the same rotor as a rotor system of one node, ``"disc"``.
 
         Returns
         -------
-        system, contacts, unbalance
-            For `simulate_system`, which takes the speed ``omega`` apart.
+        RotorSystem
+            With its contact, unbalance and load. The speed ``omega`` is given to each function.
 
         Raises
         ------
@@ -137,8 +137,8 @@ class Rotor:
 
         Examples
         --------
-        >>> system, (contact,), (unbalance,) = Rotor(omega=2.0, zeta=0.07, delta0=0.5).system()
-        >>> system, contact.clearance, unbalance.moment
+        >>> system = Rotor(omega=2.0, zeta=0.07, delta0=0.5).system()
+        >>> system, system.contacts[0].clearance, system.unbalance[0].moment
         (RotorSystem(2 degrees of freedom, node disc), 0.5, 1.0)
         """
         from rotor_ida.model.system_parts import Contact  # noqa: PLC0415
@@ -161,18 +161,18 @@ class Rotor:
 def _disc(
     *, mass: float, damping: float, stiffness: float, load: float, contact: Contact,
     moment: float, units: Literal["SI", "1"],
-) -> tuple[RotorSystem, list[Contact], list[Unbalance]]:  # fmt: skip
+) -> RotorSystem:  # fmt: skip
     """Return one disc as a rotor system, with its contact and its unbalance."""
     from rotor_ida.model.rotor_system import RotorSystem  # noqa: PLC0415 - loads scipy
     from rotor_ida.model.system_parts import Unbalance  # noqa: PLC0415
 
     both = np.eye(2)
-    system = RotorSystem(
+    return RotorSystem(
         mass=mass * both, stiffness=stiffness * both, damping=damping * both,
-        nodes={contact.node: (0, 1)}, static_force=np.array([0.0, -load]),
-        gravity_in_static_force=(0.0, -load / mass), units=units,
+        nodes={contact.node: (0, 1)}, contacts=[contact],
+        unbalance=[Unbalance(node=contact.node, moment=moment)],
+        gravity=(0.0, -load / mass) if load else None, units=units,
     )  # fmt: skip
-    return system, [contact], [Unbalance(node=contact.node, moment=moment)]
 
 
 def _set_checked(rotor: Rotor | DimensionalRotor, table: Mapping[str, Parameter]) -> None:
@@ -367,15 +367,15 @@ class DimensionalRotor:
         """The arguments of an equal machine: the paper's parameters, and those not the default."""
         return {name: getattr(self, name) for name in MACHINE_PARAMETERS} | _not_default(self)
 
-    def system(self) -> tuple[RotorSystem, list[Contact], list[Unbalance]]:
+    def system(self) -> RotorSystem:
         """Return the same machine as a rotor system of one node, as `Rotor.system` does, in SI.
 
         Examples
         --------
         >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
         ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
-        >>> machine.system()[2]
-        [Unbalance(node='disc', moment=4e-06, phase=0.0)]
+        >>> machine.system().unbalance
+        (Unbalance(node='disc', moment=4e-06, phase=0.0),)
         """
         from rotor_ida.model.system_parts import Contact  # noqa: PLC0415
 

@@ -1,14 +1,15 @@
-"""A rotor system: any linear rotor, by its matrices, with names for its nodes.
+"""A rotor system: any linear rotor, by its matrices, with all that acts on it.
 
 ``M q'' + (C + Omega G) q' + (K + Omega' K_dot) q = unbalance + static force + contacts``
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict, Unpack, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +26,15 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.system_parts import (
+    Contact,
+    Support,
+    Unbalance,
+    check_contacts,
+    check_list,
+    stators_of,
+)
 
 # Relative size below which a part of a matrix that should vanish is rounding.
 ROUNDED = 1e-9
@@ -37,9 +47,19 @@ LARGEST_IN_MATRIX, LARGEST_IN_ROW = 1e30, 1e15
 Node = tuple[int, int] | npt.ArrayLike
 
 
+class SystemParameters(TypedDict, total=False):
+    """Fields of a `RotorSystem` that the functions of systems take as keywords, in their place."""
+
+    contacts: Sequence[Contact]
+    unbalance: Sequence[Unbalance]
+    supports: Sequence[Support]
+    gravity: tuple[float, float] | None
+    static_force: npt.ArrayLike | None
+
+
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class RotorSystem:
-    """A linear rotor of any size, by its matrices and the names of its nodes.
+    """A linear rotor of any size, by its matrices, with its contacts and the forces on it.
 
     Parameters
     ----------
@@ -56,8 +76,16 @@ class RotorSystem:
         The coordinates of unit translations along x and y, by which gravity acts. Default: 1 at
         the displacements of all nodes that are given by indices, so that these must be all that
         have mass; or what the rows of the nodes determine.
+    contacts : sequence of Contact
+        Its contacts, at most 16.
+    unbalance : sequence of Unbalance
+        Its unbalance; at time 0 an unbalance of phase 0 points along x.
+    supports : sequence of Support
+        Its magnetic bearings, at different nodes.
+    gravity : (float, float), optional
+        Acceleration of gravity along x and y. Default: none.
     static_force : array_like, shape (n,), optional
-        A constant force.
+        A constant force, besides the weight; with two more numbers for each `Stator`, also on it.
     gravity_in_static_force : (float, float), optional
         Acceleration, along x and y, of the gravity whose weight is a part of `static_force`. It
         acts on unbalance too: under a torque its moment about the axis counts. Default: none.
@@ -78,6 +106,13 @@ class RotorSystem:
     RotorSystem(2 degrees of freedom, node disc)
     >>> system.size, system.rows("disc").tolist()
     (2, [[1.0, 0.0], [0.0, 1.0]])
+
+    ``dataclasses.replace`` returns a system with other fields:
+
+    >>> from dataclasses import replace
+    >>> rubbing = replace(system, contacts=[Contact(node="disc", clearance=0.5, stiffness=4.0)])
+    >>> rubbing.contacts[0].clearance
+    0.5
     """
 
     mass: Values
@@ -87,6 +122,10 @@ class RotorSystem:
     stiffness_rate: Values | None = None
     nodes: Mapping[str, Node] = field(default_factory=dict)
     translations: Values | None = None
+    contacts: Sequence[Contact] = ()
+    unbalance: Sequence[Unbalance] = ()
+    supports: Sequence[Support] = ()
+    gravity: tuple[float, float] | None = None
     static_force: Values | None = None
     gravity_in_static_force: tuple[float, float] | None = None
     positions: Mapping[str, float] | None = None
@@ -111,24 +150,55 @@ class RotorSystem:
             raise InputError(
                 f"mass must be positive definite, got a matrix with the eigenvalue {least:.6g}"
             ) from error
-        for name, shape in (("translations", (size, 2)), ("static_force", (size,))):
-            if getattr(self, name) is not None:
-                keep[name] = _shaped(name, getattr(self, name), shape)
+        if self.translations is not None:
+            keep["translations"] = _shaped("translations", self.translations, (size, 2))
         if self.added_mass is not None:
             keep["added_mass"] = _symmetric(
                 "added_mass", _square("added_mass", self.added_mass, size)
             )
         check_choice("units", self.units, UNITS)
         check_note("note", self.note)
-        if (gravity := self.gravity_in_static_force) is not None:
-            pair = _shaped("gravity_in_static_force", gravity, (2,)).tolist()
-            object.__setattr__(self, "gravity_in_static_force", tuple(pair))
+        for name in ("gravity", "gravity_in_static_force"):
+            if (given := getattr(self, name)) is not None:
+                object.__setattr__(self, name, _pair(name, given))
+        object.__setattr__(self, "nodes", _nodes(self.nodes, size))
+        self._check_parts()
+        if self.static_force is not None:
+            force = check_array("static_force", self.static_force, largest=LARGEST_IN_MATRIX)
+            if force.shape not in {(size,), (size + 2 * len(stators_of(self.contacts)),)}:
+                raise InputError(f"static_force must have the shape {(size,)}, got {force.shape}")
+            keep["static_force"] = force.copy()
         for name, values in keep.items():
             values.setflags(write=False)
             object.__setattr__(self, name, values)
-        object.__setattr__(self, "nodes", _nodes(self.nodes, size))
         if self.positions is not None:
             object.__setattr__(self, "positions", _positions(self.positions, self.nodes))
+
+    def _check_parts(self) -> None:
+        """Keep contacts, unbalance and supports as tuples; their nodes must be those here."""
+        found = {
+            "contacts": check_list("contacts", self.contacts, Contact),
+            "unbalance": check_list("unbalance", self.unbalance, Unbalance),
+            "supports": check_list("supports", self.supports, Support),
+        }
+        for name, parts in found.items():
+            for each in parts:
+                self.rows(each.node)  # raises if it is unknown
+            object.__setattr__(self, name, parts)
+        check_contacts(self.contacts)
+        for each in self.contacts:
+            if (
+                isinstance(each.stator, str)
+                and not (self.rows(each.node) - self.rows(each.stator)).any()
+            ):
+                raise InputError(
+                    f"stator of the contact at {shown(each.node)} must be another node, "
+                    f"got {shown(each.stator)}"
+                )
+        held = [each.node for each in self.supports]
+        twice = [node for node in held if held.count(node) > 1]
+        if twice:
+            raise InputError(f"supports must be at different nodes, got {twice[0]!r} twice")
 
     def __repr__(self) -> str:
         names = list(self.nodes)
@@ -178,7 +248,9 @@ class RotorSystem:
         return np.asarray(heavy @ (self.unit_translations() @ np.asarray(gravity)))
 
     @classmethod
-    def from_ross(cls, rotor: Any, *, speed: float) -> RotorSystem:
+    def from_ross(
+        cls, rotor: Any, *, speed: float, **changed: Unpack[SystemParameters]
+    ) -> RotorSystem:
         """Return the system of a rotor of the package ROSS.
 
         Parameters
@@ -187,6 +259,8 @@ class RotorSystem:
             The rotor. Nothing of ROSS is imported: any object with its methods ``M K C G`` will do.
         speed : float
             Speed at which coefficients of bearings and seals are taken [rad/s].
+        contacts, unbalance, supports, gravity, static_force : optional
+            As for a system by its matrices.
 
         Returns
         -------
@@ -208,26 +282,83 @@ class RotorSystem:
         """
         from rotor_ida.model.ross_rotors import system_of_ross  # noqa: PLC0415
 
-        return cls(**system_of_ross(rotor, speed=speed))
+        found = cls(**system_of_ross(rotor, speed=speed))
+        return changed_system(cls.from_ross, found, changed)
 
     @classmethod
-    def from_file(cls, path: str | Path) -> RotorSystem:
+    def from_file(cls, path: str | Path, **changed: Unpack[SystemParameters]) -> RotorSystem:
         """Return a system from a file: .npz, .mat, or a folder of Matrix Market files.
 
-        See `rotor_ida.model.system_files.read_system`.
+        Contacts, unbalance, supports, gravity and a static force are given as for a system by its
+        matrices. See `rotor_ida.model.system_files.read_system`.
         """
         from rotor_ida.model.system_files import read_system  # noqa: PLC0415
 
-        return cls(**read_system(path))
+        return changed_system(cls.from_file, cls(**read_system(path)), changed)
 
-    def reduced(self, *, modes: int, keep: Sequence[str] = ()) -> RotorSystem:
-        """Return the system in fewer coordinates.
+    def reduced(self, *, modes: int, keep: Sequence[str] | None = None) -> RotorSystem:
+        """Return the system in fewer coordinates, with the same contacts, unbalance and supports.
 
         See `rotor_ida.model.reduction.reduced_system`.
         """
         from rotor_ida.model.reduction import reduced_system  # noqa: PLC0415
 
         return reduced_system(self, modes=modes, keep=keep)
+
+
+def changed_system(
+    verb: Callable[..., Any], given: object, changed: SystemParameters
+) -> RotorSystem:
+    """Return the system that a function is given first, with the fields that keywords change.
+
+    One disc is taken as a system.
+
+    Examples
+    --------
+    >>> def touch(system: RotorSystem, *, speed: float, **changed: Unpack[SystemParameters]): ...
+    >>> changed_system(touch, Rotor(omega=2.0, zeta=0.07, delta0=0.5), {"contacts": []}).contacts
+    ()
+    >>> changed_system(touch, "pump.toml", {})
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: touch takes a Rotor, DimensionalRotor or RotorSystem first, as in
+    touch(system, speed=...), got 'pump.toml'
+    """
+    for name in changed:
+        if name not in SystemParameters.__annotations__:
+            known = [each for each, of in inspect.signature(verb).parameters.items()
+                     if of.kind is of.KEYWORD_ONLY]  # fmt: skip
+            hint = did_you_mean(name, [*known, *SystemParameters.__annotations__])
+            raise TypeError(
+                f"{name_of(verb)}() got an unexpected keyword argument {shown(name)}{hint}"
+            )
+    system = given.system() if isinstance(given, Rotor | DimensionalRotor) else given
+    if not isinstance(system, RotorSystem):
+        raise wrong_first(verb, "a Rotor, DimensionalRotor or RotorSystem", given)
+    return replace(system, **cast("Any", changed)) if changed else system
+
+
+def wrong_first(verb: Callable[..., Any], kinds: str, given: object) -> InputError:
+    """Return the error of a function whose first argument is no rotor: it shows the right call."""
+    parameters = inspect.signature(verb).parameters
+    needed = [f"{name}=..." for name, each in parameters.items()
+              if each.kind is each.KEYWORD_ONLY and each.default is each.empty]  # fmt: skip
+    call = ", ".join([next(iter(parameters), "rotor"), *needed])
+    name = name_of(verb)
+    return InputError(f"{name} takes {kinds} first, as in {name}({call}), got {shown(given)}")
+
+
+def name_of(verb: Callable[..., Any]) -> str:
+    """Return the public name of a function."""
+    return verb.__name__.removesuffix("_system")
+
+
+def _pair(name: str, given: object) -> tuple[float, float]:
+    """Return two numbers, along x and y."""
+    values = check_array(name, given, largest=LARGEST_IN_MATRIX)
+    if values.shape != (2,):
+        raise InputError(f"{name} must be two numbers, along x and y, got {shown(given)}")
+    return float(values[0]), float(values[1])
 
 
 def _shaped(name: str, given: object, shape: tuple[int, ...]) -> Values:

@@ -12,7 +12,6 @@ from dataclasses import replace
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Support
@@ -21,49 +20,36 @@ from rotor_ida.model.system_parts import Support
 BALANCED = 1e-9
 
 
-def check_supports(system: RotorSystem, supports: object) -> list[Support]:
-    """Return supports at different nodes of a system."""
-    if isinstance(supports, Support) or not isinstance(supports, Sequence):
-        raise InputError(f"supports must be a list of Support, got {shown(supports)}")
-    found: list[Support] = []
-    for each in supports:
-        check_instance("supports", each, Support)
-        system.rows(each.node)  # raises if it is unknown
-        if any(each.node == other.node for other in found):
-            raise InputError(f"supports must be at different nodes, got {each.node!r} twice")
-        found.append(each)
-    return found
-
-
 def with_supports(system: RotorSystem, supports: Sequence[Support]) -> RotorSystem:
-    """Return a system with the springs and dampers of supports."""
+    """Return a system with the springs and dampers of supports in its matrices, and none left."""
     stiffness = system.stiffness.copy()
     damping = np.zeros_like(stiffness) if system.damping is None else system.damping.copy()
     for each in supports:
         rows = system.rows(each.node)
         stiffness += rows.T @ np.diag(np.asarray(each.stiffness)) @ rows
         damping += rows.T @ np.diag(np.asarray(each.damping)) @ rows
-    return replace(system, stiffness=stiffness, damping=damping if damping.any() else None)
+    damped = damping if damping.any() else None
+    return replace(system, stiffness=stiffness, damping=damped, supports=())
 
 
-def levitated_system(
-    system: RotorSystem, supports: Sequence[Support], gravity: tuple[float, float] | None
-) -> RotorSystem:
-    """Return a system with its supports: springs, dampers, and the static loads that they carry.
+def levitated_system(system: RotorSystem) -> RotorSystem:
+    """Return a system whose supports are in its matrices, with the static loads that they carry.
 
     Its static force leaves the weight out, which gravity adds in a run.
     """
-    if not supports:
+    if not system.supports:
         return system
-    held = with_supports(system, supports)
+    held = with_supports(system, system.supports)
     own = np.zeros(system.size) if system.static_force is None else system.static_force
-    force = own
-    if gravity is not None:
-        force = own + system.weight(gravity)
+    force = own[: system.size]
+    if system.gravity is not None:
+        force = force + system.weight(system.gravity)
     if not force.any():
         return held
-    rows = np.concatenate([system.rows(each.node) for each in supports])
-    return replace(held, static_force=own + rows.T @ held_at_centre(held.stiffness, force, rows)[1])
+    rows = np.concatenate([system.rows(each.node) for each in system.supports])
+    carried = own.copy()
+    carried[: system.size] += rows.T @ held_at_centre(held.stiffness, force, rows)[1]
+    return replace(held, static_force=carried)
 
 
 def held_at_centre(stiffness: Values, force: Values, rows: Values) -> tuple[Values, Values]:

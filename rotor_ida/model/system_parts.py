@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import TypeVar
 
 import numpy as np
 
@@ -237,6 +238,31 @@ class Support:
         where = f"of the support at {_node(self.node)}"
         for name in ("stiffness", "damping"):
             object.__setattr__(self, name, _along_both(f"{name} {where}", getattr(self, name)))
+
+
+Part = TypeVar("Part", Contact, Unbalance, Support)
+
+
+def check_list(name: str, given: object, kind: type[Part]) -> tuple[Part, ...]:
+    """Return a list of contacts, unbalance or supports as a tuple."""
+    if isinstance(given, kind) or not isinstance(given, Sequence):
+        raise InputError(f"{name} must be a list of {kind.__name__}, got {shown(given)}")
+    return tuple(check_instance(name, each, kind) for each in given)
+
+
+def stators_of(contacts: Sequence[Contact]) -> tuple[Stator, ...]:
+    """Return the stators of contacts, those without mass behind; refuse one that two push."""
+    given = [each.stator for each in contacts if isinstance(each.stator, Stator)]
+    for number, contact in enumerate(contacts):
+        stator = contact.stator
+        if isinstance(stator, Stator) and stator.mass == 0.0:
+            shared = sum(each is stator for each in given)
+            if shared > 1:
+                raise InputError(
+                    f"a stator without mass must have one contact, got {shared} of that of contact "
+                    f"{number} at {shown(contact.node)}"
+                )
+    return tuple(sorted({id(each): each for each in given}.values(), key=lambda s: s.mass == 0.0))
 
 
 def check_contacts(contacts: Sequence[Contact]) -> None:

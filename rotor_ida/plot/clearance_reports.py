@@ -51,8 +51,8 @@ def plot_clearance(report: xr.Dataset, *, contact: int = 0, ax: Axes | None = No
     Examples
     --------
     >>> from rotor_ida import Contact, Rotor, clearance_report
-    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=5.0).system()
-    >>> report = clearance_report(system, contacts=contacts, unbalance=unbalance, speed=(2.0, 3.0),
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=5.0).system()
+    >>> report = clearance_report(system, speed=(2.0, 3.0),
     ...                           probes=["disc"], vibration_limit=1.0)
     >>> plot_clearance(report).get_title()
     'contact 0 at disc: passes'
@@ -101,8 +101,8 @@ def clearance_report_figure(report: xr.Dataset) -> Figure:
     Examples
     --------
     >>> from rotor_ida import Contact, Rotor, clearance_report
-    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=5.0).system()
-    >>> report = clearance_report(system, contacts=contacts, unbalance=unbalance, speed=(2.0, 3.0),
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=5.0).system()
+    >>> report = clearance_report(system, speed=(2.0, 3.0),
     ...                           probes=["disc"], vibration_limit=1.0)
     >>> len(clearance_report_figure(report).axes)
     1

@@ -61,8 +61,8 @@ def plot_system_cycle(
     Examples
     --------
     >>> from rotor_ida import Rotor, limit_cycle
-    >>> system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    >>> cycle = limit_cycle(system, contacts=contacts, unbalance=unbalance, speed=2.0)
+    >>> system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    >>> cycle = limit_cycle(system, speed=2.0)
     >>> plot_system_cycle(cycle).get_title()
     'disc, on turning axes'
     """
@@ -107,8 +107,8 @@ def system_cycle_figure(cycle: xr.Dataset) -> Figure:
     Examples
     --------
     >>> from rotor_ida import Rotor, limit_cycle
-    >>> system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    >>> cycle = limit_cycle(system, contacts=contacts, unbalance=unbalance, speed=2.0)
+    >>> system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    >>> cycle = limit_cycle(system, speed=2.0)
     >>> len(system_cycle_figure(cycle).axes)
     1
     """
@@ -142,9 +142,8 @@ def plot_system_branch(branch: xr.Dataset, *, contact: int = 0, ax: Axes | None 
     Examples
     --------
     >>> from rotor_ida import Rotor, continue_cycle
-    >>> system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    >>> branch = continue_cycle(
-    ...     system, contacts=contacts, unbalance=unbalance, speed=2.0, limits=(1.9, 2.1))
+    >>> system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    >>> branch = continue_cycle(system, speed=2.0, limits=(1.9, 2.1))
     >>> plot_system_branch(branch).get_title()
     'contact 0 at disc'
     """
@@ -207,9 +206,8 @@ def system_branch_figure(branch: xr.Dataset) -> Figure:
     Examples
     --------
     >>> from rotor_ida import Rotor, continue_cycle
-    >>> system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    >>> branch = continue_cycle(
-    ...     system, contacts=contacts, unbalance=unbalance, speed=2.0, limits=(1.9, 2.1))
+    >>> system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    >>> branch = continue_cycle(system, speed=2.0, limits=(1.9, 2.1))
     >>> len(system_branch_figure(branch).axes)
     1
     """

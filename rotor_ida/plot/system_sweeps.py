@@ -76,8 +76,8 @@ def plot_system_sweep(
     Examples
     --------
     >>> from rotor_ida import Rotor, sweep
-    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
-    >>> responses = sweep(system, contacts=contacts, unbalance=unbalance, speed=[0.5, 1.0, 1.5])
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> responses = sweep(system, speed=[0.5, 1.0, 1.5])
     >>> plot_system_sweep(responses).get_title()
     'contact 0 at disc'
     """
@@ -128,8 +128,8 @@ def system_sweep_figure(sweep: xr.Dataset) -> Figure:
     Examples
     --------
     >>> from rotor_ida import Rotor, sweep
-    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
-    >>> responses = sweep(system, contacts=contacts, unbalance=unbalance, speed=[0.5, 1.0, 1.5])
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> responses = sweep(system, speed=[0.5, 1.0, 1.5])
     >>> len(system_sweep_figure(responses).axes)
     1
     """
@@ -144,14 +144,9 @@ def system_sweep_figure(sweep: xr.Dataset) -> Figure:
 def _exact_beneath(sweep: xr.Dataset) -> xr.Dataset | None:
     """Return the exact whirls of the system of a sweep; None where there are none."""
     try:
-        system, around = problem_of(sweep)
-        if around["static_force"].any():
-            return None
-        return synchronous_response_system(
-            system, contacts=around["contacts"], unbalance=around["unbalance"],
-            speed=_dense(sweep["speed"].values),
-        )  # fmt: skip
-    except InputError:  # not axisymmetric, or a part of a sweep
+        system, _ = problem_of(sweep)
+        return synchronous_response_system(system, speed=_dense(sweep["speed"].values))
+    except InputError:  # not axisymmetric, under a constant force, or a part of a sweep
         return None
 
 

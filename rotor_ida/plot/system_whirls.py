@@ -88,9 +88,8 @@ def plot_system_whirls(
     Examples
     --------
     >>> from rotor_ida import Rotor, synchronous_response
-    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
-    >>> whirls = synchronous_response(
-    ...     system, contacts=contacts, unbalance=unbalance, speed=[0.5, 1.0, 1.5])
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> whirls = synchronous_response(system, speed=[0.5, 1.0, 1.5])
     >>> plot_system_whirls(whirls).get_title()
     'contact 0 at disc'
     """
@@ -160,8 +159,8 @@ def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Ax
     Examples
     --------
     >>> from rotor_ida import Rotor, synchronous_response
-    >>> system, _, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
-    >>> whirls = synchronous_response(system, unbalance=unbalance, speed=[0.5, 1.0, 1.5])
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> whirls = synchronous_response(system, contacts=[], speed=[0.5, 1.0, 1.5])
     >>> plot_unbalance_response(whirls).lines[0].get_label()
     'disc'
     """
@@ -213,9 +212,8 @@ def plot_whirl_shapes(
     Examples
     --------
     >>> from rotor_ida import Rotor, synchronous_response
-    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
-    >>> whirls = synchronous_response(
-    ...     system, contacts=contacts, unbalance=unbalance, speed=[0.5, 1.0, 1.5])
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> whirls = synchronous_response(system, speed=[0.5, 1.0, 1.5])
     >>> plot_whirl_shapes(whirls, speed=1.5).get_title()
     'spin speed 1.5'
     """
@@ -284,9 +282,8 @@ def system_whirls_figure(whirls: xr.Dataset) -> Figure:
     Examples
     --------
     >>> from rotor_ida import Rotor, synchronous_response
-    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
-    >>> whirls = synchronous_response(
-    ...     system, contacts=contacts, unbalance=unbalance, speed=[0.5, 1.0, 1.5])
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> whirls = synchronous_response(system, speed=[0.5, 1.0, 1.5])
     >>> len(system_whirls_figure(whirls).axes)
     1
     """
@@ -334,9 +331,8 @@ def plot_special_speeds(special: xr.Dataset, *, contact: int = 0, ax: Axes | Non
     Examples
     --------
     >>> from rotor_ida import Rotor, special_speeds
-    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
-    >>> special = special_speeds(
-    ...     system, contacts=contacts, unbalance=unbalance, limits=(0.5, 2.5), points=50)
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> special = special_speeds(system, limits=(0.5, 2.5), points=50)
     >>> ax = plot_special_speeds(special)
     >>> [line.get_label() for line in ax.lines]
     ['clearance', 'stable whirl', 'unstable whirl', 'fold']
@@ -357,9 +353,8 @@ def special_speeds_figure(special: xr.Dataset) -> Figure:
     Examples
     --------
     >>> from rotor_ida import Rotor, special_speeds
-    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
-    >>> special = special_speeds(
-    ...     system, contacts=contacts, unbalance=unbalance, limits=(0.5, 2.5), points=50)
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> special = special_speeds(system, limits=(0.5, 2.5), points=50)
     >>> len(special_speeds_figure(special).axes)
     1
     """
@@ -386,7 +381,7 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> from rotor_ida import Rotor, campbell
-    >>> system, _, _ = Rotor(omega=1.0, zeta=0.07, delta0=0.5, shaft_stiffness=0.25).system()
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5, shaft_stiffness=0.25).system()
     >>> plot_campbell(campbell(system, speed=[0.0, 0.5, 1.0])).get_ylabel()
     'size of the whirl speed'
     """

@@ -72,8 +72,8 @@ def system_figure(run: xr.Dataset) -> Figure:
     Examples
     --------
     >>> from rotor_ida import Rotor, simulate
-    >>> system, contacts, unbalance = Rotor(omega=1.7, zeta=0.07, delta0=0.5).system()
-    >>> run = simulate(system, contacts=contacts, unbalance=unbalance, speed=1.7, duration=20)
+    >>> system = Rotor(omega=1.7, zeta=0.07, delta0=0.5).system()
+    >>> run = simulate(system, speed=1.7, duration=20)
     >>> [ax.get_title() for ax in system_figure(run).axes]
     ['disc', 'contact 0 at disc']
     """
@@ -115,8 +115,8 @@ def plot_node_orbits(run: xr.Dataset, *, nodes: Sequence[str] | None = None) -> 
     Examples
     --------
     >>> from rotor_ida import Rotor, simulate
-    >>> system, contacts, unbalance = Rotor(omega=1.7, zeta=0.07, delta0=0.5).system()
-    >>> run = simulate(system, contacts=contacts, unbalance=unbalance, speed=1.7, duration=20)
+    >>> system = Rotor(omega=1.7, zeta=0.07, delta0=0.5).system()
+    >>> run = simulate(system, speed=1.7, duration=20)
     >>> [ax.get_title() for ax in plot_node_orbits(run).axes]
     ['disc']
     """
@@ -153,8 +153,8 @@ def plot_contact_forces(run: xr.Dataset, *, contact: int | None = None) -> Figur
     Examples
     --------
     >>> from rotor_ida import Rotor, simulate
-    >>> system, contacts, unbalance = Rotor(omega=1.7, zeta=0.07, delta0=0.5).system()
-    >>> run = simulate(system, contacts=contacts, unbalance=unbalance, speed=1.7, duration=20)
+    >>> system = Rotor(omega=1.7, zeta=0.07, delta0=0.5).system()
+    >>> run = simulate(system, speed=1.7, duration=20)
     >>> plot_contact_forces(run, contact=0).axes[0].get_ylabel()
     'normal force $N$'
     """
@@ -190,8 +190,8 @@ def plot_node_history(run: xr.Dataset, *, node: str) -> Figure:
     Examples
     --------
     >>> from rotor_ida import Rotor, simulate
-    >>> system, contacts, unbalance = Rotor(omega=1.7, zeta=0.07, delta0=0.5).system()
-    >>> run = simulate(system, contacts=contacts, unbalance=unbalance, speed=1.7, duration=20)
+    >>> system = Rotor(omega=1.7, zeta=0.07, delta0=0.5).system()
+    >>> run = simulate(system, speed=1.7, duration=20)
     >>> [ax.get_ylabel() for ax in plot_node_history(run, node="disc").axes]
     ['displacement $z$', 'radius $|z|$']
     """
@@ -234,8 +234,8 @@ def plot_shape(run: xr.Dataset, *, t: float | None = None) -> Figure:
     Examples
     --------
     >>> from rotor_ida import Rotor, simulate
-    >>> system, contacts, unbalance = Rotor(omega=1.7, zeta=0.07, delta0=0.5).system()
-    >>> run = simulate(system, contacts=contacts, unbalance=unbalance, speed=1.7, duration=20)
+    >>> system = Rotor(omega=1.7, zeta=0.07, delta0=0.5).system()
+    >>> run = simulate(system, speed=1.7, duration=20)
     >>> [ax.get_ylabel() for ax in plot_shape(run, t=10.0).axes]
     ['displacement $x$', 'displacement $y$']
     """

@@ -1,4 +1,4 @@
-"""System files: a rotor system with what stands around it, as TOML.
+"""System files: a rotor system with its contacts and forces, and how it is to move, as TOML.
 
     speed = "4300 rpm"
     gravity = ["0", "-9.81 m/s2"]
@@ -49,7 +49,6 @@ from rotor_ida.checks import check_array, check_choice, check_count, did_you_mea
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, units_of
 from rotor_ida.model.rotor_system import UNITS, RotorSystem, check_dimensions
-from rotor_ida.model.supports import check_supports, levitated_system
 from rotor_ida.model.system_files import read_system
 from rotor_ida.model.system_parts import (
     STARTS,
@@ -58,7 +57,6 @@ from rotor_ida.model.system_parts import (
     Stator,
     Support,
     Unbalance,
-    check_contacts,
 )
 from rotor_ida.results.toml_files import Table, naming, read_toml
 from rotor_ida.texts import brief
@@ -92,34 +90,21 @@ MOST_VALUES = 100_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SystemFile:
-    """What a system file says.
+class Course:
+    """How the rotor of a system file is to move: its speed, start and modes, run-up and drops.
 
     Parameters
     ----------
-    system : RotorSystem
-        The rotor, with the static force; with its magnetic bearings, if it has any: their springs,
-        dampers and static loads.
-    rotor : RotorSystem
-        The rotor without magnetic bearings.
-    contacts : tuple of Contact
-        Its contacts.
-    unbalance : tuple of Unbalance
-        Its unbalance.
-    gravity : (float, float), optional
-        Acceleration of gravity along x and y.
+    speed : float, optional
+        Running speed.
     start : (q, velocity), "settled" or "rest", optional
-        State at time 0; without one see `around`.
+        State at time 0. Where the file has none, but a weight or another constant force: at rest.
     modes : int, optional
         Number of modes to which the system is reduced.
     more_modes : int, optional
         That of a second run, which shows how far events move.
-    speed : float, optional
-        Running speed.
-    change : dict
+    run_up : dict
         The arguments of `run_up` for the change of speed.
-    supports : tuple of Support
-        The magnetic bearings.
     fall : dict
         The arguments of `drop` alone.
     vary : dict
@@ -128,46 +113,31 @@ class SystemFile:
         Those of a grid of drops instead: the values of what varies.
     """
 
-    system: RotorSystem
-    rotor: RotorSystem
-    contacts: tuple[Contact, ...] = ()
-    unbalance: tuple[Unbalance, ...] = ()
-    gravity: tuple[float, float] | None = None
+    speed: float | None = None
     start: Any = None
     modes: int | None = None
     more_modes: int | None = None
-    speed: float | None = None
-    change: Mapping[str, Any]
-    supports: tuple[Support, ...] = ()
+    run_up: Mapping[str, Any]
     fall: Mapping[str, Any]
     vary: Mapping[str, Any]
     grid: Mapping[str, Any]
 
     @property
-    def drop(self) -> dict[str, Any]:
-        """The arguments of `drop`, of which the system is the rotor without magnetic bearings."""
-        given = {"system": self.rotor, "bearings": self.contacts, "supports": self.supports}
-        given |= self.fall
-        names = ("speed", "unbalance", "gravity", "modes", "more_modes")
-        given |= {name: getattr(self, name) for name in names}
-        return given | ({} if isinstance(self.start, str | None) else {"start": self.start})
+    def motion(self) -> dict[str, Any]:
+        """Start and modes, arguments of both `simulate` and `run_up`."""
+        return {"start": self.start, "modes": self.modes, "more_modes": self.more_modes}
 
     @property
-    def around(self) -> dict[str, Any]:
-        """What stands around the system: arguments of both `simulate` and `run_up`.
-
-        With a weight or another constant force it starts at rest where these hold it.
-        """
-        names = ("contacts", "unbalance", "gravity", "start", "modes", "more_modes")
-        given = {name: getattr(self, name) for name in names}
-        forces = (self.gravity, self.system.static_force)
-        if self.start is None and any(each is not None and np.any(each) for each in forces):
-            given["start"] = "rest"
+    def drop(self) -> dict[str, Any]:
+        """All arguments of `drop`; without a state in the file it starts levitated."""
+        given = {"speed": self.speed, **self.fall, **self.motion}
+        if isinstance(self.start, str | None):
+            del given["start"]
         return given
 
 
-def load_system(path: str | os.PathLike[str]) -> SystemFile:
-    """Read a rotor system and what stands around it from a TOML file.
+def load_system(path: str | os.PathLike[str]) -> RotorSystem:
+    """Read a rotor system with its contacts, supports and forces from a TOML file.
 
     Parameters
     ----------
@@ -176,10 +146,8 @@ def load_system(path: str | os.PathLike[str]) -> SystemFile:
 
     Returns
     -------
-    SystemFile
-        ``system``, ``around`` (contacts, unbalance, gravity, start, modes, more_modes), ``speed``
-        and ``change``: ``simulate(case.system, **case.around, speed=case.speed, duration=...)`` and
-        ``run_up(case.system, **case.around, **case.change)``; and ``drop(**case.drop)``.
+    RotorSystem
+        The system. `load_course` returns the speed, start, run-up and drop of the file.
 
     Raises
     ------
@@ -198,13 +166,54 @@ def load_system(path: str | os.PathLike[str]) -> SystemFile:
     ...         contacts = [ { node = "disc", clearance = "60 um", stiffness = "1e7 N/m" } ]
     ...         unbalance = [ { node = "disc", moment = "100 g mm" } ]
     ...     ''')
-    ...     case = load_system(path)
-    >>> case.system, case.contacts[0].clearance, case.contacts[0].exponent
+    ...     system = load_system(path)
+    >>> system, system.contacts[0].clearance, system.contacts[0].exponent
     (RotorSystem(2 degrees of freedom, node disc), 6e-05, 1.0)
-    >>> run = simulate(case.system, **case.around, speed=case.speed, duration=0.1)
+    >>> run = simulate(system, speed=200.0, duration=0.1)
     >>> float(run.event_time[0].round(6))
-    0.022638
+    0.023806
     """
+    return read_system_file(path)[0]
+
+
+def load_course(path: str | os.PathLike[str]) -> Course:
+    """Read from a system file how its rotor is to move.
+
+    Parameters
+    ----------
+    path : path-like
+        The file, as for `load_system`.
+
+    Returns
+    -------
+    Course
+        ``speed``, ``start``, ``modes``, ``more_modes``; ``run_up``, the arguments of `run_up` for
+        the change of speed; and ``drop``, those of `drop`.
+
+    Raises
+    ------
+    InputError
+        As for `load_system`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "disc.toml")
+    ...     _ = path.write_text('''
+    ...         speed = "300 rad/s"
+    ...         system = { mass = [4, 4], stiffness = [1e5, 1e5], nodes = { disc = [0, 1] } }
+    ...         run_up = { to = "400 rad/s", ramp_time = "5 s" }
+    ...     ''')
+    ...     course = load_course(path)
+    >>> course.speed, course.run_up
+    (300.0, {'to': 400.0, 'ramp_time': 5.0, 'speed': 0.0})
+    """
+    return read_system_file(path)[1]
+
+
+def read_system_file(path: str | os.PathLike[str]) -> tuple[RotorSystem, Course]:
+    """Return the system of a file, and its course."""
     table = read_toml("system", path)
     try:
         return _system_file(table, Path(path).parent)
@@ -212,7 +221,7 @@ def load_system(path: str | os.PathLike[str]) -> SystemFile:
         raise InputError(f"{path}: {error}") from error
 
 
-def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:
+def _system_file(entries: Mapping[str, object], folder: Path) -> tuple[RotorSystem, Course]:
     units = entries.get("units", UNITS[0])
     check_choice("units", units, UNITS)
     file = Table("", entries, units == UNITS[0])
@@ -220,25 +229,23 @@ def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:
         raise InputError("system must be given, got the file of a machine: give it with --machine")
     file.check(TOP, needed=("system",))
     system = _loaded(_system(file, folder), file)
-    stators = _stators(file)
-    contacts = tuple(_contacts(file, stators, system))
-    check_contacts(contacts)
-    supports = check_supports(system, tuple(_supports(file, system)))
-    gravity = file.pair("gravity", "m s-2") if "gravity" in entries else None
-    return SystemFile(
-        system=levitated_system(system, supports, gravity),
-        rotor=system,
-        contacts=contacts,
-        unbalance=tuple(_unbalance(file, system)),
-        gravity=gravity,
-        start=_start(file),
+    system = replace(
+        system, contacts=list(_contacts(file, _stators(file), system)),
+        supports=list(_supports(file, system)), unbalance=list(_unbalance(file, system)),
+        gravity=file.pair("gravity", "m s-2") if "gravity" in entries else None,
+    )  # fmt: skip
+    start = _start(file)
+    forces = (system.gravity, system.static_force)
+    if start is None and any(each is not None and np.any(each) for each in forces):
+        start = "rest"
+    return system, Course(
+        start=start,
         modes=check_count("modes", entries["modes"], minimum=0) if "modes" in entries else None,
         more_modes=check_count("more_modes", entries["more_modes"])
         if "more_modes" in entries
         else None,
         speed=file.number("speed", "rad s-1") if "speed" in entries else None,
-        change=_change(file.table("run_up")),
-        supports=tuple(supports),
+        run_up=_change(file.table("run_up")),
         fall=_fall(file.table("drop")),
         vary=_vary(file.table("drop").table("vary")),
         grid=_grid(file.table("drop")),

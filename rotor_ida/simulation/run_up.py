@@ -100,7 +100,7 @@ def run_up(
     Parameters
     ----------
     rotor : Rotor
-        The rotor; for a `RotorSystem` see `run_up_system`. Its
+        The rotor; its
         ``omega`` is the speed at time 0, when the unbalance points along x.
     start : array_like, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
@@ -172,6 +172,7 @@ def run_up(
 
     Examples
     --------
+    >>> from rotor_ida import Rotor
     >>> rotor = Rotor(omega=0.2, zeta=0.07, delta0=0.8)
     >>> run = run_up(rotor, start=(0, 0, 0, 0), to=2.0, rate=0.05, samples=5)
     >>> run.t.values, run.speed.values.round(12)

@@ -44,7 +44,7 @@ def simulate(
     Parameters
     ----------
     rotor : Rotor
-        The rotor; for a `RotorSystem` see `simulate_system`.
+        The rotor.
     start : array_like, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
         `rotor_ida.rest` gives the place where a load holds the rotor.
@@ -108,6 +108,7 @@ def simulate(
 
     Examples
     --------
+    >>> from rotor_ida import Rotor
     >>> orbit = simulate(Rotor(omega=1.2, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0),
     ...                  duration=20.0, samples=3)
     >>> orbit.event_time.values.round(9)

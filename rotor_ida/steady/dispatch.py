@@ -6,7 +6,7 @@ from rotor_ida.simulation.lyapunov import lyapunov_exponent as lyapunov_exponent
 from rotor_ida.steady.sweep import sweep as sweep_disc
 from rotor_ida.steady.system_lyapunov import lyapunov_exponent_system
 from rotor_ida.steady.system_sweep import sweep_system
-from rotor_ida.systems.dispatch import of_both, of_both_by_keyword
+from rotor_ida.systems.joined import of_both
 
-sweep = of_both_by_keyword(sweep_disc, sweep_system, __name__)
+sweep = of_both(sweep_disc, sweep_system, __name__)
 lyapunov_exponent = of_both(lyapunov_exponent_disc, lyapunov_exponent_system, __name__)

@@ -14,7 +14,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -31,8 +31,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact, Support, Unbalance
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, choose
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Folder
@@ -40,7 +39,6 @@ from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled, labelled_dataset
 from rotor_ida.steady.drop_grid import cells_of, grid_statistics_of
 from rotor_ida.steady.drop_statistics import QUANTILES, statistics_of
 from rotor_ida.steady.grid import EXPECTED, Places, Rows, Task, form_of, reason_of, run_study
-from rotor_ida.systems.assembly import check_parts
 from rotor_ida.systems.drop import drop
 from rotor_ida.systems.drop_design import DESIGN, as_text, plain_case
 from rotor_ida.systems.drop_figures import NUMBERS
@@ -66,7 +64,6 @@ OF_DROP = ("first_touch_time", "standstill_time", "horizon")
 def drop_ensemble(
     system: RotorSystem,
     *,
-    bearings: Sequence[Contact],
     speed: float,
     duration: float,
     phase: npt.ArrayLike | None = None,
@@ -76,11 +73,7 @@ def drop_ensemble(
     clearance_factor: npt.ArrayLike | None = None,
     drops: int | None = None,
     seed: int = 0,
-    supports: Sequence[Support] = (),
     failing: Sequence[str] | None = None,
-    unbalance: Sequence[Unbalance] = (),
-    gravity: tuple[float, float] | None = None,
-    static_force: npt.ArrayLike | None = None,
     inertia: float | None = None,
     drag: float = 0.0,
     clearances: Mapping[str, float] | None = None,
@@ -91,19 +84,18 @@ def drop_ensemble(
     executor: str = "auto",
     study: Folder | None = None,
     progress: Progress | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Drop a rotor many times, and compute distributions of what its bearings suffer.
 
     Parameters
     ----------
-    system, bearings, speed, duration, supports, failing, unbalance, gravity, static_force :
-        As for `drop`.
-    inertia, drag, clearances, capacities, modes, rtol : optional
+    system, speed, duration, failing, inertia, drag, clearances, capacities, modes, rtol :
         As for `drop`.
     phase : array_like, optional
         Angle of the rotor at the drop [rad]. Default: all angles at random; 0 on a grid.
     friction, contact_damping : array_like, optional
-        Of all bearings, in place of their own.
+        Of all contacts, in place of their own.
     unbalance_factor, clearance_factor : array_like, optional
         By which every unbalance, or every clearance, is multiplied.
     drops : int, optional
@@ -113,6 +105,8 @@ def drop_ensemble(
         Of the random numbers.
     workers, executor, study, progress
         As for `sweep`, with drops instead of points. The result is the same, bit for bit.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of the system, as in `simulate`.
 
     Returns
     -------
@@ -167,20 +161,21 @@ def drop_ensemble(
 
     Examples
     --------
-    >>> system = RotorSystem(mass=np.diag([20.0, 20.0]), stiffness=np.zeros((2, 2)),
-    ...                      nodes={"disc": (0, 1)})
+    >>> from rotor_ida import Contact, Support, Unbalance
     >>> bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0, friction=0.1,
     ...                   radius=0.03)
-    >>> many = drop_ensemble(
-    ...     system, bearings=[bearing], speed=500.0, duration=0.1, inertia=0.08,
-    ...     unbalance=[Unbalance(node="disc", moment=8e-5)], friction=(0.05, 0.2), drops=8,
-    ...     supports=[Support(node="disc", stiffness=2e6, damping=2e3)], workers=1)
+    >>> system = RotorSystem(
+    ...     mass=np.diag([20.0, 20.0]), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)},
+    ...     contacts=[bearing], supports=[Support(node="disc", stiffness=2e6, damping=2e3)],
+    ...     unbalance=[Unbalance(node="disc", moment=8e-5)])
+    >>> many = drop_ensemble(system, speed=500.0, duration=0.1, inertia=0.08,
+    ...                      friction=(0.05, 0.2), drops=8, workers=1)
     >>> many.sizes["drop"], bool((many.largest_force > 500.0).all())
     (8, True)
     >>> many.backward_whirl_fraction.values, many.backward_whirl_fraction_high.values.round(3)
     (array([0.]), array([0.324]))
     """
-    check_parts(system, bearings, unbalance)
+    system = changed_system(drop_ensemble, system, changed)
     check_progress(progress)
     given = {
         "phase": phase, "friction": friction, "contact_damping": contact_damping,
@@ -188,10 +183,9 @@ def drop_ensemble(
     }  # fmt: skip
     axes, varied = design_of(given, drops, seed)
     case: dict[str, Any] = {
-        "system": system, "bearings": bearings, "speed": check_real("speed", speed),
-        "duration": check_positive("duration", duration), "supports": supports,
-        "failing": failing, "unbalance": unbalance, "gravity": gravity,
-        "static_force": static_force, "drag": check_nonnegative("drag", drag),
+        "system": system, "speed": check_real("speed", speed),
+        "duration": check_positive("duration", duration), "failing": failing,
+        "drag": check_nonnegative("drag", drag),
         "inertia": None if inertia is None else check_positive("inertia", inertia), "modes": modes,
         "rtol": rtol, "clearances": clearances, "capacities": capacities,
     }  # fmt: skip
@@ -209,7 +203,7 @@ def drop_ensemble(
     told |= {} if drops is None else {"seed": seed}
     told |= {name: example.attrs[name] for name in ("speed", "start_speed", "inertia", "torque")
              if name in example.attrs}  # fmt: skip
-    gaps = np.array([each.clearance for each in bearings])
+    gaps = np.array([each.clearance for each in system.contacts])
     dataset = _dataset(example, varied, gaps, columns.points, told,
                        None if drops is not None else axes)  # fmt: skip
     dataset[DESIGN] = labelled(DESIGN, (), as_text(asked))
@@ -339,17 +333,18 @@ class Drops:
 
 def _arguments(job: Drop) -> dict[str, Any]:
     """Return the arguments of `drop` for one drop."""
-    found, varied = dict(job.case), job.varied
-    contacts = list(found["bearings"])
+    system, varied = job.case["system"], job.varied
+    contacts = list(system.contacts)
     changes = {"friction": "friction", "contact_damping": "damping"}
     for name, field in changes.items():
         if name in varied:
             contacts = [replace(each, **{field: varied[name]}) for each in contacts]
     factor = varied.get("clearance_factor", 1.0)
-    found["bearings"] = [replace(each, clearance=factor * each.clearance) for each in contacts]
+    contacts = [replace(each, clearance=factor * each.clearance) for each in contacts]
     factor = varied.get("unbalance_factor", 1.0)
-    found["unbalance"] = [replace(each, moment=factor * each.moment) for each in found["unbalance"]]
-    return {**found, "phase": varied["phase"]}
+    unbalance = [replace(each, moment=factor * each.moment) for each in system.unbalance]
+    changed = replace(system, contacts=contacts, unbalance=unbalance)
+    return {**job.case, "system": changed, "phase": varied["phase"]}
 
 
 def follow_drop(job: Drop, _stop: Stop) -> Outcome:
@@ -370,7 +365,9 @@ def follow_drop(job: Drop, _stop: Stop) -> Outcome:
 
 
 def _lost(job: Drop, reason: str) -> Outcome:
-    return Outcome({}, (len(job.case["bearings"]), len(job.case["clearances"] or ())), reason)
+    return Outcome(
+        {}, (len(job.case["system"].contacts), len(job.case["clearances"] or ())), reason
+    )
 
 
 def _point(contacts: int, clearances: int) -> np.dtype[np.void]:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
@@ -19,8 +17,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import interruptible
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import labelled_dataset
@@ -48,10 +45,6 @@ def lyapunov_exponent_system(
     system: RotorSystem,
     *,
     speed: float,
-    contacts: Sequence[Contact] = (),
-    unbalance: Sequence[Unbalance] = (),
-    gravity: tuple[float, float] | None = None,
-    static_force: npt.ArrayLike | None = None,
     start: Start = None,
     exponents: int | None = None,
     transient: int = 200,
@@ -59,6 +52,7 @@ def lyapunov_exponent_system(
     batches: int = BATCHES,
     modes: int | None = None,
     rtol: float = 1e-10,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute the largest Lyapunov exponents of the motion of a rotor system.
 
@@ -68,8 +62,10 @@ def lyapunov_exponent_system(
         The rotor.
     speed : float
         Spin speed, not 0.
-    contacts, unbalance, gravity, static_force, start, modes : optional
-        As in `simulate_system`.
+    start, modes : optional
+        As in `simulate`.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of the system, as in `simulate`.
     exponents : int, optional
         Number of exponents, the largest first; default: all, one for each displacement, velocity
         and speed of a race.
@@ -111,6 +107,7 @@ def lyapunov_exponent_system(
 
     Examples
     --------
+    >>> import numpy as np
     >>> from rotor_ida import RotorSystem
     >>> system = RotorSystem(mass=np.eye(2), damping=0.14 * np.eye(2), stiffness=np.eye(2),
     ...                      nodes={"disc": (0, 1)}, units="1")
@@ -118,6 +115,7 @@ def lyapunov_exponent_system(
     >>> found.lyapunov_exponent.values.round(5)
     array([-0.07, -0.07, -0.07, -0.07])
     """
+    system = changed_system(lyapunov_exponent_system, system, changed)
     here = check_real("speed", speed)
     speeds = checked_speeds(here)
     if here == 0.0:
@@ -131,12 +129,10 @@ def lyapunov_exponent_system(
             f"revolutions must be at least {FEWEST_SPANS} for each of {parts} batches, "
             f"got {shown(revolutions)}"
         )
-    around = {"contacts": contacts, "unbalance": unbalance, "static_force": static_force}
-    given = in_modes(system, modes, around | {"start": start})
-    whole = assemble(given["system"], contacts, unbalance, gravity, given["static_force"])
-    problem = SettlingProblem.of(whole, tolerance)
+    taken, begun = in_modes(system, modes, start)
+    problem = SettlingProblem.of(assemble(taken), tolerance)
     check_slowest(problem, speeds)
-    state = first_state(problem, given["start"], here)
+    state = first_state(problem, begun, here)
     count = state.size if exponents is None else check_count("exponents", exponents, 1)
     if count > state.size:
         raise InputError(f"exponents must be at most {state.size}, got {shown(exponents)}")

@@ -6,7 +6,7 @@ import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -24,8 +24,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, choose
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Folder
@@ -61,11 +60,7 @@ OF_NODE = ("node_amplitude", "node_phase_lag", "node_radius_min", "node_radius_m
 def sweep_system(
     system: RotorSystem,
     *,
-    contacts: Sequence[Contact] = (),
     speed: npt.ArrayLike,
-    unbalance: Sequence[Unbalance] = (),
-    gravity: tuple[float, float] | None = None,
-    static_force: npt.ArrayLike | None = None,
     starts: Sequence[Start] = (None,),
     direction: Direction | None = None,
     modes: int | None = None,
@@ -74,6 +69,7 @@ def sweep_system(
     executor: str = "auto",
     study: Folder | None = None,
     progress: Progress | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute the settled response of a rotor system at every speed.
 
@@ -81,12 +77,14 @@ def sweep_system(
     ----------
     system : RotorSystem
         The rotor.
-    contacts, unbalance, gravity, static_force, modes : optional
-        As in `simulate_system`.
+    modes : int, optional
+        As in `simulate`.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of the system, as in `simulate`.
     speed : float or sequence of float, shape (n,)
         Spin speeds, not 0.
     starts : sequence of (q, velocity), "settled", "rest" or None
-        Starts at time 0, as in `simulate_system`; default: one, at rest at 0.
+        Starts at time 0, as in `simulate`; default: one, at rest at 0.
     direction : {"up", "down", "both"}, optional
         Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
         the starts, and each other from the end of the one before, so that jumps and their
@@ -148,26 +146,26 @@ def sweep_system(
 
     Examples
     --------
-    >>> from rotor_ida import decode_flags
-    >>> system = RotorSystem(mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2),
-    ...                      nodes={"disc": (0, 1)}, units="1")
-    >>> responses = sweep_system(
-    ...     system, contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0, exponent=1.0)],
-    ...     unbalance=[Unbalance(node="disc", moment=1.0)], speed=[0.5, 0.9], direction="up")
+    >>> import numpy as np
+    >>> from rotor_ida import Contact, RotorSystem, Unbalance, decode_flags
+    >>> system = RotorSystem(
+    ...     mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
+    ...     contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0, exponent=1.0)],
+    ...     unbalance=[Unbalance(node="disc", moment=1.0)], units="1")
+    >>> responses = sweep_system(system, speed=[0.5, 0.9], direction="up")
     >>> decode_flags(responses.response).values.ravel().tolist()
     ['contact_free', 'synchronous']
     >>> responses.amplitude.values.ravel().round(6)
     array([0.332595, 1.622132])
     """
+    system = changed_system(sweep_system, system, changed)
     speeds = _checked_speeds(speed, direction)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     check_progress(progress)
     chosen = choose(executor, workers, compiled=True)
-    begun = _checked_starts(starts)
-    around = {"contacts": contacts, "unbalance": unbalance, "static_force": static_force}
-    given, *others = [in_modes(system, modes, around | {"start": start}) for start in begun]
-    assembly = assemble(given["system"], contacts, unbalance, gravity, given["static_force"])
-    first = [each["start"] for each in (given, *others)]
+    taken = [in_modes(system, modes, start) for start in _checked_starts(starts)]
+    assembly = assemble(taken[0][0])
+    first = [start for _, start in taken]
     problem = SettlingProblem.of(assembly, tolerance)
     check_slowest(problem, speeds)
     directions = np.array(DIRECTIONS[direction], dtype=np.int8)
@@ -177,7 +175,7 @@ def sweep_system(
     warn_if_long(problem, speeds, math.prod(sizes[1:]))
     ramps = SystemRamps(problem, speeds, first, RampOrder(sizes, directions))
     states = np.array([_start_state(problem, each, speeds) for each in first])
-    held = problem_variables(assembly, unbalance, states)
+    held = problem_variables(assembly, states)
     held["node"] = ("node", np.array(list(assembly.system.nodes), str))
     design = {
         "kind": "sweep_system", "speed": speeds.tolist(), "direction": direction, "rtol": tolerance,

@@ -39,22 +39,18 @@ SPEEDS = ("t", "speed", "special_speed")
 NAMES = ("node", "contact_node", "contact_stator", "unbalance_node")
 
 
-def problem_variables(
-    assembly: Assembly, unbalance: Sequence[Unbalance], start: Values | None = None
-) -> dict[str, Column]:
+def problem_variables(assembly: Assembly, start: Values | None = None) -> dict[str, Column]:
     """Return what a result is computed from, but for its nodes and speed.
 
     Parameters
     ----------
     assembly : Assembly
         The system with its stators, contacts and forces.
-    unbalance : sequence of Unbalance
-        Its unbalance.
     start : ndarray, shape (2, n) or (start, 2 n), optional
         Displacement and velocity at time 0, of a run; of each start of a sweep, NaN for the settled
         whirl.
     """
-    system = assembly.system
+    system, unbalance = assembly.system, assembly.system.unbalance
     square = ("freedom", "freedom_too")
     found: dict[str, Column] = {
         f"{name}_matrix": (square, matrix)
@@ -117,8 +113,8 @@ def _contacts(assembly: Assembly) -> dict[str, Column]:
     }
 
 
-def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
-    """Return the system of a result, and the arguments for what stands around it.
+def problem_of(run: xr.Dataset) -> tuple[RotorSystem, list[Any]]:
+    """Return the system of a result, and its starts; a result over the speed has none.
 
     Raises
     ------
@@ -128,11 +124,11 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
     Examples
     --------
     >>> from rotor_ida.systems.simulate import simulate_system
-    >>> system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)}, units="1")
-    >>> given = {"speed": 0.9, "duration": 20.0, "samples": 3}
-    >>> run = simulate_system(system, unbalance=[Unbalance(node="disc", moment=1.0)], **given)
-    >>> again, around = problem_of(run)
-    >>> simulate_system(again, **around, **given).equals(run)
+    >>> system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
+    ...                      unbalance=[Unbalance(node="disc", moment=1.0)], units="1")
+    >>> run = simulate_system(system, speed=0.9, duration=20.0, samples=3)
+    >>> again, (start,) = problem_of(run)
+    >>> simulate_system(again, start=start, speed=0.9, duration=20.0, samples=3).equals(run)
     True
     """
     missing = [name for name in (*PROBLEM, *NAMES) if name not in run.variables]
@@ -147,11 +143,6 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
     positions = None
     if "axial_position" in run.variables:
         positions = dict(zip(nodes, run["axial_position"].values.tolist(), strict=True))
-    system = RotorSystem(
-        **matrices, nodes=nodes, positions=positions, units="SI" if si else "1",
-        gravity_in_static_force=tuple(run["gravity"].values) if "gravity" in run else None,
-        note=run.attrs.get(NOTE, ""),
-    )  # fmt: skip
     shared = _races_of_stators(run)
     stators = [
         Stator(mass=mass, stiffness=tuple(stiffness), damping=tuple(damping),
@@ -159,24 +150,23 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
         for number, (mass, stiffness, damping) in enumerate(
             _rows(run, [f"stator_{name}" for name in OF_STATOR]))
     ]  # fmt: skip
-    unbalance = [
-        Unbalance(node=node, moment=moment, phase=phase)
-        for node, moment, phase in _rows(
-            run, [f"unbalance_{n}" for n in ("node", "moment", "phase")]
-        )
+    system = RotorSystem(
+        **matrices, nodes=nodes, positions=positions, units="SI" if si else "1",
+        contacts=[_contact(run.isel(contact=i), stators) for i in range(run.sizes["contact"])],
+        unbalance=[
+            Unbalance(node=node, moment=moment, phase=phase) for node, moment, phase in
+            _rows(run, [f"unbalance_{name}" for name in ("node", "moment", "phase")])
+        ],
+        static_force=run["constant_force"].values,
+        gravity_in_static_force=tuple(run["gravity"].values) if "gravity" in run else None,
+        note=run.attrs.get(NOTE, ""),
+    )  # fmt: skip
+    if START not in run.variables:
+        return system, []
+    return system, [
+        "settled" if np.isnan(each).all() else tuple(each.reshape(2, -1))
+        for each in np.atleast_2d(run[START].values)
     ]
-    around = {
-        "contacts": [_contact(run.isel(contact=i), stators) for i in range(run.sizes["contact"])],
-        "unbalance": unbalance,
-        "static_force": run["constant_force"].values,
-    }
-    if START in run.variables:
-        states = [
-            "settled" if np.isnan(each).all() else tuple(each.reshape(2, -1))
-            for each in np.atleast_2d(run[START].values)
-        ]
-        around |= {"starts": states} if "start" in run.sizes else {"start": states[0]}
-    return system, around
 
 
 def design_of_problem(problem: Mapping[str, Column], system: RotorSystem) -> dict[str, object]:
@@ -191,8 +181,8 @@ def design_of_problem(problem: Mapping[str, Column], system: RotorSystem) -> dic
     return found
 
 
-def problem_in(design: Mapping[str, Any]) -> tuple[RotorSystem, dict[str, Any]]:
-    """Return the system in the design of a study, and the arguments for what stands around it."""
+def problem_in(design: Mapping[str, Any]) -> tuple[RotorSystem, list[Any]]:
+    """Return the system in the design of a study, and its starts."""
     columns = dict(design)
     unit = {"units": "s-1"} if columns.pop("units") == "SI" else {}
     note = {NOTE: columns.pop(NOTE)}
@@ -240,9 +230,9 @@ def _rows(run: xr.Dataset, names: Sequence[str]) -> list[tuple[Any, ...]]:
     return list(zip(*(run[name].values.tolist() for name in names), strict=True))
 
 
-def described_problem(assembly: Assembly, unbalance: Sequence[Unbalance]) -> dict[str, Column]:
+def described_problem(assembly: Assembly) -> dict[str, Column]:
     """Return what a result over the speed is computed from, and where its nodes are."""
-    found = problem_variables(assembly, unbalance)
+    found = problem_variables(assembly)
     if (positions := assembly.system.positions) is not None:
         found["axial_position"] = ("node", np.array(list(positions.values())))
     return found

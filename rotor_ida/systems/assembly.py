@@ -8,17 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import block_diag, cholesky, solve_triangular
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_array, check_instance, shown
-from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance, check_contacts
+from rotor_ida.model.supports import levitated_system
+from rotor_ida.model.system_parts import Contact, Race, Stator, stators_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,9 +25,7 @@ class Assembly:
     Parameters
     ----------
     system : RotorSystem
-        The rotor.
-    contacts : tuple of Contact
-        Its contacts.
+        The rotor, with its supports in its matrices.
     stators : tuple of Stator
         The stators that move, each with two degrees of freedom behind those of the rotor; those
         without mass come last.
@@ -50,7 +45,6 @@ class Assembly:
     """
 
     system: RotorSystem
-    contacts: tuple[Contact, ...]
     stators: tuple[Stator, ...]
     mass: Values
     damping: Values | None
@@ -62,6 +56,11 @@ class Assembly:
     force: Values
     gravity: Values
     weight: tuple[float, float]
+
+    @property
+    def contacts(self) -> Sequence[Contact]:
+        """The contacts."""
+        return self.system.contacts
 
     @property
     def size(self) -> int:
@@ -146,45 +145,33 @@ class Canonical:
         return np.asarray(self.factor.T @ values)
 
 
-def assemble(
-    system: RotorSystem,
-    contacts: Sequence[Contact],
-    unbalance: Sequence[Unbalance],
-    gravity: tuple[float, float] | None,
-    static_force: npt.ArrayLike | None,
-) -> Assembly:
-    """Return a rotor system joined with its stators, contacts and forces."""
-    check_parts(system, contacts, unbalance)
-    stators = _stators(contacts)
+def assemble(system: RotorSystem) -> Assembly:
+    """Return a rotor system joined with its supports, stators, contacts and forces."""
+    system = levitated_system(system)
+    stators = stators_of(system.contacts)
     size = system.size + 2 * len(stators)
-    rows = np.zeros((len(contacts), 2, size))
-    for number, each in enumerate(contacts):
+    rows = np.zeros((len(system.contacts), 2, size))
+    for number, each in enumerate(system.contacts):
         rows[number, :, : system.size] = system.rows(each.node)
         if isinstance(each.stator, str):
             rows[number, :, : system.size] -= system.rows(each.stator)
-            if not rows[number].any():
-                raise InputError(
-                    f"stator of the contact at {shown(each.node)} must be another node, "
-                    f"got {shown(each.stator)}"
-                )
         elif each.stator is not None:
             place = system.size + 2 * stators.index(each.stator)
             rows[number, :, place : place + 2] = -np.eye(2)
     mass, stiffness = (_joined(system, stators, name) for name in ("mass", "stiffness"))
-    pull = _gravity(gravity)
-    if system.static_force is not None or static_force is not None:
-        pull = pull + _gravity(system.gravity_in_static_force)
-    moment = sum(each.moment * np.exp(1j * each.phase) for each in unbalance)
+    pull = np.zeros(2) if system.gravity is None else np.array(system.gravity)
+    if system.static_force is not None and system.gravity_in_static_force is not None:
+        pull = pull + system.gravity_in_static_force
+    moment = sum(each.moment * np.exp(1j * each.phase) for each in system.unbalance)
     turned = np.conj(moment) * complex(*pull)
     assert mass is not None
     assert stiffness is not None
     return Assembly(
         system=system,
-        contacts=tuple(contacts),
         stators=stators,
         rows=rows,
-        unbalance=_unbalance(system, unbalance, size),
-        force=_force(system, stators, mass, gravity, static_force),
+        unbalance=_unbalance(system, size),
+        force=_force(system, stators, mass),
         gravity=pull,
         weight=(float(turned.imag), float(turned.real)),
         mass=mass,
@@ -193,35 +180,6 @@ def assemble(
         gyroscopic=_joined(system, stators, "gyroscopic"),
         stiffness_rate=_joined(system, stators, "stiffness_rate"),
     )
-
-
-def _stators(contacts: Sequence[Contact]) -> tuple[Stator, ...]:
-    """Return the stators of contacts, those without mass behind; refuse one that two push."""
-    given = [each.stator for each in contacts if isinstance(each.stator, Stator)]
-    for number, contact in enumerate(contacts):
-        stator = contact.stator
-        if isinstance(stator, Stator) and stator.mass == 0.0:
-            shared = sum(each is stator for each in given)
-            if shared > 1:
-                raise InputError(
-                    f"a stator without mass must have one contact, got {shared} of that of contact "
-                    f"{number} at {shown(contact.node)}"
-                )
-    return tuple(sorted({id(each): each for each in given}.values(), key=lambda s: s.mass == 0.0))
-
-
-def check_parts(system: object, contacts: object, unbalance: object) -> None:
-    """Refuse a system, contacts and unbalance of other types, and contacts that overlap."""
-    check_instance("system", system, RotorSystem)
-    for name, given, kind in (
-        ("contacts", contacts, Contact),
-        ("unbalance", unbalance, Unbalance),
-    ):
-        if isinstance(given, kind) or not isinstance(given, Sequence):
-            raise InputError(f"{name} must be a list of {kind.__name__}, got {shown(given)}")
-        for each in given:
-            check_instance(name, each, kind)
-    check_contacts(cast("Sequence[Contact]", contacts))
 
 
 def canonical(assembly: Assembly) -> Canonical:
@@ -266,10 +224,10 @@ def _joined(system: RotorSystem, stators: Sequence[Stator], name: str) -> Values
     return np.asarray(block_diag(np.zeros_like(system.mass) if own is None else own, *mounts))
 
 
-def _unbalance(system: RotorSystem, unbalance: Sequence[Unbalance], size: int) -> Values:
+def _unbalance(system: RotorSystem, size: int) -> Values:
     """Return the force of all unbalance over the square of the speed."""
     both = np.zeros((2, size))
-    for each in unbalance:
+    for each in system.unbalance:
         x, y = system.rows(each.node)
         cosine, sine = np.cos(each.phase), np.sin(each.phase)
         both[0, : system.size] += each.moment * (cosine * x + sine * y)
@@ -277,36 +235,13 @@ def _unbalance(system: RotorSystem, unbalance: Sequence[Unbalance], size: int) -
     return both
 
 
-def _gravity(given: tuple[float, float] | None) -> Values:
-    """Return the acceleration of gravity along x and y."""
-    if given is None:
-        return np.zeros(2)
-    g = check_array("gravity", given)
-    if g.shape != (2,):
-        raise InputError(f"gravity must be two numbers, along x and y, got {shown(given)}")
-    return g
-
-
-def _force(
-    system: RotorSystem,
-    stators: Sequence[Stator],
-    mass: Values,
-    gravity: tuple[float, float] | None,
-    static_force: npt.ArrayLike | None,
-) -> Values:
-    """Return the constant force: gravity, the system's own, and another."""
+def _force(system: RotorSystem, stators: Sequence[Stator], mass: Values) -> Values:
+    """Return the constant force: the static one and gravity."""
     force = np.zeros(len(mass))
     if system.static_force is not None:
-        force[: system.size] += system.static_force
-    if static_force is not None:
-        given = check_array("static_force", static_force)
-        if given.shape not in {(system.size,), (len(mass),)}:
-            raise InputError(
-                f"static_force must have the shape {(system.size,)}, got {given.shape}"
-            )
-        force[: given.size] += given
-    if gravity is not None:
-        g = _gravity(gravity)
+        force[: system.static_force.size] += system.static_force
+    if system.gravity is not None:
+        g = np.array(system.gravity)
         force[: system.size] += system.weight(g)
         for number, each in enumerate(stators):
             place = system.size + 2 * number

@@ -122,7 +122,7 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
     >>> from rotor_ida import RotorSystem
     >>> from rotor_ida.systems.assembly import assemble
     >>> system = RotorSystem(mass=np.eye(2), stiffness=4 * np.eye(2), nodes={"disc": (0, 1)})
-    >>> forward_motions(assemble(system, [], [], None, None)).stiffness.real
+    >>> forward_motions(assemble(system)).stiffness.real
     array([[4.]])
     """
     found = canonical(assembly)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -11,8 +11,7 @@ import xarray as xr
 from rotor_ida.arrays import Column, Values
 from rotor_ida.checks import check_axis, check_count
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.schema import labelled_dataset
 from rotor_ida.systems.archived import described_problem
 from rotor_ida.systems.assembly import assemble
@@ -30,25 +29,26 @@ def campbell(
     system: RotorSystem,
     *,
     speed: npt.ArrayLike,
-    contacts: Sequence[Contact] = (),
     contact_stiffness: npt.ArrayLike = 0.0,
     modes: int | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute the eigenvalues of a rotor system over its speed, for a Campbell diagram.
 
     Parameters
     ----------
-    system : RotorSystem
-        The rotor. It need not be axisymmetric.
+    system : RotorSystem, Rotor or DimensionalRotor
+        The rotor. It need not be axisymmetric. A stator of a contact that moves joins it.
     speed : float or sequence of float, shape (n,)
         Spin speeds.
-    contacts : sequence of Contact
-        Contacts at which springs stand for a rub; a stator that moves joins the system.
     contact_stiffness : float or sequence of float, shape (k,)
-        Stiffnesses of these springs: 0 where the contacts are open, and large where they are
-        closed. A rub of indentation d has ``k d**(n - 1)`` across and n times that along the force.
+        Stiffnesses of springs at the contacts, which stand for a rub: 0 where they are open, and
+        large where they are closed. A rub of indentation d has ``k d**(n - 1)`` across and n times
+        that along the force.
     modes : int, optional
         Number of eigenvalues to keep, the slowest first. Default: all that move a node.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of the system, as in `simulate`.
 
     Returns
     -------
@@ -89,9 +89,10 @@ def campbell(
     array([[-2.    ,  2.    , -4.    ,  4.    ],
            [-2.    ,  2.    , -3.1231,  5.1231]])
     """
+    system = changed_system(campbell, system, changed)
     speeds = checked_speeds(speed)
-    springs = _springs(contact_stiffness, contacts)
-    assembly = assemble(system, contacts, [], None, None)
+    springs = _springs(contact_stiffness, system)
+    assembly = assemble(system)
     most = None if modes is None else check_count("modes", modes, maximum=2 * assembly.size)
     motions = linear_motions(assembly)
     found = [_seen(motions.at(spring, omega)) for spring in springs for omega in speeds]
@@ -113,7 +114,7 @@ def campbell(
     along = ("contact_stiffness", "speed", "eigenvalue")
     variables: dict[str, Column] = {
         "whirl_speed": (along, whirl + 0.0), "damping_ratio": (along, damping),
-        "whirl_sense": (along, senses), **described_problem(assembly, []),
+        "whirl_sense": (along, senses), **described_problem(assembly),
         **_critical(motions, springs, speeds),
     }  # fmt: skip
     coordinates: dict[str, Column] = {
@@ -155,10 +156,10 @@ def _seen(motions: Motions) -> Motions:
     return Motions(motions.eigenvalues[seen], motions.senses[seen], seen[seen])
 
 
-def _springs(given: object, contacts: Sequence[Contact]) -> Values:
+def _springs(given: object, system: RotorSystem) -> Values:
     """Return the stiffnesses at the contacts, which must exist for any but 0."""
     springs = check_axis("contact_stiffness", given)
-    if springs.any() and not contacts:
+    if springs.any() and not system.contacts:
         raise InputError(
             f"contact_stiffness must be 0 without contacts, got {float(springs.max())!r}"
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -14,19 +14,20 @@ from rotor_ida.arrays import Column, Values
 from rotor_ida.checks import check_choice, check_nonnegative, check_positive, check_real, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import GRAVITY
-from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.model.supports import with_supports
-from rotor_ida.model.system_parts import Contact, Support, Unbalance
+from rotor_ida.model.system_parts import Support
 from rotor_ida.parallel import Progress
 from rotor_ida.schema import labelled
 from rotor_ida.simulation.spin import SpeedProfile, steady
-from rotor_ida.systems.assembly import assemble, check_parts
+from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.drop_design import DESIGN, as_text, plain_case
 from rotor_ida.systems.drop_figures import figures_of_drop
 from rotor_ida.systems.levitation import Levitated, check_failing, levitated
 from rotor_ida.systems.modes import check_modes, in_modes
 from rotor_ida.systems.simulate import SystemMethod, run_of_cases
 from rotor_ida.systems.speed_changes import MOST_RADIANS, profile_of
+from rotor_ida.systems.starts import Start
 from rotor_ida.systems.units import with_system_units
 
 TITLE = "Rotor system: drop on its touchdown bearings"
@@ -35,15 +36,10 @@ TITLE = "Rotor system: drop on its touchdown bearings"
 def drop(
     system: RotorSystem,
     *,
-    bearings: Sequence[Contact],
     speed: float,
     duration: float,
-    supports: Sequence[Support] = (),
     failing: Sequence[str] | None = None,
     phase: float = 0.0,
-    unbalance: Sequence[Unbalance] = (),
-    gravity: tuple[float, float] | None = None,
-    static_force: npt.ArrayLike | None = None,
     inertia: float | None = None,
     drag: float = 0.0,
     clearances: Mapping[str, float] | None = None,
@@ -55,32 +51,26 @@ def drop(
     rtol: float = 1e-10,
     method: SystemMethod = "taylor",
     progress: Progress | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Simulate the drop of a levitated rotor: fall, impacts, sliding, rolling, whirl, coast-down.
 
     Parameters
     ----------
-    system : RotorSystem
-        The rotor without its magnetic bearings; its stiffness may be singular.
-    bearings : sequence of Contact
-        The touchdown bearings, and whatever else the rotor may touch: at least 1, at most 16.
+    system : RotorSystem, Rotor or DimensionalRotor
+        The rotor; its stiffness may be singular. Its supports are the magnetic bearings; without
+        any the rotor starts where it would whirl freely. Its contacts are the touchdown bearings,
+        and whatever else it may touch: at least 1. Its gravity is (0, -9.80665) in SI units unless
+        given.
     speed : float
         Spin speed at the drop.
     duration : float
         Time to simulate from the drop on.
-    supports : sequence of Support
-        The magnetic bearings. Without any the rotor starts where it would whirl freely.
     failing : sequence of str, optional
         Nodes of the supports that fail at time 0. Default: all. The others keep springs, dampers
         and the static load that they carried.
     phase : float
         Angle by which the rotor is turned at the drop [rad]: it adds to that of each unbalance.
-    unbalance : sequence of Unbalance
-        Its unbalance.
-    gravity : (float, float), optional
-        Acceleration of gravity along x and y. Default: (0, -9.80665) in SI units, else none.
-    static_force : array_like, shape (n,), optional
-        Another constant force.
     inertia : float, optional
         Moment of inertia of the rotor about its axis: the drive is off, and friction and drag
         decelerate the rotor. Default: the speed is held.
@@ -94,13 +84,15 @@ def drop(
     start : (q, velocity), optional
         State at the drop. Default: the levitated steady state.
     samples, modes, more_modes, rtol, method, progress : optional
-        As in `simulate_system`. By default the samples resolve the whirls in the bearings too; of
+        As in `simulate`. By default the samples resolve the whirls in the bearings too; of
         given ones, a whirl that turns by half a turn between two shows the wrong sense.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of the system, as in `simulate`.
 
     Returns
     -------
     Dataset
-        A run as from `run_up_system`, at time 0 in the state of the drop; and on ``contact``:
+        A run as from `run_up`, at time 0 in the state of the drop; and on ``contact``:
         ``largest_force``, ``mean_contact_force`` while in contact, ``largest_impulse`` of one
         complete contact, ``total_impulse``, ``contact_count``, ``total_contact_time``,
         ``longest_contact_time``, ``excursion`` over the clearance, ``total_heat``,
@@ -135,20 +127,21 @@ def drop(
     --------
     A rigid rotor of 20 kg falls through 0.2 mm in 6.4 ms:
 
-    >>> system = RotorSystem(mass=np.diag([20.0, 20.0]), stiffness=np.zeros((2, 2)),
-    ...                      nodes={"disc": (0, 1)})
+    >>> from rotor_ida import Contact
     >>> bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0, friction=0.1,
     ...                   radius=0.03)
-    >>> run = drop(system, bearings=[bearing], speed=500.0, duration=0.2, inertia=0.08,
-    ...            supports=[Support(node="disc", stiffness=2e6, damping=2e3)])
+    >>> system = RotorSystem(mass=np.diag([20.0, 20.0]), stiffness=np.zeros((2, 2)),
+    ...                      nodes={"disc": (0, 1)}, contacts=[bearing],
+    ...                      supports=[Support(node="disc", stiffness=2e6, damping=2e3)])
+    >>> run = drop(system, speed=500.0, duration=0.2, inertia=0.08)
     >>> float(run.event_time[0].round(6)), float(run.peak_force[0].round(1))
     (0.006387, 1574.7)
     >>> run.support_load.values.round(1)
     array([[  0. , 196.1]])
     """
-    check_parts(system, bearings, unbalance)
-    if not bearings:
-        raise InputError("bearings must be at least one Contact, got none")
+    system = changed_system(drop, system, changed)
+    if not system.contacts:
+        raise InputError("contacts must be at least one for a drop, got none")
     omega, turned = check_real("speed", speed), check_real("phase", phase)
     end = check_positive("duration", duration)
     if not abs(omega) * end <= MOST_RADIANS:
@@ -157,32 +150,31 @@ def drop(
             f"got {omega!r}"
         )
     gaps = _by_node(("clearances", "clearance"), clearances, list(system.nodes))
-    limits = _by_node(("capacities", "capacity"), capacities, [each.node for each in bearings])
+    limits = _by_node(
+        ("capacities", "capacity"), capacities, [each.node for each in system.contacts]
+    )
     check_modes(modes, more_modes)
-    found, fails = check_failing(system, supports, failing)
-    if gravity is None and system.units == "SI":
-        gravity = (0.0, -GRAVITY)
-    around: dict[str, Any] = {
-        "contacts": bearings, "gravity": gravity, "static_force": static_force, "start": start,
-        "unbalance": [replace(each, phase=each.phase + turned) for each in unbalance],
-    }  # fmt: skip
+    fails = check_failing(system.supports, failing)
+    if system.gravity is None and system.units == "SI":
+        system = replace(system, gravity=(0.0, -GRAVITY))
+    placed = [replace(each, phase=each.phase + turned) for each in system.unbalance]
+    free = replace(system, unbalance=placed, supports=())
     numbers = {"modes": modes, "more_modes": more_modes}
     all_modes = [modes] if more_modes is None else [modes, more_modes]
-    cases = [_released(in_modes(system, number, around), found, fails, omega)
+    cases = [_released(*in_modes(free, number, start), system.supports, fails, omega)
              for number in all_modes]  # fmt: skip
     profile, change = _course(omega, end, inertia, drag)
     run = run_of_cases(
-        [case.around for case in cases], profile, samples=samples, rtol=rtol,
+        [(case.system, case.start) for case in cases], profile, samples=samples, rtol=rtol,
         method=method, progress=progress, speed=omega,
         change=change | {name: each for name, each in numbers.items() if each is not None},
         whirls=True,
     )  # fmt: skip
     design = plain_case({
-        "system": system, "bearings": bearings, "supports": found, "unbalance": unbalance,
-        "speed": omega, "duration": end, "failing": failing, "gravity": gravity,
-        "static_force": static_force, "inertia": inertia, "drag": drag, "clearances": clearances,
-        "capacities": capacities, "modes": modes, "more_modes": more_modes, "rtol": rtol,
-        "phase": turned, "start": start, "method": method,
+        "system": system, "speed": omega, "duration": end, "failing": failing,
+        "inertia": inertia, "drag": drag, "clearances": clearances, "capacities": capacities,
+        "modes": modes, "more_modes": more_modes, "rtol": rtol, "phase": turned, "start": start,
+        "method": method,
     })  # fmt: skip
     columns = figures_of_drop(run, gaps, limits) | cases[0].told | {DESIGN: ((), as_text(design))}
     return _dataset(system, run, columns, {"phase": turned})
@@ -218,42 +210,36 @@ def _by_node(
 
 @dataclass(frozen=True, slots=True)
 class _Case:
-    """Arguments of the run from the drop on, and the variables that tell of the supports."""
+    """The system from the drop on, its start, and the variables that describe the supports."""
 
-    around: dict[str, Any]
+    system: RotorSystem
+    start: Start
     told: dict[str, Column]
 
 
 def _released(
-    before: dict[str, Any], supports: Sequence[Support], fails: Sequence[bool], speed: float
-) -> _Case:
+    free: RotorSystem, start: Start, supports: Sequence[Support], fails: Sequence[bool],
+    speed: float,
+) -> _Case:  # fmt: skip
     """Return the system that the failing supports have left, in its levitated state."""
-    system, start = before["system"], before["start"]
-    held = assemble(
-        with_supports(system, supports),
-        **{name: before[name] for name in ("contacts", "unbalance", "gravity", "static_force")},
-    )
+    held = assemble(with_supports(free, supports))
     state = levitated(held, supports, speed)
     if start is None:
         for number, contact in enumerate(held.contacts):
             reach = float(np.hypot(*(held.rows[number] @ state.start[0] - contact.centre)))
             if not reach < contact.clearance:
                 raise InputError(
-                    f"bearings must be clear of the levitated rotor, got contact {number} at node "
+                    f"contacts must be clear of the levitated rotor, got contact {number} at node "
                     f"{contact.node!r} at {reach:.4g} with clearance {contact.clearance!r}"
                 )
-        start = tuple(state.start)
+        start = (state.start[0], state.start[1])
     stays = [each for each, gone in zip(supports, fails, strict=True) if not gone]
-    own = np.zeros(system.size)
-    if before["static_force"] is not None:
-        own += before["static_force"]
+    own = np.zeros(free.size) if free.static_force is None else free.static_force.copy()
     for each, load, gone in zip(supports, state.loads, fails, strict=True):
-        own += 0.0 if gone else system.rows(each.node).T @ load
-    around = before | {
-        "system": with_supports(system, stays) if stays else system,
-        "static_force": own if own.any() else None, "start": start,
-    }  # fmt: skip
-    return _Case(around, _told(supports, fails, state))
+        own[: free.size] += 0.0 if gone else free.rows(each.node).T @ load
+    left = with_supports(free, stays) if stays else free
+    system = replace(left, static_force=own if own.any() else None)
+    return _Case(system, start, _told(supports, fails, state))
 
 
 def _told(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -19,9 +19,8 @@ ARRAYS = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate", "trans
           "static_force", "added_mass")  # fmt: skip
 # What a design holds of a drop.
 OF_CASE = (
-    "system", "stators", "bearings", "supports", "unbalance", "speed", "duration", "failing",
-    "gravity", "static_force", "inertia", "drag", "clearances",
-    "capacities", "modes", "rtol", "phase", "start", "more_modes", "method",
+    "speed", "duration", "failing", "inertia", "drag", "clearances", "capacities", "modes", "rtol",
+    "phase", "start", "more_modes", "method",
 )  # fmt: skip
 # The variable of a dataset that has its design.
 DESIGN = "design"
@@ -32,18 +31,19 @@ def plain_case(case: Mapping[str, Any]) -> dict[str, Any]:
 
     Examples
     --------
-    >>> system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)})
     >>> shared = Stator(mass=1.0, stiffness=2.0)
     >>> bearing = Contact(node="disc", clearance=0.5, stiffness=4.0, stator=shared)
-    >>> given = {"system": system, "bearings": [bearing], "supports": [], "unbalance": [],
-    ...          "speed": 2.0, "gravity": (0.0, -1.0), "failing": None}
+    >>> system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
+    ...                      contacts=[bearing], gravity=(0.0, -1.0))
+    >>> given = {"system": system, "speed": 2.0, "failing": None}
     >>> again = case_from(plain_case(given))
-    >>> again["bearings"][0].stator.stiffness, again["speed"]
+    >>> again["system"].contacts[0].stator.stiffness, again["speed"]
     ((2.0, 2.0), 2.0)
     >>> plain_case(again) == plain_case(given)
     True
     """
-    bearings: Sequence[Contact] = case["bearings"]
+    system: RotorSystem = case["system"]
+    bearings = system.contacts
     stators = list({id(each.stator): each.stator for each in bearings
                     if isinstance(each.stator, Stator)}.values())  # fmt: skip
     rows = [
@@ -51,13 +51,12 @@ def plain_case(case: Mapping[str, Any]) -> dict[str, Any]:
         | {"stator": stators.index(each.stator) if isinstance(each.stator, Stator) else each.stator}
         for each in bearings
     ]
-    parts = ("system", "bearings", "supports", "unbalance")
-    found = {name: _plain(value) for name, value in case.items() if name not in parts}
+    found = {name: _plain(value) for name, value in case.items() if name != "system"}
     return found | {
-        "system": _plain_system(case["system"]),
+        "system": _plain_system(system), "gravity": _plain(system.gravity), "static_force": None,
         "stators": [asdict(each) for each in stators], "bearings": rows,
-        "supports": [asdict(each) for each in case["supports"]],
-        "unbalance": [asdict(each) for each in case["unbalance"]],
+        "supports": [asdict(each) for each in system.supports],
+        "unbalance": [asdict(each) for each in system.unbalance],
     }  # fmt: skip
 
 
@@ -80,8 +79,11 @@ def design_in(dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def case_from(plain: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of `drop` from the plain ones, among others in a design."""
-    found = {name: plain[name] for name in OF_CASE if name in plain and name != "stators"}
+    """Return the arguments of `drop` from the plain ones, among others in a design.
+
+    In older designs a static force is beside that of the system.
+    """
+    found = {name: plain[name] for name in OF_CASE if name in plain}
     stators = [Stator(**{**each, "race": _race(each["race"])}) for each in plain["stators"]]
     bearings = []
     for each in plain["bearings"]:
@@ -95,12 +97,14 @@ def case_from(plain: Mapping[str, Any]) -> dict[str, Any]:
     arrays: dict[str, Any] = {
         name: np.array(given[name]) for name in ARRAYS if given[name] is not None
     }
+    if plain["static_force"] is not None:
+        arrays["static_force"] = arrays.get("static_force", 0.0) + np.array(plain["static_force"])
     rest = {name: each for name, each in given.items() if name not in ARRAYS}
-    return found | {
-        "system": RotorSystem(**arrays, nodes=nodes, **rest), "bearings": bearings,
-        "supports": [Support(**each) for each in plain["supports"]],
-        "unbalance": [Unbalance(**each) for each in plain["unbalance"]],
-    }  # fmt: skip
+    return found | {"system": RotorSystem(
+        **arrays, nodes=nodes, **rest, contacts=bearings, gravity=plain["gravity"],
+        supports=[Support(**each) for each in plain["supports"]],
+        unbalance=[Unbalance(**each) for each in plain["unbalance"]],
+    )}  # fmt: skip
 
 
 def _plain_system(system: RotorSystem) -> dict[str, Any]:

@@ -15,8 +15,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import listed, shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.supports import check_supports, held_at_centre
+from rotor_ida.model.supports import held_at_centre
 from rotor_ida.model.system_parts import Support
 from rotor_ida.systems.assembly import Assembly
 
@@ -37,14 +36,11 @@ class Levitated:
     loads: Values
 
 
-def check_failing(
-    system: RotorSystem, supports: object, failing: object
-) -> tuple[list[Support], list[bool]]:
-    """Return the supports of a system, and which of them fail."""
-    found = check_supports(system, supports)
-    names = [each.node for each in found]
+def check_failing(supports: Sequence[Support], failing: object) -> list[bool]:
+    """Return which supports fail."""
+    names = [each.node for each in supports]
     if failing is None:
-        return found, [True] * len(found)
+        return [True] * len(names)
     if isinstance(failing, str) or not isinstance(failing, Sequence) or not failing:
         raise InputError(f"failing must be a list of nodes of supports, got {shown(failing)}")
     for name in failing:
@@ -53,7 +49,7 @@ def check_failing(
                 listed([repr(each) for each in names], "or") or "none, as there are no supports"
             )
             raise InputError(f"failing must be nodes of supports, {allowed}, got {shown(name)}")
-    return found, [name in failing for name in names]
+    return [name in failing for name in names]
 
 
 def levitated(assembly: Assembly, supports: Sequence[Support], speed: float) -> Levitated:

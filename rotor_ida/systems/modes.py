@@ -1,9 +1,7 @@
-"""A rotor system and its surroundings in the coordinates of a few modes."""
+"""A rotor system in the coordinates of a few modes."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,7 @@ from rotor_ida.checks import check_array, check_count
 from rotor_ida.errors import InputError
 from rotor_ida.model.reduction import in_basis, reduced_basis
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.systems.assembly import check_parts
+from rotor_ida.model.supports import levitated_system
 
 
 def check_modes(modes: int | None, more_modes: int | None) -> None:
@@ -27,31 +25,22 @@ def check_modes(modes: int | None, more_modes: int | None) -> None:
         raise InputError(f"more_modes must be more than modes, {few}, got {more}")
 
 
-def in_modes(system: RotorSystem, modes: int | None, around: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the system and its surroundings as keywords, reduced if a number of modes is given.
+def in_modes(system: RotorSystem, modes: int | None, start: Any) -> tuple[RotorSystem, Any]:
+    """Return a system and its start, reduced with its supports if a number of modes is given.
 
     The static flexibility of the nodes of all contacts is kept.
     """
     if modes is None:
-        return {"system": system, **around}
-    check_parts(system, around["contacts"], around["unbalance"])
-    held = [each.node for each in around["contacts"]]
-    held += [each.stator for each in around["contacts"] if isinstance(each.stator, str)]
-    basis = reduced_basis(system, modes=modes, keep=list(dict.fromkeys(held)))
-    force, start = around["static_force"], around["start"]
-    if force is not None:
-        whole = check_array("static_force", force)
-        own = np.zeros(system.size) if system.static_force is None else system.static_force
-        if whole.shape != own.shape:
-            raise InputError(f"static_force must have the shape {own.shape}, got {whole.shape}")
-        system = replace(system, static_force=own + whole)
+        return system, start
+    system = levitated_system(system)
+    basis = reduced_basis(system, modes=modes)
     if isinstance(start, tuple | list) and len(start) == 2:
         names = ("displacement", "velocity")
         start = tuple(
             _reduced(f"{name} of the start", each, basis, system.mass)
             for name, each in zip(names, start, strict=True)
         )
-    return {**around, "system": in_basis(system, basis), "static_force": None, "start": start}
+    return in_basis(system, basis), start
 
 
 def _reduced(name: str, given: object, basis: Values, mass: Values) -> Values:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from types import ModuleType
-from typing import Any, Literal
+from typing import Literal, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -29,8 +29,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.core.systems import SystemRequest, SystemResult
 from rotor_ida.errors import InputError, InstallationError
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, interruptible
 from rotor_ida.simulation.spin import SpeedProfile, steady
 from rotor_ida.systems.archived import problem_variables
@@ -69,11 +68,7 @@ MOST_TURNED = 0.8
 def simulate_system(
     system: RotorSystem,
     *,
-    contacts: Sequence[Contact] = (),
     speed: float,
-    unbalance: Sequence[Unbalance] = (),
-    gravity: tuple[float, float] | None = None,
-    static_force: npt.ArrayLike | None = None,
     start: Start = None,
     duration: float,
     samples: int | npt.ArrayLike | None = None,
@@ -82,6 +77,7 @@ def simulate_system(
     rtol: float = 1e-10,
     method: SystemMethod = "taylor",
     progress: Progress | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Simulate a rotor system and locate every event of every contact by root finding.
 
@@ -89,16 +85,8 @@ def simulate_system(
     ----------
     system : RotorSystem
         The rotor.
-    contacts : sequence of Contact
-        Its contacts, at most 16.
     speed : float
         Spin speed.
-    unbalance : sequence of Unbalance
-        Its unbalance; at time 0 an unbalance of phase 0 points along x.
-    gravity : (float, float), optional
-        Acceleration of gravity along x and y.
-    static_force : array_like, shape (n,), optional
-        A constant force.
     start : (q, velocity), "settled" or "rest", optional
         State at time 0, of the rotor or of rotor and stators; or the steady whirl without contact;
         or at rest in its supports and contacts under the constant forces. Default: at rest at 0,
@@ -120,6 +108,9 @@ def simulate_system(
         slower check.
     progress : callable, optional
         Called from time to time with the percentage completed, and 100.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of the system: ``simulate(system, contacts=[...], ...)`` is
+        ``simulate(replace(system, contacts=[...]), ...)``.
 
     Returns
     -------
@@ -155,28 +146,28 @@ def simulate_system(
 
     Examples
     --------
-    >>> system = RotorSystem(mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2),
-    ...                      nodes={"disc": (0, 1)}, units="1")
-    >>> run = simulate_system(
-    ...     system, contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0, exponent=1.0)],
-    ...     unbalance=[Unbalance(node="disc", moment=1.0)], speed=0.9, duration=20.0, samples=3)
+    >>> import numpy as np
+    >>> from rotor_ida import Contact, RotorSystem, Unbalance
+    >>> system = RotorSystem(
+    ...     mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
+    ...     contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0, exponent=1.0)],
+    ...     unbalance=[Unbalance(node="disc", moment=1.0)], units="1")
+    >>> run = simulate_system(system, speed=0.9, duration=20.0, samples=3)
     >>> run.event_time.values.round(6)[:2], run.event_kind.values[:2]
     (array([ 4.350352, 11.973831]), array([ 1, -1], dtype=int8))
     """
     omega = check_real("speed", speed)
     end = check_positive("duration", duration)
     return _simulate(
-        system, steady(omega, end), contacts=contacts, unbalance=unbalance, gravity=gravity,
-        static_force=static_force, start=start, samples=samples, modes=modes,
-        more_modes=more_modes, rtol=rtol, method=method, progress=progress, speed=omega,
-        change={"speed": omega},
+        changed_system(simulate_system, system, changed), steady(omega, end), start=start,
+        samples=samples, modes=modes, more_modes=more_modes, rtol=rtol, method=method,
+        progress=progress, speed=omega, change={"speed": omega},
     )  # fmt: skip
 
 
 def run_up_system(
     system: RotorSystem,
     *,
-    contacts: Sequence[Contact] = (),
     speed: float | None = None,
     to: float | None = None,
     rate: float | None = None,
@@ -185,9 +176,6 @@ def run_up_system(
     torque: tuple[float, float] | None = None,
     inertia: float | None = None,
     duration: float | None = None,
-    unbalance: Sequence[Unbalance] = (),
-    gravity: tuple[float, float] | None = None,
-    static_force: npt.ArrayLike | None = None,
     start: Start = None,
     samples: int | npt.ArrayLike | None = None,
     modes: int | None = None,
@@ -195,6 +183,7 @@ def run_up_system(
     rtol: float = 1e-10,
     method: SystemMethod = "taylor",
     progress: Progress | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Simulate a rotor system whose speed changes.
 
@@ -202,10 +191,10 @@ def run_up_system(
     ----------
     system : RotorSystem
         The rotor.
-    contacts, unbalance, gravity, static_force, start : optional
-        As in `simulate_system`.
-    samples, modes, more_modes, rtol, method, progress : optional
-        As in `simulate_system`.
+    start, samples, modes, more_modes, rtol, method, progress : optional
+        As in `simulate`.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of the system, as in `simulate`.
     speed : float
         Speed at time 0.
     to, rate : float
@@ -225,33 +214,35 @@ def run_up_system(
     Returns
     -------
     Dataset
-        As from `simulate_system`, with ``speed`` and ``angle`` on ``t``. With a torque
+        As from `simulate`, with ``speed`` and ``angle`` on ``t``. With a torque
         ``standstill_time`` and ``standstill_time_error``: since when the speed has stayed below
         one per cent of the first, NaN if it does not, as of a rotor that rocks.
 
     Raises
     ------
     InputError, SimulationError, InvariantError
-        As in `simulate_system`.
+        As in `simulate`.
 
     Warns
     -----
     UserWarning
-        As in `simulate_system`, at the largest speed.
+        As in `simulate`, at the largest speed.
 
     Notes
     -----
     With a torque ``J Omega' = tau0 - slope Omega - sum R_j T_j - (reaction of the unbalance)
     + sum m e x g``: the weight of each unbalance has a moment about the axis. A `static_force` has
-    none, but for the weight that `RotorSystem.gravity_in_static_force` tells of.
+    none, but for the weight that `RotorSystem.gravity_in_static_force` describes.
 
     Examples
     --------
-    >>> system = RotorSystem(mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2),
-    ...                      nodes={"disc": (0, 1)}, units="1")
-    >>> run = run_up_system(
-    ...     system, contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0)],
-    ...     unbalance=[Unbalance(node="disc", moment=1.0)], speed=0.2, to=1.5, rate=0.02, samples=3)
+    >>> import numpy as np
+    >>> from rotor_ida import Contact, RotorSystem, Unbalance
+    >>> system = RotorSystem(
+    ...     mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
+    ...     contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0)],
+    ...     unbalance=[Unbalance(node="disc", moment=1.0)], units="1")
+    >>> run = run_up_system(system, speed=0.2, to=1.5, rate=0.02, samples=3)
     >>> run.speed.values.round(3)
     array([0.2 , 0.85, 1.5 ])
     """
@@ -259,16 +250,15 @@ def run_up_system(
         rate = rate_of(speed, to, rate, ramp_time)
     profile, first, change = profile_of(speed, to, rate, speeds, torque, inertia, duration)
     return _simulate(
-        system, profile, contacts=contacts, unbalance=unbalance, gravity=gravity,
-        static_force=static_force, start=start, samples=samples, modes=modes,
-        more_modes=more_modes, rtol=rtol, method=method, progress=progress, speed=first,
-        change=change,
+        changed_system(run_up_system, system, changed), profile, start=start, samples=samples,
+        modes=modes, more_modes=more_modes, rtol=rtol, method=method, progress=progress,
+        speed=first, change=change,
     )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class _Prepared:
-    """A system with its surroundings, in coordinates with a unit mass matrix, and its start."""
+    """A system in coordinates with a unit mass matrix, and its start."""
 
     assembly: Assembly
     found: Canonical
@@ -277,11 +267,11 @@ class _Prepared:
 
 
 def _prepared(
-    system: RotorSystem, profile: SpeedProfile, times: Values, speed: float, fastest: float,
-    rtol: float, start: Start, **around: Any,
+    system: RotorSystem, start: Start, profile: SpeedProfile, times: Values, speed: float,
+    fastest: float, rtol: float,
 ) -> _Prepared:  # fmt: skip
     """Return what is to be followed, if that does not take too long."""
-    assembly = assemble(system, **around)
+    assembly = assemble(system)
     found, end = canonical(assembly), profile.ends[-1]
     begun = start_of(assembly, start, speed)
     request = request_of(
@@ -301,10 +291,6 @@ def _simulate(
     system: RotorSystem,
     profile: SpeedProfile,
     *,
-    contacts: Sequence[Contact],
-    unbalance: Sequence[Unbalance],
-    gravity: tuple[float, float] | None,
-    static_force: npt.ArrayLike | None,
     start: Start,
     samples: int | npt.ArrayLike | None,
     modes: int | None,
@@ -316,12 +302,10 @@ def _simulate(
     change: dict[str, object],
 ) -> xr.Dataset:
     """Return the run of a system along a course of its speed."""
-    around: dict[str, Any] = {"contacts": contacts, "unbalance": unbalance, "gravity": gravity,
-                              "static_force": static_force, "start": start}  # fmt: skip
     check_modes(modes, more_modes)
     numbers = {"modes": modes, "more_modes": more_modes}
     change = change | {name: number for name, number in numbers.items() if number is not None}
-    cases = [in_modes(system, number, around)
+    cases = [in_modes(system, number, start)
              for number in ([modes] if more_modes is None else [modes, more_modes])]  # fmt: skip
     run = run_of_cases(
         cases, profile, samples=samples, rtol=rtol, method=method, progress=progress, speed=speed,
@@ -333,7 +317,7 @@ def _simulate(
 
 
 def run_of_cases(
-    cases: Sequence[Mapping[str, Any]],
+    cases: Sequence[tuple[RotorSystem, Start]],
     profile: SpeedProfile,
     *,
     samples: int | npt.ArrayLike | None,
@@ -344,16 +328,16 @@ def run_of_cases(
     change: dict[str, object],
     whirls: bool = False,
 ) -> xr.Dataset:
-    """Return the run of a system in its surroundings, and the shifts of its events in a second.
+    """Return the run of a system, and the shifts of its events in a second.
 
     Parameters
     ----------
-    cases : sequence of mapping
-        The system and its surroundings as keywords; those with more modes come second.
+    cases : sequence of (RotorSystem, start)
+        The system and its start; those with more modes come second.
     profile : SpeedProfile
         The course of the speed.
     samples, rtol, method, progress : optional
-        As for `simulate_system`.
+        As for `simulate`.
     speed : float
         Speed at time 0.
     change : dict
@@ -367,23 +351,13 @@ def run_of_cases(
     end, fastest = profile.ends[-1], fastest_of(profile, speed)
     times = _times(samples, end, fastest)
     told = {"method": method, "rtol": tolerance, "duration": end, **change}
-    first, *second = [
-        _prepared(
-            **each,
-            profile=profile,
-            times=times,
-            speed=speed,
-            fastest=fastest,
-            rtol=tolerance,
-        )
-        for each in cases
-    ]
+    first, *second = [_prepared(*each, profile, times, speed, fastest, tolerance) for each in cases]
     followed, moved = _followed(first, second, profile, tolerance, method, progress)
     if whirls and samples is None and (finer := _finer(first, followed.result, times)) is not None:
         times = finer
         followed = _sampled_at(times, first.request, followed, profile, tolerance, method)
     check_run(first.assembly, first.found, first.request, followed.result, tolerance)
-    more = problem_variables(first.assembly, cases[0]["unbalance"], first.begun)
+    more = problem_variables(first.assembly, first.begun)
     if growth := growth_of(first.found, fastest):
         told |= {RATE: growth.rate, WHIRL_SPEED: growth.whirl_speed}
     if nothing_holds(first.found):

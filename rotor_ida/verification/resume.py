@@ -102,10 +102,9 @@ def resume_sweep(design: Design, jobs: Jobs) -> Resumed:
 
 def resume_system_sweep(design: Design, jobs: Jobs) -> Resumed:
     """Return the function that resumes a sweep of a rotor system."""
-    system, around = problem_in(design["problem"])
-    return partial(
-        sweep_system, system, **around, **_given(design, "speed", "direction", "rtol"), **jobs
-    )
+    system, starts = problem_in(design["problem"])
+    given = _given(design, "speed", "direction", "rtol")
+    return partial(sweep_system, system, starts=starts, **given, **jobs)
 
 
 def resume_run_ups(design: Design, jobs: Jobs) -> Resumed:
@@ -148,8 +147,7 @@ def resume_branch(design: Design, _jobs: Jobs) -> Resumed:
 
 def resume_system_branch(design: Design, _jobs: Jobs) -> Resumed:
     """Return the function that resumes a branch of limit cycles of a rotor system."""
-    system, around = problem_in(design["problem"])
-    problem, _ = CycleProblem.of(None, {"system": system, **around, "start": None}, None)
+    problem, _ = CycleProblem.of(problem_in(design["problem"])[0])
     guess = guess_in(problem, design, np.array(design["start"]))
     given = _given(design, "direction", "points")
     limits = tuple(design["limits"])

@@ -39,8 +39,6 @@ from rotor_ida.verification.verify_motions import (
     tolerance_of_run,
 )
 
-# What else a cycle may be computed from, and is within the system here.
-NOTHING_ELSE: dict[str, Any] = {"static_force": None, "start": None}
 # What a result of a system is computed from.
 OF_SYSTEM = (
     *NEEDED, *NAMES, "damping_matrix", "gyroscopic_matrix", "stiffness_rate_matrix",
@@ -54,28 +52,19 @@ BEHIND_HORIZON = "some drops end behind their horizon, where another processor d
 CLOSE = 1e-8
 
 
-def _archived(dataset: xr.Dataset, what: str) -> tuple[RotorSystem, dict[str, Any]]:
-    """Return the system of a result, and what stands around it."""
+def _archived(dataset: xr.Dataset, what: str = "result") -> tuple[RotorSystem, list[Any]]:
+    """Return the system of a result, and its starts."""
     try:
         return problem_of(dataset)
     except (IndexError, ValueError) as error:
         raise InputError(f"this {what} of a system cannot be verified: {error}") from error
 
 
-def problem_in(dataset: xr.Dataset) -> tuple[RotorSystem, dict[str, Any]]:
-    """Return the system of a result, with its constant force, and what stands around it."""
-    system, around = _archived(dataset, "result")
-    force = around.pop("static_force")
-    if np.any(force):
-        system = replace(system, static_force=force[: system.size])
-    return system, around
-
-
 def _run(dataset: xr.Dataset, _workers: int | None, progress: Progress | None) -> xr.Dataset:
-    system, around = _archived(dataset, "run")
+    system, starts = _archived(dataset, "run")
     given = dataset.attrs
     how: dict[str, Any] = {name: given[name] for name in ("duration", "rtol", "method")}
-    how |= around | {"samples": dataset["t"].values, "progress": progress}
+    how |= {"start": starts[0], "samples": dataset["t"].values, "progress": progress}
     if "event_speed" not in dataset:
         return simulate_system(system, **how, speed=given.get("speed"))  # type: ignore[arg-type]
     changes = change_in(dataset)
@@ -108,9 +97,9 @@ def case_of(what: str, dataset: xr.Dataset) -> dict[str, Any]:
 
 
 def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) -> xr.Dataset:
-    system, around = _archived(dataset, "sweep")
+    system, starts = _archived(dataset, "sweep")
     return sweep_system(
-        system, **around, speed=dataset["speed"].values, direction=direction_of(dataset),
+        system, starts=starts, speed=dataset["speed"].values, direction=direction_of(dataset),
         rtol=dataset.attrs["rtol"], workers=workers, progress=progress,
     )  # fmt: skip
 
@@ -149,45 +138,43 @@ def _undecided(_again: xr.Dataset, archived: xr.Dataset) -> dict[str, str]:
 
 
 def _whirls(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
-    system, around = problem_in(dataset)
-    return synchronous_response_system(system, **around, speed=dataset["speed"].values)
+    system, _ = _archived(dataset)
+    return synchronous_response_system(system, speed=dataset["speed"].values)
 
 
 def _special(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
-    system, around = problem_in(dataset)
+    system, _ = _archived(dataset)
     low, high = np.asarray(dataset.attrs["limits"]).tolist()
-    return special_speeds(system, **around, limits=(low, high), points=dataset.attrs["points"])
+    return special_speeds(system, limits=(low, high), points=dataset.attrs["points"])
 
 
 def _campbell(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
-    system, around = problem_in(dataset)
-    given = {name: dataset[name].values for name in ("speed", "contact_stiffness")}
-    contacts, modes = around["contacts"], dataset.attrs.get("modes")
-    return campbell(system, **given, contacts=contacts, modes=modes)
+    system, _ = _archived(dataset)
+    speed, springs = (dataset[name].values for name in ("speed", "contact_stiffness"))
+    modes = dataset.attrs.get("modes")
+    return campbell(system, speed=speed, contact_stiffness=springs, modes=modes)
 
 
 def _report(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
-    system, around = problem_in(dataset)
+    system, _ = _archived(dataset)
     given = dataset.attrs
-    mass = given.get("rotor_mass")
     return clearance_report(
-        system, contacts=around["contacts"], speed=np.unique(given["running_speeds"]).tolist(),
+        system, speed=np.unique(given["running_speeds"]).tolist(),
         probes=list(map(str, dataset["probe"].values)), multiple=given["multiple"],
-        unbalance=around["unbalance"] if mass is None else None, mass=mass,
-        vibration_limit=float(dataset["vibration_limit"]), points=given["points"],
+        mass=given.get("rotor_mass"), vibration_limit=float(dataset["vibration_limit"]),
+        points=given["points"],
     )  # fmt: skip
 
 
 def _cycle(dataset: xr.Dataset, _workers: int | None, _progress: Progress | None) -> xr.Dataset:
-    system, around = problem_in(dataset)
+    system, _ = _archived(dataset)
     if dataset["period"].isnull():
         raise InputError("this result cannot be verified: there is no limit cycle in it")
-    return limit_cycle_system(system, **around, start=dataset)
+    return limit_cycle_system(system, start=dataset)
 
 
 def _branch(dataset: xr.Dataset, _workers: int | None, progress: Progress | None) -> xr.Dataset:
-    system, around = problem_in(dataset)
-    problem, _ = CycleProblem.of(None, {"system": system, **around} | NOTHING_ELSE, None)
+    problem, _ = CycleProblem.of(_archived(dataset)[0])
     given = dataset.attrs
     guess = guess_in(problem, given, np.atleast_1d(given["start"]))
     low, high = np.asarray(given["limits"]).tolist()

@@ -74,8 +74,7 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd, monk
     assert "speed at the drop [rpm]</td><td>4800" in page
     assert "<td>python</td>" in page
     assert Path("report/report.pdf").read_bytes().startswith(b"%PDF")
-    case = rotor_ida.load_system("rotor.toml")
-    run = rotor_ida.drop(**{**case.drop, "duration": 0.03})
+    run = dropped("rotor.toml", {"duration": 0.03})
     assert rotor_ida.load("report/drop.nc").equals(run)
     version = run.attrs["rotor_ida_version"]
     assert f"rotor.toml, computed with rotor_ida {version}, report of 20" in page
@@ -153,6 +152,12 @@ def test_a_drop_that_ends_before_a_touch_has_a_report_too(capfd):
     assert f"SHA-256 of disc.npz</td><td>{digest}" in page
 
 
+def dropped(file, change):
+    """Return the drop of a file from Python, with some of its arguments changed."""
+    system, course = rotor_ida.load_system(file), rotor_ida.load_course(file)
+    return rotor_ida.drop(system, **{**course.drop, **change})
+
+
 def two_drops(given, friction):
     """Return two drops with the arguments of one, at random."""
     of_many = {name: each for name, each in given.items() if name not in NOT_OF_MANY}
@@ -163,9 +168,9 @@ def two_drops(given, friction):
 @pytest.mark.parametrize(("labyrinth", "touched"), [(0.1e-3, True), (0.9e-3, False)])
 def test_the_answer_tells_which_other_clearances_are_touched(labyrinth, touched):
     """The bearing leaves 0.2 mm; the table names the same nodes."""
-    case = rotor_ida.load_system("rotor.toml")
-    system = replace(case.system, nodes={"disc": (0, 1), "seal": (0, 1), "end": (0, 1)})
-    given = {**case.drop, "system": system, "duration": 0.02,
+    nodes = {"disc": (0, 1), "seal": (0, 1), "end": (0, 1)}
+    system = replace(rotor_ida.load_system("rotor.toml"), nodes=nodes)
+    given = {**rotor_ida.load_course("rotor.toml").drop, "system": system, "duration": 0.02,
              "clearances": {"seal": labyrinth, "end": 0.11e-3, "disc": 5e-3}}  # fmt: skip
     run = rotor_ida.drop(**given)
     many = two_drops(given, (0.05, 0.2))
@@ -184,9 +189,14 @@ def test_the_answer_tells_which_other_clearances_are_touched(labyrinth, touched)
 @pytest.mark.usefixtures("here")
 def test_a_drop_into_a_soft_bearing_is_beyond_the_model():
     """It is pressed in by more than its clearance of 0.2 mm."""
-    case = rotor_ida.load_system("rotor.toml")
-    soft = [replace(each, stiffness=4e6, friction=0.0) for each in case.drop["bearings"]]
-    given = {**case.drop, "bearings": soft, "clearances": None, "duration": 0.03}
+    system, course = (read("rotor.toml") for read in (rotor_ida.load_system, rotor_ida.load_course))
+    soft = [replace(each, stiffness=4e6, friction=0.0) for each in system.contacts]
+    given = {
+        **course.drop,
+        "system": replace(system, contacts=soft),
+        "clearances": None,
+        "duration": 0.03,
+    }
     run = rotor_ida.drop(**given)
     deep = 1e3 * float(run.peak_indentation.max())
     assert deep > 0.2
@@ -203,8 +213,7 @@ def test_the_system_file_of_the_tutorial_is_the_machine_of_the_tutorial():
     page = Path(__file__).parents[2] / "docs" / "drop_tutorial.md"
     text = page.read_text("utf-8")
     Path("machine.toml").write_text(text.split("```toml\n")[1].split("```")[0])
-    case = rotor_ida.load_system("machine.toml")
-    run = rotor_ida.drop(**{**case.drop, "duration": 0.02})
+    run = dropped("machine.toml", {"duration": 0.02})
     stated = re.search(r"\(array\(\[(\d+)\., (\d+)\.\]\), array\(\[1\.064", text)
     expected = [float(each) for each in stated.groups()]
     np.testing.assert_allclose(run.largest_force, expected, rtol=1.5e-3)  # rounded stiffness

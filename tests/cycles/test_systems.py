@@ -19,12 +19,6 @@ RUBBING = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=10.0
 WHIPPING = Rotor(omega=1.0, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
 
 
-def parts(rotor):
-    """Return one disc as a system, and what stands around it."""
-    system, contacts, unbalance = rotor.system()
-    return system, {"contacts": contacts, "unbalance": unbalance}
-
-
 def start_of(cycle):
     """Return the state at the start of a cycle of one disc as the start of a system."""
     return tuple([float(cycle[name][0]) for name in pair] for pair in (("x", "y"), ("vx", "vy")))
@@ -41,8 +35,8 @@ def disc():
 
 @pytest.fixture(scope="module")
 def bouncing():
-    system, around = parts(BOUNCING)
-    return rotor_ida.limit_cycle(system, **around, speed=2.0)
+    system = BOUNCING.system()
+    return rotor_ida.limit_cycle(system, speed=2.0)
 
 
 @pytest.mark.parametrize(
@@ -58,9 +52,9 @@ def bouncing():
 def test_a_cycle_of_one_disc_as_a_system_is_that_of_one_disc(rotor, start, allowed):
     """Two ways to integrate and to differentiate: period, radii, force and multipliers."""
     exact = rotor_ida.limit_cycle(rotor, start=start)
-    system, around = parts(rotor)
+    system = rotor.system()
     found = rotor_ida.limit_cycle(
-        system, **around, speed=rotor.omega, start=start_of(exact), period=1.001 * exact.period
+        system, speed=rotor.omega, start=start_of(exact), period=1.001 * exact.period
     )
     assert decode_flags(found.response).item() == decode_flags(exact.response).item()
     assert found.stability.item() == exact.stability.item()
@@ -86,20 +80,19 @@ def test_the_orbit_closes_on_the_turning_axes(bouncing):
 
 
 def test_a_sweep_ends_on_the_cycle_and_its_point_is_a_guess(bouncing):
-    system, around = parts(BOUNCING)
-    point = sweep(system, **around, speed=[2.0]).isel(speed=0, start=0, direction=0)
-    found = rotor_ida.limit_cycle(system, **around, start=point)
+    system = BOUNCING.system()
+    point = sweep(system, speed=[2.0]).isel(speed=0, start=0, direction=0)
+    found = rotor_ida.limit_cycle(system, start=point)
     np.testing.assert_allclose(found.period, point.period, rtol=1e-9)
     np.testing.assert_allclose(found.radius_max, point.radius_max, rtol=1e-8)
     np.testing.assert_allclose(found.period, bouncing.period, rtol=1e-12)
 
 
 def test_a_cycle_is_the_same_with_more_tolerance_but_for_its_stated_errors():
-    system, around = parts(BOUNCING)
-    given = {"system": system, **around, "start": None, "static_force": None}
-    problem, _ = CycleProblem.of(None, given, None)
+    system = BOUNCING.system()
+    problem, _ = CycleProblem.of(system)
     flow = problem.at(2.0)
-    found = rotor_ida.limit_cycle(system, **around, speed=2.0)
+    found = rotor_ida.limit_cycle(system, speed=2.0)
     state = problem.given_state(flow, found.final_state.values)
     other = closed_orbit(with_tolerance(flow, 1e-12), state, found.period.item())
     assert abs(other.duration - found.period.item()) < 1e-11
@@ -107,18 +100,18 @@ def test_a_cycle_is_the_same_with_more_tolerance_but_for_its_stated_errors():
 
 
 def test_a_cycle_of_two_periods_is_followed_once():
-    system, around = parts(BOUNCING)
+    system = BOUNCING.system()
     exact = rotor_ida.limit_cycle(BOUNCING)
     found = rotor_ida.limit_cycle(
-        system, **around, speed=2.0, start=start_of(exact), period=2.0 * exact.period
+        system, speed=2.0, start=start_of(exact), period=2.0 * exact.period
     )
     np.testing.assert_allclose(found.period, exact.period, rtol=1e-11)
 
 
 def test_the_bifurcations_of_a_branch_are_those_of_one_disc(bouncing, disc):
-    system, around = parts(BOUNCING)
+    system = BOUNCING.system()
     limits = (1.7, 2.1)
-    branch = rotor_ida.continue_cycle(system, **around, start=bouncing, limits=limits)
+    branch = rotor_ida.continue_cycle(system, start=bouncing, limits=limits)
     exact = rotor_ida.continue_cycle(BOUNCING, start=disc, limits=limits)
     np.testing.assert_array_equal(branch.special_kind, exact.special_kind)
     np.testing.assert_allclose(branch.special_speed, exact.special_value, rtol=1e-9)
@@ -128,7 +121,7 @@ def test_the_bifurcations_of_a_branch_are_those_of_one_disc(bouncing, disc):
         assert branch.stability[end] == exact.stability[end]
     assert float(branch.residual.max()) < 1e-11
     doubled = rotor_ida.continue_cycle(
-        system, **around, start=branch.isel(special=0), limits=limits, points=4
+        system, start=branch.isel(special=0), limits=limits, points=4
     )
     np.testing.assert_allclose(doubled.period[0], 2.0 * branch.special_period[0], rtol=1e-2)
 
@@ -136,10 +129,10 @@ def test_the_bifurcations_of_a_branch_are_those_of_one_disc(bouncing, disc):
 def test_at_a_hopf_point_the_cycle_shrinks_to_the_rub_with_the_frequency_of_its_eigenvalue():
     """From near the Hopf point the branch goes back to it, located by the rub's eigenvalues."""
     rotor = Rotor(omega=1.1, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=5.0)
-    system, around = parts(rotor)
-    found = special_speeds(system, **around, limits=(1.0, 1.25), points=20)
+    system = rotor.system()
+    found = special_speeds(system, limits=(1.0, 1.25), points=20)
     hopf = found.isel(special=np.flatnonzero(found.special_kind == SPECIAL["hopf"])[0])
-    branch = rotor_ida.continue_cycle(system, **around, start=hopf, limits=(1.0, 1.25), points=8)
+    branch = rotor_ida.continue_cycle(system, start=hopf, limits=(1.0, 1.25), points=8)
     assert branch.attrs["first_end"] == "hopf"
     np.testing.assert_allclose(branch.speed[0], hopf.special_speed, rtol=1e-10)
     np.testing.assert_allclose(branch.period[0], 2.0 * np.pi / hopf.hopf_frequency, rtol=1e-9)
@@ -156,10 +149,8 @@ def test_under_a_load_a_cycle_takes_whole_revolutions():
     rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.5, load=0.2, shaft_stiffness=0.1)
     exact = rotor_ida.limit_cycle(rotor, start=(0.0, -1.0, 0.0, 0.0))
     assert exact.period.notnull()
-    system, contacts, unbalance = rotor.system()
-    found = rotor_ida.limit_cycle(
-        system, contacts=contacts, unbalance=unbalance, speed=1.2, start=((0.0, -1.0), (0.0, 0.0))
-    )
+    system = rotor.system()
+    found = rotor_ida.limit_cycle(system, speed=1.2, start=((0.0, -1.0), (0.0, 0.0)))
     assert found.attrs["axes"] == "fixed"
     np.testing.assert_allclose(found.period, exact.period, rtol=1e-14)
     np.testing.assert_allclose(found.radius_max.values[0], exact.radius_max, rtol=1e-8)
@@ -168,17 +159,17 @@ def test_under_a_load_a_cycle_takes_whole_revolutions():
 
 
 def test_a_synchronous_whirl_is_no_cycle():
-    system, around = parts(Rotor(omega=1.0, zeta=0.3, delta0=0.5))
-    found = rotor_ida.limit_cycle(system, **around, speed=1.0)
+    system = Rotor(omega=1.0, zeta=0.3, delta0=0.5).system()
+    found = rotor_ida.limit_cycle(system, speed=1.0)
     assert decode_flags(found.response).item() == "synchronous"
     assert found.period.isnull()
     assert not found.sizes["t"]
     with pytest.raises(InputError, match="start must be a limit cycle"):
-        rotor_ida.limit_cycle(system, **around, start=found)
+        rotor_ida.limit_cycle(system, start=found)
     with pytest.raises(InputError, match="response is synchronous"):
-        rotor_ida.continue_cycle(system, **around, speed=1.0, limits=(0.5, 2.0))
+        rotor_ida.continue_cycle(system, speed=1.0, limits=(0.5, 2.0))
     with pytest.raises(SimulationError, match=r"whirl|converge|curve|misses"):
-        rotor_ida.limit_cycle(system, **around, speed=1.0, start=((0.9, 0.0), (0.0, 0.9)),
+        rotor_ida.limit_cycle(system, speed=1.0, start=((0.9, 0.0), (0.0, 0.9)),
                               period=3.0)  # fmt: skip
 
 
@@ -189,9 +180,9 @@ def test_a_synchronous_whirl_is_no_cycle():
     ({"period": 2.0}, "period must be left out"),
 ])  # fmt: skip
 def test_bad_arguments_of_a_cycle_are_refused_in_one_line(bouncing, given, message):
-    system, around = parts(BOUNCING)
+    system = BOUNCING.system()
     with pytest.raises(InputError, match=message) as caught:
-        rotor_ida.limit_cycle(system, **{**around, "start": bouncing, "speed": 2.0} | given)
+        rotor_ida.limit_cycle(system, **{"start": bouncing, "speed": 2.0} | given)
     assert "\n" not in str(caught.value)
 
 
@@ -202,7 +193,7 @@ def test_bad_arguments_of_a_cycle_are_refused_in_one_line(bouncing, given, messa
     ({"start": "bouncing"}, "start must be"),
 ])  # fmt: skip
 def test_bad_arguments_of_a_branch_are_refused_in_one_line(bouncing, given, message):
-    system, around = parts(BOUNCING)
-    whole = {**around, "start": bouncing, "limits": (1.9, 2.1), "speed": 2.0} | given
+    system = BOUNCING.system()
+    whole = {"start": bouncing, "limits": (1.9, 2.1), "speed": 2.0} | given
     with pytest.raises(InputError, match=message):
         rotor_ida.continue_cycle(system, **whole)

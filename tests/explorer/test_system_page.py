@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotor_ida import load_system, simulate
+from rotor_ida import load_course, load_system, simulate
 from tests.explorer.browser import (
     PATIENCE,
     Page,
@@ -131,10 +131,10 @@ def check_alone(page, command, path):
 
 def run_of(path, clearance):
     """Return the run that the page shows, from Python."""
-    case = load_system(path)
-    contacts = [replace(case.contacts[0], clearance=clearance)]
-    return simulate(case.system, **case.around | {"contacts": contacts}, speed=case.speed,
-                    duration=2.0 * np.pi * 60 / case.speed)  # fmt: skip
+    system, course = load_system(path), load_course(path)
+    contacts = [replace(system.contacts[0], clearance=clearance)]
+    return simulate(system, **course.motion, contacts=contacts, speed=course.speed,
+                    duration=2.0 * np.pi * 60 / course.speed)  # fmt: skip
 
 
 def wait_for(place):

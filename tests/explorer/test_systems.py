@@ -9,13 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotor_ida import drop, load, load_system, run_up, save, simulate
+from rotor_ida import drop, load, load_course, load_system, run_up, save, simulate
 from rotor_ida.cli import main
 from rotor_ida.errors import InputError
 from rotor_ida.explorer import system_files, system_touches, systems
 from rotor_ida.explorer.messages import Answer, read_question
 from rotor_ida.explorer.system_questions import SystemQuestion
 from rotor_ida.explorer.system_verdicts import verdict
+from rotor_ida.results.system_file import read_system_file
 from rotor_ida.systems.assembly import assemble
 
 DISC = """
@@ -95,8 +96,8 @@ def test_the_command_is_in_the_units_of_the_page_and_gives_the_run_shown(path: P
 
 
 def test_an_archive_is_played_as_it_is(path: Path, tmp_path: Path) -> None:
-    case = load_system(path)
-    run = simulate(case.system, **case.around, speed=case.speed, duration=0.05)
+    system, course = read_system_file(path)
+    run = simulate(system, **course.motion, speed=course.speed, duration=0.05)
     archive = tmp_path / "run.nc"
     save(run, archive)
     np.testing.assert_array_equal(
@@ -105,8 +106,7 @@ def test_an_archive_is_played_as_it_is(path: Path, tmp_path: Path) -> None:
 
 
 def test_a_drop_is_that_of_its_file_and_its_archive_the_same(of_drop: Path) -> None:
-    case = load_system(of_drop)
-    run = drop(**case.drop)
+    run = drop(load_system(of_drop), **load_course(of_drop).drop)
     archive = of_drop.with_suffix(".nc")
     save(run, archive)
     for path in (of_drop, archive):
@@ -122,8 +122,7 @@ def test_a_drop_is_that_of_its_file_and_its_archive_the_same(of_drop: Path) -> N
 
 
 def test_a_drop_is_told_by_its_figures(of_drop: Path) -> None:
-    case = load_system(of_drop)
-    run = drop(**case.drop)
+    run = drop(load_system(of_drop), **load_course(of_drop).drop)
     force, far = float(run["largest_force"][0]), float(run["excursion"][0])
     assert verdict(run) == (
         f"Drop: contact 0 (disc) takes up to {force:.4g} N in {int(run['contact_count'][0])} "
@@ -177,10 +176,10 @@ def test_the_command_writes_the_page_of_a_system(
 def test_a_file_without_a_run_up_has_one_over_the_speeds_shown(path: Path) -> None:
     (answer,) = systems.show_system_run_up(question(path, about="system_run_up"))
     assert answer.facts["notes"] == []
-    case = load_system(path)
-    speed = case.speed
+    system, course = read_system_file(path)
+    speed = course.speed
     assert speed is not None
-    up = run_up(case.system, **case.around, speed=0.1 * speed, to=1.5 * speed,
+    up = run_up(system, **course.motion, speed=0.1 * speed, to=1.5 * speed,
                 ramp_time=2.0 * np.pi * 300 / (0.8 * speed))  # fmt: skip
     left = up.exit_time.fillna(up.t[-1]).max()
     first, last = (np.interp(time, up.t, up.speed) / RPM for time in (up.entry_time.min(), left))
@@ -225,15 +224,15 @@ def test_a_verdict_is_of_the_speed_held_and_names_the_speeds_at_which_it_would_t
 
 
 def test_with_weight_it_touches_where_sag_and_whirl_fill_the_clearance(path: Path) -> None:
-    case = load_system(path)
-    assembly = assemble(case.system, case.contacts, case.unbalance, (0.0, -0.5), None)
+    system = load_system(path)
+    assembly = assemble(replace(system, gravity=(0.0, -0.5)))
     ((band,),) = system_touches.touching_bands(assembly, np.linspace(5.0, 400.0, 41))
     for speed in band:
         whirl = 1e-4 * speed**2 / abs(1e5 - 4 * speed**2 + 80j * speed)
         assert whirl + 4 * 0.5 / 1e5 == pytest.approx(6e-5, rel=4e-5)
     told = system_touches.bands_in_words(assembly, np.linspace(1.0, 100.0, 41))
     assert told == "At every speed up to 955 rpm it can whirl without contact."
-    heavy = assemble(case.system, case.contacts, case.unbalance, (0.0, -5.0), None)
+    heavy = assemble(replace(system, gravity=(0.0, -5.0)))
     told = system_touches.bands_in_words(heavy, np.linspace(1.0, 100.0, 41))
     assert told.startswith("Held elsewhere it touches contact 0 (disc) at all speeds up to 955 rpm")
 
@@ -271,7 +270,7 @@ def test_where_whirls_are_not_known_the_page_says_why_and_shows_the_one_without_
 def test_the_whirls_of_a_drop_are_those_on_its_magnetic_bearings(of_drop: Path) -> None:
     """sqrt(k/m) with a damping ratio, of the file and its archive, and the whirl at its speed."""
     archive = of_drop.with_suffix(".nc")
-    save(drop(**load_system(of_drop).drop), archive)
+    save(drop(load_system(of_drop), **load_course(of_drop).drop), archive)
     weighed = of_drop.with_name("weighed.toml")
     weighed.write_text('gravity = ["0", "-9.81 m/s2"]\n' + DROP.split("[drop]", maxsplit=1)[0])
     natural, ratio = np.sqrt(2e6 / 20.0), 2e3 / (2.0 * np.sqrt(2e6 * 20.0))

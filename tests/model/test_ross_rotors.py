@@ -195,7 +195,7 @@ def answers(system):
     yield campbell(system, speed=[SPEED, 2.0 * SPEED])
     yield synchronous_response(system, speed=[SPEED], **around)
     yield clearance_report(system, contacts=[touch], speed=(SPEED, 1.5 * SPEED), points=20)
-    yield drop(system, bearings=[touch], supports=[Support(node="0", stiffness=1e6)],
+    yield drop(system, contacts=[touch], supports=[Support(node="0", stiffness=1e6)],
                unbalance=around["unbalance"], speed=SPEED, duration=0.02, modes=6)  # fmt: skip
 
 

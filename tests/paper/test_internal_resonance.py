@@ -42,7 +42,7 @@ def test_an_exact_cycle_obeys_the_condition_near_its_onset_and_less_and_less_bey
     assert decode_flags(cycle.response).item() == "bouncing"
     assert cycle.residual.item() < 1e-11
     branch = continue_cycle(
-        system, **resonance.around(), start=cycle, limits=(3.0, 3.12), direction="forward",
+        system, start=cycle, limits=(3.0, 3.12), direction="forward",
         points=8,
     )  # fmt: skip
     off = np.abs([

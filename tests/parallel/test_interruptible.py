@@ -28,8 +28,8 @@ signal.signal(signal.SIGALRM, late)
 main = threading.main_thread().ident
 rotor, rest = Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.0, 0.0, 0.0, 0.0)
 drifting = Rotor(omega=1.0, zeta=0.0, delta0=1.5)
-system, contacts, unbalance = rotor.system()
-parts = {"contacts": contacts, "unbalance": unbalance, "speed": rotor.omega}
+system = rotor.system()
+parts = {"speed": rotor.omega}
 point = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0, "starts": [rest]}
 calls = {
     "run": (lambda time: simulate(rotor, start=rest, duration=time), 1.0, 1e7),

@@ -12,7 +12,7 @@ from rotor_ida.plot import drop_figure, drops_figure, save_orbit_film, system_fi
 
 DISC = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
 GIVEN = {
-    "bearings": [Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0, friction=0.1,
+    "contacts": [Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0, friction=0.1,
                          radius=0.03, race=Race(radius=0.03, inertia=2e-4))],
     "speed": 500.0, "duration": 0.05, "inertia": 0.08,
 }  # fmt: skip

@@ -45,12 +45,9 @@ def test_every_whirl_is_a_mark_at_its_amplitude_in_rpm_and_micrometres(whirls):
 
 
 def test_folds_and_hopf_points_are_marked_on_the_whirls():
-    system, contacts, unbalance = Rotor(
-        omega=1.0, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=5.0
-    ).system()
-    around = {"contacts": contacts, "unbalance": unbalance}
-    special = special_speeds(system, **around, limits=(0.9, 1.6))
-    found = synchronous_response(system, **around, speed=np.linspace(0.9, 1.6, 36))
+    system = Rotor(omega=1.0, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=5.0).system()
+    special = special_speeds(system, limits=(0.9, 1.6))
+    found = synchronous_response(system, speed=np.linspace(0.9, 1.6, 36))
     ax = plot.plot_system_whirls(found, special=special)
     assert ax.get_xlabel() == r"spin speed $\Omega$"
     marks = {line.get_label(): line for line in ax.lines}

@@ -326,8 +326,8 @@ def test_what_is_not_in_the_run_is_refused(run, draw, words):
 
 
 def test_without_contacts_the_figure_says_so():
-    system, _, unbalance = Rotor(omega=0.8, zeta=0.3, delta0=1.0, shaft_stiffness=1.0).system()
-    run = run_up(system, unbalance=unbalance, speed=0.2, to=1.5, rate=0.05)
+    system = Rotor(omega=0.8, zeta=0.3, delta0=1.0, shaft_stiffness=1.0).system()
+    run = run_up(system, contacts=[], speed=0.2, to=1.5, rate=0.05)
     figure = system_figure(run)
     assert [text.get_text() for text in figure.axes[-1].texts] == ["no contacts"]
     assert "speed 0.2 to 1.5" in [text.get_text() for text in figure.subfigs[0].texts]

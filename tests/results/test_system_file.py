@@ -10,11 +10,14 @@ from rotor_ida import (
     RotorSystem,
     Stator,
     Unbalance,
+    load_course,
     load_system,
     run_up,
     simulate,
 )
+from rotor_ida.model.supports import levitated_system
 from rotor_ida.results.system_file import __doc__ as documented
+from rotor_ida.results.system_file import read_system_file
 
 RPM = np.pi / 30.0
 CHAIN = np.array([[8e6, -4e6], [-4e6, 6e6]])
@@ -27,12 +30,12 @@ TOUCH = '[[contacts]]\nnode = "disc"\nclearance = "60 um"\nstiffness = "1e7 N/m"
 
 @pytest.fixture
 def load(tmp_path):
-    """Return a function that reads a text as a system file."""
+    """Return a function that reads a text as a system file: its system and its course."""
 
     def of(text):
         place = tmp_path / "rotor.toml"
         place.write_text(text)
-        return load_system(place)
+        return read_system_file(place)
 
     return of
 
@@ -41,48 +44,51 @@ def example():
     return "\n".join(line[4:] for line in documented.splitlines() if line.startswith("    "))
 
 
-def test_the_documented_file_runs_as_in_python_to_the_bit(load):
-    case = load(example())
-    system = RotorSystem(
-        mass=np.diag([12.0, 12.0, 8.0, 8.0]), stiffness=np.kron(CHAIN, np.eye(2)),
-        damping=np.kron(2e-4 * CHAIN, np.eye(2)), nodes={"disc": (0, 1), "seal": (2, 3)},
-    )  # fmt: skip
+def test_the_documented_file_runs_as_in_python_to_the_bit(load, tmp_path):
+    load(example())
+    place = tmp_path / "rotor.toml"
+    read, course = load_system(place), load_course(place)
     seal = Contact(
         node="seal", clearance=150e-6, stiffness=5e7, exponent=1.0, friction=0.1, radius=0.05,
         stator=Stator(mass=20.0, stiffness=1e7, damping=2000.0),
     )  # fmt: skip
-    around = {"contacts": [seal], "gravity": (0.0, -9.81), "start": "rest",
-              "unbalance": [Unbalance(node="disc", moment=1.2e-3, phase=np.pi / 2)]}  # fmt: skip
-    one = simulate(case.system, **case.around, speed=case.speed, duration=0.1)
-    other = simulate(system, **around, speed=4300 * RPM, duration=0.1)
+    system = RotorSystem(
+        mass=np.diag([12.0, 12.0, 8.0, 8.0]), stiffness=np.kron(CHAIN, np.eye(2)),
+        damping=np.kron(2e-4 * CHAIN, np.eye(2)), nodes={"disc": (0, 1), "seal": (2, 3)},
+        contacts=[seal], gravity=(0.0, -9.81),
+        unbalance=[Unbalance(node="disc", moment=1.2e-3, phase=np.pi / 2)],
+    )  # fmt: skip
+    assert course.start == "rest"
+    one = simulate(read, start="rest", speed=course.speed, duration=0.1)
+    other = simulate(system, start="rest", speed=4300 * RPM, duration=0.1)
     assert one.sizes["event"] > 4
     assert one.equals(other)
-    assert case.change == {"speed": 600 * RPM, "to": 6000 * RPM, "ramp_time": 5.0}
-    short = case.change | {"to": 700 * RPM, "ramp_time": 0.1}
-    one = run_up(case.system, **case.around, **short, samples=3)
+    assert course.run_up == {"speed": 600 * RPM, "to": 6000 * RPM, "ramp_time": 5.0}
+    short = course.run_up | {"to": 700 * RPM, "ramp_time": 0.1}
+    one = run_up(read, **course.motion, **short, samples=3)
     rate = (700 * RPM - 600 * RPM) / 0.1
-    other = run_up(system, **around, speed=600 * RPM, to=700 * RPM, rate=rate, samples=3)
+    other = run_up(system, start="rest", speed=600 * RPM, to=700 * RPM, rate=rate, samples=3)
     assert one.equals(other)
 
 
 def test_a_file_may_begin_with_the_mark_of_some_editors(load):
-    assert load("\ufeffspeed = 3\n" + SMALL + TOUCH).speed == 3.0
+    assert load("\ufeffspeed = 3\n" + SMALL + TOUCH)[1].speed == 3.0
 
 
 def test_matrices_are_read_from_the_folder_of_the_file(load, tmp_path):
     np.savez(tmp_path / "rotor.npz", M=np.eye(4), K=CHAIN[0, 0] * np.eye(4), node_disc=[0, 1])
-    case = load(
+    system, course = load(
         'modes = 2\n[system]\nfile = "rotor.npz"\nnodes = { end = [2, 3] }\n'
         'positions = { disc = "10 cm", end = 0.3 }'
     )
-    assert dict(case.system.nodes) == {"disc": (0, 1), "end": (2, 3)}
-    assert dict(case.system.positions) == {"disc": 0.1, "end": 0.3}
-    assert case.around["modes"] == 2
-    np.testing.assert_array_equal(case.system.mass, np.eye(4))
+    assert dict(system.nodes) == {"disc": (0, 1), "end": (2, 3)}
+    assert dict(system.positions) == {"disc": 0.1, "end": 0.3}
+    assert course.motion == {"start": None, "modes": 2, "more_modes": None}
+    np.testing.assert_array_equal(system.mass, np.eye(4))
 
 
 def test_stators_and_races_are_shared_by_name_or_a_table_of_one_contact(load):
-    case = load(
+    system, _ = load(
         SMALL
         + """
         [stators.housing]
@@ -98,7 +104,7 @@ def test_stators_and_races_are_shared_by_name_or_a_table_of_one_contact(load):
         + 'stator = "end"\ncentre = ["10 um", "-5 um"]\n[contacts.race]\nradius = "30 mm"\n'
         'inertia = "2 kg m2"\nspeed = "60 rpm"\n'
     )
-    first, second, third = case.contacts
+    first, second, third = system.contacts
     assert first.stator is second.stator
     assert (first.stator.stiffness, first.stator.weight) == ((1e6, 2e6), False)
     assert (third.stator, third.centre) == ("end", (1e-5, -5e-6))
@@ -106,10 +112,10 @@ def test_stators_and_races_are_shared_by_name_or_a_table_of_one_contact(load):
 
 
 def test_a_static_force_acts_on_nodes_or_on_coordinates(load):
-    by_node = load(SMALL + '[static_force]\nend = ["0 N", "-2 kN"]')
-    by_coordinate = load("static_force = [0, 0, 0, -2000]\n" + SMALL)
-    np.testing.assert_array_equal(by_node.system.static_force, [0.0, 0.0, 0.0, -2000.0])
-    np.testing.assert_array_equal(by_coordinate.system.static_force, by_node.system.static_force)
+    by_node, _ = load(SMALL + '[static_force]\nend = ["0 N", "-2 kN"]')
+    by_coordinate, _ = load("static_force = [0, 0, 0, -2000]\n" + SMALL)
+    np.testing.assert_array_equal(by_node.static_force, [0.0, 0.0, 0.0, -2000.0])
+    np.testing.assert_array_equal(by_coordinate.static_force, by_node.static_force)
 
 
 LEVITATED = 'supports = [ { node = "disc", stiffness = [5e5, 7e5], damping = 30 } ]\n'
@@ -117,36 +123,31 @@ LEVITATED = 'supports = [ { node = "disc", stiffness = [5e5, 7e5], damping = 30 
 
 def test_supports_are_part_of_the_system(load):
     """Springs, dampers, and the static load that keeps their node at the centre under gravity."""
-    case = load(LEVITATED + "gravity = [0, -9.81]\n" + SMALL)
-    added = np.diag([5e5, 7e5, 0.0, 0.0])
-    np.testing.assert_array_equal(case.system.stiffness, case.rotor.stiffness + added)
-    np.testing.assert_array_equal(case.system.damping, np.diag([30.0, 30.0, 0.0, 0.0]))
-    np.testing.assert_allclose(case.system.static_force, [0, 4 * 9.81, 0, 0], atol=1e-9)
-    run = simulate(case.system, **case.around | {"start": "rest"}, speed=100.0, duration=0.01)
+    system, _ = load(LEVITATED + "gravity = [0, -9.81]\n" + SMALL)
+    assert system.damping is None
+    held, added = levitated_system(system), np.diag([5e5, 7e5, 0.0, 0.0])
+    np.testing.assert_array_equal(held.stiffness, system.stiffness + added)
+    np.testing.assert_array_equal(held.damping, np.diag([30.0, 30.0, 0.0, 0.0]))
+    np.testing.assert_allclose(held.static_force, [0, 4 * 9.81, 0, 0], atol=1e-9)
+    run = simulate(system, start="rest", speed=100.0, duration=0.01)
     np.testing.assert_allclose(run["y"][-1], [0.0, -4 * 9.81 / 1e5], atol=1e-12)
-    assert load(LEVITATED + SMALL).system.static_force is None
-
-
-def test_a_drop_has_the_rotor_without_its_supports(load):
-    case = load(LEVITATED + SMALL + TOUCH)
-    assert case.drop["system"] is case.rotor
-    assert case.rotor.damping is None
+    assert levitated_system(load(LEVITATED + SMALL)[0]).static_force is None
 
 
 def test_starts_and_changes_of_speed(load):
-    assert load('start = "settled"\n' + SMALL).around["start"] == "settled"
-    q, velocity = load("start = { q = [1, 0, 0, 0], velocity = [0, 0, 0, 2] }\n" + SMALL).start
+    assert load('start = "settled"\n' + SMALL)[1].start == "settled"
+    q, velocity = load("start = { q = [1, 0, 0, 0], velocity = [0, 0, 0, 2] }\n" + SMALL)[1].start
     assert (q[0], velocity[3]) == (1.0, 2.0)
-    change = load(SMALL + 'run_up = { speeds = [[0, "60 rpm"], ["2 s", 8]] }').change
+    change = load(SMALL + 'run_up = { speeds = [[0, "60 rpm"], ["2 s", 8]] }')[1].run_up
     assert change == {"speeds": [(0.0, 60 * RPM), (2.0, 8.0)]}
     drive = 'run_up = { torque = ["3 N m", 0.5], inertia = "2 kg m2", duration = "900 ms" }'
-    assert load(SMALL + drive).change == {
+    assert load(SMALL + drive)[1].run_up == {
         "speed": 0.0, "torque": (3.0, 0.5), "inertia": 2.0, "duration": 0.9,
     }  # fmt: skip
 
 
 def test_a_dimensionless_file_takes_no_units(load):
-    assert load('units = "1"\nspeed = 1.5\n' + SMALL).system.units == "1"
+    assert load('units = "1"\nspeed = 1.5\n' + SMALL)[0].units == "1"
     with pytest.raises(InputError, match=r"rotor.toml: the unit of speed must be left out, got '6"):
         load('units = "1"\nspeed = "60 rpm"\n' + SMALL)
 

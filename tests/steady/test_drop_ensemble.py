@@ -20,7 +20,7 @@ from rotor_ida.steady.drop_statistics import mean_of, quantiles_of, statistics_o
 
 DISC = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
 GIVEN = {
-    "bearings": [Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0, friction=0.1,
+    "contacts": [Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0, friction=0.1,
                          radius=0.03)],
     "supports": [Support(node="disc", stiffness=2e6, damping=2e3)],
     "unbalance": [Unbalance(node="disc", moment=8e-5)], "speed": 500.0, "duration": 0.05,
@@ -34,7 +34,7 @@ def test_a_grid_holds_the_drops_themselves():
     assert many.drop_phase.values.tolist() == [0.0, 0.0, 2.0, 2.0]
     bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0, friction=0.3,
                       radius=0.03)  # fmt: skip
-    one = drop(DISC, **GIVEN | {"bearings": [bearing]}, phase=2.0)
+    one = drop(DISC, **GIVEN | {"contacts": [bearing]}, phase=2.0)
     for name in ("largest_force", "total_heat", "excursion"):
         assert many[name][3].values.tolist() == one[name].values.tolist()
     assert many.horizon[3] == one.horizon

@@ -19,7 +19,6 @@ from rotor_ida import (
     simulate,
     special_speeds,
     sweep,
-    sweep_system,
     synchronous_response,
 )
 from rotor_ida.schema import STABILITY
@@ -110,9 +109,9 @@ def test_one_disc_as_a_system_has_the_labels_of_one_disc(name):
     changes, start = ONE_DISC[name]
     given = {"zeta": 0.07} | changes
     one = sweep(**given, starts=[start], method="taylor").squeeze()
-    system, contacts, unbalance = Rotor(**given).system()
+    system = Rotor(**given).system()
     found = sweep(
-        system, contacts=contacts, unbalance=unbalance, speed=given["omega"],
+        system, speed=given["omega"],
         starts=[(start[:2], start[2:])],
     ).squeeze()  # fmt: skip
     assert decode_flags(found.response).item() == name.split()[0]
@@ -126,9 +125,9 @@ def test_one_disc_as_a_system_has_the_labels_of_one_disc(name):
 def test_chaos_is_chaos_in_both():
     """It lasts for 200,000 time units at least (exponent 0.0362)."""
     rotor = Rotor(omega=1.38, zeta=0.07, delta0=1.0)
-    system, contacts, unbalance = rotor.system()
+    system = rotor.system()
     found = sweep(
-        system, contacts=contacts, unbalance=unbalance, speed=1.38,
+        system, speed=1.38,
         starts=[((1.5, -0.25), (0.0, 0.0))],
     ).squeeze()  # fmt: skip
     assert decode_flags(found.response).item() == "chaotic"
@@ -139,8 +138,8 @@ def test_chaos_is_chaos_in_both():
 def test_a_torus_is_quasi_periodic():
     """A cycle on turning axes whose period is no whole number of revolutions, under a load."""
     rotor = Rotor(omega=2.9, zeta=0.1, delta0=1.0, shaft_stiffness=0.4, load=0.3)
-    system, contacts, unbalance = rotor.system()
-    found = sweep(system, contacts=contacts, unbalance=unbalance, speed=2.9).squeeze()
+    system = rotor.system()
+    found = sweep(system, speed=2.9).squeeze()
     assert decode_flags(found.response).item() == "quasi_periodic"
     assert abs(float(found.lyapunov_exponent)) < 1e-6
 
@@ -295,8 +294,8 @@ def test_a_sweep_that_takes_minutes_says_so_before_it_starts(monkeypatch):
 
 
 def test_without_damping_nothing_settles():
-    system, contacts, unbalance = Rotor(omega=1.7, zeta=0.0, delta0=0.5).system()
-    found = sweep(system, contacts=contacts, unbalance=unbalance, speed=1.7).squeeze()
+    system = Rotor(omega=1.7, zeta=0.0, delta0=0.5).system()
+    found = sweep(system, speed=1.7).squeeze()
     assert decode_flags(found.response).item() == "unresolved"
     assert found.message.item().endswith("revolutions: without damping nothing settles")
 
@@ -346,7 +345,7 @@ def test_bad_input_is_refused_in_one_line(changes, message):
     system, contacts, unbalance = two_discs()
     given = {"contacts": contacts, "unbalance": unbalance, "speed": [0.5, 0.7]} | changes
     with pytest.raises(InputError, match=message) as caught:
-        sweep_system(system, **given)
+        sweep(system, **given)
     assert "\n" not in str(caught.value)
 
 

@@ -51,7 +51,7 @@ def soft(node, friction=0.1):
 
 
 def test_a_balanced_rotor_falls_freely_on_both_bearings():
-    run = drop(rigid(), bearings=[bearing("a"), bearing("b")], speed=1500.0, duration=0.007,
+    run = drop(rigid(), contacts=[bearing("a"), bearing("b")], speed=1500.0, duration=0.007,
                supports=SUPPORTS)  # fmt: skip
     first = run.isel(event=slice(2))
     np.testing.assert_allclose(first.event_time, math.sqrt(2.0 * 2e-4 / GRAVITY), rtol=1e-10)
@@ -67,7 +67,7 @@ def test_a_balanced_rotor_falls_freely_on_both_bearings():
 def test_an_unbalanced_rotor_first_touches_where_the_free_motion_says(phase):
     """Without gyroscopic moments translation and tilt are forced free bodies."""
     moment, speed = 4e-4, 300.0
-    run = drop(rigid(polar=0.0), bearings=[bearing("a"), bearing("b")], speed=speed, phase=phase,
+    run = drop(rigid(polar=0.0), contacts=[bearing("a"), bearing("b")], speed=speed, phase=phase,
                unbalance=[Unbalance(node="disc", moment=moment)], supports=SUPPORTS,
                duration=0.009)  # fmt: skip
     places, inertia = np.array([LEFT, RIGHT]), np.diag([MASS, TILT])
@@ -93,7 +93,7 @@ def test_the_restitution_at_each_bearing_does_not_depend_on_the_mass_behind_it(n
     """With N = k d^n (1 + lambda d'), v - ln(1 + lambda v)/lambda is the same at entry and exit."""
     damping, entry = 5.0, 0.06
     start = ([0.0] * 4, [0.0, -entry, 0.0, 0.0])
-    run = drop(rigid(), bearings=[bearing(node, damping=damping)], speed=0.0, gravity=(0.0, 0.0),
+    run = drop(rigid(), contacts=[bearing(node, damping=damping)], speed=0.0, gravity=(0.0, 0.0),
                start=start, duration=0.02)  # fmt: skip
     z = {"a": LEFT, "b": RIGHT}[node]
     velocities = run.event_state.values[:, 4:8] @ np.array([0.0, -1.0, 0.0, -z])
@@ -114,7 +114,7 @@ def test_a_race_spins_up_and_the_rotor_slows_down_under_constant_sliding():
     normal = MASS * GRAVITY / math.hypot(1.0, friction)
     away = -1j * MASS * GRAVITY / (normal * (1.0 + 1j * friction))
     place = away * (2e-4 + (normal / 2e9) ** (2.0 / 3.0))
-    run = drop(system, bearings=[touch], speed=1500.0, inertia=inertia, duration=0.5,
+    run = drop(system, contacts=[touch], speed=1500.0, inertia=inertia, duration=0.5,
                start=([place.real, place.imag], [0.0, 0.0]))  # fmt: skip
     torque = friction * normal
     expected = race.radius * torque * 0.5 / race.inertia
@@ -142,7 +142,7 @@ def test_races_are_fastest_and_slowest_where_friction_and_drag_balance():
                 radius=0.03, race=race)
         for node, each, race in zip("ab", stiff, races, strict=True)
     ]  # fmt: skip
-    run = rotor_ida.simulate_system(
+    run = rotor_ida.simulate(
         system, contacts=touches, speed=1500.0, static_force=[-weight, -weight], samples=2,
         start=(-2e-4 - sag, amplitude * rate * np.sin(phase)), duration=duration,
     )  # fmt: skip
@@ -177,7 +177,7 @@ def test_the_largest_speed_of_a_race_in_an_impact_lies_between_its_events():
     races = [Race(radius=0.03, inertia=2e-5, drag=drag) for drag in (0.1, 0.05)]
     touches = [bearing(node, friction=0.2, race=race)
                for node, race in zip("ab", races, strict=True)]  # fmt: skip
-    given = {"bearings": touches, "speed": 600.0, "duration": 0.009, "supports": SUPPORTS,
+    given = {"contacts": touches, "speed": 600.0, "duration": 0.009, "supports": SUPPORTS,
              "inertia": POLAR, "unbalance": [Unbalance(node="disc", moment=8e-5)]}  # fmt: skip
     run = drop(rigid(), **given, samples=2)
     assert (run.largest_race_speed > 1.1 * run.event_race_speed.max("event")).all()
@@ -188,7 +188,7 @@ def test_the_largest_speed_of_a_race_in_an_impact_lies_between_its_events():
 
 
 def test_contact_damping_makes_the_force_largest_before_the_indentation():
-    given = {"bearings": [bearing("a", damping=5.0)], "speed": 0.0, "gravity": (0.0, 0.0),
+    given = {"contacts": [bearing("a", damping=5.0)], "speed": 0.0, "gravity": (0.0, 0.0),
              "start": ([0.0] * 4, [0.0, -0.06, 0.0, 0.0]), "duration": 0.005}  # fmt: skip
     run = drop(rigid(), **given, samples=2)
     time = float(run.largest_force_time[0])
@@ -211,7 +211,7 @@ def test_dry_whip_has_the_frequency_of_the_rotor_with_its_contact_closed():
     touch = Contact(node="seal", clearance=2e-4, stiffness=5e7, exponent=1.0, friction=0.5,
                     radius=radius)  # fmt: skip
     start = ([1e-4, 0.0, 2.4e-4, 0.0], [0.0, -0.09, 0.0, -radius * speed])
-    late = drop(system, bearings=[touch], speed=speed, start=start, gravity=(0.0, 0.0),
+    late = drop(system, contacts=[touch], speed=speed, start=start, gravity=(0.0, 0.0),
                 duration=5.0, samples=np.linspace(4.9, 5.0, 1001))  # fmt: skip
     assert (late["mode"] == 2).all()
     assert late.whirl_sense[0] == -1
@@ -236,7 +236,7 @@ def test_the_mirror_image_of_dry_whip_whirls_backward_too():
                     radius=0.006)  # fmt: skip
     for change in ({}, {"inertia": 1.0}):
         run, image = (
-            drop(system, bearings=[touch], speed=side * 30.0, gravity=(0.0, 0.0), duration=0.5,
+            drop(system, contacts=[touch], speed=side * 30.0, gravity=(0.0, 0.0), duration=0.5,
                  start=([3.2e-4, 0.0], [0.0, -side * 0.15]), **change)
             for side in (1.0, -1.0)
         )  # fmt: skip
@@ -249,7 +249,7 @@ def test_the_mirror_image_of_dry_whip_whirls_backward_too():
 
 
 def test_a_support_that_stays_holds_its_end():
-    given = {"bearings": [bearing("a"), bearing("b")], "speed": 1500.0, "duration": 0.3}
+    given = {"contacts": [bearing("a"), bearing("b")], "speed": 1500.0, "duration": 0.3}
     run = drop(rigid(), **given, supports=SUPPORTS, failing=["a"])
     assert run.contact_count[0] > 0
     assert run.contact_count[1] == 0
@@ -265,7 +265,7 @@ def test_a_balanced_flexible_rotor_hangs_between_its_supports():
     nodes = {"a": (0, 3), "disc": (1, 4), "b": (2, 5)}
     system = RotorSystem(mass=np.kron(np.eye(2), np.diag([2.0, 10.0, 2.0])),
                          stiffness=np.kron(np.eye(2), chain), nodes=nodes)  # fmt: skip
-    run = drop(system, bearings=[bearing("a"), bearing("b")], speed=100.0, duration=1e-3,
+    run = drop(system, contacts=[bearing("a"), bearing("b")], speed=100.0, duration=1e-3,
                supports=SUPPORTS, clearances={"disc": 3e-4})  # fmt: skip
     first = run.isel(t=0)
     np.testing.assert_allclose(first.y, [0.0, -10.0 * GRAVITY / 4e6, 0.0], atol=1e-18)
@@ -276,7 +276,7 @@ def test_a_balanced_flexible_rotor_hangs_between_its_supports():
 
 def test_a_run_does_not_depend_on_when_its_tables_grow(monkeypatch):
     """A contact that had just ended entered again where the table of events was full."""
-    given = {"bearings": [bearing("a"), bearing("b")], "speed": 1500.0, "duration": 0.2,
+    given = {"contacts": [bearing("a"), bearing("b")], "speed": 1500.0, "duration": 0.2,
              "unbalance": [Unbalance(node="disc", moment=8e-5)], "inertia": POLAR,
              "samples": 11}  # fmt: skip
     runs = []
@@ -289,7 +289,7 @@ def test_a_run_does_not_depend_on_when_its_tables_grow(monkeypatch):
 
 
 def test_a_symmetric_rotor_touches_leaves_and_slips_at_both_ends_at_once_and_comes_to_rest():
-    run = drop(rigid(-0.3, 0.3, 0.0), bearings=[soft("a"), soft("b")], speed=1500.0, duration=3.0,
+    run = drop(rigid(-0.3, 0.3, 0.0), contacts=[soft("a"), soft("b")], speed=1500.0, duration=3.0,
                unbalance=[Unbalance(node="disc", moment=8e-5)], inertia=POLAR, drag=1e-2,
                supports=[], start=([0.0] * 4, [0.0] * 4), samples=2001)  # fmt: skip
     assert (run.contact_count > 10).all()
@@ -298,7 +298,7 @@ def test_a_symmetric_rotor_touches_leaves_and_slips_at_both_ends_at_once_and_com
 
 def test_a_drop_ends_at_a_standstill():
     hard = [bearing(node, friction=0.15, damping=10.0) for node in "ab"]
-    run = drop(rigid(), bearings=hard, speed=20.0, duration=6.0, inertia=POLAR, drag=0.05,
+    run = drop(rigid(), contacts=hard, speed=20.0, duration=6.0, inertia=POLAR, drag=0.05,
                supports=SUPPORTS, samples=2001)  # fmt: skip
     assert run.rest_time.notnull().all()
     assert 0.0 < float(run.standstill_time) < 6.0
@@ -316,7 +316,7 @@ def test_a_drop_ends_at_a_standstill():
 def test_a_standstill_is_an_event_whatever_the_samples(samples, method, within):
     """Under drag alone the speed is 500 exp(-t): it stands from ln 100 on."""
     disc = RotorSystem(mass=np.eye(2), stiffness=np.zeros((2, 2)), nodes={"a": (0, 1)})
-    run = drop(disc, bearings=[soft("a")], speed=500.0, duration=6.0, inertia=0.08, drag=0.08,
+    run = drop(disc, contacts=[soft("a")], speed=500.0, duration=6.0, inertia=0.08, drag=0.08,
                gravity=(0.0, 0.0), samples=samples, method=method)  # fmt: skip
     apart = abs(float(run.standstill_time) - np.log(100.0))
     assert apart <= float(run.standstill_time_error) < 100.0 * within
@@ -347,7 +347,7 @@ def test_a_rotor_that_rocks_does_not_stand_until_its_swings_are_slight():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"bearings": []}, "bearings must be at least one Contact"),
+        ({"contacts": []}, "contacts must be at least one for a drop, got none"),
         ({"supports": SUPPORTS[:1] * 2}, "supports must be at different nodes, got 'a' twice"),
         ({"failing": ["disc"]}, "failing must be nodes of supports, 'a' or 'b', got 'disc'"),
         ({"drag": 0.1}, "inertia must be given with drag"),
@@ -361,7 +361,7 @@ def test_a_rotor_that_rocks_does_not_stand_until_its_swings_are_slight():
     ],
 )
 def test_what_cannot_be_dropped_is_refused_in_one_line(change, words):
-    given = {"bearings": [bearing("a")], "speed": 100.0, "duration": 0.01, "supports": SUPPORTS}
+    given = {"contacts": [bearing("a")], "speed": 100.0, "duration": 0.01, "supports": SUPPORTS}
     with pytest.raises(InputError, match=words) as caught:
         drop(rigid(), **given | change)
     assert "\n" not in str(caught.value)
@@ -374,7 +374,7 @@ def test_more_modes_tell_how_far_the_events_of_a_drop_move():
         mass=3.0 * np.eye(12), stiffness=stiffness, damping=2e-5 * stiffness,
         nodes={"a": (0, 1), "disc": (4, 5), "b": (10, 11)},
     )  # fmt: skip
-    given = {"bearings": [bearing("a"), bearing("b")], "speed": 300.0, "duration": 0.011,
+    given = {"contacts": [bearing("a"), bearing("b")], "speed": 300.0, "duration": 0.011,
              "supports": SUPPORTS, "unbalance": [Unbalance(node="disc", moment=2e-5)],
              "inertia": POLAR}  # fmt: skip
     few = drop(system, **given, modes=4, more_modes=6)
@@ -401,10 +401,9 @@ def test_a_disc_as_a_system_drops_as_the_disc_itself(friction, damping, whips):
     rotor = machine.rotor()
     one = rotor_ida.simulate(rotor, start=(-1.0, 0.0, 0.0, -rotor.omega), samples=1001,
                              duration=0.15 / machine.time_scale)  # fmt: skip
-    system, contacts, unbalance = machine.system()
+    system = machine.system()
     shift = machine.eccentricity
-    run = drop(system, bearings=contacts, unbalance=unbalance, speed=machine.speed, duration=0.15,
-               gravity=(0.0, 0.0),
+    run = drop(system, speed=machine.speed, duration=0.15,
                start=([-shift, 0.0], [0.0, -shift * machine.speed]))  # fmt: skip
     times = one.event_time.values * machine.time_scale
     both = min(float(one.horizon) * machine.time_scale, float(run.horizon))
@@ -419,7 +418,7 @@ def test_a_disc_as_a_system_drops_as_the_disc_itself(friction, damping, whips):
 
 
 def test_a_drop_is_verified_and_loaded_as_it_was(tmp_path):
-    run = drop(rigid(), bearings=[soft("a"), soft("b")], speed=1500.0, duration=0.05,
+    run = drop(rigid(), contacts=[soft("a"), soft("b")], speed=1500.0, duration=0.05,
                supports=SUPPORTS, inertia=POLAR)  # fmt: skip
     rotor_ida.save(run, tmp_path / "drop.nc")
     loaded = rotor_ida.load(tmp_path / "drop.nc")
@@ -433,7 +432,7 @@ def test_samples_by_default_resolve_a_whirl_that_is_much_faster_than_the_spin():
     system = RotorSystem(mass=MASS * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
     touch = Contact(node="disc", clearance=2e-4, stiffness=2e8, exponent=1.0, damping=1.0,
                     friction=0.3, radius=0.03)  # fmt: skip
-    run = drop(system, bearings=[touch], speed=20.0, gravity=(0.0, 0.0), duration=2.0,
+    run = drop(system, contacts=[touch], speed=20.0, gravity=(0.0, 0.0), duration=2.0,
                start=([1.9e-4, 0.0], [0.05, -1.0]))  # fmt: skip
     late = run.isel(t=slice(-400, None), contact=0)
     assert (late["mode"] == MODE["rolling"]).all()

@@ -113,9 +113,9 @@ def test_a_damped_contact_is_released_and_pressed_as_that_of_one_disc():
         disc_radius=3.0,
     )  # fmt: skip
     one = simulate(rotor, start=(0, 0, 3, 1), duration=40.0, method="taylor", rtol=1e-13)
-    system, contacts, unbalance = rotor.system()
+    system = rotor.system()
     many = simulate(
-        system, contacts=contacts, unbalance=unbalance, speed=1.2, start=([0, 0], [3, 1]),
+        system, speed=1.2, start=([0, 0], [3, 1]),
         duration=40.0, rtol=1e-13,
     )  # fmt: skip
     assert {RELEASE, PRESS} <= set(one.event_kind.values.tolist())
@@ -278,8 +278,8 @@ def test_energy_of_a_free_rotor_on_a_moving_stator_is_kept():
 @pytest.mark.parametrize("early", [1e-2, 1e-3, 3e-4])
 def test_a_run_that_ends_just_before_an_exit_ends_there(early):
     """Behind an exit the time of the contact's series falls again: its end is not taken there."""
-    system, contacts, unbalance = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    given = {"contacts": contacts, "unbalance": unbalance, "speed": 2.0}
+    system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    given = {"speed": 2.0}
     whole = simulate(system, **given, duration=40.0)
     exits = whole.event_time.values[whole.event_kind.values == EXIT][:8]
     ends = exits - early

@@ -48,8 +48,8 @@ def test_a_shared_race_turns_by_the_impulses_of_all_its_contacts():
     np.testing.assert_array_equal(speeds[:, 0], speeds[:, 1])
     exact = 2.0 * 0.2 * float(run.impulse.sum()) / 5.0
     np.testing.assert_allclose(run.final_state[-2:], exact, rtol=1e-12)
-    again, around = problem_of(run)
-    assert simulate(again, **around, speed=1.3, duration=30.0, samples=2).equals(run)
+    again, (start,) = problem_of(run)
+    assert simulate(again, start=start, speed=1.3, duration=30.0, samples=2).equals(run)
 
 
 def test_contacts_that_roll_on_one_race_under_a_torque_have_the_events_of_cvode():
@@ -66,7 +66,10 @@ def test_contacts_that_roll_on_one_race_under_a_torque_have_the_events_of_cvode(
 @pytest.mark.parametrize("weight", [0.6, 1.5])
 def test_small_changes_with_a_shared_race_are_differences_of_runs(weight):
     shared = [replace(each, radius=1.0) for each in contacts(0.3, 0.2, 0.05, clearance=0.3)]
-    whole = assemble(SYSTEM, shared, UNBALANCE, None, [0.0, -weight, 0.1, -weight])
+    whole = assemble(
+        replace(SYSTEM, contacts=shared, unbalance=UNBALANCE,
+                static_force=[0.0, -weight, 0.1, -weight])
+    )  # fmt: skip
     request = request_of(
         whole, canonical(whole), steady(0.6, 12.0), np.zeros((2, 6)), np.array([12.0]), 12.0,
         rtol=1e-12, speed=0.6, fastest_speed=0.6, inertia=0.0,

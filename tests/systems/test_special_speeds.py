@@ -34,8 +34,8 @@ def of_kind(found, kind):
 @pytest.mark.parametrize("disc", DISCS, ids=str)
 def test_one_disc_as_a_system_has_the_same_folds_and_hopf_points(disc):
     """Against polynomials in exact arithmetic, two folds near first touch among them."""
-    system, contacts, unbalance = Rotor(omega=1.0, **disc, disc_radius=5.0).system()
-    found = special_speeds(system, contacts=contacts, unbalance=unbalance, limits=(0.05, 4.0))
+    system = Rotor(omega=1.0, **disc, disc_radius=5.0).system()
+    found = special_speeds(system, limits=(0.05, 4.0))
     exact = folds(**disc)
     turns, hopf = of_kind(found, "fold"), of_kind(found, "hopf")
     np.testing.assert_allclose(turns.special_speed, exact.fold_omega.values.ravel(), rtol=1e-10)
@@ -56,11 +56,11 @@ def test_one_disc_as_a_system_has_the_same_folds_and_hopf_points(disc):
 ], ids=str)  # fmt: skip
 def test_a_hopf_point_beside_a_graze_or_a_fold_is_found(disc):
     """One lies 1.6e-7 from its fold; the grid has steps of 0.015 or, with 20 points, 0.15."""
-    system, contacts, unbalance = Rotor(omega=1.0, **disc, disc_radius=5.0).system()
+    system = Rotor(omega=1.0, **disc, disc_radius=5.0).system()
     exact = hopf_points(**disc).hopf_omega.values.ravel()
     exact = exact[exact < 3.0]
     for points in (20, 200):
-        found = special_speeds(system, contacts=contacts, unbalance=unbalance, limits=(0.05, 3.0),
+        found = special_speeds(system, limits=(0.05, 3.0),
                                points=points)  # fmt: skip
         np.testing.assert_allclose(of_kind(found, "hopf").special_speed, exact, rtol=1e-8)
 

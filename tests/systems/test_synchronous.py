@@ -94,10 +94,8 @@ def test_one_disc_as_a_system_has_the_same_whirls():
         exact = synchronous_response(**given).squeeze(
             [name for name in given if name in ("omega", "zeta", "delta0")]
         )
-        system, contacts, unbalance = Rotor(**given, disc_radius=5.0).system()
-        found = synchronous_response(
-            system, contacts=contacts, unbalance=unbalance, speed=given["omega"]
-        ).isel(speed=0, contact=0)
+        system = Rotor(**given, disc_radius=5.0).system()
+        found = synchronous_response(system, speed=given["omega"]).isel(speed=0, contact=0)
         np.testing.assert_allclose(found.amplitude, exact.amplitude, rtol=1e-13)
         np.testing.assert_allclose(found.phase_lag, exact.phase_lag, atol=1e-13)
         np.testing.assert_allclose(found.growth_rate, exact.growth_rate, atol=1e-12)
@@ -283,8 +281,8 @@ def test_a_settled_run_whirls_as_computed():
 def test_small_differences_decay_and_grow_at_the_computed_rate():
     """A run near a rub departs from it as exp(growth_rate t)."""
     rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
-    system, contacts, unbalance = rotor.system()
-    found = synchronous_response(system, contacts=contacts, unbalance=unbalance, speed=1.7)
+    system = rotor.system()
+    found = synchronous_response(system, speed=1.7)
     places, here = whirls_at(found, 0)
     (place, growth), = [(place[0], growth) for place, growth in zip(
         places, here.growth_rate.values, strict=True) if growth > 0.0]  # fmt: skip
@@ -292,8 +290,6 @@ def test_small_differences_decay_and_grow_at_the_computed_rate():
     runs = [
         simulate(
             system,
-            contacts=contacts,
-            unbalance=unbalance,
             speed=1.7,
             duration=100.0,
             rtol=1e-13,

@@ -361,8 +361,8 @@ def test_one_disc_in_si_is_the_machine():
         mass=12.0, contact_stiffness=1e8, damping=500.0, eccentricity=5e-5, clearance=6e-5,
         speed=400.0, shaft_stiffness=4e6, contact_exponent=1.0, load=117.0,
     )  # fmt: skip
-    system, contacts, unbalance = machine.system()
-    run = simulate(system, contacts=contacts, unbalance=unbalance, speed=400.0, duration=0.1)
+    system = machine.system()
+    run = simulate(system, speed=400.0, duration=0.1)
     one = simulate(machine.rotor(), duration=0.1 / machine.time_scale, method="taylor")
     assert run.x.attrs["units"] == "m"
     assert run.event_time.attrs["units"] == "s"

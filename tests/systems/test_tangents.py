@@ -32,10 +32,11 @@ SEEDS = (2, 5, 10, 17, 19)
 def request_of_system(seed):
     """Return a run of a random system in the coordinates of the core."""
     system, around = random_system(seed)
-    whole = assemble(system, around["contacts"], around["unbalance"], None, around["static_force"])
+    begun = around.pop("start")
+    whole = assemble(replace(system, **around))
     found = canonical(whole)
     start = np.zeros((2, whole.size))
-    start[:, : system.size] = around["start"]
+    start[:, : system.size] = begun
     return request_of(
         whole, found, steady(SPEED, DURATION), start @ found.factor, np.array([DURATION]),
         DURATION, rtol=1e-12, speed=SPEED, fastest_speed=SPEED, inertia=0.0,
@@ -79,7 +80,9 @@ def rolling_request():
     race = Race(radius=0.03, inertia=2e-3, drag=1e-3, speed=250.0)
     touch = Contact(node="disc", clearance=3e-4, stiffness=5e7, exponent=1.0, friction=0.1,
                     radius=0.03, race=race)  # fmt: skip
-    whole = assemble(system, [touch], [Unbalance(node="disc", moment=8e-3)], None, None)
+    whole = assemble(
+        replace(system, contacts=[touch], unbalance=[Unbalance(node="disc", moment=8e-3)])
+    )
     request = request_of(
         whole, canonical(whole), steady(250.0, 2.0), np.zeros((2, 2)), np.array([2.0]), 2.0,
         rtol=1e-12, speed=250.0, fastest_speed=250.0, inertia=0.0,
@@ -143,11 +146,11 @@ def test_exponents_of_one_disc_as_a_system():
     run = simulate(ROTOR, start=start, duration=1000.0, samples=2)
     settled = [float(run[name][-1]) for name in ("x", "y", "vx", "vy")]
     one = lyapunov_exponent(ROTOR, start=settled, transient=200.0, duration=1500.0)
-    system, contacts, unbalance = ROTOR.system()
+    system = ROTOR.system()
     angle = ROTOR.omega * 1000.0
     back = np.exp(-1j * angle) * np.array([complex(*settled[:2]), complex(*settled[2:])])
     found = lyapunov_exponent(
-        system, contacts=contacts, unbalance=unbalance, speed=ROTOR.omega,
+        system, speed=ROTOR.omega,
         start=([back[0].real, back[0].imag], [back[1].real, back[1].imag]),
         transient=80, revolutions=620,
     )  # fmt: skip
@@ -177,7 +180,7 @@ def test_exponents_without_contact_are_the_decay_rates():
     [({"exponents": 9}, "at most 4"), ({"revolutions": 50}, "at least 20"), ({"speed": 0.0}, "0")],
 )
 def test_bad_arguments_give_one_line(more, message):
-    system, contacts, unbalance = ROTOR.system()
-    given = {"contacts": contacts, "unbalance": unbalance, "speed": 1.0} | more
+    system = ROTOR.system()
+    given = {"speed": 1.0} | more
     with pytest.raises(InputError, match=message):
         lyapunov_exponent(system, **given)

@@ -87,13 +87,14 @@ def energy_of(system, run):
 
 def test_the_load_of_a_disc_has_the_moment_of_its_weight():
     disc = Rotor(omega=0.7, zeta=0.05, delta0=50.0, shaft_stiffness=0.3, load=0.2)
-    system, contacts, unbalance = disc.system()
+    system = disc.system()
     case = {"torque": (0.0, 0.0), "inertia": 4.0, "duration": 30.0, "samples": [10.0, 20.0, 30.0]}
-    around = {"contacts": contacts, "unbalance": unbalance, "speed": 0.7}
     exact = [0.19118822, 0.31982468, 0.30327549]  # Lagrange's equations
-    bare = replace(system, static_force=None)
-    for run in (run_up(disc, start=(0.0, 0.0, 0.0, 0.0), **case), run_up(system, **around, **case),
-                run_up(bare, gravity=(0.0, -0.2), **around, **case)):  # fmt: skip
+    assert system.gravity == (0.0, -0.2)
+    told = replace(system, gravity=None, static_force=[0.0, -0.2],
+                   gravity_in_static_force=(0.0, -0.2))  # fmt: skip
+    for run in (run_up(disc, start=(0.0, 0.0, 0.0, 0.0), **case),
+                run_up(system, speed=0.7, **case), run_up(told, speed=0.7, **case)):  # fmt: skip
         np.testing.assert_allclose(run.speed, exact, rtol=0.0, atol=6e-9)
 
 
@@ -115,6 +116,6 @@ def test_without_drive_and_damping_energy_is_kept_in_all_modes_too():
         run = run_up(system, **RUN, torque=(0.0, 0.0), start=start, modes=modes)
         energy = energy_of(system, run)
         np.testing.assert_allclose(energy, energy[0], rtol=1e-10)
-        again, around = problem_of(run)
+        again, (begun,) = problem_of(run)
         how = {name: RUN[name] for name in ("speed", "inertia", "duration", "samples")}
-        assert run_up(again, **around, **how, torque=(0.0, 0.0)).speed.equals(run.speed)
+        assert run_up(again, start=begun, **how, torque=(0.0, 0.0)).speed.equals(run.speed)

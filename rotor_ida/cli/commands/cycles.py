@@ -295,11 +295,9 @@ def cycle_file(
     without_gravity: bool,
 ) -> Report:
     """Compute the limit cycle of the system of a file."""
-    own, given = cycle_case(file, rotor, start, output)
-    if without_gravity:
-        given.pop("gravity", None)
+    own, given = cycle_case(file, rotor, start, output, without_gravity=without_gravity)
     with working("cycle"):
-        found = rotor_ida.limit_cycle_system(own, **given, period=period)
+        found = rotor_ida.limit_cycle(own, **given, period=period)
     return _answered(found, output)
 
 
@@ -311,16 +309,14 @@ def branch_file(
         raise InputError(
             "period must be left out with a rotor system: compute its cycle first, with limit-cycle"
         )
-    own, given = cycle_case(file, origin, origin.start, output)
-    if without_gravity:
-        given.pop("gravity", None)
+    own, given = cycle_case(file, origin, origin.start, output, without_gravity=without_gravity)
     if origin.from_ is not None:
         given["start"] = _point_of_system(read(origin.from_), origin)
         given["speed"] = origin.given.get("speed")  # else that of the archive
     elif (origin.point, origin.special) != (None, None):
         raise InputError("point and special must be left out without --from")
     with working("points", how["study"]) as progress:
-        branch = rotor_ida.continue_cycle_system(own, **given, **how, progress=progress)
+        branch = rotor_ida.continue_cycle(own, **given, **how, progress=progress)
         return answer_whole(branch, output, how["study"])
 
 

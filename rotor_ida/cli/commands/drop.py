@@ -17,7 +17,8 @@ from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
-    from rotor_ida.results.system_file import SystemFile
+    from rotor_ida.model.rotor_system import RotorSystem
+    from rotor_ida.results.system_file import Course
 
 # What only one drop takes.
 NOT_OF_MANY = {"phase", "more_modes"}
@@ -74,12 +75,13 @@ def drop(
     from rotor_ida.cli.drop_report import report_files, sentence_of, write_report  # noqa: PLC0415
     from rotor_ida.plot.drops import check_film  # noqa: PLC0415
     from rotor_ida.results.files import check_target  # noqa: PLC0415
+    from rotor_ida.results.system_file import read_system_file  # noqa: PLC0415
 
-    case = rotor_ida.load_system(system)
-    if case.system.units != "SI":
+    rotor, course = read_system_file(system)
+    if rotor.units != "SI":
         raise InputError(f"system must be in SI units for a report, got {shown(str(system))}")
     told = {"speed": speed, "duration": duration, "drops": drops}
-    given, vary = _asked(case, system, told)
+    given, vary = _asked(course, system, told)
     many = bool(vary)
     if study is not None and not many:
         raise InputError("study must be left out without drops")
@@ -93,7 +95,7 @@ def drop(
         for path in files:
             check_target("out", path, overwrite=overwrite, permission=FORCED)
         with working("drop [%]") as progress:
-            run = rotor_ida.drop(**given, progress=progress)
+            run = rotor_ida.drop(rotor, **given, progress=progress)
     except BaseException:
         with suppress(OSError):  # another program may have put a file there
             for folder in made:
@@ -103,7 +105,7 @@ def drop(
     if many:
         kept = study or unfinished
         before = _saved_before(kept)
-        everything = _many(given, vary, jobs, kept)
+        everything = _many(rotor, given, vary, jobs, kept)
         unfinished.mkdir(exist_ok=True)
         rotor_ida.save(everything, files[1], overwrite=overwrite)
     rotor_ida.save(run, files[0], overwrite=overwrite)
@@ -126,7 +128,7 @@ def drop(
 
 
 def _asked(
-    case: SystemFile, system: Path, told: Mapping[str, Any]
+    course: Course, system: Path, told: Mapping[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the arguments of one drop, and those that many have besides, if there are many.
 
@@ -134,18 +136,18 @@ def _asked(
     """
     from rotor_ida.steady.drop_ensemble import design_of  # noqa: PLC0415 - heavy
 
-    given, vary, drops = dict(case.drop), dict(case.grid or case.vary), told["drops"]
+    given, vary, drops = dict(course.drop), dict(course.grid or course.vary), told["drops"]
     given |= {name: told[name] for name in ("speed", "duration") if told[name] is not None}
     for name in ("speed", "duration"):
         if given.get(name) is None:
             raise InputError(f"{name} must be given with --{name} or in {system}")
-    if case.grid and drops is not None:
+    if course.grid and drops is not None:
         raise InputError(f"drops must be left out with the drop.grid of {system}")
-    if case.grid:
+    if course.grid:
         vary.setdefault("phase", [given.get("phase", 0.0)])
     elif drops is not None:
         vary["drops"] = drops
-    if not (case.grid or "drops" in vary):
+    if not (course.grid or "drops" in vary):
         return given, {}
     varied = {name: each for name, each in vary.items() if name not in {"drops", "seed"}}
     design_of(varied, vary.get("drops"), vary.get("seed", 0))
@@ -174,11 +176,12 @@ def _saved_before(study: Path) -> str:
 
 
 def _many(
-    given: dict[str, Any], vary: dict[str, Any], jobs: options.JobOptions, study: Path
+    rotor: RotorSystem, given: dict[str, Any], vary: dict[str, Any], jobs: options.JobOptions,
+    study: Path,
 ) -> Any:  # fmt: skip
     """Return the ensemble of drops."""
     ways = {name: each for name, each in given.items() if name not in NOT_OF_MANY}
     with working("drops", study) as progress:
         return rotor_ida.drop_ensemble(
-            **ways, **vary, **jobs.on_every_core(), study=study, progress=progress
+            rotor, **ways, **vary, **jobs.on_every_core(), study=study, progress=progress
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Any
 
 from cyclopts import Parameter
@@ -20,7 +21,7 @@ from rotor_ida.cli.option_types import (
 )
 from rotor_ida.cli.output import Output, answer
 from rotor_ida.cli.report import FIRST_ROWS, Report
-from rotor_ida.cli.systems import case_of, linear_system, weighed
+from rotor_ida.cli.systems import linear_case
 
 SpeedsOfSystem = Annotated[
     list[float],
@@ -96,10 +97,8 @@ def special_speeds(
             --without-gravity --out special.nc --figure special
     """
     output.check()
-    case = case_of(system, {"limits": limits})
-    found = rotor_ida.special_speeds(
-        **weighed(case, without_gravity=without_gravity), limits=limits, points=points
-    )
+    rotor, _ = linear_case(system, {"limits": limits}, without_gravity=without_gravity)
+    found = rotor_ida.special_speeds(rotor, limits=limits, points=points)
     return answer(found, output, most=FIRST_ROWS)
 
 
@@ -121,11 +120,8 @@ def campbell(
     """
     output.check()
     given = {"speed": speed, "contact_stiffness": contact_stiffness}
-    case = case_of(system, given)
-    found = rotor_ida.campbell(
-        linear_system(case), contacts=case.contacts, modes=modes, speed=speed,
-        contact_stiffness=contact_stiffness,
-    )  # fmt: skip
+    rotor, _ = linear_case(system, given, without_gravity=True)
+    found = rotor_ida.campbell(rotor, modes=modes, speed=speed, contact_stiffness=contact_stiffness)
     return answer(found, output, most=FIRST_ROWS)
 
 
@@ -153,11 +149,10 @@ def clearance_report(
     """
     output.check()
     given: dict[str, Any] = {"speed": speed, "vibration_limit": vibration_limit, "mass": mass}
-    case = case_of(system, given)
-    around = weighed(case, without_gravity=without_gravity)
-    unbalance = around.pop("unbalance")
+    rotor, _ = linear_case(system, given, without_gravity=without_gravity)
+    if not own_unbalance:
+        rotor = replace(rotor, unbalance=())
     found = rotor_ida.clearance_report(
-        **around, **given, probes=probes, multiple=multiple, points=points,
-        unbalance=unbalance if own_unbalance else None,
-    )  # fmt: skip
+        rotor, **given, probes=probes, multiple=multiple, points=points
+    )
     return answer(found, output, most=FIRST_ROWS)

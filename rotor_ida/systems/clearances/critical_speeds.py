@@ -71,7 +71,7 @@ def critical_modes(assembly: Assembly, largest: float) -> list[Mode]:
     >>> from rotor_ida.systems.assembly import assemble
     >>> system = RotorSystem(mass=np.eye(2), damping=0.2 * np.eye(2), stiffness=np.eye(2),
     ...                      nodes={"disc": (0, 1)}, units="1")
-    >>> (mode,) = critical_modes(assemble(system, [], [], None, None), 3.0)
+    >>> (mode,) = critical_modes(assemble(system), 3.0)
     >>> round(mode.speed, 6), round(mode.decay, 6)
     (0.994987, 0.1)
     """

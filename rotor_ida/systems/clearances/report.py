@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
@@ -26,8 +27,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.schema import STABILITY, VERDICT, labelled_dataset
 from rotor_ida.systems.archived import described_problem
 from rotor_ida.systems.assembly import Assembly, assemble, canonical
@@ -70,31 +70,27 @@ REFERENCES = (
 def clearance_report(
     system: RotorSystem,
     *,
-    contacts: Sequence[Contact],
     speed: Sequence[float],
     probes: Sequence[str] | None = None,
-    unbalance: Sequence[Unbalance] | None = None,
     multiple: float = 2.0,
     vibration_limit: float | None = None,
     mass: float | None = None,
     points: int = 300,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Check the unbalance response of a rotor system at its close clearances, as API 617 does.
 
     Parameters
     ----------
-    system : RotorSystem
-        The rotor. It need not be axisymmetric; what follows a touch is computed where it is.
-    contacts : sequence of Contact
-        The close clearances.
+    system : RotorSystem, Rotor or DimensionalRotor
+        The rotor; its contacts are the close clearances. Its unbalance is the residual one; without
+        any, that of each mode up to 1.5 times the maximum continuous speed, at its antinodes (see
+        Notes). It need not be axisymmetric; what follows a touch is computed where it is.
     speed : sequence of float, shape (2,) or (3,)
         Minimum and maximum continuous speed, and the trip speed.
     probes : sequence of str, optional
         Nodes at which vibration is measured. Those near bearings see less than others, so that the
         scale factor is larger. Default: the nodes of the contacts.
-    unbalance : sequence of Unbalance, optional
-        Residual unbalance. Default: that of each mode up to 1.5 times the maximum continuous
-        speed, at its antinodes; see Notes.
     multiple : float
         How many times the residual unbalance is applied.
     vibration_limit : float, optional
@@ -104,6 +100,8 @@ def clearance_report(
         Mass of the rotor, for the residual unbalance. Default: that which moves with all nodes.
     points : int
         Number of speeds, besides those about each critical speed.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of the system, as in `simulate`.
 
     Returns
     -------
@@ -133,7 +131,7 @@ def clearance_report(
     0.254 g mm for each kg, is placed at the node of each lobe of a mode that moves most, with
     opposite phases on opposite sides. W is divided equally among the antinodes. The standard takes
     the static load of the nearest journal or an overhung mass, which matrices do not tell: give
-    `unbalance` for that.
+    the system an unbalance for that.
 
     *Scale.* The vibration limit ``A = min(25.4, 25.4 sqrt(12000/N))`` um over the largest axis at a
     probe at continuous speeds, at most 6. Scaled axes may fill 75 per cent of the diametral
@@ -158,17 +156,19 @@ def clearance_report(
 
     Examples
     --------
-    >>> system = RotorSystem(mass=20 * np.eye(2), damping=4e3 * np.eye(2),
-    ...                      stiffness=4e6 * np.eye(2), nodes={"disc": (0, 1)})
+    >>> from rotor_ida import Contact
     >>> seal = Contact(node="disc", clearance=100e-6, stiffness=1e8, exponent=1.0, friction=0.1,
     ...                radius=0.05)
-    >>> report = clearance_report(system, contacts=[seal], probes=["disc"], speed=(800.0, 1000.0))
+    >>> system = RotorSystem(mass=20 * np.eye(2), damping=4e3 * np.eye(2),
+    ...                      stiffness=4e6 * np.eye(2), nodes={"disc": (0, 1)}, contacts=[seal])
+    >>> report = clearance_report(system, probes=["disc"], speed=(800.0, 1000.0))
     >>> report.scale_factor.values.round(3), report.running_share.values.round(4)
     (array([6.]), array([[0.1091]]))
     >>> print(report.attrs["sentence"].split(";")[0])
     Contact 0 at 'disc' passes: the scaled orbit fills at most 11 % of the clearance at 7,639 rpm
     """
-    problem = _problem(system, contacts, speed, probes, vibration_limit)
+    system = changed_system(clearance_report, system, changed)
+    problem = _problem(system, speed, probes, vibration_limit)
     multiple = check_between("multiple", multiple, *MULTIPLES)
     count = check_count("points", points, 2, MOST_POINTS)
     told: dict[str, object] = {"multiple": multiple, "points": count}
@@ -182,9 +182,8 @@ def clearance_report(
                 "system must be damped at its critical speeds for a report, got no damping at "
                 f"{mode.speed:.6g}{' rad/s' if system.units == 'SI' else ''}"
             )
-    if unbalance is not None:
-        assemble(system, [], unbalance, None, None)  # refuses other types
-        cases: Cases = [[scaled(each, multiple) for each in unbalance]]
+    if system.unbalance:
+        cases: Cases = [[scaled(each, multiple) for each in system.unbalance]]
     elif system.units != "SI":
         raise InputError("unbalance must be given without SI units, got None")
     elif not modes:
@@ -194,18 +193,16 @@ def clearance_report(
         cases = cases_of(problem, modes, multiple * whole)
     response = response_to(problem, modes, cases, count)
     touching = touching_of(response, modes, cases, scales_of(response))
-    return _dataset(response, cases, peaks_of(response, modes), touching, told, unbalance)
+    return _dataset(response, cases, peaks_of(response, modes), touching, told)
 
 
-def _problem(
-    system: RotorSystem, contacts: Sequence[Contact], speed: object, probes: object, limit: object
-) -> Problem:
+def _problem(system: RotorSystem, speed: object, probes: object, limit: object) -> Problem:
     """Return the checked problem."""
     speeds = check_increasing("speed", check_axis("speed", speed, largest=LARGEST_NUMBER))
     if speeds.size not in {2, 3} or speeds[0] == 0.0:
         raise InputError(f"speed must be two or three speeds above 0, got {shown(speed)}")
-    assembly = assemble(system, contacts, [], None, None)
-    if not contacts:
+    assembly = assemble(system)
+    if not system.contacts:
         raise InputError("contacts must be at least one clearance, got none")
     low, high, trip = (*speeds.tolist(), speeds[-1].item())[:3]
     if limit is None:
@@ -247,7 +244,6 @@ def _dataset(
     peaks: Sequence[Peak],
     touching: Touching,
     told: dict[str, object],
-    unbalance: Sequence[Unbalance] | None,
 ) -> xr.Dataset:
     """Return the report as a labelled dataset."""
     problem = response.problem
@@ -264,7 +260,7 @@ def _dataset(
         "required_margin": ("critical", both[:, 1]),
         **_rubs("rub", touching.running), **_rubs("passage_rub", touching.passing),
         **_whips(touching.whips),
-        **described_problem(assembly, unbalance or []),
+        **described_problem(assembly),
     }  # fmt: skip
     coordinates: dict[str, Column] = {
         "speed": ("speed", response.speeds), "case": ("case", np.arange(len(cases))),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -127,7 +127,7 @@ def response_to(problem: Problem, modes: Sequence[Mode], cases: Cases, points: i
     every = np.unique(every[(every > 0.0) & (every <= top)])
     forces = np.array([
         both[0] - 1j * both[1] for both in
-        (assemble(problem.assembly.system, problem.assembly.contacts, case, None, None).unbalance
+        (assemble(replace(problem.assembly.system, unbalance=case)).unbalance
          for case in cases)
     ]).T  # fmt: skip
     return Response(problem, every, orbit_axes(problem.assembly, problem.rows, forces, every),

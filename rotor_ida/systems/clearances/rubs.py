@@ -74,8 +74,7 @@ def touching_of(
     try:  # what is not axisymmetric is refused
         found = [
             synchronous_response_system(
-                assembly.system, contacts=assembly.contacts, speed=speeds,
-                unbalance=[scaled(each, scale) for each in case],
+                assembly.system, speed=speeds, unbalance=[scaled(each, scale) for each in case]
             )
             for case, scale in zip(cases, scales.tolist(), strict=True)
         ]  # fmt: skip

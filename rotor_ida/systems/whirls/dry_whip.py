@@ -69,9 +69,8 @@ def dry_whips(motions: ForwardMotions, number: int, contact: Contact, speed: flo
     >>> from rotor_ida.systems.assembly import assemble
     >>> from rotor_ida.systems.axisymmetric import forward_motions
     >>> rotor = Rotor(omega=0.63, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
-    >>> system, contacts, _ = rotor.system()
-    >>> motions = forward_motions(assemble(system, contacts, [], None, None))
-    >>> (whip,) = dry_whips(motions, 0, contacts[0], 0.63)
+    >>> system = rotor.system()
+    >>> (whip,) = dry_whips(forward_motions(assemble(system)), 0, system.contacts[0], 0.63)
     >>> exact = backward_whirl(rotor).isel(whirl=1)
     >>> bool(abs(whip.amplitude / exact.amplitude - 1.0) < 1e-12), round(whip.whirl_speed, 6)
     (True, -1.263414)

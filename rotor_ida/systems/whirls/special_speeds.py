@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
@@ -24,8 +25,7 @@ from rotor_ida.arrays import ROUNDING, Column, ComplexValues, Values
 from rotor_ida.checks import LARGEST_NUMBER, check_array, check_axis, check_count, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.schema import SPECIAL, labelled_dataset
 from rotor_ida.systems.assembly import Assembly, assemble
 from rotor_ida.systems.axisymmetric import (
@@ -163,23 +163,24 @@ class _Piece:
 def special_speeds(
     system: RotorSystem,
     *,
-    contacts: Sequence[Contact],
-    unbalance: Sequence[Unbalance],
     limits: tuple[float, float],
     points: int = 200,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute the speeds at which the synchronous whirls of a rotor system change.
 
     Parameters
     ----------
-    system, contacts, unbalance
-        As for `synchronous_response_system`.
+    system : RotorSystem, Rotor or DimensionalRotor
+        The rotor, axisymmetric as for `synchronous_response`.
     limits : (float, float)
         Lowest and highest speed.
     points : int
         Number of speeds in between, at equal distances, by which changes are noticed. Two that
         undo each other between neighbouring speeds, such as the folds of a small isola, are not;
         nor may be Hopf points of rubs at two contacts at once beside their folds.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of the system, as in `simulate`.
 
     Returns
     -------
@@ -194,7 +195,7 @@ def special_speeds(
     Raises
     ------
     InputError
-        As from `synchronous_response_system`; if `limits` are not two speeds, the lower one first.
+        As from `synchronous_response`; if `limits` are not two speeds, the lower one first.
 
     Notes
     -----
@@ -205,14 +206,14 @@ def special_speeds(
     Examples
     --------
     >>> from rotor_ida import Rotor
-    >>> system, contacts, unbalance = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
-    >>> found = special_speeds(system, contacts=contacts, unbalance=unbalance, limits=(0.1, 3.0))
+    >>> found = special_speeds(Rotor(omega=1.0, zeta=0.07, delta0=0.5), limits=(0.1, 3.0))
     >>> found.special_speed.values.round(6), found.special_kind.values
     (array([1.340701, 1.859769]), array([1, 1], dtype=int8))
     """
+    system = changed_system(special_speeds, system, changed)
     low, high = _limits(limits)
     speeds = np.linspace(low, high, check_count("points", points, 2, MOST_POINTS))
-    assembly = assemble(system, contacts, unbalance, None, None)
+    assembly = assemble(system)
     check_axisymmetric_parts(assembly)
     check_no_races(assembly)
     check_masses(assembly)
@@ -221,9 +222,7 @@ def special_speeds(
     found = grid.refined(_BESIDE * (high - low))
     for touching in grid.roots:
         found += _hopf_points(problem, grid.pieces(touching))
-    whirls = synchronous_response_system(
-        system, contacts=contacts, unbalance=unbalance, speed=np.linspace(low, high, points)
-    )
+    whirls = synchronous_response_system(system, speed=np.linspace(low, high, points))
     kept = sorted((each for each in found if _is_free(problem, each)), key=lambda each: each.speed)
     return _dataset(problem, kept, whirls).assign_attrs(limits=np.array([low, high]), points=points)
 

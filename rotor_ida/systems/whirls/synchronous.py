@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Unpack
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, ComplexValues, Flags, Values
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import Contact, Unbalance
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.schema import STABILITY, labelled_dataset
 from rotor_ida.systems.archived import described_problem
 from rotor_ida.systems.assembly import Assembly, assemble
@@ -43,22 +42,20 @@ _REFERENCES = (
 def synchronous_response_system(
     system: RotorSystem,
     *,
-    contacts: Sequence[Contact] = (),
     speed: npt.ArrayLike,
-    unbalance: Sequence[Unbalance] = (),
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute all synchronous whirls of an axisymmetric rotor system, with their stability.
 
     Parameters
     ----------
     system : RotorSystem
-        The rotor, the same in all directions, as are its stators.
-    contacts : sequence of Contact
-        Its contacts, without offset centres. Without any, the result is the unbalance response.
+        The rotor, the same in all directions, as are its stators, with contacts without offset
+        centres. Without any contact, the result is the unbalance response.
     speed : float or sequence of float, shape (n,)
         Spin speeds.
-    unbalance : sequence of Unbalance
-        Its unbalance.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of the system, as in `simulate`.
 
     Returns
     -------
@@ -93,16 +90,19 @@ def synchronous_response_system(
 
     Examples
     --------
-    >>> system = RotorSystem(mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2),
-    ...                      nodes={"disc": (0, 1)}, units="1")
-    >>> whirls = synchronous_response_system(
-    ...     system, contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0, exponent=1.0)],
-    ...     unbalance=[Unbalance(node="disc", moment=1.0)], speed=[0.5, 0.9, 1.5])
+    >>> import numpy as np
+    >>> from rotor_ida import Contact, RotorSystem, Unbalance
+    >>> system = RotorSystem(
+    ...     mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
+    ...     contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0, exponent=1.0)],
+    ...     unbalance=[Unbalance(node="disc", moment=1.0)], units="1")
+    >>> whirls = synchronous_response_system(system, speed=[0.5, 0.9, 1.5])
     >>> whirls.amplitude.isel(contact=0).values.round(6)[:, 0]
     array([0.332595, 1.622132, 2.983651])
     """
+    system = changed_system(synchronous_response_system, system, changed)
     speeds = checked_speeds(speed)
-    assembly = assemble(system, contacts, unbalance, None, None)
+    assembly = assemble(system)
     check_axisymmetric_parts(assembly)
     check_no_races(assembly)
     check_masses(assembly)
@@ -110,7 +110,7 @@ def synchronous_response_system(
     response = receptances(assembly, speeds)
     whirls = whirls_of(assembly, response, speeds)
     growth, neutral = growth_rates(motions, assembly, speeds, whirls)
-    dataset = _dataset(assembly, response, speeds, whirls, growth, neutral, unbalance)
+    dataset = _dataset(assembly, response, speeds, whirls, growth, neutral)
     return with_system_units(dataset, system)
 
 
@@ -140,7 +140,6 @@ def _dataset(
     whirls: Whirls,
     growth: Values,
     neutral: Flags,
-    unbalance: Sequence[Unbalance],
 ) -> xr.Dataset:
     """Return whirls as a labelled dataset, one column a branch."""
     column = np.arange(whirls.row.size) - np.searchsorted(whirls.row, whirls.row)
@@ -170,7 +169,7 @@ def _dataset(
         "node_phase_lag": (at_node, spread(-spin * np.angle(moved), np.nan)),
         "stability": (along, spread(stable.astype(np.int8), STABILITY["absent"])),
         "growth_rate": (along, spread(growth, np.nan)),
-        **described_problem(assembly, unbalance),
+        **described_problem(assembly),
     }
     coordinates: dict[str, Column] = {
         "speed": ("speed", speeds), "branch": ("branch", np.arange(shape[1])),

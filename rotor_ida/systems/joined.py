@@ -1,0 +1,132 @@
+"""One public function of two: that of one disc, and that of rotor systems."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, ParamSpec, Protocol, cast, overload
+
+import xarray as xr
+
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import RotorSystem, name_of, wrong_first
+
+OfDisc = ParamSpec("OfDisc")
+OfSystem = ParamSpec("OfSystem")
+KINDS = "a Rotor, DimensionalRotor or RotorSystem"
+# What stands before the part of a docstring that is about rotor systems.
+SAYS_SYSTEM = "Of a `RotorSystem`: "
+SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}\n", re.MULTILINE)
+ENTRY = re.compile(r"^(?=\S)", re.MULTILINE)
+SECTIONS = ("Parameters", "Returns", "Raises", "Warns", "Notes", "References", "Examples")
+
+
+class OfBoth(Protocol[OfDisc, OfSystem]):
+    """A function that takes the arguments of either of two."""
+
+    @overload
+    def __call__(self, *given: OfDisc.args, **options: OfDisc.kwargs) -> xr.Dataset: ...
+    @overload
+    def __call__(self, *given: OfSystem.args, **options: OfSystem.kwargs) -> xr.Dataset: ...
+
+
+def of_both(
+    disc: Callable[OfDisc, xr.Dataset], system: Callable[OfSystem, xr.Dataset], module: str
+) -> OfBoth[OfDisc, OfSystem]:
+    """Return the function that hands one disc to the first, and a rotor system to the second.
+
+    Where that of one disc takes its parameters by name, a rotor gives those that are not given.
+    """
+    by_name = not any(
+        each.kind is each.POSITIONAL_OR_KEYWORD
+        for each in inspect.signature(disc).parameters.values()
+    )
+
+    @wraps(disc)
+    def either(*given: object, **options: Any) -> xr.Dataset:
+        named = next((name for name in ("rotor", "system") if name in options), None)
+        if not given and named is not None:
+            given = (options.pop(named),)
+        if not given:  # parameters by name, or Python's own error
+            return disc(**options)  # type: ignore[call-arg]
+        rotor, chosen = given[0], cast("Callable[..., xr.Dataset]", disc)
+        if isinstance(rotor, RotorSystem):
+            return cast("Callable[..., xr.Dataset]", system)(*given, **options)
+        if isinstance(rotor, Rotor) and by_name:
+            return chosen(*given[1:], **{**rotor.given, **options})
+        if not isinstance(rotor, Rotor | DimensionalRotor):
+            raise wrong_first(either, KINDS, rotor)
+        return chosen(*given, **options)
+
+    either.__module__ = module  # where it can be found, by pickle too
+    either.__doc__ = joined_docstring(disc, system)
+    either.__signature__ = joined_signature(disc, system)  # type: ignore[attr-defined]
+    return cast("OfBoth[OfDisc, OfSystem]", either)
+
+
+def joined_signature(disc: Callable[..., Any], system: Callable[..., Any]) -> inspect.Signature:
+    """Return the rotor and the keywords of two functions; those of one alone may be left out."""
+    own, other = (inspect.signature(each).parameters for each in (disc, system))
+    rotor = inspect.Parameter(
+        "rotor", inspect.Parameter.POSITIONAL_OR_KEYWORD,
+        annotation="Rotor | DimensionalRotor | RotorSystem",
+    )  # fmt: skip
+    found: dict[str, inspect.Parameter] = {}
+    for name, each in (other | own).items():
+        if each.kind is not each.KEYWORD_ONLY:
+            continue
+        is_needed = all(name in of and of[name].default is each.empty for of in (own, other))
+        default = None if each.default is each.empty and not is_needed else each.default
+        found[name] = each.replace(default=default)
+    first = [name for name in own if name in found]
+    rest = [name for name in found if name not in own]
+    changed = [each for each in other.values() if each.kind is each.VAR_KEYWORD]
+    return inspect.Signature([rotor, *(found[name] for name in (*first, *rest)), *changed],
+                             return_annotation="xr.Dataset")  # fmt: skip
+
+
+def joined_docstring(disc: Callable[..., Any], system: Callable[..., Any]) -> str:
+    """Return the docstrings of two functions as one, section by section."""
+    (head, own), (_, other) = (_sections(each) for each in (disc, system))
+    other = {title: text.replace(f"{system.__name__}(", f"{name_of(system)}(")
+             for title, text in other.items()}  # fmt: skip
+    parts = [head]
+    for title in SECTIONS:
+        texts = [each[title] for each in (own, other) if title in each]
+        if not texts:
+            continue
+        if title == "Parameters":
+            text = _parameters(*texts)
+        elif title in ("Raises", "Warns"):
+            text = "".join(dict.fromkeys(each for text in texts for each in _entries(text)))
+        elif title in ("Returns", "Notes") and len(texts) == 2:
+            indent = "    " if title == "Returns" else ""
+            told = texts[1].split("\n", 1)[1].strip() if title == "Returns" else texts[1]
+            text = f"{texts[0]}\n\n{indent}{SAYS_SYSTEM}{told}"
+        else:
+            text = "\n\n".join(texts)
+        parts.append(f"{title}\n{'-' * len(title)}\n{text.strip()}")
+    return "\n\n".join(parts)
+
+
+def _sections(function: Callable[..., Any]) -> tuple[str, dict[str, str]]:
+    """Return the head of a docstring, and its sections by title."""
+    head, *rest = SECTION.split(inspect.getdoc(function) or "")
+    texts = (each.rstrip() for each in rest[1::2])
+    return head.strip(), dict(zip(rest[::2], texts, strict=True))
+
+
+def _entries(text: str) -> list[str]:
+    """Return the entries of a section, each with its indented description."""
+    return [f"{each.rstrip()}\n" for each in ENTRY.split(text) if each]
+
+
+def _parameters(of_disc: str, of_system: str) -> str:
+    """Return the parameters of two functions, after the one rotor."""
+    own = [each for each in _entries(of_disc) if not each.startswith("rotor ")]
+    rotor = next((each for each in _entries(of_disc) if each.startswith("rotor ")), "")
+    told = rotor.split("\n", 1)[1] if rotor else "    The rotor.\n"
+    behind = [each.replace("\n    ", f"\n    {SAYS_SYSTEM}", 1) for each in _entries(of_system)[1:]]
+    return "".join([f"rotor : Rotor, DimensionalRotor or RotorSystem\n{told}", *own, *behind])

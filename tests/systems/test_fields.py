@@ -1,0 +1,214 @@
+"""Contacts, unbalance, supports, gravity and static force belong to a rotor system."""
+
+import inspect
+import pickle
+import re
+from dataclasses import FrozenInstanceError, replace
+
+import numpy as np
+import pytest
+
+import rotor_ida
+from rotor_ida import (
+    Contact,
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    RotorSystem,
+    Stator,
+    Support,
+    Unbalance,
+    simulate,
+)
+from rotor_ida.systems.drop_design import case_from, plain_case
+
+BARE = RotorSystem(
+    mass=np.eye(4), stiffness=2.0 * np.eye(4), damping=0.2 * np.eye(4),
+    nodes={"disc": (0, 1), "end": (2, 3)}, units="1",
+)  # fmt: skip
+TOUCH = Contact(node="disc", clearance=0.5, stiffness=4.0, exponent=1.0)
+FIELDS = {"contacts": [TOUCH], "unbalance": [Unbalance(node="disc", moment=0.4)]}
+HEAVY = {**FIELDS, "gravity": (0.0, -0.1), "static_force": [0.0, 0.0, 0.05, 0.0],
+         "supports": [Support(node="end", stiffness=3.0, damping=0.1)]}  # fmt: skip
+PUMP = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
+                        clearance=2e-6, speed=600.0, shaft_stiffness=4e5)  # fmt: skip
+LEVITATED = HEAVY | {"unbalance": [Unbalance(node="disc", moment=0.1)]}
+# What each function needs, and the fields that it takes in.
+ASKED = {
+    "simulate": ({"speed": 1.2, "duration": 9.0, "samples": 5}, HEAVY),
+    "run_up": ({"speed": 0.5, "to": 1.2, "rate": 0.1, "samples": 5}, HEAVY),
+    "sweep": ({"speed": 1.2, "workers": 1}, FIELDS),
+    "lyapunov_exponent": (
+        {"speed": 1.2, "transient": 5, "revolutions": 80, "batches": 4, "exponents": 1}, HEAVY,
+    ),
+    "synchronous_response": ({"speed": [0.9, 1.2]}, FIELDS),
+    "campbell": ({"speed": [0.9, 1.2], "contact_stiffness": [0.0, 1.0]}, HEAVY),
+    "special_speeds": ({"limits": (0.9, 1.9), "points": 8}, FIELDS),
+    "clearance_report": (
+        {"speed": (1.0, 1.1), "vibration_limit": 1.0, "points": 8, "multiple": 1.0}, FIELDS,
+    ),
+    "drop": ({"speed": 1.2, "duration": 5.0, "samples": 5}, LEVITATED),
+    "drop_ensemble": ({"speed": 1.2, "duration": 2.0, "drops": 2, "workers": 1}, LEVITATED),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("verb", ASKED)
+def test_keywords_stand_in_for_the_fields_of_the_system(verb):
+    asked, fields = ASKED[verb]
+    held = replace(BARE, **fields)
+    one, other = (
+        getattr(rotor_ida, verb)(held, **asked),
+        getattr(rotor_ida, verb)(BARE, **asked, **fields),
+    )
+    assert one.drop_vars("message", errors="ignore").equals(
+        other.drop_vars("message", errors="ignore")
+    )
+    assert BARE.contacts == ()  # what is given stays as it is
+
+
+CYCLING = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+
+
+@pytest.mark.parametrize(
+    ("verb", "asked"),
+    [("limit_cycle", {}), ("continue_cycle", {"limits": (1.9, 2.1), "points": 2})],
+)
+def test_a_cycle_takes_them_too(verb, asked):
+    lighter = [Unbalance(node="disc", moment=0.99)]
+    one, other = (
+        getattr(rotor_ida, verb)(system, speed=2.0, **asked, **change)
+        for system, change in (
+            (replace(CYCLING, unbalance=lighter), {}), (CYCLING, {"unbalance": lighter}),
+        )
+    )  # fmt: skip
+    assert one.equals(other)
+    assert (one.unbalance_moment == 0.99).all()
+
+
+@pytest.mark.parametrize("verb", [*ASKED, "limit_cycle", "continue_cycle"])
+def test_a_wrong_first_argument_and_a_misspelt_keyword_get_one_line(verb):
+    function = getattr(rotor_ida, verb)
+    asked = ASKED.get(verb, ({"speed": 2.0, "limits": (1.9, 2.1)}, {}))[0]
+    if verb == "limit_cycle":
+        asked = {"speed": 2.0}
+    words = rf"^{verb} takes a Rotor, DimensionalRotor or RotorSystem first, as in {verb}\(.*'pump"
+    with pytest.raises(InputError, match=words) as caught:
+        function("pump.toml", **asked)
+    assert "\n" not in str(caught.value)
+    words = rf"^{verb}\(\) got an unexpected keyword argument 'contcts'; did you mean 'contacts'\?$"
+    with pytest.raises(TypeError, match=words):
+        function(BARE, **asked, contcts=[TOUCH])
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"contacts": TOUCH}, "contacts must be a list of Contact, got Contact"),
+        ({"contacts": [3]}, "contacts must be a Contact, got 3"),
+        ({"contacts": [replace(TOUCH, node="dics")]}, "node must be one of .*did you mean 'disc'"),
+        ({"contacts": [replace(TOUCH, stator="disc")]}, "must be another node, got 'disc'"),
+        ({"contacts": [TOUCH, TOUCH]}, "contacts must not overlap"),
+        ({"unbalance": [Unbalance(node="seal", moment=1.0)]}, "node must be one of .*got 'seal'"),
+        ({"supports": [Support(node="end", stiffness=1.0)] * 2}, "at different nodes, got 'end'"),
+        ({"gravity": -9.81}, "gravity must be two numbers, along x and y, got -9.81"),
+        ({"gravity": (0.0, np.nan)}, "gravity"),
+        ({"static_force": [1.0, 2.0]}, r"static_force must have the shape \(4,\), got \(2,\)"),
+    ],
+)
+def test_fields_are_checked_where_the_system_is_made(change, words):
+    with pytest.raises(InputError, match=words) as caught:
+        replace(BARE, **change)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_system_is_a_value():
+    held = replace(BARE, **HEAVY)
+    assert held.contacts == (TOUCH,)
+    with pytest.raises(FrozenInstanceError):
+        held.gravity = None
+    with pytest.raises(ValueError, match="read-only"):
+        held.static_force[0] = 1.0
+    again = pickle.loads(pickle.dumps(held))
+    asked = {"speed": 1.2, "duration": 5.0, "samples": 3}
+    assert simulate(again, **asked).equals(simulate(held, **asked))
+
+
+def test_a_static_force_may_act_on_stators_too():
+    """A stator of stiffness 2 under a force of 0.5 sags by 0.25; the rotor is not touched."""
+    free = Contact(node="disc", clearance=9.0, stiffness=4.0, stator=Stator(mass=1.0, stiffness=2))
+    system = replace(BARE, contacts=[free], static_force=[0.0, 0.2, 0.0, 0.0, 0.0, 0.5])
+    run = simulate(system, speed=1.0, start="rest", duration=1.0, samples=2)
+    np.testing.assert_allclose(run.final_state[:6], [0.0, 0.1, 0.0, 0.0, 0.0, 0.25], atol=1e-12)
+    small = system.reduced(modes=4)
+    run = simulate(small, speed=1.0, start="rest", duration=1.0, samples=2)
+    np.testing.assert_allclose(run.final_state[4:6], [0.0, 0.25], atol=1e-12)
+
+
+def test_fewer_coordinates_keep_what_belongs_to_the_system():
+    """All four modes are the system itself, in other coordinates."""
+    held = replace(BARE, **HEAVY)
+    small = held.reduced(modes=4)
+    assert small.contacts == held.contacts
+    assert (small.unbalance, small.supports) == (held.unbalance, held.supports)
+    assert small.gravity == held.gravity
+    asked = {"speed": 1.2, "duration": 9.0, "samples": 5, "start": None}
+    one, other = simulate(held, **asked), simulate(small, **asked)
+    np.testing.assert_allclose(one.event_time, other.event_time, rtol=1e-9)
+    np.testing.assert_allclose(one.x, other.x, atol=1e-9)
+    sizes = [held.reduced(modes=0, **keep).size for keep in ({}, {"keep": ["disc", "end"]})]
+    assert sizes == [2, 4]  # by default the flexibility of the contact's node
+
+
+def test_a_file_takes_them_along(tmp_path):
+    np.savez(tmp_path / "rotor.npz", M=np.eye(2), K=np.eye(2), node_disc=[0, 1])
+    system = RotorSystem.from_file(tmp_path / "rotor.npz", contacts=[TOUCH], gravity=(0.0, -1.0))
+    assert (system.contacts, system.gravity) == ((TOUCH,), (0.0, -1.0))
+    with pytest.raises(TypeError, match=r"from_file\(\) got an unexpected .* did you mean 'grav"):
+        RotorSystem.from_file(tmp_path / "rotor.npz", gravty=(0.0, -1.0))
+
+
+def test_one_disc_goes_where_systems_go():
+    """In SI a machine: its critical speed is the root of shaft stiffness over mass."""
+    found = rotor_ida.campbell(PUMP, speed=[100.0, 900.0])
+    assert found.speed.attrs["units"] == "s-1"
+    exact = np.sqrt(4e5 / 4.0 - 280.0**2 / 4.0 / 4.0**2)
+    np.testing.assert_allclose(found.critical_speed.max(), exact, rtol=1e-9)
+    rotor = Rotor(omega=1.0, zeta=0.07, delta0=0.5)
+    special = rotor_ida.special_speeds(rotor, limits=(0.5, 2.5), points=40)
+    folds = np.sort(rotor_ida.folds(zeta=0.07, delta0=0.5).fold_omega.values.ravel())
+    np.testing.assert_allclose(special.special_speed, folds[folds > 0.5], rtol=1e-9)
+
+
+def test_keywords_override_a_rotor_whose_parameters_are_axes():
+    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    one = rotor_ida.synchronous_response(rotor, omega=[1.2, 1.7])
+    assert one.equals(rotor_ida.synchronous_response(omega=[1.2, 1.7], zeta=0.07, delta0=0.5))
+
+
+def test_the_help_of_one_name_describes_both_kinds():
+    verbs = [each for each in ASKED if hasattr(getattr(rotor_ida, each), "__wrapped__")]
+    assert len(verbs) == 5
+    for verb in [*verbs, "limit_cycle", "continue_cycle"]:
+        function = getattr(rotor_ida, verb)
+        assert pickle.loads(pickle.dumps(function)) is function
+        signature = inspect.signature(function)
+        assert next(iter(signature.parameters)) == "rotor"
+        assert {"speed", "changed"} <= set(signature.parameters)
+        told = inspect.getdoc(function)
+        assert told.index("\nrotor : Rotor, DimensionalRotor or RotorSystem\n") > 0
+        assert "contacts, unbalance, supports, gravity, static_force : optional" in told
+        assert f"{verb}_system" not in told
+        titles = re.findall(r"(\w+)\n---", told)
+        assert "Parameters" in titles
+        assert len(titles) == len(set(titles))
+
+
+def test_designs_of_drops_that_kept_a_static_force_apart_are_read():
+    """Archives of 0.1.0 before the fields have one in the system and one beside it."""
+    system = replace(BARE, **HEAVY)
+    plain = plain_case({"system": system, "speed": 1.2, "failing": ["end"]})
+    assert plain["static_force"] is None
+    plain["static_force"] = [1.0, 0.0, 0.0, 0.0]
+    again = case_from(plain)
+    np.testing.assert_array_equal(again["system"].static_force, [1.0, 0.0, 0.05, 0.0])
+    assert (again["system"].gravity, again["failing"]) == ((0.0, -0.1), ["end"])
