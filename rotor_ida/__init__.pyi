@@ -79,3 +79,5 @@ from .systems.whirls.special_speeds import special_speeds as special_speeds
 from .systems.whirls.synchronous import synchronous_response_system as synchronous_response_system
 from .verification.compare import compare as compare
 from .verification.resume import resume as resume
+
+__version__: str
