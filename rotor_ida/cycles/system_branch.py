@@ -27,13 +27,14 @@ from rotor_ida.cycles.system_problem import SystemGuess, branch_over_speed
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
-from rotor_ida.parallel import Progress, interruptible
+from rotor_ida.parallel import Progress, interruptible, shows_progress
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Folder, open_results
 from rotor_ida.systems.archived import design_of_problem
 from rotor_ida.systems.starts import Start
 
 
+@shows_progress
 def continue_cycle_system(
     system: RotorSystem,
     *,
@@ -48,7 +49,7 @@ def continue_cycle_system(
     direction: Direction = "both",
     points: int = 2000,
     study: Folder | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Follow a limit cycle of a rotor system over the speed, around folds and through grazes.
 
@@ -108,7 +109,7 @@ def continue_cycle_system(
     """
     check_choice("direction", direction, tuple(WAYS))
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
-    check_progress(progress)
+    progress = check_progress(progress)
     around = {
         "system": system, "contacts": contacts, "unbalance": unbalance, "start": start,
         "static_force": static_force,

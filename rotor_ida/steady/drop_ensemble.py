@@ -33,7 +33,7 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support, Unbalance
-from rotor_ida.parallel import Progress, choose
+from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled, labelled_dataset
@@ -63,6 +63,7 @@ OF_NODES = "node_excursion"
 OF_DROP = ("first_touch_time", "standstill_time", "horizon")
 
 
+@shows_progress
 def drop_ensemble(
     system: RotorSystem,
     *,
@@ -90,7 +91,7 @@ def drop_ensemble(
     workers: int | None = None,
     executor: str = "auto",
     study: Folder | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Drop a rotor many times, and compute distributions of what its bearings suffer.
 
@@ -181,7 +182,7 @@ def drop_ensemble(
     (array([0.]), array([0.324]))
     """
     check_parts(system, bearings, unbalance)
-    check_progress(progress)
+    progress = check_progress(progress)
     given = {
         "phase": phase, "friction": friction, "contact_damping": contact_damping,
         "unbalance_factor": unbalance_factor, "clearance_factor": clearance_factor,

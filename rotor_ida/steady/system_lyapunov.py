@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,13 +16,14 @@ from rotor_ida.checks import (
     check_between,
     check_count,
     check_positive,
+    check_progress,
     check_real,
     shown,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
-from rotor_ida.parallel import interruptible
+from rotor_ida.parallel import Progress, interruptible, shows_progress
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import labelled_dataset
 from rotor_ida.simulation.lyapunov import (
@@ -44,6 +46,7 @@ from rotor_ida.systems.units import with_system_units
 LONGEST = 1_000_000
 
 
+@shows_progress
 def lyapunov_exponent_system(
     system: RotorSystem,
     *,
@@ -52,13 +55,14 @@ def lyapunov_exponent_system(
     unbalance: Sequence[Unbalance] = (),
     gravity: tuple[float, float] | None = None,
     static_force: npt.ArrayLike | None = None,
-    start: Start = None,
+    start: Start | xr.Dataset = None,
     exponents: int | None = None,
     transient: int = 200,
     revolutions: int = 2000,
     batches: int = BATCHES,
     modes: int | None = None,
     rtol: float = 1e-10,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Compute the largest Lyapunov exponents of the motion of a rotor system.
 
@@ -81,6 +85,9 @@ def lyapunov_exponent_system(
         Number of parts of `revolutions`, at least 4, whose scatter gives the error.
     rtol : float
         Relative tolerance, from 1e-14 to 1e-4.
+    progress : callable or bool, optional
+        Called with the number of revolutions done and their total; True shows a bar on standard
+        error.
 
     Returns
     -------
@@ -118,7 +125,7 @@ def lyapunov_exponent_system(
     >>> found.lyapunov_exponent.values.round(5)
     array([-0.07, -0.07, -0.07, -0.07])
     """
-    here = check_real("speed", speed)
+    here, progress = check_real("speed", speed), check_progress(progress)
     speeds = checked_speeds(here)
     if here == 0.0:
         raise InputError("speed must not be 0 for the exponents of a rotor system, got 0.0")
@@ -141,11 +148,18 @@ def lyapunov_exponent_system(
     if count > state.size:
         raise InputError(f"exponents must be at most {state.size}, got {shown(exponents)}")
 
+    total, done = lead + parts * each, list[int]()
+
     def rates_of_growth(stop: Stop) -> Values:
         flow = SystemFlow.at(problem, here, stop)
-        return flow.growth(state / flow.scales, count, lead + parts * each)[lead:]
+        return flow.growth(state / flow.scales, count, total, done)[lead:]
 
-    rates = interruptible(rates_of_growth)
+    def tell(progress: Progress) -> None:
+        progress(len(done), total)
+
+    rates = interruptible(rates_of_growth, told=progress and partial(tell, progress))
+    if progress is not None:
+        progress(total, total)
     attributes = provenance({"method": "taylor", "rtol": tolerance})
     return with_system_units(_dataset(rates, here, lead, parts, attributes), system)
 
