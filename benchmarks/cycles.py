@@ -77,7 +77,7 @@ def structure() -> None:
         branches += branches_through(each, limits=(0.05, 3.0))
     rows, worst = [], 0.0
     for branch in branches:
-        for number in np.flatnonzero(branch.stability.values == 0).tolist():
+        for number in np.flatnonzero(branch.stability.values == 1).tolist():
             point = branch.isel(point=number)
             rotor = Rotor(omega=float(point.omega), zeta=ZETA, delta0=float(point.delta0))
             state = np.array([float(point[name]) for name in NAMES])

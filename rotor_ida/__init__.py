@@ -8,4 +8,12 @@ The names are listed in ``__init__.pyi``. Each is imported on first use: the com
 
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_on_first_use, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> object:
+    if name != "__version__":
+        return _on_first_use(name)
+    from importlib.metadata import version  # noqa: PLC0415 - not needed to import the package
+
+    return version("rotor-ida")

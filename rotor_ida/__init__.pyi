@@ -73,3 +73,5 @@ from .systems.drop import drop as drop
 from .systems.whirls.special_speeds import special_speeds as special_speeds
 from .verification.compare import compare as compare
 from .verification.resume import resume as resume
+
+__version__: str

@@ -268,10 +268,18 @@ def check_flag(name: str, value: object) -> bool:
     return value
 
 
-def check_progress(progress: Callable[[int, int], None] | None) -> None:
-    """Raise `InputError` unless `progress` is callable or None."""
-    if progress is not None and not callable(progress):
-        raise InputError(f"progress must be a function or None, got {shown(progress)}")
+def check_progress(
+    progress: Callable[[int, int], None] | bool | None,
+) -> Callable[[int, int], None] | None:
+    """Return the function that is told of progress, or raise `InputError`.
+
+    True is a bar on standard error, which `rotor_ida.parallel.shows_progress` puts in its place.
+    """
+    if progress is None or progress is False:
+        return None
+    if not callable(progress):
+        raise InputError(f"progress must be a function, True or None, got {shown(progress)}")
+    return progress
 
 
 def check_duration(name: str, value: object, omega: float) -> float:

@@ -21,6 +21,10 @@ class InputError(RotorError, ValueError):
     """A value that cannot be used: the message gives its name, the value and what is allowed."""
 
 
+class MissingFileError(InputError, FileNotFoundError):
+    """A file or study to read that does not exist."""
+
+
 class SimulationError(RotorError, RuntimeError):
     """An integration that failed, with time and state of the failure.
 

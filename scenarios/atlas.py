@@ -46,7 +46,7 @@ def main(settings: Settings) -> None:
     whirls = folds(zeta=ZETA, delta0=np.linspace(*PLANE["delta0"], 60))
     figure, axes = panels(3, 1, width=6.4, height=12.0)
     for ax, by in zip(axes, ("kind", "force", "shock"), strict=True):
-        plot_attractor_map(shocked if by == "shock" else found, ax, by=by)
+        plot_attractor_map(shocked if by == "shock" else found, by=by, ax=ax)
         plot_curves(curves, fold_points=whirls, ax=ax)
         ax.set(xlim=PLANE["omega"], ylim=PLANE["delta0"])
     shared_legend(figure, axes, columns=4)

@@ -167,7 +167,7 @@ def draw_run_up(up: xr.Dataset, critical: float, settings: Settings) -> None:
     signals = signals_of(up, node="seal")
     first, last = (float(up.event_speed[place]) / RPM for place in (0, -1))
     settings.show(
-        plot_bode(signals)[0].figure, "bode", archives=["run_up"],
+        plot_bode(signals), "bode", archives=["run_up"],
         shows="Amplitude and phase lag of 1X at the seal as the rotor runs up with eight modes.",
         found=f"Without contacts the rotor resonates at {critical / RPM:.0f} rpm. It touches from "
         f"{first:.0f} rpm on, which stiffens it, and comes off at {last:.0f} rpm.",
@@ -210,7 +210,7 @@ def draw_shapes(system: RotorSystem, settings: Settings) -> None:
     settings.show(
         plot_whirl_shapes(whirls).figure, "shapes", archives=["whirls"],
         shows="Deflected shapes of the whirls at 6200 rpm, with the clearance of the seal.",
-        found=f"{int((whirls.stability == 0).sum())} of {whirls.sizes['branch']} whirls are "
+        found=f"{int((whirls.stability == 1).sum())} of {whirls.sizes['branch']} whirls are "
         "stable: which of them the rotor follows depends on how it came to this speed.",
     )  # fmt: skip
 

@@ -82,7 +82,7 @@ exact = response_curve(
 )
 amplitude, phase = plot_bode(
     tracked, beneath=dimensional(exact, machine, units={"length": "µm", "speed": "rpm"})
-)
+).axes
 figure = amplitude.figure
 figure
 

@@ -99,7 +99,7 @@ print(f"the whirl in contact ends at {fold:.0f} rpm")
 def draw_whirls(ax):
     """Draw the radius of every whirl, solid where it is stable."""
     omega, radius, piece = (curve[name].values.ravel() for name in ("omega", "amplitude", "piece"))
-    stable = curve.stability.values.ravel() == 0
+    stable = curve.stability.values.ravel() == 1
     breaks = np.flatnonzero(np.diff(piece) | np.diff(stable)) + 1
     for part in np.split(np.arange(omega.size), breaks):
         line = "-" if stable[part[0]] else "--"
@@ -179,7 +179,7 @@ for stall in (3.0, 6.0):
           f"largest force {float(driven[stall].peak_force.max()):.0f} N")  # fmt: skip
 
 # %%
-stable = curve.stability.values.ravel() == 0
+stable = curve.stability.values.ravel() == 1
 with style():
     figure, (first, second) = panels(1, 2, width=7.2, height=3.3, shared=False)
     first.plot(

@@ -29,7 +29,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor, check_no_load
-from rotor_ida.parallel import Progress, choose, interruptible
+from rotor_ida.parallel import Progress, choose, interruptible, shows_progress
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import LARGEST, Options, check_can_be_followed
@@ -43,6 +43,7 @@ MOST_CONTACT_DAMPING = 50.0
 MOST_STARTS = 100_000_000
 
 
+@shows_progress
 def basin(
     rotor: Rotor,
     *,
@@ -54,7 +55,7 @@ def basin(
     workers: int | None = None,
     executor: str = "auto",
     study: str | os.PathLike[str] | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Compute basins of attraction on a plane of initial states.
 
@@ -76,8 +77,8 @@ def basin(
     study : path-like, optional
         Folder in which finished batches of starts are stored, as for `sweep`. An interrupted
         computation can then be resumed, and the starts need not fit into memory.
-    progress : callable, optional
-        Called with the number of starts done and their total.
+    progress : callable or bool, optional
+        Called with the number of starts done and their total; True shows a bar on standard error.
 
     Returns
     -------
@@ -151,6 +152,7 @@ def basin(
     return basin_dataset(axes, fixed, result)
 
 
+@shows_progress
 def basin_fractions(
     rotor: Rotor,
     *,
@@ -164,7 +166,7 @@ def basin_fractions(
     workers: int | None = None,
     executor: str = "auto",
     study: str | os.PathLike[str] | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Compute basin fractions: the share of random starts in a box that end on each attractor.
 
@@ -245,7 +247,7 @@ def label(
     workers: int | None,
     executor: str,
     study: str | os.PathLike[str] | None,
-    progress: Progress | None,
+    progress: Progress | bool | None,
     drawn: bool = False,
 ) -> Labelled:
     """Follow `count` starts of a rotor, each to its attractor.
@@ -257,7 +259,7 @@ def label(
     most = MOST_STARTS if study is None else MOST_POINTS_OF_STUDY
     if count > most:
         raise InputError(f"starts must be at most {most}, got {count}; a study can store more")
-    check_progress(progress)
+    progress = check_progress(progress)
     tolerance = None if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
     place, several = choose(executor, workers, compiled=True)
     options = Options()

@@ -78,6 +78,14 @@ MethodOfAny = Annotated[
     ),
     IN_SOLVER,
 ]
+MethodOfStudy = Annotated[
+    Method | None,
+    Parameter(
+        help="Solver of the contact phases. Default: taylor, or adams where taylor cannot be used.",
+        show_default=False,
+    ),
+    IN_SOLVER,
+]
 SolverBackend = Annotated[Backend, Parameter(help="Code that runs the solver."), IN_SOLVER]
 RtolOrNone = Annotated[
     float | None, number_option("Relative tolerance. Default: chosen automatically."), IN_SOLVER
@@ -288,6 +296,22 @@ class AnyRunUpSolverOptions(RunUpSolverOptions):
     """Options for the computation of one motion at a changing speed, of either."""
 
     method: MethodOfAny = None  # type: ignore[assignment]
+
+
+@Parameter(name="*", group=SOLVER)
+@dataclass(frozen=True, kw_only=True)
+class SweepSolverOptions(SolverOptions):
+    """Options for the computation of each motion of a sweep."""
+
+    method: MethodOfStudy = None  # type: ignore[assignment]
+
+
+@Parameter(name="*", group=SOLVER)
+@dataclass(frozen=True, kw_only=True)
+class RunUpsSolverOptions(RunUpSolverOptions):
+    """Options for the computation of each of many run-ups."""
+
+    method: MethodOfStudy = None  # type: ignore[assignment]
 
 
 def of_disc(solver: SolverOptions | RunUpSolverOptions) -> dict[str, Any]:

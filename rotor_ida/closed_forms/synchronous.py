@@ -88,7 +88,7 @@ def synchronous_response(
     >>> whirls.amplitude.sel(omega=1.7, zeta=0.07, delta0=0.0).values.round(4)
     array([1.8796, 6.1932, 9.4872])
     >>> whirls.stability.sel(omega=1.7, zeta=0.07, delta0=1.0).values
-    array([2, 1, 0], dtype=int8)
+    array([2, 0, 1], dtype=int8)
     """
     rotors = checked_rotors(
         {

@@ -32,7 +32,7 @@ from rotor_ida.cycles.problems import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Progress, Stop
+from rotor_ida.parallel import Progress, Stop, shows_progress
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.studies.results import Results
 
@@ -42,6 +42,7 @@ Kind = Literal["fold", "period_doubling", "torus"]
 MOST_POINTS_OF_BRANCH = 2000
 
 
+@shows_progress
 def bifurcation_curve(
     rotor: Rotor,
     *,
@@ -50,7 +51,7 @@ def bifurcation_curve(
     parameters: tuple[str, str] = ("omega", "delta0"),
     limits: Mapping[str, tuple[float, float]] | Sequence[tuple[float, float]],
     points: int = 2000,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Follow a fold, a period doubling or a torus point of limit cycles over two parameters.
 
@@ -70,8 +71,9 @@ def bifurcation_curve(
         The smallest and the largest value of each [1].
     points : int
         The largest number of points each way.
-    progress : callable, optional
-        Called with the number of points found and the largest possible number.
+    progress : callable or bool, optional
+        Called with the number of points found and the largest possible number; True shows a bar on
+        standard error.
 
     Returns
     -------
@@ -108,7 +110,7 @@ def bifurcation_curve(
     check_choice("kind", kind, tuple(TESTS))
     first, second = _checked_parameters(parameters)
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
-    check_progress(progress)
+    progress = check_progress(progress)
     guess = checked_guess(rotor, start)
     if kind == TORUS and not may_have_tori(guess.rotor):
         raise InputError(

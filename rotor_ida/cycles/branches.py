@@ -18,7 +18,7 @@ from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Progress
+from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.schema import EXACT, check_as_computed
 
 NEEDED = ("lies_on", "exact_period", "exact_radius_max", *(f"end_{name}" for name in COMPONENTS))
@@ -29,12 +29,13 @@ SAME_CYCLE = 1e-7
 WORTH_CLOSING = 0.02
 
 
+@shows_progress
 def branches_through(
     compared: xr.Dataset,
     *,
     limits: tuple[float, float],
     points: int = 2000,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> list[xr.Dataset]:
     """Compute the branches over the speed of all limit cycles found by a sweep.
 
@@ -46,8 +47,9 @@ def branches_through(
         The lowest and the highest speed to which they are followed [1].
     points : int
         The largest number of points of each branch, each way.
-    progress : callable, optional
-        Called with the number of responses processed and their total.
+    progress : callable or bool, optional
+        Called with the number of responses processed and their total; True shows a bar on standard
+        error.
 
     Returns
     -------
@@ -69,7 +71,7 @@ def branches_through(
     """
     check_instance("compared", compared, xr.Dataset)
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
-    check_progress(progress)
+    progress = check_progress(progress)
     check_as_computed("compared", compared)
     missing = [name for name in (*NEEDED, *PARAMETERS) if name not in compared.variables]
     if missing:

@@ -34,7 +34,7 @@ from rotor_ida.cycles.problems import NEVER_ZERO, Continuation, branch_through
 from rotor_ida.cycles.special_points import O, Special
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Progress
+from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Form, Results, open_results
 from rotor_ida.schema import SPECIAL, by_number
@@ -62,6 +62,7 @@ FORM: Form[Arrays] = Form(
 )
 
 
+@shows_progress
 def continue_cycle(
     rotor: Rotor,
     *,
@@ -71,7 +72,7 @@ def continue_cycle(
     direction: Direction = "both",
     points: int = 2000,
     study: str | os.PathLike[str] | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Follow a limit cycle over a parameter, around folds and through grazes.
 
@@ -99,8 +100,9 @@ def continue_cycle(
         Folder in which points are stored as they are found. Points that it contains already are not
         computed again; the result is identical bit for bit. It must be new, empty, or of a study of
         the same branch.
-    progress : callable, optional
-        Called with the number of points found and the largest possible number.
+    progress : callable or bool, optional
+        Called with the number of points found and the largest possible number; True shows a bar on
+        standard error.
 
     Returns
     -------
@@ -162,7 +164,7 @@ def continue_cycle(
     check_choice("parameter", parameter, CONTINUED)
     check_choice("direction", direction, tuple(WAYS))
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
-    check_progress(progress)
+    progress = check_progress(progress)
     guess = checked_guess(rotor, start)
     bounds = check_limits(parameter, limits, guess.rotor)
     return branch_from(with_period(guess), parameter, bounds, direction, count, study, progress)

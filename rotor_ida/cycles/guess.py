@@ -8,11 +8,12 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import COMPONENTS, check_between, check_state, shown
+from rotor_ida.checks import COMPONENTS, check_between, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import SPECIAL, by_number, check_as_computed
+from rotor_ida.simulation.starts import state_of
 
 DOUBLING = "period_doubling"
 NO_CYCLE = "start must be a limit cycle, got a result without one"
@@ -53,8 +54,8 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
     A point of a branch, special or not, sets the continued parameter and the period; a state has
     only the given period. InputError if it is none of these, or of another rotor.
     """
-    if not isinstance(start, xr.Dataset):
-        state = np.array(check_state("start", start))
+    if not isinstance(start, xr.Dataset) or _ends_a_run(start):
+        state = np.array(state_of("start", start))
         if period is None:
             return Guess(rotor, state)
         return Guess(rotor, state, check_between("period", period, SHORTEST_PERIOD, LONGEST_PERIOD))
@@ -77,6 +78,11 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
     state = np.array([float(start[name].values.flat[0]) for name in COMPONENTS])
     slope = float(start["slope"]) if "slope" in start else 1.0
     return _checked(Guess(_rotor_of(rotor, start), state, float(start["period"]), slope=slope))
+
+
+def _ends_a_run(start: xr.Dataset) -> bool:
+    """Return whether a result has the state at its end alone, not a cycle with its period."""
+    return "end_x" in start or ("x" in start and "period" not in start)
 
 
 def _of_special(rotor: Rotor, start: xr.Dataset) -> Guess:

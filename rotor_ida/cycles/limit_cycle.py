@@ -65,7 +65,7 @@ def limit_cycle(
         ``(x, y, vx, vy)`` at time 0 [1], by default at rest on the axis. A start that returns to
         itself to a relative 1e-3 is taken as a guess of a cycle, stable or not. From any other
         start the rotor is followed to its attractor. Another limit cycle, or one point of a branch,
-        serves as a guess.
+        serves as a guess; the end of a run, or of one point of a sweep, as a start.
     period : float, optional
         Approximate period of the cycle, or a multiple of it, from 1e-6 to 1e4 [1]: Newton's method
         then begins at the start itself. Under a load it must be a whole number of revolutions to

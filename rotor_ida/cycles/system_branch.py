@@ -25,13 +25,14 @@ from rotor_ida.cycles.system_guess import CLOSING_RTOL, CycleProblem, guess_of_s
 from rotor_ida.cycles.system_problem import SystemGuess, branch_over_speed
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
-from rotor_ida.parallel import Progress, interruptible
+from rotor_ida.parallel import Progress, interruptible, shows_progress
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Folder, open_results
 from rotor_ida.systems.archived import design_of_problem
 from rotor_ida.systems.starts import Start
 
 
+@shows_progress
 def continue_cycle_system(
     system: RotorSystem,
     *,
@@ -42,7 +43,7 @@ def continue_cycle_system(
     direction: Direction = "both",
     points: int = 2000,
     study: Folder | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Follow a limit cycle of a rotor system over the speed, around folds and through grazes.
@@ -105,7 +106,7 @@ def continue_cycle_system(
     system = changed_system(continue_cycle_system, system, changed)
     check_choice("direction", direction, tuple(WAYS))
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
-    check_progress(progress)
+    progress = check_progress(progress)
     problem, begun = CycleProblem.of(system, modes, start)
     guess = guess_of_system(problem, begun, speed)
     bounds = _limits(limits, guess.flow.speed)

@@ -15,11 +15,12 @@ from rotor_ida.cycles.guess import DOUBLING, NO_CYCLE
 from rotor_ida.cycles.system_problem import HOPF, RubNear, SystemGuess
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.schema import SPECIAL, by_number
+from rotor_ida.schema import RESULT_KIND, SPECIAL, by_number
 from rotor_ida.steady.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.system_sweep import check_slowest, first_state
 from rotor_ida.systems.archived import described_problem
 from rotor_ida.systems.assembly import Assembly, assemble
+from rotor_ida.systems.ends import RUNS
 from rotor_ida.systems.modes import in_modes
 
 # Tolerance of the runs that close a cycle.
@@ -104,7 +105,7 @@ def guess_of_system(
 
     A speed that is given replaces that of the start.
     """
-    if isinstance(start, xr.Dataset):
+    if isinstance(start, xr.Dataset) and start.attrs.get(RESULT_KIND) not in RUNS:
         if period is not None:
             raise InputError("period must be left out with a start that has one")
         return _of_dataset(problem, start, speed)

@@ -19,7 +19,7 @@ from rotor_ida.fitting.problem import MOST_TRIALS, FitProblem, SearchEnded
 from rotor_ida.fitting.records import noise_of
 from rotor_ida.fitting.result import CONVERGED, dataset_of
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.parallel import Progress
+from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.parallel.interruptible import interruptible
 
 MOST_EVALUATIONS = 100
@@ -44,6 +44,7 @@ STIFFER = (1.5, 1.0 / 1.5)
 SAME, MUCH_MORE = 4.0, 100.0
 
 
+@shows_progress
 def fit(
     signals: xr.Dataset | Sequence[xr.Dataset],
     machine: Rotor | DimensionalRotor,
@@ -58,7 +59,7 @@ def fit(
     noise: float | None = None,
     confidence: float = 0.95,
     limit: float | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Fit parameters of a machine to its signals, with their errors.
 
@@ -96,8 +97,9 @@ def fit(
         Probability that an interval contains the true value [1].
     limit : float, optional
         Longest time to search [s]. A trial that has begun is ended, and the best one is returned.
-    progress : callable, optional
-        Called with the number of trials simulated and the largest possible number.
+    progress : callable or bool, optional
+        Called with the number of trials simulated and the largest possible number; True shows a bar
+        on standard error.
 
     Returns
     -------
@@ -158,7 +160,7 @@ def fit(
     array([0.1, 1.5, 1. ])
     """
     level = check_between("confidence", confidence, 0.5, 1.0 - 1e-9)
-    check_progress(progress)
+    progress = check_progress(progress)
     end = math.inf if limit is None else time.monotonic() + check_positive("limit", limit)
     problem = problem_of(
         signals, machine, unknown,

@@ -7,7 +7,7 @@ their number. If a job fails or the user interrupts, the rest are cancelled at o
 from rotor_ida.arrays import Stop
 from rotor_ida.parallel.executors import Workers, choose, count_workers, run_all
 from rotor_ida.parallel.interruptible import interruptible
-from rotor_ida.parallel.jobs import FailedJob, Progress
+from rotor_ida.parallel.jobs import FailedJob, Progress, shows_progress
 
 __all__ = [
     "FailedJob",
@@ -18,4 +18,5 @@ __all__ = [
     "count_workers",
     "interruptible",
     "run_all",
+    "shows_progress",
 ]

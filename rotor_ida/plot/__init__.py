@@ -1,7 +1,9 @@
 """Plots of datasets, in one style that stays legible in grey and with colour blindness.
 
 The functions read labelled datasets only, so an archive can be plotted without a solver. They
-return the axes or figure and show nothing. All raise `rotor_ida.InputError` for data that they
+show nothing. One that draws a single picture draws on `ax`, by default that of a new figure, and
+returns these axes; one that draws several returns their figure, whose ``axes`` they are. All raise
+`rotor_ida.InputError` for data that they
 cannot draw: a Dataset that lacks a variable or has several values of a parameter that must have
 one, axes of another kind, or other units.
 

@@ -33,7 +33,7 @@ ROUNDING = 1e-9
 SHARE = "fraction of starts"
 
 
-def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+def plot_basin(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw basins of attraction.
 
     The legend names the attractors that starts end on: the kind, with the amplitude or the range of
@@ -88,7 +88,7 @@ def plot_basin(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+def plot_basin_fractions(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw the fractions of starts by kind of response over the speed, stacked.
 
     Parameters
@@ -128,7 +128,7 @@ def plot_basin_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def plot_attractor_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+def plot_attractor_fractions(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw the fractions of starts that end on each attractor of one rotor, with their errors.
 
     Parameters
@@ -170,7 +170,7 @@ def plot_attractor_fractions(dataset: xr.Dataset, ax: Axes | None = None) -> Axe
     return ax
 
 
-def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+def plot_attractors(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw the fractions of starts by attractor over a parameter, stacked.
 
     Attractors of one kind of response have shades of one colour; each attractor keeps its
@@ -222,19 +222,19 @@ def plot_attractors(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def plot_attractor_map(dataset: xr.Dataset, ax: Axes | None = None, *, by: str = "kind") -> Axes:
+def plot_attractor_map(dataset: xr.Dataset, *, by: str = "kind", ax: Axes | None = None) -> Axes:
     r"""Draw the most frequent response over two parameters, or its force or robustness.
 
     Parameters
     ----------
     dataset : Dataset
         Result of `rotor_ida.continue_attractors`, over two parameters.
-    ax : Axes, optional
-        Axes to draw on and return; default: those of a new figure.
     by : {"kind", "force", "shock"}
         Coloured quantity: the most frequent kind of response, with a legend; or a property of its
         most frequent attractor, with a colour bar: the largest contact force, or the smallest
         change of velocity that moves the rotor to another attractor.
+    ax : Axes, optional
+        Axes to draw on and return; default: those of a new figure.
 
     Raises
     ------

@@ -117,8 +117,9 @@ def figure_of_diagram(dataset: xr.Dataset) -> Figure:
 def figure_of_signals(dataset: xr.Dataset) -> Figure:
     """Return the figure of signals: a Bode plot while the speed changes, else the orbit."""
     of_run_up = plot_of_signals(dataset) == "bode"
-    drawn = plot.plot_bode(dataset)[0] if of_run_up else plot.plot_orbit(dataset)
-    return cast(Figure, drawn.figure)
+    if of_run_up:
+        return plot.plot_bode(dataset)
+    return cast(Figure, plot.plot_orbit(dataset).figure)
 
 
 def plot_of_signals(dataset: xr.Dataset) -> str:
@@ -149,10 +150,10 @@ def figure_of_fractions(dataset: xr.Dataset) -> Figure:
     return cast(Figure, plot.plot_attractor_fractions(dataset).figure)
 
 
-def _with_legend(draw: Callable[[xr.Dataset, Axes], Axes], dataset: xr.Dataset) -> Figure:
+def _with_legend(draw: Callable[..., Axes], dataset: xr.Dataset) -> Figure:
     """Return a figure with its legend under it."""
     figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
-    draw(dataset, ax)
+    draw(dataset, ax=ax)
     plot.shared_legend(figure, [ax])
     return figure
 

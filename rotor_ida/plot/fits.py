@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -72,8 +73,8 @@ def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
         axes = list(np.atleast_1d(figure.subplots(rows, 1, height_ratios=heights)))
     for ax in axes[1:3]:
         ax.sharex(axes[0])
-    plot_fit(dataset, axes[:2], order=order)
-    plot_fit_residuals(dataset, axes[2], order=order)
+    plot_fit(dataset, order=order, axes=axes[:2])
+    plot_fit_residuals(dataset, order=order, ax=axes[2])
     for ax in axes[:2]:
         ax.tick_params(labelbottom=False)
         ax.set_xlabel("")
@@ -85,32 +86,32 @@ def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
 
 
 def plot_fit(
-    dataset: xr.Dataset, axes: list[Axes] | None = None, *, order: float = 1.0
-) -> list[Axes]:
+    dataset: xr.Dataset, *, order: float = 1.0, axes: Sequence[Axes] | None = None
+) -> Figure:
     """Draw measured amplitude and phase lag of an order, with errors, over the fitted ones.
 
     Parameters
     ----------
     dataset : Dataset
         Result of `rotor_ida.fit`.
-    axes : list of two Axes, optional
-        Axes to draw on and return; default: those of a new figure.
     order : float
         Multiple of the speed that is shown [1].
+    axes : sequence of two Axes, optional
+        Where to draw amplitude and phase lag; by default the axes of a new figure.
 
     Examples
     --------
     >>> from rotor_ida import Rotor, fit, run_up, signals_of
     >>> rotor = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
     >>> seen = signals_of(run_up(rotor, start=(0, 0, 0, 0), to=2.0, rate=0.01, samples=4001))
-    >>> plot_fit(fit(seen, rotor, ["zeta"]))[0].get_legend().get_texts()[0].get_text()
+    >>> plot_fit(fit(seen, rotor, ["zeta"])).axes[0].get_legend().get_texts()[0].get_text()
     'fitted'
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
     one, units, over = _order_of(dataset, order)
     with style():
         if axes is None:
-            axes = list(new_figure(5.0, 4.4).subplots(2, 1, sharex=True))
+            axes = new_figure(5.0, 4.4).subplots(2, 1, sharex=True)
         for number in np.unique(one["record"].values):
             windows = one["record"].values == number
             part = one.isel(window=windows)
@@ -122,20 +123,20 @@ def plot_fit(
         for ax in axes:
             ax.set_xlabel(str(over.attrs["label"]))
         own_legend(axes[0], inside=True)
-    return axes
+    return cast(Figure, axes[0].figure)
 
 
-def plot_fit_residuals(dataset: xr.Dataset, ax: Axes | None = None, *, order: float = 1.0) -> Axes:
+def plot_fit_residuals(dataset: xr.Dataset, *, order: float = 1.0, ax: Axes | None = None) -> Axes:
     """Draw the residuals of an order over their standard errors, in both components.
 
     Parameters
     ----------
     dataset : Dataset
         Result of `rotor_ida.fit`.
-    ax : Axes, optional
-        Axes to draw on and return; default: those of a new figure.
     order : float
         Multiple of the speed that is shown [1].
+    ax : Axes, optional
+        Axes to draw on and return; default: those of a new figure.
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
     one, _, over = _order_of(dataset, order)

@@ -70,9 +70,9 @@ def run_ups_figure(dataset: xr.Dataset) -> Figure:
     columns = math.ceil(math.sqrt(1 + len(rotors)))
     rows = math.ceil((1 + len(rotors)) / columns)
     figure, axes = mixed_panels(rows, columns, width=1.0 + 3.2 * columns, height=0.6 + 2.7 * rows)
-    plot_largest_force(dataset, axes[0])
+    plot_largest_force(dataset, ax=axes[0])
     for ax, (values, one) in zip(axes[1:], rotors, strict=False):
-        plot_endings(one, ax)
+        plot_endings(one, ax=ax)
         if values:
             with style():
                 ax.set_title(parameter_text(values))
@@ -82,7 +82,7 @@ def run_ups_figure(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def plot_largest_force(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+def plot_largest_force(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw the largest normal force of run-ups over the rate, a curve for each rotor.
 
     The curve is the largest over phases and starts; bars reach down to the smallest.
@@ -127,7 +127,7 @@ def plot_largest_force(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def plot_endings(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
+def plot_endings(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw the fractions of outcomes of one rotor's run-ups, stacked, for each rate.
 
     Parameters

@@ -30,7 +30,7 @@ from rotor_ida.plot.system_whirls import (
     panels_of_contacts,
     speeds_in,
 )
-from rotor_ida.schema import STABILITY
+from rotor_ida.schema import flags_of
 from rotor_ida.systems.archived import problem_of
 from rotor_ida.systems.whirls.synchronous import synchronous_response_system
 
@@ -102,9 +102,10 @@ def plot_system_sweep(
 def _draw_beneath(ax: Axes, whirls: xr.Dataset) -> float:
     """Draw exact whirls as small dots by their stability, and return the largest amplitude."""
     amplitude, stability = whirls["amplitude"].values, whirls["stability"].values
+    flags = flags_of(whirls["stability"])
     across = np.broadcast_to(speeds_in(whirls["speed"])[:, np.newaxis], amplitude.shape)
     for word, (label, colour) in BENEATH.items():
-        chosen = stability == STABILITY[word]
+        chosen = stability == flags[word]
         if chosen.any():
             ax.plot(across[chosen], amplitude[chosen], ls="", marker="o", ms=DOT, mec="none",
                     color=colour, label=f"exact, {label}", zorder=2.5)  # fmt: skip

@@ -37,7 +37,7 @@ from rotor_ida.plot.datasets import check_dataset, units_in
 from rotor_ida.plot.labels import label_axis
 from rotor_ida.plot.systems import name_nodes
 from rotor_ida.results.si_units import in_rpm
-from rotor_ida.schema import SPECIAL, STABILITY, WHIRL_DIRECTION
+from rotor_ida.schema import SPECIAL, WHIRL_DIRECTION, flags_of
 from rotor_ida.signals.nodes import Ring
 from rotor_ida.texts import in_figure
 
@@ -96,13 +96,14 @@ def plot_system_whirls(
     whirls = check_dataset("whirls", whirls, OF_CONTACTS)
     part = at_contact(whirls, contact)
     amplitude, stability = part["amplitude"].values, part["stability"].values
+    flags = flags_of(whirls["stability"])
     with drawing(ax) as ax:
         speeds = label_speed(ax, whirls)
         label_axis(ax.yaxis, "amplitude", whirls["amplitude"])
         draw_clearance(ax, part)
         across = np.broadcast_to(speeds[:, np.newaxis], amplitude.shape)
         for word, (label, colour, mark, size, fill) in MARKS.items():
-            chosen = stability == STABILITY[word]
+            chosen = stability == flags[word]
             if chosen.any():
                 ax.plot(across[chosen], amplitude[chosen], ls="", marker=mark, ms=size,
                         color=colour, fillstyle=fill, label=label, zorder=3.0)  # fmt: skip
@@ -223,7 +224,7 @@ def plot_whirl_shapes(
     places = np.arange(float(here.sizes["node"]))
     if "axial_position" in here.variables:
         places = here["axial_position"].values
-    order = np.argsort(places, kind="stable")
+    order, flags = np.argsort(places, kind="stable"), flags_of(whirls["stability"])
     with drawing(ax) as ax:
         if "axial_position" in here.variables:
             label_axis(ax.xaxis, "axial_position", here["axial_position"])
@@ -233,7 +234,7 @@ def plot_whirl_shapes(
         ax.axhline(0.0, color=GREY, lw=0.7)
         _draw_rooms(ax, here, places)
         for word, (label, colour, mark, size, fill) in MARKS.items():
-            for branch in np.flatnonzero(here["stability"].values == STABILITY[word]):
+            for branch in np.flatnonzero(here["stability"].values == flags[word]):
                 own = here.isel(branch=branch)
                 moved = own["node_amplitude"].values * np.exp(-1j * own["node_phase_lag"].values)
                 turn = moved[np.argmax(np.abs(moved))]

@@ -41,13 +41,14 @@ def concat(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
 
     Notes
     -----
-    `xarray.concat` joins results without tables of events, and sweeps after
-    ``sweep.drop_dims("event")``.
+    `xarray.concat` joins results without tables of events, such as sweeps without ``events=True``.
 
     Examples
     --------
     >>> from rotor_ida import sweep
-    >>> first, second = (sweep(omega=omega, zeta=0.07, delta0=2.0) for omega in ([1.0, 1.5], [2.0]))
+    >>> first, second = (
+    ...     sweep(omega=omega, zeta=0.07, delta0=2.0, events=True) for omega in ([1.0, 1.5], [2.0])
+    ... )
     >>> both = concat([first, second], "omega")
     >>> both.response.sizes["omega"], int(both.event_count.sum()) == both.sizes["event"]
     (3, True)

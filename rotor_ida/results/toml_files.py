@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from rotor_ida.checks import did_you_mean, listed, shown
-from rotor_ida.errors import InputError
+from rotor_ida.errors import InputError, MissingFileError
 from rotor_ida.model.data_sheet import in_si
 from rotor_ida.results.files import check_path
 from rotor_ida.texts import brief
@@ -38,10 +38,11 @@ def read_toml(name: str, path: str | os.PathLike[str]) -> dict[str, object]:
                 f"{name} must have keys of at most 20 parts, got {shown(long[0])} in {shown(place)}"
             )
         return tomllib.loads(decoded)
-    except OSError as error:
-        raise InputError(f"cannot read {shown(place)}: {error.strerror or error}") from error
     except InputError:
         raise
+    except OSError as error:
+        kind = MissingFileError if isinstance(error, FileNotFoundError) else InputError
+        raise kind(f"cannot read {shown(place)}: {error.strerror or error}") from error
     except RecursionError as error:
         raise InputError(f"{name} must be nested less deep, got {shown(place)}") from error
     except ValueError as error:  # also of a whole number of thousands of digits

@@ -10,7 +10,8 @@ import xarray as xr
 
 from rotor_ida.errors import InputError
 
-STABILITY = {"absent": -1, "stable": 0, "unstable": 1, "neutral": 2}
+# As a condition: 1 is stable, 0 is not.
+STABILITY = {"absent": -1, "unstable": 0, "stable": 1, "neutral": 2}
 RESPONSE = {
     "unresolved": 0,
     "contact_free": 1,

@@ -22,7 +22,7 @@ from rotor_ida.checks import (
     listed,
     shown,
 )
-from rotor_ida.errors import InputError
+from rotor_ida.errors import InputError, MissingFileError
 from rotor_ida.results.files import check_path
 from rotor_ida.schema import labelled, labelled_dataset
 from rotor_ida.signals.files.arrays import read_hdf5, read_matlab, read_npz
@@ -307,7 +307,7 @@ def _listed(names: Mapping[str, str], told: Mapping[str, str]) -> str:
 def read_table(path: Path) -> Table:
     """Return the columns of a file by name, each with its unit, empty if not given."""
     if not path.is_file():
-        raise InputError(f"path must be a file that exists, got {shown(path)}")
+        raise MissingFileError(f"path must be a file that exists, got {shown(path)}")
     ending = path.suffix.lower()
     reader = next((READERS[kind] for kind, each in ENDINGS.items() if ending in each), read_text)
     try:

@@ -19,7 +19,6 @@ from rotor_ida.checks import (
     check_duration,
     check_instance,
     check_positive,
-    check_state,
 )
 from rotor_ida.core import sundials
 from rotor_ida.core.interface import DONE, NOT_FINITE, message_of
@@ -33,6 +32,7 @@ from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.neighbours import ATOL
 from rotor_ida.simulation.options import check_can_be_followed, check_rtol
+from rotor_ida.simulation.starts import state_of
 
 MethodOfTangents = Literal["taylor", "adams", "bdf"]
 METHODS_OF_TANGENTS: tuple[MethodOfTangents, ...] = ("taylor", "adams", "bdf")
@@ -56,7 +56,7 @@ LONGEST = SPAN * MOST_NUMBERS
 def lyapunov_exponent(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike = AT_REST,
+    start: npt.ArrayLike | xr.Dataset = AT_REST,
     transient: float = 500.0,
     duration: float = 5000.0,
     batches: int = BATCHES,
@@ -69,8 +69,9 @@ def lyapunov_exponent(
     ----------
     rotor : Rotor
         The rotor.
-    start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis.
+    start : array_like, shape (4,), or Dataset
+        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis. Or a result that ends in a
+        state, as for `rotor_ida.simulate`.
     transient : float
         Time to settle before averaging [1], at most 5 million; the tangent vectors align in it
         too.
@@ -147,7 +148,7 @@ def lyapunov_exponent(
     array([-0.07, -0.07, -0.07, -0.07])
     """
     check_instance("rotor", rotor, Rotor)
-    first = check_state("start", start)
+    first = state_of("start", start)
     check_can_be_followed(rotor, first)
     lead = check_positive("transient", transient, LONGEST)
     length = check_positive("duration", duration, LONGEST)

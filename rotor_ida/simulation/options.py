@@ -103,6 +103,31 @@ class Options:
         return STEP_SAFETY * self.atol
 
 
+def options_of_study(
+    *,
+    rtol: float,
+    atol: float,
+    method: Method | None,
+    flight: Flight = "exact",
+    backend: Backend = "auto",
+) -> Options:
+    """Return the options of a study, by Taylor series if no method is given and they are able to.
+
+    They need flight in closed form, the compiled core, and an `rtol` of at most 1e-4.
+
+    Examples
+    --------
+    >>> given = {"rtol": 1e-10, "atol": 1e-12, "method": None}
+    >>> options_of_study(**given).method, options_of_study(**given, backend="python").method
+    ('taylor', 'adams')
+    """
+    if method is None:
+        loose = isinstance(rtol, float) and rtol > LOOSEST_RTOL_OF_TAYLOR
+        fits = flight == "exact" and backend != "python" and not loose
+        method = "taylor" if fits else "adams"
+    return Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
+
+
 def check_rtol(method: Method, rtol: float) -> float:
     """Return the relative tolerance, or raise `InputError` if the method does not allow it."""
     if method == "taylor":

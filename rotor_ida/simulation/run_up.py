@@ -23,14 +23,13 @@ from rotor_ida.checks import (
     check_positive,
     check_progress,
     check_real,
-    check_state,
     shown,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Progress, Stop, interruptible
+from rotor_ida.parallel import Progress, Stop, interruptible, shows_progress
 from rotor_ida.simulation.dataset import run_dataset
-from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
+from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors, tell_half
 from rotor_ida.simulation.options import (
     LARGEST,
     Backend,
@@ -43,6 +42,7 @@ from rotor_ida.simulation.run import run
 from rotor_ida.simulation.sampling import FEWEST, sample_times
 from rotor_ida.simulation.simulate import END_SLACK, MOST_SLACK
 from rotor_ida.simulation.spin import SpeedProfile, driven, through
+from rotor_ida.simulation.starts import state_of
 
 # The disc is often 10^5 eccentricities wide, and its inertia grows with the square of that.
 SMALLEST_DRIVE, LARGEST_DRIVE = 1e-12, 1e15
@@ -73,10 +73,11 @@ class _SpeedChange:
         return max(self.rotor.omega, float(speeds.max()))
 
 
+@shows_progress
 def run_up(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike = AT_REST,
+    start: npt.ArrayLike | xr.Dataset = AT_REST,
     to: float | None = None,
     rate: float | None = None,
     ramp_time: float | None = None,
@@ -89,7 +90,7 @@ def run_up(
     atol: float = 1e-12,
     method: Method = "adams",
     backend: Backend = "auto",
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Simulate a rotor whose speed changes, and locate every event by root finding.
 
@@ -102,9 +103,11 @@ def run_up(
     rotor : Rotor
         The rotor; its
         ``omega`` is the speed at time 0, when the unbalance points along x.
-    start : array_like, shape (4,)
+    start : array_like, shape (4,), or Dataset
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
-        `rotor_ida.rest` gives the place where a load holds the rotor.
+        `rotor_ida.rest` gives the place where a load holds the rotor. A result that ends in a state
+        is continued, with the unbalance along x again: a run, a limit cycle, or one point of a
+        sweep or of many run-ups.
     to : float
         Speed at the end of a ramp [1].
     rate : float
@@ -133,8 +136,8 @@ def run_up(
         series, the reference by the method itself.
     backend : {"auto", "python", "compiled"}
         As in `simulate`.
-    progress : callable, optional
-        Called from time to time with the percentage completed, and 100.
+    progress : callable or bool, optional
+        As for `simulate`.
 
     Returns
     -------
@@ -184,8 +187,8 @@ def run_up(
     array([0.2     , 0.622213, 0.626802, 0.790485, 0.867413])
     """
     check_instance("rotor", rotor, Rotor)
-    check_progress(progress)
-    first = check_state("start", start)
+    progress = check_progress(progress)
+    first = state_of("start", start)
     options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
     if ramp_time is not None:
         rate = _rate_of(rotor, to, rate, ramp_time)
@@ -213,10 +216,7 @@ def run_up(
         orbit = sampled(samples, fastest, stop)
         return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop, watch=watch)
 
-    def tell(progress: Progress) -> None:
-        progress(int(50.0 * sum(done() for done in watch) / end), 100)
-
-    told = None if progress is None else partial(tell, progress)
+    told = None if progress is None else partial(tell_half, progress, watch, end)
     orbit, errors = interruptible(run_twice, told=told)
     if progress is not None:
         progress(100, 100)

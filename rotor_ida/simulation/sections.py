@@ -18,7 +18,6 @@ from rotor_ida.checks import (
     check_duration,
     check_instance,
     check_nonnegative,
-    check_state,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.equations import rotated
@@ -31,6 +30,7 @@ from rotor_ida.simulation.extrema import MAXIMUM, check_knots, radius_extrema
 from rotor_ida.simulation.options import Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import ENTRY, EXIT, REVERSE, ROLL, SLIP
 from rotor_ida.simulation.run import run
+from rotor_ida.simulation.starts import state_of
 
 At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
 
@@ -44,7 +44,7 @@ NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 def poincare_section(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike = AT_REST,
+    start: npt.ArrayLike | xr.Dataset = AT_REST,
     revolutions: int,
     skip: int = 0,
     at: At = "revolution",
@@ -59,8 +59,9 @@ def poincare_section(
     ----------
     rotor : Rotor
         The rotor, with omega above 0.
-    start : array_like, shape (4,)
-        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis.
+    start : array_like, shape (4,), or Dataset
+        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis. Or a result that ends in a
+        state, as for `rotor_ida.simulate`.
     revolutions : int
         Number of revolutions in the section, at most 10 million.
     skip : int
@@ -116,7 +117,7 @@ def poincare_section(
     array([-1.40959, -1.40959, -1.40959, -1.40959])
     """
     check_instance("rotor", rotor, Rotor)
-    first = check_state("start", start)
+    first = state_of("start", start)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
         raise InputError("omega must be positive for a section, got 0.0")

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import (
-    AT_REST,
-    check_duration,
-    check_instance,
-    check_state,
-)
+from rotor_ida.arrays import Watch
+from rotor_ida.checks import AT_REST, check_duration, check_instance, check_progress
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.parallel import Progress, Stop, interruptible, shows_progress
 from rotor_ida.simulation.dataset import run_dataset
-from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
+from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors, tell_half
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.sampling import sample_times
+from rotor_ida.simulation.starts import state_of
 
 # An event this many tolerances after the end of a run counts as part of the run.
 END_SLACK = 100.0
@@ -27,10 +26,11 @@ MOST_SLACK = 1e-8
 SOON_PASSED = 1e4
 
 
+@shows_progress
 def simulate(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike = AT_REST,
+    start: npt.ArrayLike | xr.Dataset = AT_REST,
     duration: float,
     samples: int | npt.ArrayLike | None = None,
     rtol: float = 1e-10,
@@ -38,6 +38,7 @@ def simulate(
     method: Method = "adams",
     flight: Flight = "exact",
     backend: Backend = "auto",
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Simulate a rotor and locate every contact entry and exit by root finding.
 
@@ -45,9 +46,11 @@ def simulate(
     ----------
     rotor : Rotor
         The rotor.
-    start : array_like, shape (4,)
+    start : array_like, shape (4,), or Dataset
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
-        `rotor_ida.rest` gives the place where a load holds the rotor.
+        `rotor_ida.rest` gives the place where a load holds the rotor. A result that ends in a state
+        is continued, with the unbalance along x again: a run, a limit cycle, or one point of a
+        sweep or of many run-ups.
     duration : float
         Time to simulate [1]. The spacing of doubles at its end must be below
         ``1e-6/max(omega, 1)``.
@@ -69,6 +72,9 @@ def simulate(
         The plain-Python reference, which restarts the solvers of scikit-sundae at each root of
         ``|z| = delta0``, or the compiled core, which is many times faster. ``"auto"`` is
         ``"compiled"`` where available. Only the reference supports IDA.
+    progress : callable or bool, optional
+        Called from time to time with the percentage completed, and 100; True shows a bar on
+        standard error.
 
     Returns
     -------
@@ -117,19 +123,27 @@ def simulate(
     array([1], dtype=int8)
     """
     check_instance("rotor", rotor, Rotor)
-    first = check_state("start", start)
+    progress = check_progress(progress)
+    first = state_of("start", start)
     check_can_be_followed(rotor, first)
     end = check_duration("duration", duration, rotor.omega)
     times = sample_times(samples, end, rotor, rotor.omega)
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
 
+    watch: Watch = []
+
     def run_twice(stop: Stop | None = None) -> tuple[Orbit, EventErrors]:
-        orbit = run(rotor, first, end, times, options, slack=slack, stop=stop)
-        return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop)
+        orbit = run(rotor, first, end, times, options, slack=slack, stop=stop, watch=watch)
+        return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop, watch=watch)
 
     # a thread costs 0.2 ms, half as much as a short run: Ctrl-C may wait until a short run ends
     rate = 1.0 + rotor.omega + rotor.zeta + max(map(abs, first))
-    soon = options.method == "taylor" and rate * end + times.size <= SOON_PASSED
-    orbit, errors = run_twice() if soon else interruptible(run_twice)
+    if options.method == "taylor" and rate * end + times.size <= SOON_PASSED:
+        orbit, errors = run_twice()
+    else:
+        told = None if progress is None else partial(tell_half, progress, watch, end)
+        orbit, errors = interruptible(run_twice, told=told)
+    if progress is not None:
+        progress(100, 100)
     return run_dataset(orbit, first, errors)

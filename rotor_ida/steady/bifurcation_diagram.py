@@ -33,12 +33,13 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import Rotors, rotors_of
-from rotor_ida.parallel import FailedJob, Progress, Stop, Workers, choose, run_all
+from rotor_ida.parallel import FailedJob, Progress, Stop, Workers, choose, run_all, shows_progress
 from rotor_ida.results.rows import counted
 from rotor_ida.schema import STATUS, labelled
 from rotor_ida.simulation.extrema import Extrema, check_knots, radius_extrema
-from rotor_ida.simulation.options import LARGEST, Method, Options
+from rotor_ida.simulation.options import LARGEST, Method, Options, options_of_study
 from rotor_ida.simulation.run_up import MOST_RADIANS
+from rotor_ida.simulation.starts import Starts
 from rotor_ida.steady.ramp_extrema import NO_KINDS, NO_VALUES, SpeedBand, ramp_extrema
 from rotor_ida.steady.sweep import DIRECTIONS, Direction, sweep_rotors
 
@@ -50,6 +51,7 @@ SLOWEST, FASTEST = 1e-12, 1e6
 NO_EXTREMA = Extrema(NO_VALUES, NO_VALUES, NO_KINDS, np.empty((0, 4)))
 
 
+@shows_progress
 def bifurcation_diagram(
     *,
     omega: npt.ArrayLike,
@@ -61,7 +63,7 @@ def bifurcation_diagram(
     load: npt.ArrayLike = 0.0,
     friction: npt.ArrayLike = 0.0,
     disc_radius: npt.ArrayLike | None = None,
-    starts: int | npt.ArrayLike = 8,
+    starts: int | Starts = 8,
     seed: int = 0,
     reach: float = 5.0,
     extrema_time: float = 100.0,
@@ -69,10 +71,10 @@ def bifurcation_diagram(
     rate: float | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-12,
-    method: Method = "adams",
+    method: Method | None = None,
     workers: int | None = None,
     executor: str = "auto",
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Compute a bifurcation diagram: extrema of the settled radius at each speed, from many starts.
 
@@ -84,9 +86,9 @@ def bifurcation_diagram(
         More parameters to combine, as for `rotor_ida.sweep`; an array becomes a dimension [1].
     disc_radius : array_like, shape (n,), or scalar, optional
         The radius of the disc [1], required with friction; likewise.
-    starts : int or array_like, shape (n, 4)
+    starts : int, array_like of shape (n, 4), Dataset, or sequence of these
         Number of random starts, or the starts ``(x, y, vx, vy)`` themselves [1], the same at each
-        speed.
+        speed; or results that end in one.
     seed : int
         Seed of the random starts.
     reach : float
@@ -104,13 +106,13 @@ def bifurcation_diagram(
         speed runs through the others at this rate. Requires a direction.
     rtol, atol : float
         Relative and absolute tolerance [1].
-    method : {"adams", "bdf", "ida", "taylor"}
-        Solver of the contacts until the rotor has settled, as for `rotor_ida.simulate`. Extrema
+    method : {"adams", "bdf", "ida", "taylor"}, optional
+        Solver of the contacts until the rotor has settled, as for `rotor_ida.sweep`. Extrema
         are found by Taylor series.
     workers, executor
         As for `rotor_ida.sweep`: by default all cores, for the motions and for their extrema.
-    progress : callable, optional
-        Called with the number of points done and their total.
+    progress : callable or bool, optional
+        Called with the number of points done and their total; True shows a bar on standard error.
 
     Returns
     -------
@@ -177,19 +179,18 @@ def bifurcation_diagram(
         "result_kind": "bifurcation_diagram",
         "extrema_time": window,
     }
-    if is_scalar("starts", starts):
+    if not isinstance(starts, xr.Dataset | list | tuple) and is_scalar("starts", starts):
         shape = (check_count("starts", starts), len(COMPONENTS))
         starts = np.random.default_rng(seed).uniform(-farthest, farthest, shape)
         attributes |= {"seed": seed, "reach": farthest}
-    options = Options(rtol=rtol, atol=atol, method=method)
-    check_progress(progress)
+    options = options_of_study(rtol=rtol, atol=atol, method=method)
+    progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=options.backend != "python")
 
     def settled(speeds: Values, direction: Direction | None) -> xr.Dataset:
         """Return a sweep over some speeds, without the direction if none is given."""
         some = replace(rotors, axes={**rotors.axes, "omega": speeds})
         swept = sweep_rotors(some, starts, direction, options, chosen, progress=progress)
-        swept = swept.drop_dims("event")
         return swept.isel(direction=0, drop=True) if direction is None else swept
 
     if slope is None:

@@ -32,7 +32,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
-from rotor_ida.parallel import Progress, choose
+from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled, labelled_dataset
@@ -61,6 +61,7 @@ OF_NODES = "node_excursion"
 OF_DROP = ("first_touch_time", "standstill_time", "horizon")
 
 
+@shows_progress
 def drop_ensemble(
     system: RotorSystem,
     *,
@@ -83,7 +84,7 @@ def drop_ensemble(
     workers: int | None = None,
     executor: str = "auto",
     study: Folder | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Drop a rotor many times, and compute distributions of what its bearings suffer.
@@ -176,7 +177,7 @@ def drop_ensemble(
     (array([0.]), array([0.324]))
     """
     system = changed_system(drop_ensemble, system, changed)
-    check_progress(progress)
+    progress = check_progress(progress)
     given = {
         "phase": phase, "friction": friction, "contact_damping": contact_damping,
         "unbalance_factor": unbalance_factor, "clearance_factor": clearance_factor,

@@ -10,14 +10,22 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import AT_REST, check_progress, check_real, check_states, check_vector
+from rotor_ida.checks import AT_REST, check_progress, check_real, check_vector
 from rotor_ida.model.rotors import rotors_of
-from rotor_ida.parallel import Progress, choose
+from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import ENDING, ENDS_IN_WORDS, RESPONSE, STATUS, labelled, labelled_dataset
-from rotor_ida.simulation.options import LARGEST, Backend, Method, Options, check_can_be_followed
+from rotor_ida.simulation.options import (
+    LARGEST,
+    Backend,
+    Method,
+    Options,
+    check_can_be_followed,
+    options_of_study,
+)
 from rotor_ida.simulation.run_up import ramp_of
+from rotor_ida.simulation.starts import Starts, states_of
 from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import Array, Grid, Places, Rows, Task, form_of, run_study
 from rotor_ida.steady.run_up_outcome import Outcome, RampSummary, RunUp, follow_run_up, lost
@@ -43,6 +51,7 @@ FORM = form_of("run-up", "run_ups", POINT)
 COUNTED = ("phase", "start")
 
 
+@shows_progress
 def run_ups(
     *,
     omega: npt.ArrayLike,
@@ -57,15 +66,15 @@ def run_ups(
     load: npt.ArrayLike = 0.0,
     friction: npt.ArrayLike = 0.0,
     disc_radius: npt.ArrayLike | None = None,
-    starts: npt.ArrayLike = (AT_REST,),
+    starts: Starts = (AT_REST,),
     rtol: float = 1e-10,
     atol: float = 1e-12,
-    method: Method = "adams",
+    method: Method | None = None,
     backend: Backend = "auto",
     workers: int | None = None,
     executor: str = "auto",
     study: Folder | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Run rotors up or down at every rate, phase, damping and clearance, and classify the endings.
 
@@ -87,10 +96,13 @@ def run_ups(
         to rotating the start the other way.
     shaft_stiffness, contact_exponent, contact_damping, load, friction, disc_radius
         Optional parameters [1], as for `sweep`.
-    starts : array_like, shape (n, 4)
-        Starts ``(x, y, vx, vy)`` at time 0, on fixed axes [1].
-    rtol, atol, method, backend
+    starts : array_like, shape (n, 4), Dataset, or sequence of these
+        Starts ``(x, y, vx, vy)`` at time 0, on fixed axes [1], or results that end in one.
+    rtol, atol, backend
         As for `run_up`.
+    method : {"adams", "bdf", "ida", "taylor"}, optional
+        As for `run_up`; default: Taylor series, or ``"adams"`` where they do not go with backend or
+        ``rtol``. The attribute ``method`` of the result gives which.
     workers, executor, study, progress
         As for `sweep`, with run-ups instead of points. The result is the same, bit for bit.
 
@@ -161,10 +173,10 @@ def run_ups(
         "rate": check_vector("rate", rate, largest=LARGEST),
         "phase": check_vector("phase", phase, largest=math.tau),
     }
-    options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
-    check_progress(progress)
+    options = options_of_study(rtol=rtol, atol=atol, method=method, backend=backend)
+    progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=options.backend != "python")
-    speed, states = check_real("to", to), check_states("starts", starts)
+    speed, states = check_real("to", to), states_of("starts", starts)
     grid = Grid(rotors, varied | {"start": np.arange(len(states))}, states)
     grid.check_size(study)
     plan = RunUps(grid, speed, options)

@@ -7,7 +7,7 @@ where the one before has ended. Without a direction each point is a separate ram
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Literal
 
 import numpy as np
@@ -18,21 +18,30 @@ from rotor_ida.checks import (
     AT_REST,
     State,
     check_direction,
+    check_flag,
     check_progress,
-    check_states,
 )
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import Rotors, rotors_of
-from rotor_ida.parallel import Progress, Stop, Workers, choose
+from rotor_ida.parallel import Progress, Stop, Workers, choose, shows_progress
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.rows import counted
 from rotor_ida.results.run import event_columns
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESPONSE, STATUS, labelled, labelled_dataset
-from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
+from rotor_ida.simulation.options import (
+    Backend,
+    Flight,
+    Method,
+    Options,
+    check_can_be_followed,
+    options_of_study,
+)
+from rotor_ida.simulation.starts import Starts, states_of
 from rotor_ida.steady.follow import FAILED, SettledResponse, failed, follow_to_steady_state
 from rotor_ida.steady.grid import (
     EXPECTED,
+    NO_COLUMNS,
     Grid,
     Places,
     Rows,
@@ -71,9 +80,9 @@ EVENT = np.dtype(
         *((name, np.float64) for name in EVENT_STATES),
     ]
 )
-FORM = form_of("points of a sweep", "points", POINT, EVENT)
 
 
+@shows_progress
 def sweep(
     *,
     omega: npt.ArrayLike,
@@ -85,17 +94,18 @@ def sweep(
     load: npt.ArrayLike = 0.0,
     friction: npt.ArrayLike = 0.0,
     disc_radius: npt.ArrayLike | None = None,
-    starts: npt.ArrayLike = (AT_REST,),
+    starts: Starts = (AT_REST,),
     direction: Direction | None = None,
+    events: bool = False,
     rtol: float = 1e-10,
     atol: float = 1e-12,
-    method: Method = "adams",
+    method: Method | None = None,
     flight: Flight = "exact",
     backend: Backend = "auto",
     workers: int | None = None,
     executor: str = "auto",
     study: Folder | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Compute the settled response at every speed, damping and clearance.
 
@@ -108,14 +118,19 @@ def sweep(
         of the result; a number other than the default becomes a scalar coordinate.
     disc_radius : array_like, shape (n,) or scalar, optional
         The radius of the disc [1], required with friction; likewise.
-    starts : array_like, shape (n, 4)
-        Starts ``(x, y, vx, vy)`` [1].
+    starts : array_like, shape (n, 4), Dataset, or sequence of these
+        Starts ``(x, y, vx, vy)`` [1], or results that end in one, as for `simulate`.
     direction : {"up", "down", "both"}, optional
         Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
         the starts, and each other from the end of the one before, so that jumps and their
         hysteresis appear. By default each speed begins from the starts.
-    rtol, atol, method, flight, backend
+    events : bool
+        Whether to keep the contact events of all runs, in one table beside the points.
+    rtol, atol, flight, backend
         As for `simulate`.
+    method : {"adams", "bdf", "ida", "taylor"}, optional
+        As for `simulate`; default: Taylor series, or ``"adams"`` where they do not go with flight,
+        backend or ``rtol``. The attribute ``method`` of the result gives which.
     workers : int, optional
         Number of ramps to simulate at a time; default: one for each core, or only one
         with the Python backend and ``executor="auto"``.
@@ -130,8 +145,8 @@ def sweep(
         Folder in which points are stored as they are done. Points already stored there are not
         computed again; the result has the same bits. The folder must be new, empty, or a study of
         the same sweep, begun with the same versions of the software.
-    progress : callable, optional
-        Called with the number of points done and their total.
+    progress : callable or bool, optional
+        Called with the number of points done and their total; True shows a bar on standard error.
 
     Returns
     -------
@@ -140,8 +155,9 @@ def sweep(
         ``amplitude`` and ``phase_lag`` of the motion at the spin speed, ``radius_min``,
         ``radius_max``, ``period`` (on the rotating axes, of bouncing and full-contact motions, and
         under a load whole revolutions; else NaN), ``lyapunov_exponent`` and ``lyapunov_error``
-        (the largest; NaN where not needed), ``status``, ``message``, the final window and the state
-        at its end on the rotating axes; the events of all runs in one table, ``event_count`` rows
+        (the largest; NaN where not needed), ``status``, ``message``, ``event_count``, the final
+        window and the state at its end on the rotating axes. ``to_dataframe`` returns one row for
+        each point. With `events` also the events of all runs in one table, ``event_count`` rows
         each.
 
     Raises
@@ -202,6 +218,10 @@ def sweep(
     >>> responses = sweep(omega=[1.2, 1.7], zeta=0.5, delta0=0.5)
     >>> responses.amplitude.squeeze().values.round(8)
     array([0.84973087, 0.93446294])
+    >>> responses.amplitude.sel(omega=1.7, method="nearest").item() == responses.amplitude[1].item()
+    True
+    >>> len(responses.to_dataframe())
+    2
     """
     rotors = rotors_of(
         {
@@ -210,23 +230,28 @@ def sweep(
             "friction": friction, "disc_radius": disc_radius,
         }
     )  # fmt: skip
-    options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
-    check_progress(progress)
+    options = options_of_study(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
+    progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=options.backend != "python")
-    return sweep_rotors(rotors, starts, direction, options, chosen, study, progress)
+    check_flag("events", events)
+    return sweep_rotors(
+        rotors, starts, direction, options, chosen, events=events, study=study, progress=progress
+    )
 
 
 def sweep_rotors(
     rotors: Rotors,
-    starts: npt.ArrayLike,
+    starts: Starts,
     direction: Direction | None,
     options: Options,
     workers: Workers,
+    *,
+    events: bool = False,
     study: Folder | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Follow rotors until they have settled, as `sweep` does."""
-    states = check_states("starts", starts)
+    states = states_of("starts", starts)
     check_direction(direction, "omega", rotors.axes["omega"])
     directions = np.array(DIRECTIONS[direction], dtype=np.int8)
     grid = Grid(rotors, {"start": np.arange(len(states)), "direction": directions}, states)
@@ -238,17 +263,21 @@ def sweep_rotors(
         "starts": [list(start) for start in states],
         "direction": direction,
         **{name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")},
+        **({} if events else {"events": False}),  # studies of earlier versions have the events
         **computing(),
     }
-    task = Task(settle_along, lost, rows_of, FORM, POINT, EVENT)
+    event = EVENT if events else NO_COLUMNS
+    form = form_of("points of a sweep", "points", POINT, event)
+    task = Task(settle_along, lost, rows_of if events else points_of, form, POINT, event)
     columns = run_study(
         Ramps(grid, options), task, design, study=study, workers=workers, progress=progress
     )
     variables = grid.labelled(columns.points)
-    variables |= counted("event_count", variables["event_count"], "event")
-    variables |= {name: labelled(name, "event", column) for name, column in columns.events.items()}
-    times, kinds = columns.events["event_time"], columns.events["event_kind"]
-    variables |= event_columns(times, kinds, *rotors.extremes())
+    if events:
+        table = columns.events
+        variables |= counted("event_count", variables["event_count"], "event")
+        variables |= {name: labelled(name, "event", column) for name, column in table.items()}
+        variables |= event_columns(table["event_time"], table["event_kind"], *rotors.extremes())
     title = "Rotor in a clearance: responses over a range of speeds"
     return labelled_dataset(
         title, variables, grid.coordinates, provenance(options.attributes()), kind="sweep"
@@ -350,8 +379,13 @@ def lost(ramp: RampJob, reason: str) -> list[SettledResponse]:
     return [failed(rotor, ramp.start, ramp.options, reason) for rotor in ramp.rotors]
 
 
+def points_of(points: Sequence[SettledResponse]) -> Rows:
+    """Return points as rows, without their events."""
+    return replace(rows_of(points), events=None)
+
+
 def rows_of(points: Sequence[SettledResponse]) -> Rows:
-    """Return points as rows."""
+    """Return points as rows, and the events of all."""
     rows = [
         (
             RESPONSE[point.response],

@@ -235,15 +235,20 @@ class SystemFlow:
         """Return the derivative of the state after a period by that before."""
         return self.changes(state, np.eye(state.size), period)[1].T
 
-    def growth(self, state: Values, count: int, revolutions: int) -> Values:
+    def growth(
+        self, state: Values, count: int, revolutions: int, done: list[int] | None = None
+    ) -> Values:
         """Return the rates at which some small changes grow in each revolution.
 
         They are made orthonormal after each (Benettin et al. 1980). A rate is minus infinity where
-        a change is lost: a contact that rolls leaves none of its slip.
+        a change is lost: a contact that rolls leaves none of its slip. Numbers of revolutions are
+        added to `done` as they pass.
         """
         bundle = np.linalg.qr(np.vander(np.linspace(-0.9, 1.0, state.size), count))[0]
         factors = np.empty((revolutions, count))
-        for row in factors:
+        for number, row in enumerate(factors):
+            if done is not None:
+                done.append(number)
             state, changes = self.changes(state, bundle.T, self.revolution)
             bundle, grown = np.linalg.qr(changes.T)
             row[:] = np.abs(grown.diagonal())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
@@ -13,12 +14,13 @@ from rotor_ida.checks import (
     check_between,
     check_count,
     check_positive,
+    check_progress,
     check_real,
     shown,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
-from rotor_ida.parallel import interruptible
+from rotor_ida.parallel import Progress, interruptible, shows_progress
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import labelled_dataset
 from rotor_ida.simulation.lyapunov import (
@@ -41,17 +43,19 @@ from rotor_ida.systems.units import with_system_units
 LONGEST = 1_000_000
 
 
+@shows_progress
 def lyapunov_exponent_system(
     system: RotorSystem,
     *,
     speed: float,
-    start: Start = None,
+    start: Start | xr.Dataset = None,
     exponents: int | None = None,
     transient: int = 200,
     revolutions: int = 2000,
     batches: int = BATCHES,
     modes: int | None = None,
     rtol: float = 1e-10,
+    progress: Progress | bool | None = None,
     **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute the largest Lyapunov exponents of the motion of a rotor system.
@@ -77,6 +81,9 @@ def lyapunov_exponent_system(
         Number of parts of `revolutions`, at least 4, whose scatter gives the error.
     rtol : float
         Relative tolerance, from 1e-14 to 1e-4.
+    progress : callable or bool, optional
+        Called with the number of revolutions done and their total; True shows a bar on standard
+        error.
 
     Returns
     -------
@@ -116,7 +123,7 @@ def lyapunov_exponent_system(
     array([-0.07, -0.07, -0.07, -0.07])
     """
     system = changed_system(lyapunov_exponent_system, system, changed)
-    here = check_real("speed", speed)
+    here, progress = check_real("speed", speed), check_progress(progress)
     speeds = checked_speeds(here)
     if here == 0.0:
         raise InputError("speed must not be 0 for the exponents of a rotor system, got 0.0")
@@ -137,11 +144,18 @@ def lyapunov_exponent_system(
     if count > state.size:
         raise InputError(f"exponents must be at most {state.size}, got {shown(exponents)}")
 
+    total, done = lead + parts * each, list[int]()
+
     def rates_of_growth(stop: Stop) -> Values:
         flow = SystemFlow.at(problem, here, stop)
-        return flow.growth(state / flow.scales, count, lead + parts * each)[lead:]
+        return flow.growth(state / flow.scales, count, total, done)[lead:]
 
-    rates = interruptible(rates_of_growth)
+    def tell(progress: Progress) -> None:
+        progress(len(done), total)
+
+    rates = interruptible(rates_of_growth, told=progress and partial(tell, progress))
+    if progress is not None:
+        progress(total, total)
     attributes = provenance({"method": "taylor", "rtol": tolerance})
     return with_system_units(_dataset(rates, here, lead, parts, attributes), system)
 

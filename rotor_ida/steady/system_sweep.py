@@ -25,7 +25,7 @@ from rotor_ida.checks import (
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
-from rotor_ida.parallel import Progress, choose
+from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESPONSE, STATUS, labelled_dataset
@@ -38,6 +38,7 @@ from rotor_ida.steady.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.system_motion import SettledSystem, settle
 from rotor_ida.systems.archived import design_of_problem, problem_variables
 from rotor_ida.systems.assembly import assemble
+from rotor_ida.systems.ends import state_at_end
 from rotor_ida.systems.modes import in_modes
 from rotor_ida.systems.receptances import checked_speeds
 from rotor_ida.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
@@ -57,18 +58,19 @@ OF_CONTACT = ("amplitude", "phase_lag", "radius_min", "radius_max", "largest_for
 OF_NODE = ("node_amplitude", "node_phase_lag", "node_radius_min", "node_radius_max")
 
 
+@shows_progress
 def sweep_system(
     system: RotorSystem,
     *,
     speed: npt.ArrayLike,
-    starts: Sequence[Start] = (None,),
+    starts: Sequence[Start | xr.Dataset] | xr.Dataset = (None,),
     direction: Direction | None = None,
     modes: int | None = None,
     rtol: float = 1e-10,
     workers: int | None = None,
     executor: str = "auto",
     study: Folder | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute the settled response of a rotor system at every speed.
@@ -83,7 +85,7 @@ def sweep_system(
         In place of those of the system, as in `simulate`.
     speed : float or sequence of float, shape (n,)
         Spin speeds, not 0.
-    starts : sequence of (q, velocity), "settled", "rest" or None
+    starts : sequence of (q, velocity), "settled", "rest", None or Dataset; or Dataset
         Starts at time 0, as in `simulate`; default: one, at rest at 0.
     direction : {"up", "down", "both"}, optional
         Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
@@ -161,11 +163,11 @@ def sweep_system(
     system = changed_system(sweep_system, system, changed)
     speeds = _checked_speeds(speed, direction)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
-    check_progress(progress)
+    progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=True)
     taken = [in_modes(system, modes, start) for start in _checked_starts(starts)]
     assembly = assemble(taken[0][0])
-    first = [start for _, start in taken]
+    first = [state_at_end(assembly, start) for _, start in taken]
     problem = SettlingProblem.of(assembly, tolerance)
     check_slowest(problem, speeds)
     directions = np.array(DIRECTIONS[direction], dtype=np.int8)
@@ -226,11 +228,13 @@ def warn_if_long(problem: SettlingProblem, speeds: Values, times: int) -> None:
     )
 
 
-def _checked_starts(starts: object) -> list[Start]:
-    """Return the starts, one or more."""
+def _checked_starts(starts: object) -> list[Start | xr.Dataset]:
+    """Return the starts, one or more; a result alone is one start."""
+    if isinstance(starts, xr.Dataset):
+        return [starts]
     if not isinstance(starts, list | tuple) or not starts:
         raise InputError(
-            f'starts must be a list of (q, velocity), "settled", "rest" or None, got '
+            f'starts must be a list of (q, velocity), "settled", "rest", None or a result, got '
             f"{shown(starts)}"
         )
     return list(starts)
@@ -343,9 +347,11 @@ def settle_along(ramp: SystemRampJob, stop: Stop) -> Rows:
     return Rows(points[: len(messages)], messages)
 
 
-def first_state(problem: SettlingProblem, start: Start, speed: float) -> Values:
+def first_state(problem: SettlingProblem, start: Start | xr.Dataset, speed: float) -> Values:
     """Return the state at a start: displacements, velocities and speeds of races."""
-    begun = start_of(problem.assembly, start, speed)  # a resonance has no settled whirl
+    begun = start_of(
+        problem.assembly, state_at_end(problem.assembly, start), speed
+    )  # a resonance has no settled whirl
     moved = np.array([problem.found.to_y(each) for each in begun])
     return np.concatenate([moved.ravel(), problem.race_speeds])
 

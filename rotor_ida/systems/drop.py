@@ -17,12 +17,13 @@ from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.model.supports import with_supports
 from rotor_ida.model.system_parts import Support
-from rotor_ida.parallel import Progress
+from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.schema import labelled
 from rotor_ida.simulation.spin import SpeedProfile, steady
 from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.drop_design import DESIGN, as_text, plain_case
 from rotor_ida.systems.drop_figures import figures_of_drop
+from rotor_ida.systems.ends import state_at_end
 from rotor_ida.systems.levitation import Levitated, check_failing, levitated
 from rotor_ida.systems.modes import check_modes, in_modes
 from rotor_ida.systems.simulate import SystemMethod, run_of_cases
@@ -33,6 +34,7 @@ from rotor_ida.systems.units import with_system_units
 TITLE = "Rotor system: drop on its touchdown bearings"
 
 
+@shows_progress
 def drop(
     system: RotorSystem,
     *,
@@ -44,13 +46,13 @@ def drop(
     drag: float = 0.0,
     clearances: Mapping[str, float] | None = None,
     capacities: Mapping[str, float] | None = None,
-    start: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+    start: tuple[npt.ArrayLike, npt.ArrayLike] | xr.Dataset | None = None,
     samples: int | npt.ArrayLike | None = None,
     modes: int | None = None,
     more_modes: int | None = None,
     rtol: float = 1e-10,
     method: SystemMethod = "taylor",
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Simulate the drop of a levitated rotor: fall, impacts, sliding, rolling, whirl, coast-down.
@@ -81,8 +83,8 @@ def drop(
     capacities : mapping of str to float, optional
         Load capacities of the bearings by node, such as static load ratings of ball bearings: only
         compared with the largest force.
-    start : (q, velocity), optional
-        State at the drop. Default: the levitated steady state.
+    start : (q, velocity) or Dataset, optional
+        State at the drop, or a result that ends in it. Default: the levitated steady state.
     samples, modes, more_modes, rtol, method, progress : optional
         As in `simulate`. By default the samples resolve the whirls in the bearings too; of
         given ones, a whirl that turns by half a turn between two shows the wrong sense.
@@ -159,6 +161,10 @@ def drop(
         system = replace(system, gravity=(0.0, -GRAVITY))
     placed = [replace(each, phase=each.phase + turned) for each in system.unbalance]
     free = replace(system, unbalance=placed, supports=())
+    if isinstance(start, xr.Dataset):
+        if modes is not None:
+            raise InputError(f"start must be (q, velocity) with modes, got a result and {modes!r}")
+        start = state_at_end(assemble(free), start)  # type: ignore[assignment]
     numbers = {"modes": modes, "more_modes": more_modes}
     all_modes = [modes] if more_modes is None else [modes, more_modes]
     cases = [_released(*in_modes(free, number, start), system.supports, fails, omega)

@@ -30,11 +30,12 @@ from rotor_ida.checks import (
 from rotor_ida.core.systems import SystemRequest, SystemResult
 from rotor_ida.errors import InputError, InstallationError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
-from rotor_ida.parallel import Progress, interruptible
+from rotor_ida.parallel import Progress, interruptible, shows_progress
 from rotor_ida.simulation.spin import SpeedProfile, steady
 from rotor_ida.systems.archived import problem_variables
 from rotor_ida.systems.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.systems.dataset import fastest_whirl, system_dataset
+from rotor_ida.systems.ends import state_at_end
 from rotor_ida.systems.following import (
     Followed,
     follow_system_again,
@@ -65,18 +66,19 @@ MOST_SAMPLES = 200_000
 MOST_TURNED = 0.8
 
 
+@shows_progress
 def simulate_system(
     system: RotorSystem,
     *,
     speed: float,
-    start: Start = None,
+    start: Start | xr.Dataset = None,
     duration: float,
     samples: int | npt.ArrayLike | None = None,
     modes: int | None = None,
     more_modes: int | None = None,
     rtol: float = 1e-10,
     method: SystemMethod = "taylor",
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Simulate a rotor system and locate every event of every contact by root finding.
@@ -87,10 +89,11 @@ def simulate_system(
         The rotor.
     speed : float
         Spin speed.
-    start : (q, velocity), "settled" or "rest", optional
+    start : (q, velocity), "settled", "rest" or Dataset, optional
         State at time 0, of the rotor or of rotor and stators; or the steady whirl without contact;
-        or at rest in its supports and contacts under the constant forces. Default: at rest at 0,
-        from which a weight drops the rotor.
+        or at rest in its supports and contacts under the constant forces; or a result that ends in
+        a state and is continued, with the unbalance at angle 0 again: a run, a limit cycle or one
+        point of a sweep. Default: at rest at 0, from which a weight drops the rotor.
     duration : float
         Time to simulate.
     samples : int or array_like, optional
@@ -106,8 +109,9 @@ def simulate_system(
     method : {"taylor", "adams", "bdf"}
         Taylor series by the compiled core, or CVODE in plain Python, an independent and much
         slower check.
-    progress : callable, optional
-        Called from time to time with the percentage completed, and 100.
+    progress : callable or bool, optional
+        Called from time to time with the percentage completed, and 100; True shows a bar on
+        standard error.
     contacts, unbalance, supports, gravity, static_force : optional
         In place of those of the system: ``simulate(system, contacts=[...], ...)`` is
         ``simulate(replace(system, contacts=[...]), ...)``.
@@ -165,6 +169,7 @@ def simulate_system(
     )  # fmt: skip
 
 
+@shows_progress
 def run_up_system(
     system: RotorSystem,
     *,
@@ -176,13 +181,13 @@ def run_up_system(
     torque: tuple[float, float] | None = None,
     inertia: float | None = None,
     duration: float | None = None,
-    start: Start = None,
+    start: Start | xr.Dataset = None,
     samples: int | npt.ArrayLike | None = None,
     modes: int | None = None,
     more_modes: int | None = None,
     rtol: float = 1e-10,
     method: SystemMethod = "taylor",
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Simulate a rotor system whose speed changes.
@@ -267,13 +272,13 @@ class _Prepared:
 
 
 def _prepared(
-    system: RotorSystem, start: Start, profile: SpeedProfile, times: Values, speed: float,
-    fastest: float, rtol: float,
+    system: RotorSystem, start: Start | xr.Dataset, profile: SpeedProfile, times: Values,
+    speed: float, fastest: float, rtol: float,
 ) -> _Prepared:  # fmt: skip
     """Return what is to be followed, if that does not take too long."""
     assembly = assemble(system)
     found, end = canonical(assembly), profile.ends[-1]
-    begun = start_of(assembly, start, speed)
+    begun = start_of(assembly, state_at_end(assembly, start), speed)
     request = request_of(
         assembly, found, profile, np.array([found.to_y(each) for each in begun]), times, end,
         rtol=rtol, speed=speed, fastest_speed=fastest, inertia=inertia_of(found, profile),
@@ -291,13 +296,13 @@ def _simulate(
     system: RotorSystem,
     profile: SpeedProfile,
     *,
-    start: Start,
+    start: Start | xr.Dataset,
     samples: int | npt.ArrayLike | None,
     modes: int | None,
     more_modes: int | None,
     rtol: float,
     method: SystemMethod,
-    progress: Progress | None,
+    progress: Progress | bool | None,
     speed: float,
     change: dict[str, object],
 ) -> xr.Dataset:
@@ -323,7 +328,7 @@ def run_of_cases(
     samples: int | npt.ArrayLike | None,
     rtol: float,
     method: SystemMethod,
-    progress: Progress | None,
+    progress: Progress | bool | None,
     speed: float,
     change: dict[str, object],
     whirls: bool = False,
@@ -346,7 +351,7 @@ def run_of_cases(
         Whether samples by default must resolve whirls in the contacts too, however fast.
     """
     check_choice("method", method, METHODS)
-    check_progress(progress)
+    progress = check_progress(progress)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     end, fastest = profile.ends[-1], fastest_of(profile, speed)
     times = _times(samples, end, fastest)

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rotor_ida.basins import basin, basin_fractions
 from rotor_ida.basins.atlas import continue_attractors
+from rotor_ida.basins.basin import basin, basin_fractions
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.continue_cycle import branch_from
 from rotor_ida.cycles.guess import Guess
@@ -21,7 +21,7 @@ from rotor_ida.cycles.system_guess import CycleProblem
 from rotor_ida.errors import ArchiveError
 from rotor_ida.model.parameters import ALL_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Progress
+from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.kinds import STUDIES, loaded
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies import design_of, program_of
@@ -39,12 +39,13 @@ Resumed = Callable[..., xr.Dataset]
 SOLVER = ("rtol", "atol", "method")
 
 
+@shows_progress
 def resume(
     folder: str | os.PathLike[str],
     *,
     workers: int | None = None,
     executor: str = "auto",
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Resume the study in a folder and complete it.
 
@@ -97,7 +98,8 @@ def resume(
 def resume_sweep(design: Design, jobs: Jobs) -> Resumed:
     """Return the function that resumes a sweep."""
     given = _given(design, "direction", *SOLVER, "flight") | _axes(design)
-    return partial(sweep, **given, starts=_starts(design), **jobs)
+    events = design.get("events", True)  # which earlier versions always kept
+    return partial(sweep, **given, starts=_starts(design), events=events, **jobs)
 
 
 def resume_system_sweep(design: Design, jobs: Jobs) -> Resumed:

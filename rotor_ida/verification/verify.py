@@ -9,11 +9,11 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import shown
+from rotor_ida.checks import check_progress, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Progress
+from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.kinds import KINDS, kind_of, loaded, why_not
 from rotor_ida.results.si_units import dimensionless
 from rotor_ida.schema.quantities import TOLERANCE
@@ -42,12 +42,13 @@ class Verification:
     told: Callable[[xr.Dataset], xr.Variable | None] = lambda _: None
 
 
+@shows_progress
 def rerun(
     dataset: xr.Dataset,
     *,
     method: Method | None = None,
     workers: int | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Compute a result again from its attributes, or by another method.
 
@@ -88,7 +89,7 @@ def rerun(
             raise InputError(f"method must be left out for the kind {kind}, got {method!r}")
         exact = {"flight": "exact"} if method == "taylor" else {}
         dataset = dataset.assign_attrs({"method": method, **exact})
-    return verification.again(dimensionless(dataset), workers, progress)
+    return verification.again(dimensionless(dataset), workers, check_progress(progress))
 
 
 def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:

@@ -82,6 +82,7 @@ def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) 
     given: dict[str, Any] = axes_in(dataset)
     given |= {name: dataset.attrs[name] for name in HOW}
     given |= {"starts": list(starts), "direction": direction_of(dataset)}
+    given["events"] = "event" in dataset.dims
     return sweep(**given, workers=workers, progress=progress)
 
 

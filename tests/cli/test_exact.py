@@ -129,7 +129,7 @@ def test_a_rotor_that_hangs_on_its_shaft_whirls_about_its_place_of_rest():
     np.testing.assert_allclose(motion.whirl_amplitude, [rotor.load / kappa, height], rtol=1e-12)
     radius = np.abs(run.x.values + 1j * (run.y.values + rotor.load / kappa))
     np.testing.assert_allclose(radius, height, rtol=1e-6)
-    upper, lower = plot.plot_bode(run, beneath=exact_beneath(run, "bode"))
+    upper, lower = plot.plot_bode(run, beneath=exact_beneath(run, "bode")).axes
     one = next(line for line in upper.lines if line.get_label() == "1X of exact cycle")
     assert one.get_ydata() == pytest.approx([height])
     lag = np.degrees(np.arctan2(2.0 * zeta * omega, kappa - omega**2))

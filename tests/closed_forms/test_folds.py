@@ -478,7 +478,7 @@ def test_rotor_lands_on_a_stable_whirl_of_the_curve():
     omega = found.fold_omega.values.ravel()
     for speed, landing in zip(omega, found.landing_amplitude.values.ravel(), strict=True):
         beside = synchronous_response(omega=speed * (1.0 + 1e-9), zeta=0.07, delta0=0.0)
-        stable = beside.amplitude.where(beside.stability == 0).values.ravel()
+        stable = beside.amplitude.where(beside.stability == 1).values.ravel()
         assert np.nanmin(abs(stable / landing - 1.0)) < 1e-7
     up, down = found.landing_amplitude.values.ravel()
     first, last = found.fold_amplitude.values.ravel()

@@ -120,7 +120,7 @@ def test_no_run_is_told_to_pass_a_fold_that_no_stable_whirl_leads_to():
             for way in (1.0, -1.0)
         ]
         stable = [
-            each.amplitude.where(each.stability == 0).fillna(np.inf) - at.fold_amplitude
+            each.amplitude.where(each.stability == 1).fillna(np.inf) - at.fold_amplitude
             for each in beside
         ]
         leads = any(float(np.abs(each).min()) < 0.01 for each in stable)
@@ -134,7 +134,7 @@ def left_over(machine, fold, rate):
     width = rate ** (2.0 / 3.0) / abs(at.fold_drift * at.fold_curvature).item() ** (1.0 / 3.0)
     omega = at.fold_omega.item() - 8.0 * width
     whirls = synchronous_response(omega=omega, **machine).squeeze()
-    stable = whirls.where((whirls.stability == 0) & (whirls.in_contact == 1))
+    stable = whirls.where((whirls.stability == 1) & (whirls.in_contact == 1))
     place = int(np.nanargmin(np.abs(stable.amplitude.values - at.fold_amplitude.item())))
     z = stable.amplitude.values[place] * np.exp(-1j * stable.phase_lag.values[place])
     v = 1j * omega * z

@@ -199,8 +199,8 @@ def test_no_whirl_flutters_with_a_positive_determinant():
         delta0=[0.0, 0.4, 2.0],
     )
     contacting = whirls.where(whirls.in_contact == 1)
-    assert float(contacting.growth_rate.where(whirls.stability == 0).max()) < 0.0
-    assert float(contacting.growth_rate.where(whirls.stability == 1).min()) > 0.0
+    assert float(contacting.growth_rate.where(whirls.stability == 1).max()) < 0.0
+    assert float(contacting.growth_rate.where(whirls.stability == 0).min()) > 0.0
 
 
 def test_contact_free_whirl_has_a_zero_eigenvalue():

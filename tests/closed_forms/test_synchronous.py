@@ -425,7 +425,7 @@ def test_whirl_that_just_touches_is_counted_once(zeta):
 
 def test_without_damping_the_whirls_that_do_not_run_away_are_neutral():
     whirls = one_point(2.0, 0.0, 0.0)
-    assert whirls["stability"].tolist() == [2, 1, 2]
+    assert whirls["stability"].tolist() == [2, 0, 2]
     assert whirls["growth_rate"][[0, 2]].tolist() == [0.0, 0.0]
     assert whirls["phase_lag"].tolist() == [np.pi, np.pi, 0.0]
 

@@ -405,7 +405,7 @@ REFUSED = {
     "start": ({"start": [1, 2]}, r"start must be four numbers"),
     "noise": ({"noise": -1}, r"noise must be positive, got -1.0"),
     "limit": ({"limit": 0}, r"limit must be positive, got 0.0"),
-    "progress": ({"progress": 3}, r"progress must be a function or None, got 3"),
+    "progress": ({"progress": 3}, r"progress must be a function, True or None, got 3"),
     "confidence": ({"confidence": 2}, r"confidence must lie from 0.5"),
     "too long": ({"revolutions": 500}, r"signals must have at least 500 whole revolutions"),
     "no machine": ({"machine": 3}, r"machine must be a Rotor or a DimensionalRotor, got 3"),

@@ -1,5 +1,6 @@
 """What holds for every picture: its labels, its units, its place, and what it refuses."""
 
+import inspect
 import io
 from functools import cache
 
@@ -23,6 +24,7 @@ WRITTEN = {
     "rate": ("1/s", 1.0 / MACHINE.time_scale),
     "natural": ("rad/ms", 1e-3 / MACHINE.time_scale),
 }
+FIGURES = [each for each in plot.__all__ if each.endswith("_figure") and each != "save_figure"]
 every_picture = pytest.mark.parametrize("picture", PICTURES, ids=str)
 
 
@@ -43,6 +45,19 @@ def lines_in_data(ax):
         for line in ax.lines
         if line.get_transform() == ax.transData
     ]
+
+
+@pytest.mark.parametrize(
+    "name", [each for each in plot.__all__ if each.startswith("plot_")] + FIGURES
+)
+def test_a_plot_returns_the_axes_that_it_may_be_given_or_the_figure_of_several(name):
+    plotted = inspect.signature(getattr(plot, name))
+    ax = plotted.parameters.get("ax")
+    if ax is None:
+        assert plotted.return_annotation == "Figure"
+    else:
+        assert plotted.return_annotation == "Axes"
+        assert ax.kind is ax.KEYWORD_ONLY
 
 
 @every_picture

@@ -32,7 +32,7 @@ def found(seen):
 
 
 def test_measured_and_fitted_amplitudes_are_drawn(found):
-    amplitude, phase = plot_fit(found)
+    amplitude, phase = plot_fit(found).axes
     fitted, measured = amplitude.lines[:2]
     one = found.sel(order=1)
     np.testing.assert_array_equal(fitted.get_ydata(), one.fitted_forward_whirl_amplitude)

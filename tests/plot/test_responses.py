@@ -34,7 +34,7 @@ def test_stable_unstable_and_neutral_whirls_differ_without_colour(exact):
 
 def test_lines_hold_the_whirls_of_their_stability(exact):
     ax = plot_amplitude(exact)
-    unstable = exact["amplitude"].where(exact["stability"] == 1).values
+    unstable = exact["amplitude"].where(exact["stability"] == 0).values
     shown = line(ax, "unstable whirl").get_ydata()
     assert np.isin(unstable[np.isfinite(unstable)], shown).all()
     assert np.nanmax(line(ax, "stable whirl").get_ydata()) == exact["amplitude"].max()
@@ -194,7 +194,7 @@ def test_over_clearance_every_whirl_is_on_a_line_of_its_stability(whirls_over_cl
     for line in ax.lines:
         lines.setdefault(line.get_label(), []).append(line.get_ydata())
     assert set(lines) == {"stable whirl", "unstable whirl", "contact-free whirl"}
-    unstable = whirls_over_clearance.amplitude.where(whirls_over_clearance.stability == 1).values
+    unstable = whirls_over_clearance.amplitude.where(whirls_over_clearance.stability == 0).values
     assert np.isin(unstable[np.isfinite(unstable)], np.concatenate(lines["unstable whirl"])).all()
 
 

@@ -16,6 +16,7 @@ from rotor_ida import (
 )
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.schema import SPECIAL
+from tests.kinds import in_the_numbers_of_an_earlier_version
 from tests.systems.axisymmetric_systems import beam
 
 SPEEDS = np.linspace(300.0, 600.0, 31)
@@ -42,6 +43,8 @@ def test_every_whirl_is_a_mark_at_its_amplitude_in_rpm_and_micrometres(whirls):
     assert [line.get_label() for line in marks] == ["stable whirl"]
     with pytest.raises(InputError, match="contact must be one of 0 to 1, got 2"):
         plot.plot_system_whirls(whirls, contact=2)
+    earlier = plot.plot_system_whirls(in_the_numbers_of_an_earlier_version(whirls), contact=1)
+    assert [line.get_label() for line in earlier.lines] == ["clearance", "stable whirl"]
 
 
 def test_folds_and_hopf_points_are_marked_on_the_whirls():

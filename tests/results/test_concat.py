@@ -1,5 +1,7 @@
 """Results joined along a parameter are the results over both."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -18,11 +20,12 @@ from rotor_ida import (
 from rotor_ida.verification.verify import differences, rerun
 
 OTHERS = {"zeta": 0.07, "delta0": [2.0, 1.0]}
+swept = partial(sweep, events=True)
 
 
 @pytest.mark.parametrize(
     ("compute", "given"),
-    [(sweep, OTHERS), (synchronous_response, OTHERS | {"delta0": 0.5}),
+    [(swept, OTHERS), (synchronous_response, OTHERS | {"delta0": 0.5}),
      (bifurcation_diagram, OTHERS | {"starts": 2})],
 )  # fmt: skip
 def test_two_ranges_of_speed_become_the_result_over_both(compute, given):
@@ -32,25 +35,23 @@ def test_two_ranges_of_speed_become_the_result_over_both(compute, given):
 
 
 def test_a_table_of_events_follows_its_runs_along_an_inner_dimension():
-    parts = [sweep(omega=[1.0, 2.0], zeta=zeta, delta0=2.0) for zeta in ([0.07, 0.1], [0.2])]
-    whole = sweep(omega=[1.0, 2.0], zeta=[0.07, 0.1, 0.2], delta0=2.0)
+    parts = [swept(omega=[1.0, 2.0], zeta=zeta, delta0=2.0) for zeta in ([0.07, 0.1], [0.2])]
+    whole = swept(omega=[1.0, 2.0], zeta=[0.07, 0.1, 0.2], delta0=2.0)
     xr.testing.assert_identical(concat(parts, "zeta"), whole)
 
 
 def test_a_joined_sweep_verifies():
-    joined = concat([sweep(omega=[omega], zeta=0.3, delta0=0.5) for omega in (1.0, 1.5)], "omega")
+    joined = concat([swept(omega=[omega], zeta=0.3, delta0=0.5) for omega in (1.0, 1.5)], "omega")
     assert differences(rerun(joined, workers=1), joined)["agrees"] is True
 
 
 def test_xarray_joins_sweeps_without_their_events():
     parts = [sweep(omega=omega, **OTHERS) for omega in ([1.0, 1.5], [2.0])]
     whole = sweep(omega=[1.0, 1.5, 2.0], **OTHERS)
-    parts = [each.drop_dims("event").drop_vars("event_row") for each in parts]
-    joined = xr.concat(parts, dim="omega")
-    xr.testing.assert_identical(joined, whole.drop_dims("event").drop_vars("event_row"))
+    xr.testing.assert_identical(xr.concat(parts, dim="omega"), whole)
 
 
-@pytest.mark.parametrize("compute", [sweep, bifurcation_diagram])
+@pytest.mark.parametrize("compute", [swept, bifurcation_diagram])
 def test_parts_of_a_result_keep_the_rows_of_their_own_runs(compute, tmp_path):
     given = {"zeta": [0.07, 0.1], "delta0": [2.0, 1.0]}
     whole, expected = (compute(omega=omega, **given) for omega in ([1.0, 1.5, 2.0], [1.0, 2.0]))
@@ -60,12 +61,12 @@ def test_parts_of_a_result_keep_the_rows_of_their_own_runs(compute, tmp_path):
     again = load(save(selected, tmp_path / "part.nc")).isel(omega=[1, 0])
     xr.testing.assert_equal(concat([again], "omega"), expected)
     alone = load(save(whole.sel(omega=2.0, zeta=0.1, delta0=2.0), tmp_path / "one.nc"))
-    table = "event" if compute is sweep else "extremum"
+    table = "event" if compute is swept else "extremum"
     assert alone.sizes[table] == alone[f"{table}_count"].sum()
 
 
 def test_cut_tables_are_refused():
-    found = sweep(omega=[1.0, 1.5], **OTHERS)
+    found = swept(omega=[1.0, 1.5], **OTHERS)
     with pytest.raises(InputError, match="select runs, not rows"):
         concat([found.isel(event=slice(0, 5))], "omega")
     older = found.drop_vars("event_row")
@@ -73,7 +74,7 @@ def test_cut_tables_are_refused():
     with pytest.raises(InputError, match="without event_row it is unknown which rows belong"):
         concat([older.isel(omega=[1])], "omega")
     with pytest.raises(InputError, match="must be of one kind"):
-        concat([found, synchronous_response(omega=[2.0], **OTHERS | {"delta0": 0.5})], "omega")
+        concat([found, sweep(omega=[2.0], **OTHERS)], "omega")
 
 
 def test_runs_become_one_dataset_over_a_parameter():
@@ -93,11 +94,11 @@ def test_runs_become_one_dataset_over_a_parameter():
 
 
 def test_what_does_not_fit_together_is_refused():
-    one = sweep(omega=1.0, zeta=0.07, delta0=2.0)
+    one = swept(omega=1.0, zeta=0.07, delta0=2.0)
     with pytest.raises(InputError, match="dim must be in all datasets, got 'speed'"):
         concat([one, one], "speed")
     with pytest.raises(InputError, match="datasets must contain at least one, got none"):
         concat([], "omega")
-    other = sweep(omega=1.5, zeta=0.1, delta0=2.0)
+    other = swept(omega=1.5, zeta=0.1, delta0=2.0)
     with pytest.raises(InputError, match="must have the same coordinates besides omega"):
         concat([one, other], "omega")

@@ -153,7 +153,7 @@ def test_pictures_of_an_integrated_speed_show_no_mark_of_a_keyphasor(tmp_path: P
     for signals, has_mark in ((found, False), (marked, True)):
         labels = [line.get_label() for line in plot_orbit(signals).get_lines()]
         assert ("pulse of the keyphasor" in labels) == has_mark
-        assert plot_bode(signals)[1].get_ylabel().endswith("(origin unknown)") != has_mark
+        assert plot_bode(signals).axes[1].get_ylabel().endswith("(origin unknown)") != has_mark
 
 
 def test_a_fit_to_an_integrated_speed_needs_the_angle_of_the_unbalance(tmp_path: Path) -> None:

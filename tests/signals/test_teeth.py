@@ -135,7 +135,7 @@ def test_a_wheel_without_a_mark_gives_the_lag_but_for_the_pitch(tmp_path: Path) 
     note = "none of the 12 pulses a revolution is the mark: phase lags are known but for a multiple"
     assert f"{note} of 30 degrees" in found.attrs["notes"]
     assert found.attrs["angle_origin"] == "one of several pulses"
-    assert plot_bode(found)[1].get_ylabel().endswith("(origin unknown)")
+    assert plot_bode(found).axes[1].get_ylabel().endswith("(origin unknown)")
     machine = DimensionalRotor(
         mass=12.0, contact_stiffness=1e8, damping=400.0, eccentricity=2e-5, clearance=1.5e-4,
         speed=100.0, shaft_stiffness=4e6,

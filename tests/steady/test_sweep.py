@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from rotor_ida import InputError, SimulationError, compare, sweep
 from rotor_ida.parallel import FailedJob
@@ -26,7 +27,8 @@ def test_up_and_down_show_the_hysteresis_of_the_jump():
 
 def test_dimensions_labels_and_events():
     starts = [(0, 0, 0, 0), (3.0, 0, 0, 1.0)]
-    responses = sweep(omega=[1.0, 2.0], zeta=[0.3, 0.5], delta0=[0.2, 0.6, 1.0], starts=starts)
+    given = {"omega": [1.0, 2.0], "zeta": [0.3, 0.5], "delta0": [0.2, 0.6, 1.0], "starts": starts}
+    responses = sweep(**given, events=True)
     assert responses.response.dims == ("omega", "zeta", "delta0", "start", "direction")
     assert responses.response.shape == (2, 2, 3, 2, 1)
     assert responses.start_vy.values.tolist() == [0.0, 1.0]
@@ -35,12 +37,15 @@ def test_dimensions_labels_and_events():
     ends = responses.event_count.values.cumsum()
     place = np.ravel_multi_index((1, 1, 2, 1, 0), responses.event_count.shape)
     times = responses.event_time[ends[place - 1] : ends[place]]
-    alone = sweep(omega=2.0, zeta=0.5, delta0=1.0, starts=[starts[1]])
+    alone = sweep(omega=2.0, zeta=0.5, delta0=1.0, starts=[starts[1]], events=True)
     assert times.values.tolist() == alone.event_time.values.tolist()
     assert alone.event_kind.values[0] == -1
     for name, variable in responses.variables.items():
         assert variable.attrs["long_name"], name
         assert "units" in variable.attrs or name == "message"
+    without = sweep(**given)
+    xr.testing.assert_equal(without, responses.drop_dims("event").drop_vars("event_row"))
+    assert len(without.to_dataframe()) == 24
 
 
 @pytest.mark.parametrize(
@@ -48,7 +53,8 @@ def test_dimensions_labels_and_events():
     [("threads", "compiled"), ("processes", "compiled"), ("threads", "python")],
 )
 def test_whoever_does_the_work_finds_the_same_bits(executor, backend):
-    arguments = {"omega": [1.1, 1.9], "zeta": 0.2, "delta0": [0.5, 1.5], "backend": backend}
+    arguments = {"omega": [1.1, 1.9], "zeta": 0.2, "delta0": [0.5, 1.5], "backend": backend,
+                 "events": True}  # fmt: skip
     calls = []
     alone = sweep(**arguments, executor="serial")
     together = sweep(
@@ -237,12 +243,35 @@ def test_a_run_up_under_a_load_goes_on_where_the_last_speed_ended():
     assert rest.period.item() * 2.5 / (2.0 * np.pi) == pytest.approx(3.0, rel=1e-14)
 
 
+def test_taylor_series_are_the_default_and_label_as_cvode_does():
+    """From rest: a start near the border of two basins is labelled by chance."""
+    given = {"omega": np.linspace(0.4, 3.2, 8), "zeta": [0.05, 0.1, 0.3], "delta0": [0.0, 0.5, 2.0]}
+    swept, by_cvode = sweep(**given), sweep(**given, method="adams")
+    assert swept.attrs["method"] == "taylor"
+    assert set(words_of(swept.response)) == {
+        "synchronous", "contact_free", "full_contact", "bouncing", "touching"
+    }  # fmt: skip
+    np.testing.assert_array_equal(swept.response, by_cvode.response)
+    np.testing.assert_allclose(swept.amplitude, by_cvode.amplitude, rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("given", "method"),
+    [({}, "taylor"), ({"flight": "cvode"}, "adams"), ({"backend": "python"}, "adams"),
+     ({"rtol": 5e-4}, "adams"), ({"method": "bdf"}, "bdf")],
+)  # fmt: skip
+def test_the_method_of_a_study_is_one_that_can_be_used_and_is_recorded(given, method):
+    found = sweep(omega=0.5, zeta=0.5, delta0=2.0, **given)
+    assert found.attrs["method"] == method
+    assert words_of(found.response) == ["contact_free"]
+
+
 def test_kinds_of_events_are_among_their_flags():
     """Friction and contact damping of any rotor of the grid have kinds of their own."""
     rubs = sweep(
         omega=1.2, zeta=0.07, delta0=0.5, friction=[0.0, 0.3], disc_radius=0.6,
-        starts=[(0.3, 0.1, 0.2, 0.1)],
+        starts=[(0.3, 0.1, 0.2, 0.1)], events=True,
     )  # fmt: skip
     assert {"roll", "slip", "reverse"} <= set(words_of(rubs.event_kind))
-    plain = sweep(omega=2.0, zeta=0.07, delta0=2.0)
+    plain = sweep(omega=2.0, zeta=0.07, delta0=2.0, events=True)
     assert set(words_of(plain.event_kind)) == {"exit", "entry"}

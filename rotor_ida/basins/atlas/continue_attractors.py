@@ -32,7 +32,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotors import Rotors, rotors_of
-from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_all
+from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_all, shows_progress
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies.results import Results, open_results
 from rotor_ida.simulation.options import LARGEST
@@ -43,6 +43,7 @@ MOST_AXES = 2
 MOST_ROTORS = 100_000
 
 
+@shows_progress
 def continue_attractors(
     *,
     omega: npt.ArrayLike,
@@ -65,7 +66,7 @@ def continue_attractors(
     workers: int | None = None,
     executor: str = "auto",
     study: str | os.PathLike[str] | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Compute the attractors over speed, damping or clearance, and their basin fractions.
 
@@ -152,7 +153,7 @@ def continue_attractors(
     rotors = [grid.rotor(place) for place in np.ndindex(grid.sizes)]
     for rotor in rotors:
         check_rotor(rotor, "an atlas")
-    check_progress(progress)
+    progress = check_progress(progress)
     states, drawn = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
     tolerance = RTOL if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)

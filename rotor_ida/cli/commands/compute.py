@@ -85,6 +85,7 @@ Direction = Annotated[
     Literal["up", "down", "both"] | None,
     Parameter(help="Quasi-static sweep: start each speed where the one before ended."),
 ]
+Events = Annotated[bool, flag_option("Keep the contact events of all runs, in one table.")]
 Quick = Annotated[bool, flag_option("Compute coarser results, faster.")]
 Studies = Annotated[
     bool, flag_option("Compute the studies as well as the figures of the paper.", name="--all")
@@ -129,13 +130,15 @@ def simulate(
         return simulate_file(system, rotor, start, solver, output, given)
     chosen, units = rotor.rotor_and_units()
     output.check()
-    run = rotor_ida.simulate(
-        chosen,
-        start=units.begun(start, chosen),
-        duration=units.time(duration),
-        samples=samples,
-        **options.of_disc(solver),
-    )
+    with working("simulate [%]") as progress:
+        run = rotor_ida.simulate(
+            chosen,
+            start=units.begun(start, chosen),
+            duration=units.time(duration),
+            samples=samples,
+            **options.of_disc(solver),
+            progress=progress,
+        )
     return answer(units.shown(run), output, most=FIRST_ROWS)
 
 
@@ -203,8 +206,9 @@ def sweep(
     rotors: RotorsOptions = RotorsOptions(),
     start: options.Starts = [AT_REST],  # noqa: B006 - never changed
     direction: Direction = None,
+    events: Events = False,
     jobs: options.JobOptions = options.JobOptions(),
-    solver: options.AnySolverOptions = options.AnySolverOptions(),
+    solver: options.SweepSolverOptions = options.SweepSolverOptions(),
     study: options.Study = None,
     output: Output = Output(),
 ) -> Report:
@@ -225,6 +229,8 @@ def sweep(
         rotor-ida sweep rotor.toml --speed 1000rpm:5000rpm:9 --out map.nc
     """
     if system is not None:
+        if events:
+            raise InputError("events must be of one disc: sweeps of a rotor system keep none")
         given = {"direction": direction, "study": study, **jobs.on_every_core()}
         return sweep_file(system, rotors, start, solver, output, given)
     check_points(*rotors.axes(), start, in_study=study is not None)
@@ -236,7 +242,8 @@ def sweep(
             **given,
             starts=list(map(units.start, start)),
             direction=direction,
-            **options.of_disc(solver),
+            events=events,
+            **asdict(solver),
             **jobs.on_every_core(),
             study=study,
             progress=progress,
@@ -256,7 +263,7 @@ def bifurcation_diagram(
     rate: RateOrNone = None,
     rtol: options.Rtol = 1e-10,
     atol: options.Atol = 1e-12,
-    method: options.ContactMethod = "adams",
+    method: options.MethodOfStudy = None,
     jobs: options.JobOptions = options.JobOptions(),
     output: Output = Output(),
 ) -> Report:
@@ -307,7 +314,7 @@ def run_ups(
     phase: Phases = [0.0],  # noqa: B006 - never changed
     start: options.StartsOfRunUps = None,
     jobs: options.JobOptions = options.JobOptions(),
-    solver: options.RunUpSolverOptions = options.RunUpSolverOptions(),
+    solver: options.RunUpsSolverOptions = options.RunUpsSolverOptions(),
     study: options.Study = None,
     output: Output = Output(),
 ) -> Report:

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from rotor_ida.arrays import Values
@@ -80,7 +81,7 @@ def plot_bode(
     revolutions: int | None = None,
     beneath: Beneath = (),
     axes: Sequence[Axes] | None = None,
-) -> list[Axes]:
+) -> Figure:
     r"""Draw amplitude and phase of one order over the speed.
 
     Parameters
@@ -108,8 +109,8 @@ def plot_bode(
 
     Returns
     -------
-    list of Axes
-        Axes of amplitude and phase.
+    Figure
+        That of the axes of amplitude and phase.
 
     Notes
     -----
@@ -125,7 +126,7 @@ def plot_bode(
     >>> up = run_up(Rotor(omega=0.3, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), to=2.5,
     ...             rate=0.005, samples=20_001)
     >>> exact = response_curve(zeta=0.07, delta0=0.5, limits=(0.3, 2.5))
-    >>> [ax.get_ylabel() for ax in plot_bode(up, beneath=exact)]
+    >>> [ax.get_ylabel() for ax in plot_bode(up, beneath=exact).axes]
     ['whirl amplitude $|c|$', 'phase lag $\\theta$ [°]']
     """
     one = _one_order(signals, order, sense, beneath, _Fit(orders, revolutions))
@@ -154,7 +155,7 @@ def plot_bode(
         upper.tick_params(labelbottom=False)
         upper.set_title(one.title)
         own_legend(upper, inside=True)
-    return [upper, lower]
+    return cast(Figure, upper.figure)
 
 
 def plot_polar(

@@ -16,11 +16,12 @@ from xarray.backends import BackendArray
 from xarray.core.indexing import ExplicitIndexer, LazilyIndexedArray
 
 from rotor_ida.checks import check_flag, shown
-from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.errors import ArchiveError, InputError, MissingFileError
 from rotor_ida.results.archive.checksum import content_sha256, seal_of
 from rotor_ida.results.archive.content import CHECKSUM, FORMAT, FORMAT_NUMBER, LABEL_OF, NUMERIC
 from rotor_ida.results.archive.library import LOCK, what_is_no_variable
 from rotor_ida.results.files import check_path
+from rotor_ida.schema import with_flags_of_now
 
 if TYPE_CHECKING:
     import netCDF4
@@ -45,12 +46,13 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     Returns
     -------
     xr.Dataset
-        The dataset that was saved, with the six global attributes that `save` adds.
+        The dataset that was saved, with the six global attributes that `save` adds. Flags that an
+        earlier version numbered otherwise have their numbers of now.
 
     Raises
     ------
     InputError
-        If there is no such file, or `path` is a folder.
+        If `path` is a folder; if there is no such file, the error is a `FileNotFoundError` too.
     ArchiveError
         If the file is not an archive of this package, has another format, is damaged or altered,
         refers to other files, declares more data than it can contain, or does not match its
@@ -74,7 +76,7 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     >>> load(folder.name + "/walk.nc")
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: path must be a file that exists, got '.../walk.nc'
+    rotor_ida.errors.MissingFileError: path must be a file that exists, got '.../walk.nc'
     >>> folder.cleanup()
     """
     return _as_it_stands(path, _load)
@@ -135,7 +137,7 @@ def _check_source(path: object) -> Path:
     if os.path.isdir(source):
         raise InputError(f"path must be a file, got the folder {shown(source)}")
     if not os.path.isfile(source):
-        raise InputError(f"path must be a file that exists, got {shown(source)}")
+        raise MissingFileError(f"path must be a file that exists, got {shown(source)}")
     return source
 
 
@@ -164,7 +166,7 @@ def _load(source: Path) -> xr.Dataset:
     with LOCK:
         dataset = _read(source, lambda _, stored: _values(stored, source), in_memory=True)
     _check_content(dataset, source)
-    return dataset
+    return with_flags_of_now(dataset)
 
 
 def _open(source: Path, *, check: bool) -> xr.Dataset:
@@ -173,13 +175,14 @@ def _open(source: Path, *, check: bool) -> xr.Dataset:
     try:
         with LOCK:
             dataset = _read(source, lambda name, _: _unread(stored.variables[name], source))
-        dataset.set_close(stored.close)
         if check:
             _check_content(dataset, source)
+        found = with_flags_of_now(dataset)
     except BaseException:
         stored.close()
         raise
-    return dataset
+    found.set_close(stored.close)
+    return found
 
 
 class _Unread(BackendArray):

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from rotor_ida.checks import shown
-from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.errors import ArchiveError, InputError, MissingFileError
 from rotor_ida.results.files import check_path
 
 Design = dict[str, Any]
@@ -176,7 +176,7 @@ def reading(folder: str | os.PathLike[str]) -> Iterator[sqlite3.Connection]:
     except OSError as error:
         raise InputError(f"{refusal}: {error.strerror}") from error
     if not found:
-        raise InputError(refusal)
+        raise MissingFileError(refusal)
     with connected(place) as connection:
         if not _is_begun(connection, place):
             raise InputError(f"folder must be that of a study that was begun, got {str(place)!r}")

@@ -40,7 +40,7 @@ def with_value(rotor, name, value):
 def stable_whirls(**parameters):
     """Return the amplitudes of the stable whirls in contact over one parameter; else NaN."""
     whirls = synchronous_response(**parameters).squeeze()
-    held = (whirls.stability == 0) & (whirls.in_contact == 1)
+    held = (whirls.stability == 1) & (whirls.in_contact == 1)
     return np.atleast_1d(whirls.amplitude.where(held).values)
 
 

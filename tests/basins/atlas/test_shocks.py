@@ -283,5 +283,5 @@ def test_a_knock_into_whip_is_followed_there_and_the_bound_is_below_it(monkeypat
         omega=rotor.omega, zeta=0.1, delta0=0.9, friction=np.array([end * 0.999, end * 1.001])
     ).squeeze()
     assert int(rub.friction_high_end) == END["hopf"]
-    stable = (around.stability == 0) & (around.in_contact == 1)
+    stable = (around.stability == 1) & (around.in_contact == 1)
     assert stable.values.tolist() == [True, False]

@@ -122,10 +122,10 @@ def test_runs_and_signals_give_the_same_picture(draw, up, tmp_path):
 
 
 def test_bode_shows_amplitude_and_lag_of_a_known_whirl():
-    upper, lower = plot_bode(whirl(forward=3.0, backward=0.5, lag=1.0))
+    upper, lower = plot_bode(whirl(forward=3.0, backward=0.5, lag=1.0)).axes
     np.testing.assert_allclose(line_of(upper, "1X forward").get_ydata(), 3.0, rtol=1e-9)
     np.testing.assert_allclose(lower.get_lines()[-1].get_ydata(), math.degrees(1.0), rtol=1e-9)
-    backward, _ = plot_bode(whirl(forward=3.0, backward=0.5), sense="backward")
+    backward, _ = plot_bode(whirl(forward=3.0, backward=0.5), sense="backward").axes
     np.testing.assert_allclose(line_of(backward, "1X backward").get_ydata(), 0.5, rtol=1e-8)
 
 
@@ -143,7 +143,7 @@ def half(tmp_path_factory):
 
 @pytest.mark.parametrize("fit", [{}, {"orders": [0.5]}, {"revolutions": 6}])
 def test_a_steady_half_order_moves_neither_1x_nor_the_mean(half, fit):
-    upper, _ = plot_bode(half, **fit)
+    upper, _ = plot_bode(half, **fit).axes
     assert legend_of(upper) == ["1X forward"]
     line, polar = line_of(upper, "1X forward"), line_of(plot_polar(half, **fit), "1X forward")
     for each in (line, polar):
@@ -155,7 +155,7 @@ def test_a_steady_half_order_moves_neither_1x_nor_the_mean(half, fit):
 
 
 def test_errors_that_are_not_small_are_a_band(half):
-    upper, lower = plot_bode(half, revolutions=1)
+    upper, lower = plot_bode(half, revolutions=1).axes
     assert legend_of(upper) == ["1X forward", "two standard errors"]
     for ax, truth in ((upper, 20.0), (lower, None)):
         (band,) = ax.collections
@@ -164,7 +164,7 @@ def test_errors_that_are_not_small_are_a_band(half):
 
 
 def test_bode_lies_on_the_exact_curve_below_the_jump(up, exact):
-    upper, lower = plot_bode(up, beneath=[exact, folds(zeta=0.07, delta0=0.5)])
+    upper, lower = plot_bode(up, beneath=[exact, folds(zeta=0.07, delta0=0.5)]).axes
     assert legend_of(upper) == ["stable whirl", "unstable whirl", "fold", "1X forward"]
     measured, stable = line_of(upper, "1X forward"), line_of(upper, "stable whirl")
     below = (measured.get_xdata() > 0.6) & (measured.get_xdata() < 1.3)
@@ -191,7 +191,7 @@ def test_a_jump_breaks_the_lines_and_a_window_that_spans_it_is_left_out(up, lag)
     tracks["forward_whirl_amplitude"][:, 0] = smooth
     tracks["forward_phase_lag"][:, 0] = np.where(smooth > 1.0, 0.1, lag)
     speeds = tracks.speed.values
-    upper, lower = plot_bode(tracks)
+    upper, lower = plot_bode(tracks).axes
     polar = plot_polar(tracks)
     for line in (upper.get_lines()[0], lower.get_lines()[0]):
         across, up_to = line.get_data()
@@ -205,13 +205,13 @@ def test_a_jump_breaks_the_lines_and_a_window_that_spans_it_is_left_out(up, lag)
 
 def test_one_window_is_drawn(up):
     one = orders(up).isel(window=slice(3, 4))
-    assert len(plot_bode(one)[0].get_lines()[0].get_xdata()) == 1
+    assert len(plot_bode(one).axes[0].get_lines()[0].get_xdata()) == 1
     plot_polar(one)
 
 
 def test_a_resonance_that_is_passed_in_few_windows_is_one_line(up):
     fast = run_up(Rotor(omega=0.3, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), to=1.6, rate=0.02)
-    for line in (ax.get_lines()[0] for ax in plot_bode(fast)):
+    for line in (ax.get_lines()[0] for ax in plot_bode(fast).axes):
         assert np.isfinite(line.get_data()).all()
 
 
@@ -220,7 +220,7 @@ def test_stable_and_unstable_whirls_and_hopf_points_are_told_apart(up):
     speeds = [1.2, 1.7]
     whirls = synchronous_response(omega=speeds, zeta=0.07, delta0=0.5, contact_damping=0.1)
     points = hopf_points(zeta=0.07, delta0=0.5, contact_damping=0.1)
-    upper, _ = plot_bode(damped, beneath=[whirls, points])
+    upper, _ = plot_bode(damped, beneath=[whirls, points]).axes
     marks = [line for line in upper.get_lines() if line.get_marker() == "s"]
     assert sorted(line.get_markerfacecolor() for line in marks) == ["#1a1a1a", "white"]
     # the Hopf point is at 7.4, beyond the picture
@@ -232,7 +232,7 @@ def test_up_and_down_are_told_apart():
         Rotor(omega=0.3, zeta=0.3, delta0=0.5), start=REST,
         speeds=[(0, 0.3), (200, 2.0), (400, 0.3)], samples=8001,
     )  # fmt: skip
-    upper, _ = plot_bode(there_and_back)
+    upper, _ = plot_bode(there_and_back).axes
     assert legend_of(upper) == ["1X forward: speed going up", "1X forward: speed going down"]
     assert plot_cascade(there_and_back).get_ylabel() == "time $t$"
     assert plot_cascade(there_and_back, over="speed").get_ylabel() == r"spin speed $\omega$"
@@ -277,7 +277,7 @@ def test_orders_have_a_line_for_each_sense(up):
 
 def test_speeds_are_in_rpm_and_frequencies_in_hertz():
     seen = whirl(speed=100.0 * np.pi / 50.0, time="s", length="um")
-    upper, lower = plot_bode(seen)
+    upper, lower = plot_bode(seen).axes
     assert lower.get_xlabel() == "spin speed [rpm]"
     assert upper.get_ylabel() == "whirl amplitude $|c|$ [µm]"
     np.testing.assert_allclose(line_of(upper, "1X forward").get_xdata(), 60.0, rtol=1e-9)
@@ -296,7 +296,7 @@ def test_exact_results_take_the_units_of_the_signals(machine):
     whirls = synchronous_response(omega=rotor.omega, zeta=rotor.zeta, delta0=rotor.delta0)
     micro = dimensional(run, machine, units={"length": "µm", "time": "ms"})
     for beneath in (whirls, dimensional(whirls, machine)):
-        ax, _ = plot_bode(micro, beneath=beneath)
+        ax, _ = plot_bode(micro, beneath=beneath).axes
         (mark,) = (line for line in ax.get_lines() if line.get_label() == "exact whirl")
         expected = whirls.amplitude.values.ravel() * machine.length_scale * 1e6
         expected = expected[np.isfinite(expected)]
@@ -308,7 +308,7 @@ def test_measured_signals_need_exact_results_with_units(exact, machine):
     measured = whirl(time="s", length="um")
     with pytest.raises(InputError, match=r"beneath must be in units as the signals.*um"):
         plot_bode(measured, beneath=exact)
-    assert len(plot_bode(measured, beneath=dimensional(exact, machine))) == 2
+    assert len(plot_bode(measured, beneath=dimensional(exact, machine)).axes) == 2
     with pytest.raises(InputError, match="beneath must be dimensionless"):
         plot_bode(whirl(), beneath=dimensional(exact, machine))
 
@@ -475,7 +475,7 @@ def test_noise_of_the_keyphasor_is_no_change_of_direction():
     rng = np.random.default_rng(5)
     speeds = np.linspace(1.0, 4.0, 300) * (1.0 + 0.04 * rng.normal(size=300))
     tracks = orders(whirl()).isel(window=np.zeros(300, dtype=int)).drop_vars("window")
-    upper, _ = plot_bode(tracks.assign_coords(speed=("window", speeds)))
+    upper, _ = plot_bode(tracks.assign_coords(speed=("window", speeds))).axes
     assert legend_of(upper) == ["1X forward"]
 
 

@@ -1,0 +1,94 @@
+"""The state that begins a motion of one disc: as given, or where another result ends."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.checks import COMPONENTS, State, check_state, check_states, listed
+from rotor_ida.errors import InputError
+from rotor_ida.results.kinds import KINDS, kind_of
+from rotor_ida.results.si_units import dimensionless
+
+# Several starts: rows of states, results that end in one, or one such result.
+Starts = npt.ArrayLike | xr.Dataset | Sequence[npt.ArrayLike | xr.Dataset]
+# Under a load the unbalance must be where it is at time 0, to this part of a radian.
+IN_STEP = 1e-6
+
+
+def state_of(name: str, start: object) -> State:
+    """Return a start, ``(x, y, vx, vy)`` with the unbalance along x, or raise `InputError`.
+
+    Parameters
+    ----------
+    name : str
+        The argument, for messages.
+    start : array_like, shape (4,), or Dataset
+        The state; or a result that ends in one: a run or run-up, one point of a sweep or of many
+        run-ups, a limit cycle, or one point of a branch.
+
+    Notes
+    -----
+    A run ends with its last sample, at some angle of the unbalance. The state is turned back by
+    this angle, as the equations are the same along all axes; under a load they are not.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> rotor = Rotor(omega=2.0, zeta=0.1, delta0=3.0)
+    >>> run = simulate(rotor, start=(0, 0, 0, 0), duration=math.pi / 2.0)
+    >>> x, y, vx, vy = state_of("start", run)
+    >>> x + run.x[-1].item(), vy + run.vy[-1].item()
+    (0.0, 0.0)
+    """
+    if not isinstance(start, xr.Dataset):
+        return check_state(name, start)
+    found = dimensionless(start)
+    prefix = "end_" if "end_x" in found else ""
+    names = [f"{prefix}{each}" for each in COMPONENTS]
+    if any(each not in found or "node" in found[each].dims for each in names):
+        raise InputError(
+            f"{name} must be a state (x, y, vx, vy), or end in one as a run, a limit cycle or one "
+            f"point of a sweep of one disc does, got a {KINDS[kind_of(start)].meaning}"
+        )
+    dims = [str(dim) for dim in found[names[0]].dims if prefix or dim != "t"]
+    if dims:
+        raise InputError(f"{name} must be one point of a result, got all over {listed(dims)}")
+    # a cycle is stored from its start on, with the unbalance along x
+    last = 0 if "period" in found else -1
+    x, y, vx, vy = (float(found[each].values.flat[last]) for each in names)
+    turn = np.exp(-1j * _angle_in(name, found, prefix, last))
+    place, velocity = complex(x, y) * turn, complex(vx, vy) * turn
+    return check_state(name, (place.real, place.imag, velocity.real, velocity.imag))
+
+
+def _angle_in(name: str, found: xr.Dataset, prefix: str, last: int) -> float:
+    """Return the angle of the unbalance at the end of a result, less whole revolutions."""
+    if f"{prefix}angle" in found:
+        angle = float(found[f"{prefix}angle"].values.flat[last])
+    elif prefix or "period" in found:  # on axes that turn with the unbalance
+        return 0.0
+    else:
+        angle = float(found["omega"]) * float(found["t"].values.flat[last])
+    angle = math.remainder(angle, math.tau)
+    if "load" in found and float(found["load"]) != 0.0:
+        if abs(angle) > IN_STEP:
+            raise InputError(
+                f"{name} must end after whole revolutions under a load, got a run that ends with "
+                f"the unbalance at {angle:.6g} rad"
+            )
+        return 0.0
+    return angle
+
+
+def states_of(name: str, starts: object) -> list[State]:
+    """Return starts, each as for `state_of`; a result alone is one start."""
+    if isinstance(starts, xr.Dataset):
+        return [state_of(name, starts)]
+    if isinstance(starts, list | tuple) and any(isinstance(each, xr.Dataset) for each in starts):
+        return [state_of("start", each) for each in starts]
+    return check_states(name, starts)
