@@ -437,7 +437,9 @@ def public() -> dict[str, Callable[..., object]]:
 
 def function_of(name: str) -> Callable[..., object]:
     """Return the public function of an entry."""
-    return public()[name.removesuffix("_system") if name in OF_SYSTEMS else name]
+    if name in OF_SYSTEMS:
+        return getattr(rotor_ida, name.removesuffix("_system"))
+    return public()[name]
 
 
 def arguments_of(name: str) -> list[str]:

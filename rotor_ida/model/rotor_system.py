@@ -176,7 +176,7 @@ class RotorSystem:
 
     def _check_parts(self) -> None:
         """Keep contacts, unbalance and supports as tuples; their nodes must be those here."""
-        found = {
+        found: dict[str, tuple[Contact | Unbalance | Support, ...]] = {
             "contacts": check_list("contacts", self.contacts, Contact),
             "unbalance": check_list("unbalance", self.unbalance, Unbalance),
             "supports": check_list("supports", self.supports, Support),
