@@ -52,7 +52,7 @@ OF_MACHINE = {
     "sweep --speed 2000rpm 1000rpm --direction up":
         "speed must increase in a sweep up or down, got 1000 rpm after 2000 rpm",
     "bifurcation-diagram --speed 1000rpm --x 5um:-5um":
-        "x must be a range (low, high) with low <= high",
+        "x must be a range (low, high) with low <= high, got (5 um, -5 um)",
     "bifurcation-diagram --speed 1000rpm --damping 0":
         "damping must be above 0, where nothing settles, got 0 N s/m",
     "run-ups --speed 1000rpm --to 1000rpm --rate 1rpm/s":
