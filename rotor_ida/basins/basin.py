@@ -25,7 +25,6 @@ from rotor_ida.checks import (
     check_seed,
     check_vector,
     is_scalar,
-    shown,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor, check_no_load
@@ -33,6 +32,7 @@ from rotor_ida.parallel import Progress, choose, interruptible, shows_progress
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import LARGEST, Options, check_can_be_followed
+from rotor_ida.simulation.starts import drawn_from, range_of
 
 # Range of the error per step [1].
 TIGHTEST, LOOSEST = 1e-12, 1e-4
@@ -320,30 +320,3 @@ def _axes_of(given: dict[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[s
     axes = {name: check_increasing(name, checked[name]) for name in varying}
     fixed = {name: values.item() for name, values in checked.items() if name not in axes}
     return axes, fixed
-
-
-def drawn_from(box: Values, seed: int, first: int, last: int) -> Values:
-    """Return starts `first` to `last` of a box, shape (4, n), as if all were drawn at once."""
-    bits = np.random.PCG64(seed)
-    bits.advance(len(COMPONENTS) * first)
-    chance = np.random.Generator(bits).random((last - first, len(COMPONENTS)))
-    return np.asarray(box[:, :1] + (box[:, 1:] - box[:, :1]) * chance.T)
-
-
-def box_of(ranges: Mapping[str, npt.ArrayLike], starts: int) -> Values:
-    """Return the ends of the four ranges, shape (4, 2), from which `starts` are drawn."""
-    box = np.array([range_of(name, ranges[name]) for name in COMPONENTS])
-    if starts > 1 and (box[:, 0] == box[:, 1]).all():
-        raise InputError(f"x, y, vx or vy must be a range, got numbers for {starts} starts")
-    return box
-
-
-def range_of(name: str, value: object) -> tuple[float, float]:
-    """Return the ends of a range; a number is a range of length zero."""
-    ends = check_vector(name, value, largest=LARGEST).tolist()
-    if len(ends) > 2 or (len(ends) == 1 and not is_scalar(name, value)):
-        raise InputError(f"{name} must be a number or a range (low, high), got {shown(value)}")
-    low, high = ends[0], ends[-1]
-    if low > high:
-        raise InputError(f"{name} must be a range (low, high) with low <= high, got {shown(value)}")
-    return low, high

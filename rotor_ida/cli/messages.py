@@ -28,7 +28,7 @@ NAMED: dict[str, tuple[str, ...]] = {
     # but of contact_stiffness, whose unit depends on its law
     **{name: (each.unit,) for name, each in OF_MACHINE.items() if "m-1.5" not in each.unit},
     **{new: (OF_MACHINE[old].unit,) for old, new in BECOMES.items()},
-    **dict.fromkeys(("x", "y", "reach", "vibration_limit"), ("m",)),
+    **dict.fromkeys(("x", "y", "vibration_limit"), ("m",)),
     **dict.fromkeys(("vx", "vy"), ("m s-1",)),
     **dict.fromkeys(("t", "time", "times", "duration", "ramp_time", "extrema_time", "period"),
                     ("s",)),

@@ -63,6 +63,25 @@ StartsOrNone = Annotated[
     STARTS,
     Parameter(help="Initial states, one or more, instead of random ones."),
 ]
+Range = Annotated[
+    float | tuple[float, float],
+    Parameter(
+        help="Component of the initial states, or the range from which it is drawn.",
+        metavar="FLOAT|LOW:HIGH",
+        converter=parsing.converter(parsing.component_or_ends),
+        negative=(),
+    ),
+]
+RangeOrNone = Annotated[
+    float | tuple[float, float] | None,
+    Parameter(
+        help="Component of random initial states, or the range from which it is drawn. Default: "
+        "-5:5, in eccentricities and, for velocities, times the reference frequency.",
+        metavar="FLOAT|LOW:HIGH",
+        converter=parsing.converter(parsing.component_or_ends),
+        negative=(),
+    ),
+]
 StartCount = Annotated[
     int, count_option("Number of random initial states.", 1, parsing.MOST_POINTS_OF_STUDY)
 ]

@@ -67,8 +67,8 @@ def dimensional(
         The attributes ``length_scale``, ``time_scale`` and so on are the values of a dimensionless
         1; ``machine_mass`` and so on describe the machine.
         The attributes ``to``, ``rate``, ``speeds``, ``torque`` and ``inertia`` of a run-up, and
-        ``rate``, ``extrema_time`` and ``reach`` of a bifurcation diagram, are in SI units too,
-        given by ``to_units`` and so on.
+        ``rate`` and ``extrema_time`` of a bifurcation diagram, and ``range_x`` and so on of random
+        starts are in SI units too, given by ``to_units`` and so on.
 
     Raises
     ------
@@ -320,13 +320,15 @@ def _attributes_in_si(
         "torque": ([torque, torque / rate], "N m, N m s"),
         "inertia": ([machine.inertia_scale], "kg m2"),
         "extrema_time": ([time], units["time"]),
-        "reach": ([scales["length"]], units["length"]),
     }
+    for name in COMPONENTS:
+        kind = "velocity" if name.startswith("v") else "length"
+        factors[f"range_{name}"] = ([scales[kind]], units[kind])
     found: dict[str, object] = {}
     for name, (factor, unit) in factors.items():
         if name in dataset.attrs:
             values = (np.reshape(dataset.attrs[name], (-1, len(factor))) * factor).ravel()
-            found[name] = values if len(factor) > 1 else values.item()
+            found[name] = values if values.size > 1 else values.item()
             found[f"{name}_units"] = unit
             found[f"{EXACT}_{name}"] = dataset.attrs[name]
     return found

@@ -1,18 +1,29 @@
-"""The state that begins a motion of one disc: as given, or where another result ends."""
+"""The states that begin motions of one disc: as given, where results end, or drawn from a box."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import COMPONENTS, State, check_state, check_states, listed
+from rotor_ida.arrays import Values
+from rotor_ida.checks import (
+    COMPONENTS,
+    State,
+    check_state,
+    check_states,
+    check_vector,
+    is_scalar,
+    listed,
+    shown,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.results.kinds import KINDS, kind_of
 from rotor_ida.results.si_units import dimensionless
+from rotor_ida.simulation.options import LARGEST
 
 # Several starts: rows of states, results that end in one, or one such result.
 Starts = npt.ArrayLike | xr.Dataset | Sequence[npt.ArrayLike | xr.Dataset]
@@ -92,3 +103,30 @@ def states_of(name: str, starts: object) -> list[State]:
     if isinstance(starts, list | tuple) and any(isinstance(each, xr.Dataset) for each in starts):
         return [state_of("start", each) for each in starts]
     return check_states(name, starts)
+
+
+def drawn_from(box: Values, seed: int, first: int, last: int) -> Values:
+    """Return starts `first` to `last` of a box, shape (4, n), as if all were drawn at once."""
+    bits = np.random.PCG64(seed)
+    bits.advance(len(COMPONENTS) * first)
+    chance = np.random.Generator(bits).random((last - first, len(COMPONENTS)))
+    return np.asarray(box[:, :1] + (box[:, 1:] - box[:, :1]) * chance.T)
+
+
+def box_of(ranges: Mapping[str, npt.ArrayLike], starts: int) -> Values:
+    """Return the ends of the four ranges, shape (4, 2), from which `starts` are drawn."""
+    box = np.array([range_of(name, ranges[name]) for name in COMPONENTS])
+    if starts > 1 and (box[:, 0] == box[:, 1]).all():
+        raise InputError(f"x, y, vx or vy must be a range, got numbers for {starts} starts")
+    return box
+
+
+def range_of(name: str, value: object) -> tuple[float, float]:
+    """Return the ends of a range; a number is a range of length zero."""
+    ends = check_vector(name, value, largest=LARGEST).tolist()
+    if len(ends) > 2 or (len(ends) == 1 and not is_scalar(name, value)):
+        raise InputError(f"{name} must be a number or a range (low, high), got {shown(value)}")
+    low, high = ends[0], ends[-1]
+    if low > high:
+        raise InputError(f"{name} must be a range (low, high) with low <= high, got {shown(value)}")
+    return low, high

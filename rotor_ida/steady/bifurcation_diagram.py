@@ -37,9 +37,9 @@ from rotor_ida.parallel import FailedJob, Progress, Stop, Workers, choose, run_a
 from rotor_ida.results.rows import counted
 from rotor_ida.schema import STATUS, labelled
 from rotor_ida.simulation.extrema import Extrema, check_knots, radius_extrema
-from rotor_ida.simulation.options import LARGEST, Method, Options, options_of_study
+from rotor_ida.simulation.options import Method, Options, options_of_study
 from rotor_ida.simulation.run_up import MOST_RADIANS
-from rotor_ida.simulation.starts import Starts
+from rotor_ida.simulation.starts import Starts, box_of, drawn_from
 from rotor_ida.steady.ramp_extrema import NO_KINDS, NO_VALUES, SpeedBand, ramp_extrema
 from rotor_ida.steady.sweep import DIRECTIONS, Direction, sweep_rotors
 
@@ -63,9 +63,12 @@ def bifurcation_diagram(
     load: npt.ArrayLike = 0.0,
     friction: npt.ArrayLike = 0.0,
     disc_radius: npt.ArrayLike | None = None,
+    x: npt.ArrayLike = (-5.0, 5.0),
+    y: npt.ArrayLike = (-5.0, 5.0),
+    vx: npt.ArrayLike = (-5.0, 5.0),
+    vy: npt.ArrayLike = (-5.0, 5.0),
     starts: int | Starts = 8,
     seed: int = 0,
-    reach: float = 5.0,
     extrema_time: float = 100.0,
     direction: Direction | None = None,
     rate: float | None = None,
@@ -86,14 +89,14 @@ def bifurcation_diagram(
         More parameters to combine, as for `rotor_ida.sweep`; an array becomes a dimension [1].
     disc_radius : array_like, shape (n,), or scalar, optional
         The radius of the disc [1], required with friction; likewise.
+    x, y, vx, vy : float or array_like, shape (2,)
+        Components of random starts [1]: numbers, or ranges ``(low, high)`` from which they are
+        drawn independently and uniformly, as for `rotor_ida.basin_fractions`.
     starts : int, array_like of shape (n, 4), Dataset, or sequence of these
         Number of random starts, or the starts ``(x, y, vx, vy)`` themselves [1], the same at each
         speed; or results that end in one.
     seed : int
         Seed of the random starts.
-    reach : float
-        Random starts are uniformly distributed from ``-reach`` to ``reach`` in each of x, y, vx and
-        vy, at most 1e6 [1].
     extrema_time : float
         Length of the window, after the rotor has settled, in which extrema are found [1]; at
         most 10 million times the step between knots. Ignored with a rate.
@@ -161,7 +164,6 @@ def bifurcation_diagram(
     (array([0.8497, 0.9361]), array([1.2, 1.7]))
     """
     window, seed = check_positive("extrema_time", extrema_time), check_seed(seed)
-    farthest = check_positive("reach", reach, LARGEST)
     rotors = rotors_of(
         {
             "omega": omega, "zeta": zeta, "delta0": delta0, "shaft_stiffness": shaft_stiffness,
@@ -180,9 +182,11 @@ def bifurcation_diagram(
         "extrema_time": window,
     }
     if not isinstance(starts, xr.Dataset | list | tuple) and is_scalar("starts", starts):
-        shape = (check_count("starts", starts), len(COMPONENTS))
-        starts = np.random.default_rng(seed).uniform(-farthest, farthest, shape)
-        attributes |= {"seed": seed, "reach": farthest}
+        count = check_count("starts", starts)
+        box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
+        starts = drawn_from(box, seed, 0, count).T
+        attributes |= {"seed": seed}
+        attributes |= {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
     options = options_of_study(rtol=rtol, atol=atol, method=method)
     progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=options.backend != "python")

@@ -106,7 +106,7 @@ MISTAKES = [
     ("folds --zeta 0.1 --delta0 1 --load 1", "load must be 0 for exact whirls"),
     (f"{DIAGRAM} --start 0 0 0 0 --starts 3", "starts must be left out with --start, got 3"),
     (f"{DIAGRAM} --rate 1", "direction must be given with rate, got None"),
-    (f"{DIAGRAM} --reach 3um", "reach must have no unit for a dimensionless rotor, got '3um'"),
+    (f"{DIAGRAM} --x 3um:5um", "x must have no unit for a dimensionless rotor, got '3um'"),
     (
         f"{DIAGRAM} 2 --shaft-stiffness 0 1 --figure a",
         "figure needs one parameter that varies, got delta0 and shaft_stiffness",

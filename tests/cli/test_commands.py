@@ -223,11 +223,11 @@ def test_folds_of_a_machine_are_in_si_units(program: Program):
 
 def test_a_bifurcation_diagram_is_that_of_the_library(program: Program):
     line = "bifurcation-diagram --omega 1.2 1.7 --zeta 0.5 --delta0 0.5 --workers 1"
-    random = "--starts 2 --seed 3 --reach 2 --extrema-time 20 --rtol 1e-9"
+    random = "--starts 2 --seed 3 --x=-2:2 --vy 1 --extrema-time 20 --rtol 1e-9"
     ramp = "--start 0 0 0 0 --start 1 0 0 0 --direction up --rate 0.01 --method taylor"
     given = {"omega": [1.2, 1.7], "zeta": 0.5, "delta0": 0.5, "workers": 1}
     expected = [
-        {"starts": 2, "seed": 3, "reach": 2.0, "extrema_time": 20.0, "rtol": 1e-9},
+        {"starts": 2, "seed": 3, "x": (-2.0, 2.0), "vy": 1.0, "extrema_time": 20.0, "rtol": 1e-9},
         {"starts": [(0, 0, 0, 0), (1, 0, 0, 0)], "direction": "up", "rate": 0.01,
          "method": "taylor"},
     ]  # fmt: skip
@@ -242,19 +242,20 @@ def test_a_bifurcation_diagram_is_that_of_the_library(program: Program):
 def test_options_of_a_diagram_of_a_machine_have_units(program: Program):
     """Its reference frequency is 500 rad/s, its eccentricity 1 um."""
     line = ("bifurcation-diagram --mass 4kg --contact-stiffness 1e9 --damping 2000 "
-            "--eccentricity 1um --clearance 0.5um --speed 600 850 --workers 1 --reach 2um "
+            "--eccentricity 1um --clearance 0.5um --speed 600 850 --workers 1 --x=-2um:2um "
             "--starts 2 --direction up --rate 2500rad/s2 --out si.nc")  # fmt: skip
     assert program(*line.split()).status == 0
     same = rotor_ida.bifurcation_diagram(
-        omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=2, reach=2.0, direction="up", rate=0.01,
+        omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=2, x=(-2.0, 2.0), direction="up", rate=0.01,
         workers=1,
     )  # fmt: skip
     found = rotor_ida.load("si.nc")
     assert found.extremum_radius.attrs["units"] == "m"
     assert found.extremum_radius.values == pytest.approx(1e-6 * same.extremum_radius.values)
     assert found.extremum_speed.values == pytest.approx(500.0 * same.extremum_speed.values)
-    attributes = [found.attrs[name] for name in ("rate", "reach", "extrema_time")]
-    assert attributes == pytest.approx([2500.0, 2e-6, 100.0 / 500.0])
+    attributes = [found.attrs[name] for name in ("rate", "extrema_time")]
+    assert attributes == pytest.approx([2500.0, 100.0 / 500.0])
+    assert found.attrs["range_x"] == pytest.approx([-2e-6, 2e-6])
 
 
 @pytest.mark.parametrize("workers", [1, 2])

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import rotor_ida
-from rotor_ida.checks import AT_REST
+from rotor_ida.checks import AT_REST, COMPONENTS
 from rotor_ida.cli.commands.basins import (
     basin,
     basin_fractions,
@@ -256,9 +256,11 @@ def test_defaults_are_those_of_the_library(command: Callable[..., object], libra
                 default = DEFAULTS[name]
             if default is None and name == "start":  # it must be left out with --from
                 default = AT_REST
-            if default is None and name == "method":  # it depends on the rotor
+            if (
+                default is None and name == "method" and parameter.default
+            ):  # it depends on the rotor
                 default = SolverOptions.method
-            if default is None and name in {"reach", "extrema_time"}:  # in SI units, of the machine
+            if default is None and name in {*COMPONENTS, "extrema_time"}:  # SI units of the machine
                 continue
             # an axis of one number is that number
             assert default in (parameter.default, [parameter.default]), name

@@ -175,7 +175,7 @@ COMMANDS = {
     "whirls": "response --speed 500:1500:3",
     "folds": "folds",
     "hopf points": "hopf-points --friction 0.1 --disc-radius 60mm",
-    "diagram": "bifurcation-diagram --speed 800 1200 --starts 2 --reach 5um --extrema-time 20ms "
+    "diagram": "bifurcation-diagram --speed 800 1200 --starts 2 --x=-5um:5um --extrema-time 20ms "
     "--workers 1",
     "sweep": "sweep --speed 400rad/s 1000rad/s --clearance 1.5um 2um --workers 1",
     "run_ups": "run-ups --speed 150 --to 800 --rate 2e4rad/s2 --shaft-stiffness 1e6N/m --workers 1",

@@ -51,7 +51,8 @@ OF_MACHINE = {
         "tau0 of torque must be positive to turn a rotor that is at rest, got -3 Nm",
     "sweep --speed 2000rpm 1000rpm --direction up":
         "speed must increase in a sweep up or down, got 1000 rpm after 2000 rpm",
-    "bifurcation-diagram --speed 1000rpm --reach -5um": "reach must be positive, got -5 um",
+    "bifurcation-diagram --speed 1000rpm --x 5um:-5um":
+        "x must be a range (low, high) with low <= high, got (5 um, -5 um)",
     "bifurcation-diagram --speed 1000rpm --damping 0":
         "damping must be above 0, where nothing settles, got 0 N s/m",
     "run-ups --speed 1000rpm --to 1000rpm --rate 1rpm/s":

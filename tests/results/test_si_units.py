@@ -287,14 +287,15 @@ def test_a_bifurcation_diagram_in_si_units_has_its_rate_and_lengths_in_them(tmp_
     rate = machine.reference_frequency
     plain = bifurcation_diagram(
         omega=[600.0 * RPM / rate, 900.0 * RPM / rate], zeta=machine.rotor().zeta, delta0=2.0,
-        starts=1, reach=3.0, extrema_time=20.0, direction="up", rate=90.0 * RPM / rate**2,
+        starts=1, x=(0.0, 3.0), extrema_time=20.0, direction="up", rate=90.0 * RPM / rate**2,
     )  # fmt: skip
     shown = dimensional(plain, machine, units={"length": "um", "time": "ms", "speed": "rpm"})
-    told = {name: shown.attrs[name] for name in ("rate", "reach", "extrema_time")}
-    expected = {"rate": 90.0, "reach": 3.0 * 5.0, "extrema_time": 20.0 * 1e3 / rate}
+    told = {name: shown.attrs[name] for name in ("rate", "extrema_time")}
+    expected = {"rate": 90.0, "extrema_time": 20.0 * 1e3 / rate}
     assert told == pytest.approx(expected, rel=1e-12)
-    units = [shown.attrs[f"{name}_units"] for name in told]
-    assert units == ["rpm s-1", "um", "ms"]
+    np.testing.assert_allclose(shown.attrs["range_x"], [0.0, 15.0])
+    units = [shown.attrs[f"{name}_units"] for name in (*told, "range_x", "range_vy")]
+    assert units == ["rpm s-1", "ms", "um", "m s-1"]
     assert shown.extremum_speed.attrs["units"] == "rpm"
     assert 600.0 <= shown.extremum_speed.min() < 605.0
     assert 895.0 < shown.extremum_speed.max() <= 900.0

@@ -116,12 +116,13 @@ def test_table_of_a_diagram_belongs_to_its_points():
 
 def test_random_starts_come_from_the_seed():
     arguments = {"omega": 1.2, "zeta": 1.0, "delta0": 0.0, "starts": 3}
-    one, same, other = (
-        bifurcation_diagram(**arguments, seed=seed, reach=2.0) for seed in (1, 1, 2)
-    )
+    box = {"x": (-2.0, 2.0), "vy": 1.0}
+    one, same, other = (bifurcation_diagram(**arguments, seed=seed, **box) for seed in (1, 1, 2))
     assert one.start_x.identical(same.start_x)
     assert not (one.start_x == other.start_x).any()
     assert (np.abs(one.start_x) <= 2.0).all()
+    assert (one.start_vy == 1.0).all()
+    assert (one.attrs["range_vx"] == [-5.0, 5.0]).all()
     # without clearance and with so much damping there is one whirl
     assert np.ptp(one.extremum_radius.values) < 1e-8
 
@@ -131,11 +132,11 @@ def test_random_starts_come_from_the_seed():
     [
         ({"starts": 0}, "starts must be at least 1, got 0"),
         ({"starts": True}, "starts must be a whole number, got True"),
-        ({"reach": 0.0}, "reach must be positive, got 0.0"),
+        ({"x": (1.0, 0.0)}, r"x must be a range \(low, high\) with low <= high"),
         ({"extrema_time": -1.0}, "extrema_time must be positive, got -1.0"),
         ({"omega": -1.0}, "omega must be zero or positive"),
         ({"zeta": [0.5, 0.0]}, "zeta must be above 0, where nothing settles, got 0.0"),
-        ({"reach": 1e308}, r"reach must be at most 1e\+06, got 1e\+308"),
+        ({"vy": 1e308}, r"vy must lie within 1e\+06 of zero, got 1e\+308"),
         ({"extrema_time": 1e9}, "extrema_time must be at most 625000, got 1000000000.0"),
         ({"starts": 10**9}, "starts must be at most 10000000, got 1000000000"),
     ],

@@ -15,7 +15,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.basins.atlas.cells import FORM, MOST_STARTS, Cell, CellJob, fill_cell
 from rotor_ida.basins.atlas.dataset import atlas_dataset, how_computed
 from rotor_ida.basins.atlas.identities import identify
-from rotor_ida.basins.basin import LOOSEST, TIGHTEST, box_of, check_rotor, drawn_from, range_of
+from rotor_ida.basins.basin import LOOSEST, TIGHTEST, check_rotor
 from rotor_ida.basins.following import RTOL
 from rotor_ida.checks import (
     COMPONENTS,
@@ -36,6 +36,7 @@ from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_a
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies.results import Results, open_results
 from rotor_ida.simulation.options import LARGEST
+from rotor_ida.simulation.starts import box_of, drawn_from, range_of
 
 # The atlas is drawn over a line or a plane.
 MOST_AXES = 2

@@ -18,7 +18,7 @@ from rotor_ida.basins.atlas.rubbing import (
     numbers_of_whirl,
 )
 from rotor_ida.basins.atlas.shocks import KINDS
-from rotor_ida.basins.basin import LOOSEST, TIGHTEST, box_of, check_rotor, drawn_from
+from rotor_ida.basins.basin import LOOSEST, TIGHTEST, check_rotor
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of
 from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import RTOL
@@ -43,6 +43,7 @@ from rotor_ida.results.si_units import dimensional
 from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.simulation.neighbours import Shot
 from rotor_ida.simulation.options import LARGEST
+from rotor_ida.simulation.starts import box_of, drawn_from
 from rotor_ida.steady import response
 
 # Number of shocks of each kind, unless told otherwise.

@@ -27,15 +27,6 @@ Component = Annotated[
         negative=(),
     ),
 ]
-Range = Annotated[
-    float | tuple[float, float],
-    Parameter(
-        help="Component of the initial states, or the range from which it is drawn.",
-        metavar="FLOAT|LOW:HIGH",
-        converter=parsing.converter(parsing.component_or_ends),
-        negative=(),
-    ),
-]
 ShockCount = Annotated[
     int,
     count_option("Number of shocks of each kind to apply to each attractor.", 0, MOST_SHOCKS),
@@ -54,10 +45,10 @@ ShocksOrNone = Annotated[
 class DrawnOptions:
     """Options for random starts and their labels."""
 
-    x: Range = 0.0
-    y: Range = 0.0
-    vx: Range = 0.0
-    vy: Range = 0.0
+    x: options.Range = 0.0
+    y: options.Range = 0.0
+    vx: options.Range = 0.0
+    vy: options.Range = 0.0
     starts: options.StartCount = 1000
     seed: options.Seed = 0
     rtol: options.RtolOrNone = None
@@ -109,10 +100,10 @@ def basin(
 def basin_fractions(
     *,
     rotor: RotorOptions = RotorOptions(),
-    x: Range,
-    y: Range,
-    vx: Range = 0.0,
-    vy: Range = 0.0,
+    x: options.Range,
+    y: options.Range,
+    vx: options.Range = 0.0,
+    vy: options.Range = 0.0,
     starts: options.StartCount = 10_000,
     seed: options.Seed = 0,
     rtol: options.RtolOrNone = None,

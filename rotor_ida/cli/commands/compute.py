@@ -32,14 +32,6 @@ from rotor_ida.model.rotor import Rotor
 
 # Number of random initial states of a bifurcation diagram.
 STARTS = 8
-Reach = Annotated[
-    float | None,
-    quantity_option(
-        "Largest |x| and |y| of random initial states (SI: m), and of their velocities, "
-        "divided by the reference frequency. Default: 5 eccentricities.",
-        "m",
-    ),
-]
 ExtremaTime = Annotated[
     float | None,
     quantity_option(
@@ -257,7 +249,10 @@ def bifurcation_diagram(
     starts: options.StartCount = STARTS,
     start: options.StartsOrNone = None,
     seed: options.Seed = 0,
-    reach: Reach = None,
+    x: options.RangeOrNone = None,
+    y: options.RangeOrNone = None,
+    vx: options.RangeOrNone = None,
+    vy: options.RangeOrNone = None,
     extrema_time: ExtremaTime = None,
     direction: Direction = None,
     rate: RateOrNone = None,
@@ -286,8 +281,8 @@ def bifurcation_diagram(
     if output.figure is not None:
         check_one_varies([name for name, each in rotors.values.items() if len(each) > 1])
     given, units = rotors.given_and_units()
-    if reach is not None:
-        given["reach"] = units.component("x", reach)
+    box = {"x": x, "y": y, "vx": vx, "vy": vy}
+    given |= units.components({name: each for name, each in box.items() if each is not None})
     if extrema_time is not None:
         given["extrema_time"] = units.time(extrema_time)
     with working("diagram") as progress:
