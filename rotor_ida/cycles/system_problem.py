@@ -30,7 +30,7 @@ from rotor_ida.steady.system_flow import SystemFlow
 from rotor_ida.systems.axisymmetric import forward_motions
 from rotor_ida.systems.receptances import solved_motions
 from rotor_ida.systems.whirls.at_speeds import sliding
-from rotor_ida.systems.whirls.special_speeds import RubProblem, Touching
+from rotor_ida.systems.whirls.branches import RubProblem, Touching
 from rotor_ida.systems.whirls.turning_axes import normal_forces
 
 # Largest relative gap of a closed orbit, times the size of M.

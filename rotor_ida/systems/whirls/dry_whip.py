@@ -19,10 +19,13 @@ For one disc ``Z = kappa - w**2 + 2 i zeta w`` and these are the whirls of `back
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from scipy.linalg import eig
 from scipy.optimize import brentq
 
@@ -32,8 +35,9 @@ from rotor_ida.systems.axisymmetric import ForwardMotions
 
 # Eigenvalues this near to the real axis, relative to their size, are roots before rounding.
 NEAR = 1e-3
-# Whirl speeds between two edges at which the amplitude is sought.
-STEPS = 64
+# Degree of polynomials, their last terms that must be small, how small, and the shortest part of a
+# range that has one of its own.
+DEGREE, TAIL, RESOLVED, SHORTEST = 24, 3, 1e-9, 1e-9
 # Growth rates below this part of the whirl speed are 0 but for rounding, as is that of the phase.
 NEUTRAL = 1e-7
 
@@ -80,23 +84,30 @@ def dry_whips(motions: ForwardMotions, number: int, contact: Contact, speed: flo
     rim = contact.radius * abs(speed)
     row, turned = motions.rows[number], motions.gyroscopic * abs(speed)
 
+    last = -rim / contact.clearance
+    power = 2.0 * contact.exponent
+    stiff = contact.stiffness * contact.clearance ** (contact.exponent - 1.0)
+
     def flexibility(w: float) -> complex:
         one = np.eye(motions.size)
         dynamic = motions.stiffness - w * w * one + 1j * w * (motions.damping + turned)
         return complex(row @ np.linalg.solve(dynamic, row.conj()))
 
-    def excess(w: float) -> float:
-        """Return the force of the contact over its amplitude, less that which the rotor needs."""
-        h, amplitude = flexibility(w), rim / -w
-        depth = max(amplitude - contact.clearance, 0.0)
-        force = float(contact.stiffness * depth**contact.exponent)
-        return force / amplitude * abs(h) ** 2 + h.real
+    def excess(angle: float) -> float:
+        """Return the contact's force over the amplitude, less what the rotor needs, times cosine.
 
-    last = -rim / contact.clearance
+        With ``w = last cos(angle)**2`` the indentation is the clearance times the tangent's square.
+        """
+        sine, cosine = math.sin(angle), math.cos(angle)
+        needed = (1.0 / flexibility(last * cosine**2)).real
+        return float(stiff * sine**power * cosine ** (3.0 - power) + cosine * needed)
+
     found = []
     for low, high in _holding(_edges(motions, row, turned, contact.friction, last), last,
                               flexibility, contact.friction):  # fmt: skip
-        for w in _roots(excess, low, high):
+        ends = (math.acos(math.sqrt(min(each / last, 1.0))) for each in (low, high))
+        for angle in _roots(excess, *ends):
+            w = last * math.cos(angle) ** 2
             h = flexibility(w)
             z = 1.0 / h
             if abs(z.imag) > -contact.friction * z.real:
@@ -160,14 +171,33 @@ def _edges(
 
 
 def _roots(function: Callable[[float], float], low: float, high: float) -> list[float]:
-    """Return the sign changes of a function between two whirl speeds, both negative or 0."""
-    high = min(high, -1e-9 * abs(low))
-    grid = -np.geomspace(-low, -high, STEPS)
-    values = [function(each) for each in grid.tolist()]
+    """Return the sign changes of an analytic function, which polynomials of Chebyshev resolve.
+
+    The roots of the polynomials, with those that are nearly real, part the range; so no pair is
+    passed over.
+    """
+    parts, seen = [(low, high)], []
+    while parts:
+        first, last = parts.pop()
+        middle, half = 0.5 * (first + last), 0.5 * (last - first)
+        series = chebyshev.chebinterpolate(
+            lambda x, middle=middle, half=half: [function(each) for each in middle + half * x],
+            DEGREE,
+        )
+        sizes = np.abs(series)
+        if sizes[-TAIL:].max() > RESOLVED * sizes.max() and half > SHORTEST * (high - low):
+            parts += [(first, middle), (middle, last)]
+            continue
+        roots = chebyshev.chebroots(series)
+        near = (np.abs(roots.imag) <= NEAR) & (np.abs(roots.real) <= 1.0 + NEAR)
+        seen += [*(middle + half * roots.real[near]).tolist(), first]
+    seen = sorted(min(max(each, low), high) for each in seen)
+    between = [low, *(0.5 * (one + other) for one, other in pairwise(seen)), high]
+    signs = [math.copysign(1.0, function(each)) for each in between]
     return [
-        float(brentq(function, grid[i], grid[i + 1], xtol=1e-300, rtol=4.0 * ROUNDING))
-        for i in range(STEPS - 1)
-        if values[i] * values[i + 1] < 0.0
+        float(brentq(function, *ends, xtol=1e-300, rtol=4.0 * ROUNDING))
+        for ends, of_ends in zip(pairwise(between), pairwise(signs), strict=True)
+        if of_ends[0] != of_ends[1]
     ]
 
 

@@ -12,46 +12,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import combinations, pairwise
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Unpack
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import brentq, linear_sum_assignment
 
-from rotor_ida.arrays import ROUNDING, Column, ComplexValues, Values
+from rotor_ida.arrays import Column, ComplexValues, Values
 from rotor_ida.checks import LARGEST_NUMBER, check_array, check_axis, check_count, shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.schema import SPECIAL, labelled_dataset
-from rotor_ida.systems.assembly import Assembly, assemble
+from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.axisymmetric import (
-    ForwardMotions,
     check_axisymmetric_parts,
     check_masses,
     check_no_races,
     forward_motions,
 )
-from rotor_ida.systems.receptances import Receptances, receptances
 from rotor_ida.systems.units import with_system_units
-from rotor_ida.systems.whirls.at_speeds import (
-    MOST_TOUCHING,
-    effects,
-    rubbing_whirls,
-    rubs,
-    touching_sets,
+from rotor_ida.systems.whirls.at_speeds import MOST_TOUCHING, touching_sets
+from rotor_ida.systems.whirls.branches import (
+    Branches,
+    Curve,
+    Piece,
+    RubProblem,
+    Touching,
+    plain_pieces,
 )
-from rotor_ida.systems.whirls.double_rubs import balance
 from rotor_ida.systems.whirls.synchronous import synchronous_response_system
-from rotor_ida.systems.whirls.turning_axes import (
-    NEUTRAL,
-    Whirls,
-    eigenvalues_in_contact,
-    eigenvalues_without_contact,
-)
+from rotor_ida.systems.whirls.turning_axes import NEUTRAL
 
 MOST_POINTS = 100_000
 # Variables of whirls that a result of special speeds has by another name, or not at all.
@@ -59,75 +50,8 @@ OF_WHIRLS = (
     "amplitude", "phase_lag", "normal_force", "in_contact", "node_amplitude", "node_phase_lag",
     "stability", "growth_rate",
 )  # fmt: skip
-# Number of halvings of an interval of speeds around a fold. Largest number of Newton steps, and the
-# relative size of the last.
-_HALVINGS, _STEPS, _SOLVED = 12, 30, 1e-11
-# Parts of the range at which speeds are added beside folds and grazes, and how often these are
-# sought again. None are added for rubs of two contacts at once: beside their folds the subdivision
-# takes millions of boxes.
-_BESIDE, _ROUNDS = np.array([1e-4, 1e-6, 1e-8, 1e-10]), 5
-# Relative step of the differences in it, and the distance of rubs that are one.
-_DIFFERENCE, _SAME_ROOT = 1e-6, 1e-4
-
-Touching = tuple[int, ...]
-# The unknowns of each rub at each speed: shapes (rub, contacts that touch).
-Roots = list[Values]
-
-
-@dataclass(frozen=True, slots=True)
-class RubProblem:
-    """A system whose whirls are followed over the speed."""
-
-    assembly: Assembly
-    motions: ForwardMotions
-
-    @property
-    def clearances(self) -> Values:
-        """The clearances of the contacts."""
-        return np.array([each.clearance for each in self.assembly.contacts])
-
-    def hertz(self, touching: Touching) -> list[bool]:
-        """Return which of some contacts are Hertz contacts."""
-        return [self.assembly.contacts[j].exponent == HERTZ_EXPONENT for j in touching]
-
-    def response(self, speeds: Sequence[float] | Values) -> Receptances:
-        """Return the receptances at speeds."""
-        return receptances(self.assembly, np.asarray(speeds, float))
-
-    def roots(self, touching: Touching, speeds: Values) -> Roots:
-        """Return all rubs of a set of contacts, whether or not the others are free."""
-        if not touching:
-            return [np.zeros((1, 0))] * speeds.size
-        contacts = self.assembly.contacts
-        rows, depths = rubs(contacts, self.response(speeds), speeds, touching)
-        v = depths / self.clearances[list(touching)]
-        v = np.where(self.hertz(touching), np.sqrt(v), v)
-        order = np.lexsort((*v.T[::-1], rows))
-        return np.split(v[order], np.searchsorted(rows[order], np.arange(1, speeds.size)))
-
-    def balance(self, touching: Touching, v: Values, omega: float) -> tuple[Values, Values]:
-        """Return what vanishes in a rub, and its slopes."""
-        speeds, chosen = np.array([omega]), list(touching)
-        free, effect = effects(self.assembly.contacts, self.response(speeds), speeds)
-        own = effect[:, chosen][:, :, chosen]
-        left, slope = balance(free[:, chosen], own, self.hertz(touching), v[np.newaxis])
-        return left[0], slope[0]
-
-    def whirls(self, touching: Touching, v: Values, speeds: Values) -> Whirls:
-        """Return rubs as whirls, one for each speed."""
-        response, rows = self.response(speeds), np.arange(speeds.size)
-        depths = np.where(self.hertz(touching), v * v, v) * self.clearances[list(touching)]
-        if not touching:
-            return Whirls(rows, np.zeros((speeds.size, len(self.clearances))), response.free)
-        return rubbing_whirls(self.assembly, response, speeds, rows, touching, depths)
-
-    def eigenvalues(self, touching: Touching, v: Values, speeds: Values) -> ComplexValues:
-        """Return the eigenvalues of rubs on turning axes, one row for each speed."""
-        if not touching:
-            found = eigenvalues_without_contact(self.motions, speeds)
-            return np.asarray(found - 1j * speeds[:, np.newaxis])
-        whirls = self.whirls(touching, v, speeds)
-        return eigenvalues_in_contact(self.motions, self.assembly.contacts, speeds, whirls)
+# Points on a further contact, over the clearance, but for rounding.
+_ROUNDED = 1e-11
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,24 +64,6 @@ class _Point:
     v: Values
     frequency: float = np.nan
     grazed: float = np.nan
-
-
-@dataclass(frozen=True, slots=True)
-class _Piece:
-    """A branch between two neighbouring speeds, with its unknowns at both."""
-
-    touching: Touching
-    speeds: tuple[float, float]
-    ends: tuple[Values, Values]
-
-    def at(self, problem: RubProblem, omega: float) -> Values:
-        """Return the unknowns between the ends: the rub nearest to the line between them."""
-        (first, last), (v, w) = self.speeds, self.ends
-        part = (omega - first) / (last - first)
-        guess = (1.0 - part) * v + part * w
-        (roots,) = problem.roots(self.touching, np.array([omega]))
-        apart = np.abs(roots - guess).sum(axis=1)
-        return roots[np.argmin(apart)] if len(roots) else guess
 
 
 def special_speeds(
@@ -218,10 +124,7 @@ def special_speeds(
     check_no_races(assembly)
     check_masses(assembly)
     problem = RubProblem(assembly, forward_motions(assembly))
-    grid = _Grid(problem, speeds)
-    found = grid.refined(_BESIDE * (high - low))
-    for touching in grid.roots:
-        found += _hopf_points(problem, grid.pieces(touching))
+    found = _special_points(problem, speeds)
     whirls = synchronous_response_system(system, speed=np.linspace(low, high, points))
     kept = sorted((each for each in found if _is_free(problem, each)), key=lambda each: each.speed)
     return _dataset(problem, kept, whirls).assign_attrs(limits=np.array([low, high]), points=points)
@@ -238,161 +141,45 @@ def _limits(given: object) -> tuple[float, float]:
     return low, high
 
 
-class _Grid:
-    """All rubs of each set of contacts at speeds that increase, to which more are added."""
-
-    def __init__(self, problem: RubProblem, speeds: Values) -> None:
-        self.problem = problem
-        sets: list[Touching] = [(), *touching_sets(problem.assembly.contacts)]
-        self.speeds = dict.fromkeys(sets, speeds)
-        self.roots = {touching: problem.roots(touching, speeds) for touching in sets}
-
-    def add(self, speeds: Values) -> None:
-        """Add speeds within the range, but for rubs of two contacts at once."""
-        for touching, known in self.roots.items():
-            own = self.speeds[touching]
-            if len(touching) > 1:
-                continue
-            fresh = np.setdiff1d(speeds[(speeds > own[0]) & (speeds < own[-1])], own)
-            every = np.concatenate([own, fresh])
-            order = np.argsort(every)
-            roots = [*known, *self.problem.roots(touching, fresh)]
-            self.roots[touching] = [roots[i] for i in order.tolist()]
-            self.speeds[touching] = every[order]
-
-    def pieces(self, touching: Touching) -> list[_Piece]:
-        """Return the branches of a set of contacts between neighbouring speeds."""
-        return list(_pieces(touching, self.roots[touching], self.speeds[touching]))
-
-    def refined(self, distances: Values) -> list[_Point]:
-        """Return all folds and grazes, and add speeds beside each."""
-        found: list[_Point] = []
-        for _ in range(_ROUNDS):
-            every = [
-                each for touching in self.roots
-                for each in (*_grazes(self.problem, self.pieces(touching)), *self._folds(touching))
-            ]  # fmt: skip
-            fresh = [
-                each for each in every
-                if not any(_is_same(each, other, distances[-1]) for other in found)
-            ]  # fmt: skip
-            if not fresh:
-                break
-            found += fresh
-            places = np.array([each.speed for each in fresh])[:, np.newaxis]
-            self.add(np.concatenate([places - distances, places + distances], axis=1).ravel())
-        return found
-
-    def _folds(self, touching: Touching) -> Iterator[_Point]:
-        """Yield the folds of a set of contacts between neighbouring speeds."""
-        roots, speeds = self.roots[touching], self.speeds[touching].tolist()
-        for ends, both in zip(pairwise(speeds), pairwise(roots), strict=True):
-            yield from _folds_between(self.problem, touching, ends, both, _HALVINGS)
+def _special_points(problem: RubProblem, speeds: Values) -> Iterator[_Point]:
+    """Yield folds, grazes and Hopf points of all sets of contacts, the smaller sets first."""
+    touched: dict[Touching, list[Values]] = {}
+    for touching in [(), *touching_sets(problem.assembly.contacts)]:
+        branches = Branches(problem, touching, speeds)
+        for each in touched.get(touching, []):
+            branches.add_from(each)
+        curve = branches.curve
+        yield from (_point(curve, each, "fold") for each in branches.folds)
+        if branches.pieces:
+            yield from _hopf_points(curve, branches.pieces)
+            for graze in _grazes(curve, branches.pieces):
+                more = int(graze.grazed)
+                larger = tuple(sorted((*touching, more)))
+                start = np.insert(np.append(graze.v, graze.speed), larger.index(more), 0.0)
+                touched.setdefault(larger, []).append(start)
+                yield graze
 
 
-def _is_same(one: _Point, other: _Point, distance: float) -> bool:
-    """Return whether two points are one, found in different rounds."""
-    return (
-        one.kind == other.kind
-        and one.touching == other.touching
-        and (np.isnan(one.grazed) or one.grazed == other.grazed)
-        and abs(one.speed - other.speed) <= distance
-        and bool(np.allclose(one.v, other.v, rtol=_SAME_ROOT))
-    )
+def _point(curve: Curve, at: Values, kind: str, **more: float) -> _Point:
+    """Return a special point of a branch."""
+    unknowns = at * curve.scale
+    return _Point(float(unknowns[-1]), kind, curve.touching, unknowns[:-1], **more)
 
 
-def _folds_between(
-    problem: RubProblem,
-    touching: Touching,
-    ends: tuple[float, float],
-    roots: tuple[Values, Values],
-    halvings: int,
-) -> Iterator[_Point]:
-    """Yield the folds where the numbers of rubs at two speeds differ."""
-    if len(roots[0]) == len(roots[1]):
-        return
-    if halvings:
-        middle = 0.5 * (ends[0] + ends[1])
-        (here,) = problem.roots(touching, np.array([middle]))
-        for side, both in (((ends[0], middle), (roots[0], here)),
-                           ((middle, ends[1]), (here, roots[1]))):  # fmt: skip
-            yield from _folds_between(problem, touching, side, both, halvings - 1)
-        return
-    more = int(len(roots[1]) > len(roots[0]))
-    if abs(len(roots[1]) - len(roots[0])) < 2:
-        return  # one rub begins where a contact is just touched
-    v = roots[more]
-    one, other = min(
-        combinations(range(len(v)), 2),
-        key=lambda pair: float(np.abs(np.log(v[pair[0]] / v[pair[1]])).max()),
-    )
-    fold = _solved_fold(problem, touching, 0.5 * (v[one] + v[other]), ends[more])
-    width = ends[1] - ends[0]
-    if fold is not None and abs(fold.speed - ends[0]) <= 2.0 * width:
-        yield fold
-
-
-def _solved_fold(problem: RubProblem, touching: Touching, v: Values, omega: float) -> _Point | None:
-    """Return the fold near a guess, by Newton's method with differences; None without one."""
-
-    def equations(state: Values) -> Values:
-        left, slope = problem.balance(touching, state[:-1], float(state[-1]))
-        return np.append(left, np.linalg.det(slope))
-
-    state = np.append(v, omega)
-    for _ in range(_STEPS):
-        steps = np.diag(_DIFFERENCE * np.abs(state))
-        try:
-            slopes = np.array([
-                (equations(state + step) - equations(state - step)) / (2.0 * step.sum())
-                for step in steps
-            ]).T  # fmt: skip
-            step = np.linalg.solve(slopes, equations(state))
-        except np.linalg.LinAlgError:
-            return None
-        state = state - step
-        if not (state > 0.0).all():
-            return None
-        if (np.abs(step) < _SOLVED * np.abs(state)).all():
-            return _Point(float(state[-1]), "fold", touching, state[:-1])
-    return None
-
-
-def _pieces(touching: Touching, roots: Roots, speeds: Values) -> Iterator[_Piece]:
-    """Yield the branches between neighbouring speeds with the same number of rubs."""
-    for ends, (before, behind) in zip(pairwise(speeds.tolist()), pairwise(roots), strict=True):
-        if len(before) != len(behind):
-            continue
-        order = range(len(before))  # at one contact, in order of size
-        if len(touching) > 1:
-            apart = np.abs(before[:, np.newaxis] - behind).sum(axis=2)
-            order = linear_sum_assignment(apart)[1]
-        for one, other in enumerate(order):
-            yield _Piece(touching, ends, (before[one], behind[other]))
-
-
-def _ends_of(pieces: Sequence[_Piece]) -> tuple[Values, Values]:
-    """Return unknowns and speeds of both ends of pieces, one after the other."""
-    speeds = np.array([each.speeds for each in pieces]).ravel()
-    return np.concatenate([end for each in pieces for end in [*each.ends]]).reshape(
-        speeds.size, -1
-    ), speeds
-
-
-def _grazes(problem: RubProblem, pieces: Sequence[_Piece]) -> Iterator[_Point]:
+def _grazes(curve: Curve, pieces: Sequence[Piece]) -> Iterator[_Point]:
     """Yield where another contact is just touched along branches."""
-    if not pieces:
-        return
-    touching = pieces[0].touching
-    gaps = _gaps(problem, touching, *_ends_of(pieces)).reshape(len(pieces), 2, -1)
-    for piece, ends in zip(pieces, gaps, strict=True):
-        for other in np.nonzero(ends[0] * ends[1] < 0.0)[0]:
 
-            def gap(omega: float, piece: _Piece = piece, other: int = int(other)) -> float:
-                v = piece.at(problem, omega)
-                return float(_gaps(problem, touching, v[np.newaxis], np.array([omega]))[0, other])
+    def gaps(points: Values) -> Values:
+        at = points * curve.scale
+        return _gaps(curve.problem, curve.touching, at[:, :-1], at[:, -1])
 
-            yield replace(_between(problem, piece, gap, "graze"), grazed=float(other))
+    for piece, ends in zip(*plain_pieces(curve, pieces, gaps), strict=True):
+        for other in np.nonzero(ends[0] * ends[1] < 0.0)[0].tolist():
+
+            def gap(point: Values, other: int = other) -> float:
+                return float(gaps(point[np.newaxis])[0, other])
+
+            yield _point(curve, piece.at(piece.where(gap)), "graze", grazed=float(other))
 
 
 def _gaps(problem: RubProblem, touching: Touching, v: Values, speeds: Values) -> Values:
@@ -403,41 +190,41 @@ def _gaps(problem: RubProblem, touching: Touching, v: Values, speeds: Values) ->
     return np.asarray(gaps)
 
 
-def _hopf_points(problem: RubProblem, pieces: Sequence[_Piece]) -> Iterator[_Point]:
+def _hopf_points(curve: Curve, pieces: Sequence[Piece]) -> Iterator[_Point]:
     """Yield where the real part of a pair of eigenvalues vanishes along branches."""
-    if not pieces:
-        return
-    touching = pieces[0].touching
-    found = problem.eigenvalues(touching, *_ends_of(pieces))
-    grows = found.real > NEUTRAL * np.abs(found).max(axis=1, keepdims=True)
-    for piece, (before, behind) in zip(pieces, grows.sum(axis=1).reshape(-1, 2), strict=True):
-        for number in range(min(before, behind), max(before, behind), 2 if touching else 1):
 
-            def eigenvalue(omega: float, piece: _Piece = piece, number: int = number) -> complex:
-                v = piece.at(problem, omega)
-                here = problem.eigenvalues(touching, v[np.newaxis], np.array([omega]))[0]
-                return complex(here[np.argsort(-here.real)[number]])
+    def eigenvalues(points: Values) -> ComplexValues:
+        """Return eigenvalues in order of their real parts, the largest first."""
+        at = points * curve.scale
+        found = curve.problem.eigenvalues(curve.touching, at[:, :-1], at[:, -1])
+        return np.take_along_axis(found, np.argsort(-found.real, axis=1), axis=1)
 
-            point = _between(problem, piece, lambda omega: eigenvalue(omega).real, "hopf")
-            frequency = abs(eigenvalue(point.speed).imag)
-            if frequency > NEUTRAL * float(np.abs(found).max()):
-                yield _Point(point.speed, "hopf", touching, point.v, frequency)
+    def growth(points: Values) -> Values:
+        found = eigenvalues(points)
+        size = np.abs(found).max(axis=1, keepdims=True)
+        return np.where(np.abs(found.real) > NEUTRAL * size, found.real, 0.0)
 
+    for piece, ends in zip(*plain_pieces(curve, pieces, growth), strict=True):
+        first, last = (ends > 0.0).sum(axis=1).tolist()
+        number = min(first, last)
+        while number < max(first, last):
 
-def _between(
-    problem: RubProblem, piece: _Piece, function: Callable[[float], float], kind: str
-) -> _Point:
-    """Return where a function of the speed vanishes on a piece of a branch."""
-    low, high = piece.speeds
-    omega = float(brentq(function, low, high, xtol=1e-300, rtol=4.0 * ROUNDING, maxiter=200))
-    return _Point(omega, kind, piece.touching, piece.at(problem, omega))
+            def eigenvalue(point: Values, number: int = number) -> complex:
+                return complex(eigenvalues(point[np.newaxis])[0, number])
+
+            point = piece.at(piece.where(lambda point: eigenvalue(point).real))
+            frequency = abs(eigenvalue(point).imag)
+            oscillates = frequency > NEUTRAL * np.abs(eigenvalues(point[np.newaxis])).max()
+            if oscillates:
+                yield _point(curve, point, "hopf", frequency=frequency)
+            number += 2 if oscillates and curve.touching else 1
 
 
 def _is_free(problem: RubProblem, point: _Point) -> bool:
     """Return whether a point touches no further contact, but for the one that it grazes."""
     gaps = _gaps(problem, point.touching, point.v[np.newaxis], np.array([point.speed]))[0]
     gaps = np.sort(gaps[np.isfinite(gaps)])
-    rounded = -_SOLVED * problem.clearances.max(initial=0.0)
+    rounded = -_ROUNDED * problem.clearances.max(initial=0.0)
     return bool((gaps >= rounded).all())
 
 
