@@ -30,6 +30,7 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor, check_no_load
 from rotor_ida.parallel import Progress, choose, interruptible
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import LARGEST, Options, check_can_be_followed
@@ -43,6 +44,7 @@ MOST_CONTACT_DAMPING = 50.0
 MOST_STARTS = 100_000_000
 
 
+@takes_si
 def basin(
     rotor: Rotor,
     *,
@@ -151,6 +153,7 @@ def basin(
     return basin_dataset(axes, fixed, result)
 
 
+@takes_si
 def basin_fractions(
     rotor: Rotor,
     *,

@@ -33,6 +33,7 @@ from rotor_ida.cycles.problems import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, Stop
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.studies.results import Results
 
@@ -42,6 +43,7 @@ Kind = Literal["fold", "period_doubling", "torus"]
 MOST_POINTS_OF_BRANCH = 2000
 
 
+@takes_si
 def bifurcation_curve(
     rotor: Rotor,
     *,

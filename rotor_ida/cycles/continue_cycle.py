@@ -35,6 +35,7 @@ from rotor_ida.cycles.special_points import O, Special
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Form, Results, open_results
 from rotor_ida.schema import SPECIAL, by_number
@@ -62,6 +63,7 @@ FORM: Form[Arrays] = Form(
 )
 
 
+@takes_si
 def continue_cycle(
     rotor: Rotor,
     *,

@@ -24,6 +24,7 @@ from rotor_ida.cycles.shooting import (
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.steady.follow import FAILED, follow_to_steady_state
 from rotor_ida.steady.response import UNRESOLVED
@@ -52,6 +53,7 @@ REVOLUTIONS = 128
 COME_BACK = 1e-6
 
 
+@takes_si
 def limit_cycle(
     rotor: Rotor, *, start: npt.ArrayLike | xr.Dataset = AT_REST, period: float | None = None
 ) -> xr.Dataset:

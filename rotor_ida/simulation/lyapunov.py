@@ -28,6 +28,7 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.schema import Column, labelled_dataset
@@ -53,6 +54,7 @@ POINTS_SHOWN = 400
 LONGEST = SPAN * MOST_NUMBERS
 
 
+@takes_si
 def lyapunov_exponent(
     rotor: Rotor,
     *,

@@ -29,6 +29,7 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, Stop, interruptible
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import (
@@ -73,6 +74,7 @@ class _SpeedChange:
         return max(self.rotor.omega, float(speeds.max()))
 
 
+@takes_si
 def run_up(
     rotor: Rotor,
     *,

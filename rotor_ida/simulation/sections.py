@@ -24,6 +24,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.schema import Column, labelled_dataset
@@ -41,6 +42,7 @@ PLACES = ("revolution", "entry", "exit", "peak", *RUBS)
 NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 
 
+@takes_si
 def poincare_section(
     rotor: Rotor,
     *,

@@ -13,6 +13,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
@@ -27,6 +28,7 @@ MOST_SLACK = 1e-8
 SOON_PASSED = 1e4
 
 
+@takes_si
 def simulate(
     rotor: Rotor,
     *,
