@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from copy import copy
 from functools import partial
 from string import Formatter
-from typing import Self
+from typing import Self, cast
 
 from rotor_ida.texts import printable
 
@@ -61,43 +61,26 @@ class RotorError(Exception):
     its ``value``, and what is allowed. A field with the name of an argument is a number of that
     argument, any other is one of ``name``; ``{omega=}`` writes the name too. Names of files in a
     message may have characters that a terminal obeys: they are shown instead.
-
-    Examples
-    --------
-    >>> error = RotorError("{name} must be below {most} at {omega=}, got {value}",
-    ...                    name="duration", most=9.0, omega=2.0, value=20.0)
-    >>> print(error)
-    duration must be below 9.0 at omega 2.0, got 20.0
-    >>> error.name, error.value
-    ('duration', 20.0)
     """
 
     def __init__(self, *told: object, **fields: object) -> None:
         self.template, self.fields = str(told[0]) if fields else "", fields
+        self.words: Mapping[str, str] = {}
         if fields:
             told = (_filled(self.template, fields, {}),)
         super().__init__(*(printable(each) if isinstance(each, str) else each for each in told))
-
-    @property
-    def name(self) -> str:
-        """The argument that is wrong; empty if the message names none."""
-        return str(self.fields.get("name", ""))
-
-    @property
-    def value(self) -> object:
-        """What was given for it."""
-        return self.fields.get("value")
 
     def with_numbers(self, changed: Changed, words: Mapping[str, str] = {}) -> Self:
         """Return the same error with other numbers, such as those in SI units, and names."""
         if not self.fields:
             return self
-        made = copy(self)
-        made.fields = {field: _changed(value, partial(changed, field, self.name))
+        made, name = copy(self), str(self.fields.get("name", ""))
+        made.fields = {field: _changed(value, partial(changed, field, name))
                        for field, value in self.fields.items()}  # fmt: skip
-        if self.name:
-            made.fields["name"] = " ".join(words.get(each, each) for each in self.name.split(" "))
-        made.args = (printable(_filled(self.template, made.fields, words)),)
+        if name:
+            made.fields["name"] = " ".join(words.get(each, each) for each in name.split(" "))
+        made.words = {**self.words, **words}
+        made.args = (printable(_filled(self.template, made.fields, made.words)),)
         return made
 
     def within(self, beginning: str) -> Self:
@@ -110,7 +93,27 @@ class RotorError(Exception):
 
 
 class InputError(RotorError, ValueError):
-    """A value that cannot be used: the message gives its name, the value and what is allowed."""
+    """A value that cannot be used: the message gives its name, the value and what is allowed.
+
+    Examples
+    --------
+    >>> error = InputError("{name} must be below {most} at {omega=}, got {value}",
+    ...                    name="duration", most=9.0, omega=2.0, value=20.0)
+    >>> print(error)
+    duration must be below 9.0 at omega 2.0, got 20.0
+    >>> error.name, error.value
+    ('duration', 20.0)
+    """
+
+    @property
+    def name(self) -> str:
+        """The argument that is wrong; empty if the message names none."""
+        return str(self.fields.get("name", ""))
+
+    @property
+    def value(self) -> object:
+        """What was given for it."""
+        return self.fields.get("value")
 
 
 class SimulationError(RotorError, RuntimeError):
@@ -152,8 +155,8 @@ class SimulationError(RotorError, RuntimeError):
     @property
     def state(self) -> tuple[float, float, float, float]:
         """The state at that time."""
-        x, y, vx, vy = self.fields.get("state", (math.nan,) * 4)  # type: ignore[misc]
-        return (x, y, vx, vy)
+        state = self.fields.get("state", (math.nan,) * 4)
+        return cast("tuple[float, float, float, float]", state)
 
 
 class InvariantError(SimulationError):

@@ -25,7 +25,6 @@ from rotor_ida.checks import (
     check_seed,
     check_vector,
     is_scalar,
-    shown,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor, check_no_load
@@ -293,19 +292,22 @@ def check_rotor(rotor: object, what: str = "a basin", *, one_by_one: bool = Fals
         check_no_load(rotor, what)
     if rotor.omega == 0.0 < min(rotor.load, rotor.friction):
         raise InputError(
-            f"omega must be above 0 for {what} under a load with friction, got 0.0: friction "
-            "allows many positions of rest"
-        )
+            "{name} must be above 0 for {what} under a load with friction, got {value}: friction "
+            "allows many positions of rest",
+            name="omega", what=what, value=0.0,
+        )  # fmt: skip
     check_can_be_followed(rotor, (0.0, 0.0, 0.0, 0.0), settling=True)
     if not 0.0 < rotor.zeta <= MOST_DAMPING:
         raise InputError(
-            f"zeta must be above 0 and at most {MOST_DAMPING:g} for {what}, got {rotor.zeta!r}"
-        )
+            "{name} must be above 0 and at most {most:g} for {what}, got {value}",
+            name="zeta", most=MOST_DAMPING, what=what, value=rotor.zeta,
+        )  # fmt: skip
     if rotor.contact_damping > MOST_CONTACT_DAMPING:
         raise InputError(
-            f"contact_damping must be at most {MOST_CONTACT_DAMPING:g} for {what}, got "
-            f"{rotor.contact_damping!r}"
-        )
+            "{name} must be at most {most:g} for {what}, got {value}",
+            name="contact_damping", most=MOST_CONTACT_DAMPING, what=what,
+            value=rotor.contact_damping,
+        )  # fmt: skip
     return rotor
 
 
@@ -343,8 +345,13 @@ def range_of(name: str, value: object) -> tuple[float, float]:
     """Return the ends of a range; a number is a range of length zero."""
     ends = check_vector(name, value, largest=LARGEST).tolist()
     if len(ends) > 2 or (len(ends) == 1 and not is_scalar(name, value)):
-        raise InputError(f"{name} must be a number or a range (low, high), got {shown(value)}")
+        raise InputError(
+            "{name} must be a number or a range (low, high), got {value}", name=name, value=ends
+        )
     low, high = ends[0], ends[-1]
     if low > high:
-        raise InputError(f"{name} must be a range (low, high) with low <= high, got {shown(value)}")
+        raise InputError(
+            "{name} must be a range (low, high) with low <= high, got {value}",
+            name=name, value=(low, high),
+        )  # fmt: skip
     return low, high

@@ -144,7 +144,10 @@ def check_turns_and_settles(rotor: Rotor) -> None:
     """Raise InputError for a rotor that has no limit cycles."""
     for name in ("omega", "zeta"):
         if getattr(rotor, name) == 0.0:
-            raise InputError(f"{name} must be above 0 for a limit cycle, got 0.0: nothing settles")
+            raise InputError(
+                "{name} must be above 0 for a limit cycle, got {value}: nothing settles",
+                name=name, value=0.0,
+            )  # fmt: skip
 
 
 def check_revolutions(guess: Guess) -> None:
@@ -155,9 +158,10 @@ def check_revolutions(guess: Guess) -> None:
     apart = abs(guess.period - period_of(guess.rotor, revolutions_of(guess.rotor, guess.period)))
     if apart > WITHIN_A_REVOLUTION * revolution:
         raise InputError(
-            "period must be a whole number of revolutions under a load, each of "
-            f"{revolution:.9g}, got {guess.period!r}"
-        )
+            "{name} must be a whole number of revolutions under a load, each of {revolution:.9g}, "
+            "got {value}",
+            name="period", revolution=revolution, value=guess.period,
+        )  # fmt: skip
 
 
 def checked_guess(rotor: Rotor, start: object) -> Guess:

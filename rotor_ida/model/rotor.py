@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.errors import InputError
+from rotor_ida.errors import Amount, InputError
 from rotor_ida.model.change_of_speed import ChangeOfSpeed, dimensionless_change
 from rotor_ida.model.parameters import (
     DEFAULTS,
@@ -211,11 +211,12 @@ def check_no_friction(rotor: Rotor, what: str) -> None:
 def check_no_load(rotor: Rotor | DimensionalRotor, what: str) -> None:
     """Raise `InputError` for a rotor with a load, where it is not supported."""
     if rotor.load > 0.0:
-        unit = " N" if isinstance(rotor, DimensionalRotor) else ""
         raise InputError(
-            f"load must be 0 for {what}, as there is no synchronous whirl under a load, "
-            f"got {rotor.load!r}{unit}"
-        )
+            "{name} must be 0 for {what}, as there is no synchronous whirl under a load, got "
+            "{value}",
+            name="load", what=what,
+            value=Amount(rotor.load, "N") if isinstance(rotor, DimensionalRotor) else rotor.load,
+        )  # fmt: skip
 
 
 def check_papers(rotor: Rotor, what: str) -> None:
@@ -297,8 +298,11 @@ class DimensionalRotor:
     disc_radius: float | None = None
 
     def __post_init__(self) -> None:
-        _set_checked(self, OF_MACHINE)
-        check_together(_optional(self), math.inf)
+        try:
+            _set_checked(self, OF_MACHINE)
+            check_together(_optional(self), math.inf)
+        except InputError as error:
+            raise error.with_numbers(self._in_si) from error
         scales = (self.reference_frequency, self.velocity_scale, self.force_scale)
         if not all(SMALLEST_SCALE < scale < 1.0 / SMALLEST_SCALE for scale in scales):
             raise InputError(
@@ -306,6 +310,14 @@ class DimensionalRotor:
                 f"and force between {SMALLEST_SCALE:g} and {1.0 / SMALLEST_SCALE:g}, got "
                 f"{', '.join(f'{scale:.3g}' for scale in scales)}"
             )
+
+    def _in_si(self, field: str, name: str, _place: int, value: float) -> float:
+        """Return a number of a message about a quantity with its unit."""
+        parameter = OF_MACHINE.get(field) or OF_MACHINE.get(name)
+        if parameter is None or parameter.unit == "1":
+            return value
+        linear = self.contact_exponent == 1.0
+        return Amount(value, parameter.unit.replace("m-1.5", "m-1" if linear else "m-1.5"))
 
     @property
     def reference_frequency(self) -> float:

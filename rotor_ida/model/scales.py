@@ -25,6 +25,14 @@ UNITS_OF_ARGUMENTS: dict[str, tuple[str, ...]] = {
     "reach": ("m",), "to": ("rad s-1",), "rate": ("rad s-2",), "speeds": ("s", "rad s-1"),
     "torque": ("N m", "N m s"), "inertia": ("kg m2",),
 }  # fmt: skip
+# The same with what messages name beside arguments; those of a parameter that sets the scales, and
+# numbers without a unit, are left out.
+_UNITS_IN_MESSAGES: dict[str, tuple[str, ...]] = UNITS_OF_ARGUMENTS | {
+    **{name: (each.unit,) for name, each in OF_MACHINE.items()
+       if each.unit != "1" and "m-1.5" not in each.unit},
+    **{plain: (OF_MACHINE[name].unit,) for plain, name in IS_OF_MACHINE.items()},
+    **dict.fromkeys(("time", "end_time"), ("s",)), "a speed of speeds": ("rad s-1",),
+}  # fmt: skip
 
 
 def unit_of_parameter(name: str) -> str:
@@ -55,3 +63,21 @@ def without_units(machine: DimensionalRotor, unit: str, values: Values) -> Value
     if unit == "s m-1":
         return values * machine.velocity_scale
     return values / scale_of(machine, unit)
+
+
+def unit_of(name: str, place: int = 0) -> str | None:
+    """Return the SI unit of a number of an argument or parameter; None if it has none.
+
+    The name may be within words, as messages have it.
+
+    Examples
+    --------
+    >>> unit_of("duration"), unit_of("start vx"), unit_of("limits of delta0"), unit_of("rtol")
+    ('s', 'm s-1', 'm', None)
+    >>> [unit_of("speeds", place) for place in (0, 1)], unit_of("a speed of speeds")
+    (['s', 'rad s-1'], 'rad s-1')
+    """
+    for word in (name, *reversed(name.split())):
+        if units := _UNITS_IN_MESSAGES.get(word):
+            return units[place % len(units)]
+    return None

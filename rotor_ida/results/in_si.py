@@ -7,19 +7,21 @@ from collections.abc import Callable, Mapping
 from functools import wraps
 from inspect import signature
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec, cast
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 import numpy as np
 import xarray as xr
 
 from rotor_ida.checks import check_array, shown
-from rotor_ida.errors import InputError
+from rotor_ida.errors import Amount, InputError, RotorError, SimulationError
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.scales import (
     BECOMES,
     IS_OF_MACHINE,
     UNITS_OF_ARGUMENTS,
+    scale_of,
+    unit_of,
     unit_of_parameter,
     without_units,
 )
@@ -28,6 +30,7 @@ from rotor_ida.results.si_units import dimensional, dimensionless, rescaled
 from rotor_ida.results.studies.store import MACHINE_FILE
 
 Asked = ParamSpec("Asked")
+Failure = TypeVar("Failure", bound=RotorError)
 
 
 def takes_si(
@@ -51,7 +54,11 @@ def takes_si(
             return verb(rotor, *given, **options)
         plain = without_dimensions(rotor, defaults | options)
         keep_machine(options.get("study"), rotor)
-        return dimensional(verb(rotor.rotor(), *given, **plain), rotor)
+        try:
+            found = verb(rotor.rotor(), *given, **plain)
+        except (InputError, SimulationError) as error:
+            raise in_si(error, rotor) from error
+        return dimensional(found, rotor)
 
     return cast("Callable[Concatenate[Rotor | DimensionalRotor, Asked], xr.Dataset]", either)
 
@@ -67,6 +74,26 @@ def without_dimensions(machine: DimensionalRotor, options: Mapping[str, Any]) ->
         if "parameter" in options:
             plain["parameter"] = _plain_name(parameter)
     return plain
+
+
+def in_si(error: Failure, machine: DimensionalRotor) -> Failure:
+    """Return an error about dimensionless numbers of a machine with these in SI units.
+
+    Examples
+    --------
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
+    >>> error = InputError("{name} must be positive, got {value}", name="duration", value=-500.0)
+    >>> print(in_si(error, machine))
+    duration must be positive, got -1 s
+    """
+
+    def amount(field: str, name: str, place: int, value: float) -> float:
+        unit = unit_of(field, place) or unit_of(name, place)
+        has_scale = unit is not None and unit != "kg"
+        return Amount(value * scale_of(machine, unit), unit) if unit and has_scale else value
+
+    return error.with_numbers(amount, IS_OF_MACHINE)
 
 
 def keep_machine(study: object, machine: DimensionalRotor) -> None:

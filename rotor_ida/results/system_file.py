@@ -209,7 +209,7 @@ def load_system(path: str | os.PathLike[str]) -> SystemFile:
     try:
         return _system_file(table, Path(path).parent)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        raise error.within(f"{path}: ") from error
 
 
 def _system_file(entries: Mapping[str, object], folder: Path) -> SystemFile:

@@ -158,8 +158,11 @@ def lyapunov_exponent(
     each = int(length / (count * SPAN))
     if each < FEWEST_SPANS:
         raise InputError(
-            f"duration must be at least {FEWEST_SPANS * SPAN:g} for each of {count} batches, "
-            f"got {length!r}"
+            "{name} must be at least {least:g} for each of {count} batches, got {value}",
+            name="duration",
+            least=FEWEST_SPANS * SPAN,
+            count=count,
+            value=length,
         )
     check_choice("method", method, METHODS_OF_TANGENTS)
     if method != "taylor" and (reason := sundials.why_not()):

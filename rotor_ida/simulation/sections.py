@@ -121,7 +121,9 @@ def poincare_section(
     first = check_state("start", start)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
-        raise InputError("omega must be positive for a section, got 0.0")
+        raise InputError(
+            "{name} must be positive for a section, got {value}", name="omega", value=0.0
+        )
     count = check_count("revolutions", revolutions)
     left_out = check_count("skip", skip, minimum=0)
     check_choice("at", at, PLACES)
@@ -132,7 +134,10 @@ def poincare_section(
     if at in RUBS and rotor.friction == 0.0:
         raise InputError(f"friction must be positive for a section at each {at}, got 0.0")
     if at in EVENTS and rotor.delta0 == 0.0:
-        raise InputError(f"delta0 must be positive for a section at each {at}, got 0.0")
+        raise InputError(
+            "{name} must be positive for a section at each {at}, got {value}",
+            name="delta0", at=at, value=0.0,
+        )  # fmt: skip
     options = Options(rtol=rtol, atol=atol, method=method)
     period = 2.0 * math.pi / rotor.omega
     check_duration("the time of skip and revolutions", (left_out + count) * period, rotor.omega)

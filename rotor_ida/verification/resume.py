@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rotor_ida.basins import basin, basin_fractions
 from rotor_ida.basins.atlas import continue_attractors
+from rotor_ida.basins.basin import basin, basin_fractions
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.continue_cycle import branch_from
 from rotor_ida.cycles.guess import Guess

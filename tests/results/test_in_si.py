@@ -51,7 +51,9 @@ VERBS = {
     "run_up by rate": (
         ROTOR, {"to": (3.0, W), "rate": (0.1, W**2), "samples": (50, None), "rtol": (1e-9, None)},
     ),
-    "run_up in time": (ROTOR, {"to": (1.0, W), "ramp_time": (10.0, 1 / W), "duration": (12.0, 1 / W)}),
+    "run_up in time": (
+        ROTOR, {"to": (1.0, W), "ramp_time": (10.0, 1 / W), "duration": (12.0, 1 / W)},
+    ),
     "run_up by speeds": (ROTOR, {"speeds": (np.array([[0.0, 2.0], [9.0, 2.5]]), [1 / W, W])}),
     "run_up by torque": (ROTOR, {
         "torque": (np.array([3.0, 0.5]), [F * D, F * D / W]), "inertia": (10.0, M * D**2),

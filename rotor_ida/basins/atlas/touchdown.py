@@ -26,7 +26,6 @@ from rotor_ida.basins.known import followed_alone
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_SHOCKS,
-    check_array,
     check_between,
     check_count,
     check_instance,
@@ -42,7 +41,6 @@ from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.simulation.neighbours import Shot
-from rotor_ida.simulation.options import LARGEST
 from rotor_ida.steady import response
 
 # Number of shocks of each kind, unless told otherwise.
@@ -177,14 +175,15 @@ def touchdown_report(
     """
     check_rotor(check_instance("rotor", rotor, Rotor), "a touchdown report", one_by_one=True)
     if rotor.omega == 0.0:
-        raise InputError("omega must be above 0 for a touchdown report, got 0.0")
+        raise InputError(
+            "{name} must be above 0 for a touchdown report, got {value}", name="omega", value=0.0
+        )
     count = check_count("starts", starts, maximum=MOST_STARTS)
     chosen = check_seed(seed)
     tolerance = ALONE.rtol if followed_alone(rotor) else RTOL
     if rtol is not None:
         tolerance = check_between("rtol", rtol, TIGHTEST, LOOSEST)
     box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
-    check_array("x, y, vx and vy, in eccentricities,", box, largest=LARGEST)
     tried = _shocks_to_try(rotor, shocks)
     job = CellJob(rotor, drawn_from(box, chosen, 0, count), tolerance, tried)
     cell = interruptible(lambda stop: fill_cell(job, stop))
@@ -227,7 +226,9 @@ def _shocks_to_try(rotor: Rotor, shocks: object) -> int:
         return 0 if rotor.load > 0.0 else SHOCKS
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
     if tried and rotor.load > 0.0:
-        raise InputError(f"shocks must be 0 under a load, got {tried} with load {rotor.load!r}")
+        raise InputError(
+            "shocks must be 0 under a load, got {tried} with {load=}", tried=tried, load=rotor.load
+        )
     return tried
 
 
