@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from rotor_ida.checks import State, listed, shown
+from rotor_ida.checks import State, listed
 from rotor_ida.cli.parsing import Quantity, refuse_units
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.data_sheet import check_keys, in_si, machine_from_data_sheet, overridden
@@ -103,18 +103,10 @@ class Units:
 
     def keep(self, study: Path | None) -> None:
         """Write the machine into the folder of a study, so that it continues in these units."""
-        if study is None or self.machine is None:
-            return
-        from rotor_ida.results.machine_file import load_machine, save_machine  # noqa: PLC0415
-        from rotor_ida.results.studies.store import MACHINE_FILE  # noqa: PLC0415
+        if self.machine is not None:
+            from rotor_ida.results.in_si import keep_machine  # noqa: PLC0415 - heavy
 
-        place = study / MACHINE_FILE
-        if place.exists():
-            if load_machine(place) != self.machine:
-                raise InputError(f"study must be of this machine, got {shown(study)} of another")
-            return
-        study.mkdir(parents=True, exist_ok=True)
-        save_machine(self.machine, place)
+            keep_machine(study, self.machine)
 
 
 def begun(start: State | None, rotor: Rotor | DimensionalRotor) -> State:
@@ -141,15 +133,6 @@ def check_limits(
         if isinstance(each, Quantity) and each.word:
             name = IS_OF_MACHINE.get(names[place // 2], names[place // 2])
             in_si(name, each.word, OF_MACHINE[name].unit)
-
-
-def kept(study: Path) -> Units:
-    """Return the units of a study."""
-    from rotor_ida.results.machine_file import load_machine  # noqa: PLC0415 - not for --help
-    from rotor_ida.results.studies.store import MACHINE_FILE  # noqa: PLC0415
-
-    place = study / MACHINE_FILE
-    return Units(load_machine(place)) if place.is_file() else Units()
 
 
 def plain(dataset: xr.Dataset) -> tuple[xr.Dataset, Units]:

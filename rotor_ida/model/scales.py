@@ -20,7 +20,7 @@ UNITS_OF_ARGUMENTS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("start", "starts", "state"), _STATE),
     **dict(zip(("x", "y", "vx", "vy"), map(tuple, zip(_STATE, strict=True)), strict=True)),
     **dict.fromkeys(("duration", "ramp_time", "transient", "extrema_time", "period"), ("s",)),
-    **dict.fromkeys(("samples", "start_period"), ("s",)),
+    **dict.fromkeys(("samples", "start_period", "record_length"), ("s",)),
     **{f"range_{name}": (unit,) for name, unit in zip(("x", "y", "vx", "vy"), _STATE, strict=True)},
     "reach": ("m",), "to": ("rad s-1",), "rate": ("rad s-2",), "speeds": ("s", "rad s-1"),
     "torque": ("N m", "N m s"), "inertia": ("kg m2",),

@@ -26,10 +26,17 @@ from rotor_ida.model.scales import (
     without_units,
 )
 from rotor_ida.results.machine_file import load_machine, save_machine
-from rotor_ida.results.si_units import dimensional, dimensionless, rescaled
+from rotor_ida.results.si_units import (
+    dimensional,
+    dimensionless,
+    in_units_of,
+    machine_of,
+    rescaled,
+)
 from rotor_ida.results.studies.store import MACHINE_FILE
 
 Asked = ParamSpec("Asked")
+Found = TypeVar("Found")
 Failure = TypeVar("Failure", bound=RotorError)
 
 
@@ -63,9 +70,66 @@ def takes_si(
     return cast("Callable[Concatenate[Rotor | DimensionalRotor, Asked], xr.Dataset]", either)
 
 
+def keeps_si(
+    analysis: Callable[Concatenate[xr.Dataset, Asked], Found],
+) -> Callable[Concatenate[xr.Dataset, Asked], Found]:
+    """Return a function of a dimensionless result that also takes one in SI units, as its answer.
+
+    Examples
+    --------
+    >>> from rotor_ida import contact_summary, simulate
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=5e-7, speed=600.0)
+    >>> contact_summary(simulate(machine, duration=0.1)).largest_force.attrs["units"]
+    'N'
+    """
+
+    @wraps(analysis)
+    def either(result: xr.Dataset, *given: Any, **options: Any) -> Any:
+        machine = machine_of(result) if isinstance(result, xr.Dataset) else None
+        if machine is None:
+            return analysis(result, *given, **options)
+        try:
+            found = analysis(dimensionless(result), *given, **without_dimensions(machine, options))
+        except (InputError, SimulationError) as error:
+            raise in_si(error, machine) from error
+        if isinstance(found, list):
+            return [in_units_of(each, result) for each in found]
+        return in_units_of(cast("xr.Dataset", found), result)
+
+    return cast("Callable[Concatenate[xr.Dataset, Asked], Found]", either)
+
+
 def without_dimensions(machine: DimensionalRotor, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of a verb of a machine without dimensions, by name."""
-    plain = {name: _plain(machine, name, value) for name, value in options.items()}
+    """Return the arguments of a verb of a machine without dimensions, by name.
+
+    Parameters of the machine become those of the rotor, by their names too.
+
+    Examples
+    --------
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
+    >>> without_dimensions(machine, {"speed": [600.0, 1000.0], "duration": 0.04, "rtol": 1e-9})
+    {'omega': array([1.2, 2. ]), 'duration': 20.0, 'rtol': 1e-09}
+    >>> without_dimensions(machine, {"mass": [4.0, 5.0]})
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: mass must be left out, as it sets the scales of all results: give a
+    machine with another one
+    """
+    for name in options:
+        if name in OF_MACHINE and OF_MACHINE[name].sets_scales:
+            raise InputError(
+                f"{name} must be left out, as it sets the scales of all results: give a machine "
+                "with another one"
+            )
+        if name in IS_OF_MACHINE:
+            raise InputError(
+                f"{name} must be left out with a machine: give its {IS_OF_MACHINE[name]}"
+            )
+    plain = {_plain_name(name): _plain(machine, name, value) for name, value in options.items()}
+    if "along" in options:
+        plain["along"] = _plain_name(options["along"])
     if "parameters" in options:
         plain["parameters"], plain["limits"] = _several(machine, options)
     elif "limits" in options:
@@ -109,9 +173,9 @@ def keep_machine(study: object, machine: DimensionalRotor) -> None:
     save_machine(machine, place)
 
 
-def in_units_of_study(dataset: xr.Dataset, study: Path) -> xr.Dataset:
+def in_units_of_study(dataset: xr.Dataset, study: str | os.PathLike[str]) -> xr.Dataset:
     """Return the dimensionless result of a study, in SI units if that is of a machine."""
-    place = study / MACHINE_FILE
+    place = Path(study) / MACHINE_FILE
     return dimensional(dataset, load_machine(place)) if place.is_file() else dataset
 
 
@@ -119,7 +183,7 @@ def _plain(machine: DimensionalRotor, name: str, value: Any) -> Any:
     """Return an argument without dimensions; a word, a count or a wrong value as it is."""
     if name == "start" and isinstance(value, xr.Dataset):
         return rescaled(value, machine)
-    units = UNITS_OF_ARGUMENTS.get(name)
+    units = (unit_of_parameter(name),) if name in OF_MACHINE else UNITS_OF_ARGUMENTS.get(name)
     is_count = name in {"samples", "starts"} and np.ndim(value) == 0
     if units is None or value is None or is_count or isinstance(value, str):
         return value

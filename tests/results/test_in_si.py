@@ -4,6 +4,7 @@ The scales are those of the paper's Eq. (9), computed here: ``omega_0**2 = k sqr
 """
 
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ import xarray as xr
 
 import rotor_ida
 from rotor_ida import DimensionalRotor, Rotor
+from rotor_ida.results.si_units import rescaled
+from rotor_ida.verification.verify import differences, rerun
 
 D, M, K = 1e-6, 4.0, 1e9
 W = math.sqrt(K * math.sqrt(D) / M)
@@ -166,6 +169,70 @@ def test_a_start_of_a_machine_with_other_scales_keeps_its_metres():
     one = machine_of(ROTOR)
     run = rotor_ida.simulate(one, start=START * STATE, duration=0.02)
     other = DimensionalRotor(**{**one.given, "eccentricity": 2.0 * D})
-    plain = rotor_ida.results.si_units.rescaled(run, other)
+    plain = rescaled(run, other)
     np.testing.assert_allclose(plain.x * other.length_scale, run.x, rtol=1e-12)
     np.testing.assert_allclose(plain.t * other.time_scale, run.t, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("verb", "asked", "message"),
+    [
+        ("simulate", {"duration": -0.5}, "duration must be positive, got -0.5 s"),
+        ("simulate", {"duration": 1.0, "start": (30.0, 0, 0, 0)},
+         "start x must lie within 1 m of zero, got 30 m"),
+        ("simulate", {"duration": 1e30},
+         "duration must be below 8.58993e+06 s at speed 1000 rad/s, so that doubles resolve a "
+         "revolution, got 1e+30 s"),
+        ("simulate", {"duration": 0.1, "samples": [0.0, 0.2]},
+         "samples must lie from 0 to the duration 0.1 s, got 0.2 s"),
+        ("simulate", {"duration": "1 s"}, "duration must be a finite real number, got '1 s'"),
+        ("simulate", {"duration": 1.0, "start": (1, 2)},
+         "start must be four numbers (x, y, vx, vy), got (1, 2)"),
+        ("run_up", {"to": 900.0, "rate": 3.0},
+         "rate must be negative to change the speed from 1000 rad/s to 900 rad/s, got 3 rad/s2"),
+        ("run_up", {"torque": (1.0, 0.1), "inertia": 1e-16, "duration": 1.0},
+         "inertia must be at least 1e-09 kg m2 with torque (1 N m, 0.1 N m s) and duration 1 s, or "
+         "the run would take an hour or more, got 1e-16 kg m2"),
+        ("limit_cycle", {"period": 100.0}, "period must lie from 2e-09 s to 20 s, got 100 s"),
+        ("continue_cycle", {"parameter": "clearance", "limits": (3e-6, 4e-6)},
+         "limits of clearance must contain that of the start, 2e-06 m, got (3e-06 m, 4e-06 m)"),
+        ("basin", {"x": [0.0, -1e-6], "y": [0.0, 1e-6]}, "x must increase, got -1e-06 m after 0"),
+        ("simulate", {"duration": 1.0, "mass": 3.0}, "mass must be left out, as it sets the scales "
+         "of all results: give a machine with another one"),
+    ],
+)  # fmt: skip
+def test_an_error_about_a_machine_is_in_si_units(verb, asked, message):
+    with pytest.raises(rotor_ida.InputError) as refused:
+        getattr(rotor_ida, verb)(machine_of(ROTOR), **asked)
+    assert str(refused.value) == message
+
+
+def test_an_error_carries_name_value_and_unit_across_processes():
+    with pytest.raises(rotor_ida.InputError) as refused:
+        rotor_ida.simulate(machine_of(ROTOR), duration=-0.5)
+    error = pickle.loads(pickle.dumps(refused.value))
+    assert (error.name, error.value, error.value.unit) == ("duration", -0.5, "s")
+    assert str(error) == str(refused.value)
+
+
+def test_a_study_of_a_machine_continues_in_si_units(tmp_path):
+    asked = {"x": np.linspace(-5 * D, 5 * D, 3), "y": np.linspace(-5 * D, 5 * D, 3)}
+    found = rotor_ida.basin(machine_of(ROTOR), **asked, study=tmp_path)
+    assert rotor_ida.resume(tmp_path).identical(found)
+    other = machine_of(Rotor(omega=2.5, zeta=0.07, delta0=2.0))
+    with pytest.raises(rotor_ida.InputError, match="study must be of this machine"):
+        rotor_ida.basin(other, **asked, study=tmp_path)
+
+
+def test_an_old_archive_in_si_units_gets_its_attributes_in_them(tmp_path):
+    """Archives had their start and duration without dimensions, and no units of these."""
+    run = rotor_ida.simulate(machine_of(ROTOR), start=START * STATE, duration=0.02)
+    new = {name for name in run.attrs if "start" in name or "duration" in name}
+    plain = {"start": run.attrs["dimensionless_start"], "duration": 10.0}
+    old = run.copy()
+    old.attrs = {name: each for name, each in run.attrs.items() if name not in new} | plain
+    loaded = rotor_ida.load(rotor_ida.save(old, tmp_path / "old.nc"))
+    np.testing.assert_array_equal(loaded.attrs["start"], run.attrs["start"])
+    assert (loaded.attrs["duration"], loaded.attrs["duration_units"]) == (0.02, "s")
+    again = rerun(loaded)
+    assert differences(again, loaded)["agrees"]

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.integrate import solve_ivp
 
 from rotor_ida import (
@@ -135,26 +136,36 @@ def test_units_are_chosen_once(plain):
         dimensional(dimensional(plain, MACHINE), MACHINE, units={"length": "mm"})
 
 
-def test_what_is_without_dimensions_in_attributes_is_not_mixed_with_si_units(plain):
-    """The time that a run took stays dimensionless, and its contacts are in seconds."""
+@pytest.mark.parametrize("analysis", [contact_summary, spectrum, rotating, contact_forces])
+def test_an_analysis_of_a_run_in_si_units_is_in_them(plain, analysis):
+    expected = dimensional(analysis(plain), MACHINE, units={"length": "um", "time": "ms"})
+    found = analysis(dimensional(plain, MACHINE, units={"length": "um", "time": "ms"}))
+    xr.testing.assert_allclose(found, expected, rtol=1e-12)
+    assert found.attrs.keys() == expected.attrs.keys()
+    units = {name: found[name].attrs.get("units") for name in found.variables}
+    assert units == {name: expected[name].attrs.get("units") for name in expected.variables}
+
+
+def test_the_summary_of_a_run_in_si_units_adds_up_its_contacts(plain):
     in_si = dimensional(plain, MACHINE)
-    for analysis in (contact_summary, spectrum, rotating, contact_forces):
-        with pytest.raises(InputError, match="run must be dimensionless, got one in SI units"):
-            analysis(in_si)
-    summary = dimensional(contact_summary(plain), MACHINE)
-    assert summary.total_impulse.attrs["units"] == "N s"
+    summary = contact_summary(in_si)
     contacts = in_si.exit_time.fillna(in_si.t[-1]) - in_si.entry_time.fillna(0.0)
     held = float(contacts.sum() / in_si.t[-1])
     assert summary.contact_fraction.item() == pytest.approx(held, rel=1e-12)
     assert summary.total_impulse.item() == pytest.approx(float(in_si.impulse.sum()), rel=1e-12)
 
 
-def test_responses_in_si_units_are_not_held_against_exact_ones():
-    swept = sweep(omega=[1.2], zeta=0.07, delta0=0.5)
-    with pytest.raises(InputError, match="dataset must be dimensionless, got one in SI units"):
-        compare(dimensional(swept, MACHINE))
-    with pytest.raises(InputError, match="compared must be dimensionless, got one in SI units"):
-        branches_through(dimensional(compare(swept), MACHINE), limits=(1.0, 2.0))
+def test_responses_in_si_units_are_compared_with_exact_ones_in_them():
+    swept = dimensional(
+        sweep(omega=[2.7, 3.0], zeta=0.07, delta0=0.5, starts=[(3, 1, 0, 0)]), MACHINE
+    )
+    compared = compare(swept)
+    assert compared.exact_radius_max.attrs["units"] == "m"
+    scale = MACHINE.length_scale
+    plain = branches_through(compare(dimensionless(swept)), limits=(2.6, 3.1))
+    limits = (2.6 * MACHINE.reference_frequency, 3.1 * MACHINE.reference_frequency)
+    for one, other in zip(branches_through(compared, limits=limits), plain, strict=True):
+        np.testing.assert_allclose(one.radius_max / scale, other.radius_max, rtol=1e-9)
 
 
 def test_an_archive_in_si_units_tells_start_and_time_in_them(plain):
