@@ -61,8 +61,9 @@ def basin(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor. It must be damped: without damping there are no attractors.
+    rotor : Rotor or DimensionalRotor
+        The rotor. It must be damped: without damping there are no attractors. For a
+        `DimensionalRotor` starts and results are in SI units.
     x, y, vx, vy : float or array_like, shape (n,)
         Components of the start [1]: exactly two are increasing arrays, two are numbers.
     rtol : float, optional
@@ -172,8 +173,9 @@ def basin_fractions(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor. It must be damped: without damping there are no attractors.
+    rotor : Rotor or DimensionalRotor
+        The rotor. It must be damped: without damping there are no attractors. For a
+        `DimensionalRotor` starts and results are in SI units.
     x, y, vx, vy : float or array_like, shape (2,)
         Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn
         independently and uniformly.

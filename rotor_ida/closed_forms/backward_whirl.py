@@ -46,8 +46,9 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
 
     Parameters
     ----------
-    rotor : Rotor
-        A rotor with friction; its unbalance is ignored.
+    rotor : Rotor or DimensionalRotor
+        A rotor with friction; its unbalance is ignored. For a `DimensionalRotor` results are in SI
+        units.
 
     Returns
     -------

@@ -21,8 +21,9 @@ def rest(rotor: Rotor) -> xr.Dataset:
 
     Parameters
     ----------
-    rotor : Rotor
-        Parameters of the rotor; the speed is not used.
+    rotor : Rotor or DimensionalRotor
+        Parameters of the rotor; the speed is not used. For a `DimensionalRotor` results are in SI
+        units.
 
     Returns
     -------

@@ -58,8 +58,9 @@ def bifurcation_curve(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor.
+    rotor : Rotor or DimensionalRotor
+        The rotor. For a `DimensionalRotor` numbers with a unit are in SI units, as for
+        `continue_cycle`.
     start : array_like, shape (4,), or Dataset
         A special point of this kind of a branch, ``branch.isel(special=...)``. Or a limit cycle, a
         point of a branch, or a start ``(x, y, vx, vy)`` that leads to a cycle [1], by default at

@@ -79,8 +79,9 @@ def continue_cycle(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor.
+    rotor : Rotor or DimensionalRotor
+        The rotor. For a `DimensionalRotor` numbers with a unit are in SI units, as for
+        `rotor_ida.simulate`; a dataset has its own.
     start : array_like, shape (4,), or Dataset
         A start ``(x, y, vx, vy)`` that leads to the cycle [1], by default at rest on the axis; or
         the result of `limit_cycle`; or one point of a branch, ``branch.isel(point=...)``; or one of

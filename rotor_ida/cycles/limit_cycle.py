@@ -61,8 +61,9 @@ def limit_cycle(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor. It must turn and be damped.
+    rotor : Rotor or DimensionalRotor
+        The rotor. It must turn and be damped. For a `DimensionalRotor` numbers with a unit are in
+        SI units, as for `rotor_ida.simulate`; a dataset has its own.
     start : array_like, shape (4,), or Dataset
         ``(x, y, vx, vy)`` at time 0 [1], by default at rest on the axis. A start that returns to
         itself to a relative 1e-3 is taken as a guess of a cycle, stable or not. From any other

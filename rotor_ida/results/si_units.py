@@ -45,16 +45,19 @@ SPEEDS = ("omega", "fold_omega", "hopf_omega", "jump_omega", "birth_omega", "cus
 
 
 def dimensional(
-    dataset: xr.Dataset, machine: DimensionalRotor, *, units: Mapping[str, str] | None = None
+    dataset: xr.Dataset,
+    machine: DimensionalRotor | None = None,
+    *,
+    units: Mapping[str, str] | None = None,
 ) -> xr.Dataset:
-    """Return a result with displacements, times, velocities and forces in SI units.
+    """Return a result with displacements, times, velocities and forces in SI or other units.
 
     Parameters
     ----------
     dataset : Dataset
-        A dimensionless result of this package.
-    machine : DimensionalRotor
-        The machine.
+        A result of this package for a `DimensionalRotor`, or a dimensionless one.
+    machine : DimensionalRotor, optional
+        The machine; required for a dimensionless result.
     units : mapping of str to str, optional
         Units other than m, s, m/s, N, N s, J and 1/s, by kind: ``length``, ``time``, ``velocity``,
         ``force``, ``impulse`` or ``energy``, such as ``{"length": "µm", "time": "ms"}``. Prefixes
@@ -75,7 +78,8 @@ def dimensional(
     Raises
     ------
     InputError
-        If the dataset is in SI units already, or a unit is not of its kind.
+        If a dimensionless result has no machine, one in SI units is of another, or a unit is not of
+        its kind.
 
     Notes
     -----
@@ -91,18 +95,21 @@ def dimensional(
     >>> from rotor_ida import simulate
     >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
     ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
-    >>> run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=20.0)
-    >>> dimensional(run, machine).t.attrs["units"]
+    >>> run = simulate(machine, duration=0.04)
+    >>> run.t.attrs["units"]
     's'
-    >>> shown = dimensional(run, machine, units={"length": "µm"})
+    >>> shown = dimensional(run, units={"length": "µm"})
     >>> shown.x.attrs["units"], round(shown.attrs["length_scale"], 9)
     ('um', 1.0)
     """
     check_instance("dataset", dataset, xr.Dataset)
-    check_instance("machine", machine, DimensionalRotor)
-    if "length_scale" in dataset.attrs:
-        raise InputError("the dataset is in SI units already")
-    in_si = _scales_of(machine)
+    own = machine_of(dataset)
+    if machine is None and own is None:
+        raise InputError("machine must be given for a dimensionless result, got None")
+    machine = check_instance("machine", own if machine is None else machine, DimensionalRotor)
+    if own not in {None, machine}:
+        raise InputError(f"machine must be that of the result, {own!r}, got {machine!r}")
+    dataset, in_si = dimensionless(dataset), _scales_of(machine)
     if units is None:
         units = {}
     if not isinstance(units, Mapping):

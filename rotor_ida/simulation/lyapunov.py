@@ -69,8 +69,8 @@ def lyapunov_exponent(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor.
+    rotor : Rotor or DimensionalRotor
+        The rotor. For a `DimensionalRotor` numbers with a unit are in SI units, as for `simulate`.
     start : array_like, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis.
     transient : float

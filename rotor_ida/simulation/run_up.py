@@ -101,9 +101,11 @@ def run_up(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor; for a `RotorSystem` see `run_up_system`. Its
-        ``omega`` is the speed at time 0, when the unbalance points along x.
+    rotor : Rotor or DimensionalRotor
+        The rotor; for a `RotorSystem` see `run_up_system`. Its ``omega`` or ``speed`` is that at
+        time 0, when the unbalance points along x. For a `DimensionalRotor` numbers with a unit are
+        in SI units, as for `simulate`: speeds in rad/s, the torque in N m and N m s, the inertia in
+        kg m^2.
     start : array_like, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
         `rotor_ida.rest` gives the place where a load holds the rotor.

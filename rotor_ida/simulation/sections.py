@@ -59,8 +59,9 @@ def poincare_section(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor, with omega above 0.
+    rotor : Rotor or DimensionalRotor
+        The rotor, with a speed above 0. For a `DimensionalRotor` numbers with a unit are in SI
+        units, as for `simulate`.
     start : array_like, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis.
     revolutions : int

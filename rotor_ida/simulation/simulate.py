@@ -45,8 +45,10 @@ def simulate(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor; for a `RotorSystem` see `simulate_system`.
+    rotor : Rotor or DimensionalRotor
+        The rotor; for a `RotorSystem` see `simulate_system`. For a `DimensionalRotor` all numbers
+        with a unit, given or returned, are in SI units, also in attributes and messages.
+        Tolerances, and coordinates named ``omega``, ``zeta`` and so on, stay dimensionless.
     start : array_like, shape (4,)
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
         `rotor_ida.rest` gives the place where a load holds the rotor.

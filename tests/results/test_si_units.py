@@ -131,9 +131,16 @@ def test_other_units_are_refused(plain, units, message):
         dimensional(plain, MACHINE, units=units)
 
 
-def test_units_are_chosen_once(plain):
-    with pytest.raises(InputError, match="SI units already"):
-        dimensional(dimensional(plain, MACHINE), MACHINE, units={"length": "mm"})
+def test_units_can_be_chosen_again(plain):
+    in_si = dimensional(plain, MACHINE)
+    shown = dimensional(in_si, units={"length": "mm"})
+    expected = dimensional(plain, MACHINE, units={"length": "mm"})
+    xr.testing.assert_allclose(shown, expected, rtol=1e-14)
+    assert shown.attrs.keys() == expected.attrs.keys()
+    with pytest.raises(InputError, match="machine must be that of the result, Dimens"):
+        dimensional(in_si, replace(MACHINE, mass=5.0))
+    with pytest.raises(InputError, match="machine must be given for a dimensionless result"):
+        dimensional(plain)
 
 
 @pytest.mark.parametrize("analysis", [contact_summary, spectrum, rotating, contact_forces])

@@ -78,7 +78,7 @@ def touchdown_report(
     Parameters
     ----------
     rotor : Rotor or DimensionalRotor
-        The rotor; starts and results of a `DimensionalRotor` are in SI units.
+        The rotor. For a `DimensionalRotor` starts and results are in SI units.
     x, y, vx, vy : float or array_like, shape (2,)
         Components of the start [m], [m/s] or [1]: numbers, or ranges ``(low, high)`` from which
         they are drawn independently and uniformly.
