@@ -15,7 +15,7 @@ import time
 import numpy as np
 from scipy.stats import binom, chi2
 
-from rotor_ida import DimensionalRotor, Rotor, dimensional, fit, run_up, signals_of, simulate
+from rotor_ida import DimensionalRotor, Rotor, fit, run_up, signals_of, simulate
 
 LEVEL, CHANCE = 0.95, 1e-3
 # Machine, its run, what is sought, noise and error of contact times.
@@ -52,9 +52,7 @@ def measured(case):
     """Return the signals of a case without noise, and when contacts begin and end."""
     machine, asked, *_ = CASES[case]
     if isinstance(machine, DimensionalRotor):
-        ramp = machine.change_of_speed(to=asked["to"], rate=asked["rate"])
-        bare = run_up(machine.rotor(), start=(0, 0, 0, 0), samples=asked["samples"], **ramp)
-        run = dimensional(bare, machine)
+        run = run_up(machine, **asked)
     else:
         run = (run_up if "to" in asked else simulate)(machine, **asked)
     times, kinds = run["event_time"].values, run["event_kind"].values

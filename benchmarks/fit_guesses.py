@@ -67,9 +67,8 @@ def measured(machine, critical, rng):
         low, high = 0.4 * critical, rng.uniform(1.3, 2.2) * critical
         duration = 2.0 * np.pi * revolutions / (0.5 * (low + high))
         machine = DimensionalRotor(**{**machine.given, "speed": low})
-        change = machine.change_of_speed(to=high, rate=(high - low) / duration)
         samples = 1 + int(revolutions * 40)
-        return machine, run_up(machine.rotor(), start=(0, 0, 0, 0), samples=samples, **change)
+        return machine, run_up(machine, to=high, rate=(high - low) / duration, samples=samples)
     machine = DimensionalRotor(**{**machine.given, "speed": rng.uniform(0.7, 1.6) * critical})
     rotor = machine.rotor()
     return machine, simulate(

@@ -1,10 +1,10 @@
 from . import closed_forms as closed_forms
 from . import plot as plot
 from . import testing as testing
-from .basins import basin as basin
-from .basins import basin_fractions as basin_fractions
 from .basins.atlas import continue_attractors as continue_attractors
 from .basins.atlas import touchdown_report as touchdown_report
+from .basins.basin import basin as basin
+from .basins.basin import basin_fractions as basin_fractions
 from .closed_forms import backward_whirl as backward_whirl
 from .closed_forms import folds as folds
 from .closed_forms import hopf_points as hopf_points

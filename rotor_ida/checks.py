@@ -189,9 +189,8 @@ def check_nonnegative(name: str, value: object, largest: float = math.inf) -> fl
     """Return `value` as a finite float from zero to `largest`."""
     number = check_real(name, value)
     if number < 0.0:
-        raise InputError(f"{name} must be zero or positive, got {number!r}")
-    if number > largest:
-        raise InputError(f"{name} must be at most {largest:g}, got {number!r}")
+        raise InputError("{name} must be zero or positive, got {value}", name=name, value=number)
+    _check_at_most(name, number, largest)
     return number + 0.0
 
 
@@ -199,17 +198,26 @@ def check_positive(name: str, value: object, largest: float = math.inf) -> float
     """Return `value` as a finite float above zero and up to `largest`."""
     number = check_real(name, value)
     if number <= 0.0:
-        raise InputError(f"{name} must be positive, got {number!r}")
-    if number > largest:
-        raise InputError(f"{name} must be at most {largest:g}, got {number!r}")
+        raise InputError("{name} must be positive, got {value}", name=name, value=number)
+    _check_at_most(name, number, largest)
     return number
+
+
+def _check_at_most(name: str, number: float, most: float) -> None:
+    if number > most:
+        raise InputError(
+            "{name} must be at most {most:g}, got {value}", name=name, most=most, value=number
+        )
 
 
 def check_between(name: str, value: object, least: float, most: float) -> float:
     """Return `value` as a positive float from `least` to `most`."""
     number = check_positive(name, value)
     if not least <= number <= most:
-        raise InputError(f"{name} must lie from {least} to {most}, got {number!r}")
+        raise InputError(
+            "{name} must lie from {least} to {most}, got {value}",
+            name=name, least=least, most=most, value=number,
+        )  # fmt: skip
     return number
 
 
@@ -289,9 +297,10 @@ def check_duration(name: str, value: object, omega: float) -> float:
     if np.spacing(duration) > finest:
         bound = math.ldexp(1.0, math.floor(math.log2(finest)) + 53)
         raise InputError(
-            f"{name} must be below {bound:.6g} at omega {omega:g}, so that doubles resolve a "
-            f"revolution, got {duration!r}"
-        )
+            "{name} must be below {bound:.6g} at {omega=:g}, so that doubles resolve a revolution, "
+            "got {value}",
+            name=name, bound=bound, omega=omega, value=duration,
+        )  # fmt: skip
     return duration
 
 
@@ -329,7 +338,10 @@ def check_array(name: str, values: object, *, largest: float = math.inf) -> Valu
         check_real(name, number)
     outside = numbers[np.abs(numbers) > largest]
     if outside.size:
-        raise InputError(f"{name} must lie within {largest:g} of zero, got {float(outside[0])!r}")
+        raise InputError(
+            "{name} must lie within {most:g} of zero, got {value}",
+            name=name, most=largest, value=float(outside[0]),
+        )  # fmt: skip
     return numbers
 
 
@@ -377,11 +389,15 @@ def check_axis(
     """
     axis = check_vector(name, values)
     if (axis < 0.0).any():
-        raise InputError(f"{name} must be zero or positive, got {float(axis[axis < 0.0][0])!r}")
+        below = float(axis[axis < 0.0][0])
+        raise InputError("{name} must be zero or positive, got {value}", name=name, value=below)
     outside = axis[(axis > largest) | ((axis > 0.0) & (axis < smallest))]
     if outside.size:
-        allowed = f"0 or between {smallest:g} and" if smallest else "at most"
-        raise InputError(f"{name} must be {allowed} {largest:g}, got {float(outside[0])!r}")
+        allowed = "0 or between {least:g} and" if smallest else "at most"
+        raise InputError(
+            f"{{name}} must be {allowed} {{most:g}}, got {{value}}",
+            name=name, least=smallest, most=largest, value=float(outside[0]),
+        )  # fmt: skip
     return axis + 0.0
 
 
@@ -398,8 +414,10 @@ def check_increasing(name: str, axis: Values, where: str = "") -> Values:
     falls = np.flatnonzero(np.diff(axis) <= 0.0)
     if falls.size:
         before, after = axis[falls[0] : falls[0] + 2].tolist()
-        words = f"increase {where}".rstrip()
-        raise InputError(f"{name} must {words}, got {after!r} after {before!r}")
+        raise InputError(
+            "{name} must {words}, got {value} after {before}",
+            name=name, words=f"increase {where}".rstrip(), value=after, before=before,
+        )  # fmt: skip
     return axis
 
 
@@ -419,9 +437,10 @@ def check_direction(direction: str | None, name: str, speeds: Values) -> None:
     check_choice("direction", direction, ("up", "down", "both"))
     if speeds.size < 2:
         raise InputError(
-            f"{name} must be two speeds or more with a direction, in which only the speed changes, "
-            f"got {speeds.item()!r}"
-        )
+            "{name} must be two speeds or more with a direction, in which only the speed changes, "
+            "got {value}",
+            name=name, value=speeds.item(),
+        )  # fmt: skip
     check_increasing(name, speeds, "in a sweep up or down")
 
 

@@ -38,6 +38,7 @@ MACHINE = DimensionalRotor(
     shaft_stiffness=5e4,  # N/m
 )
 LAST, SLOW = 2500, 50.0  # rpm, rpm/s
+RPM = 2.0 * np.pi / 60.0  # rad/s
 AHEAD = 0.7  # rad from the mark to the unbalance
 NOISE = 1.0  # micrometres
 SEED = 1
@@ -68,10 +69,9 @@ def main(settings: Settings) -> None:
 
 def signals_of_machine(last: float, rate: float) -> xr.Dataset:
     """Return noisy signals of two probes, in micrometres, of a run-up to rpm at rpm/s."""
-    change = MACHINE.change_of_speed(to=last, rate=rate, unit="rpm")
     samples = round(1000.0 * (last - 300.0) / rate) + 1
-    run = run_up(MACHINE.rotor(), start=REST, samples=samples, **change)
-    seen = signals_of(dimensional(run, MACHINE, units={"length": "µm"}))
+    run = run_up(MACHINE, to=last * RPM, rate=rate * RPM, samples=samples)
+    seen = signals_of(dimensional(run, units={"length": "µm"}))
     # a run counts the angle of the unbalance, a keyphasor that of its mark
     seen["angle"] = seen["angle"].copy(data=seen["angle"].values - AHEAD)
     return with_noise(seen, NOISE, SEED)

@@ -53,6 +53,7 @@ MACHINE = DimensionalRotor(
     shaft_stiffness=5e4,  # N/m
 )
 LAST = 4000  # rpm
+RPM = 2.0 * np.pi / 60.0  # rad/s
 UNITS = {"length": "µm", "speed": "rpm"}
 NOISE = 0.2  # of a probe, in micrometres
 SHARP = 10.0  # of the pulses of the keyphasor: a few samples wide at the highest speed
@@ -85,11 +86,10 @@ def main(settings: Settings) -> None:
 
 def up_of_machine(rate: float) -> xr.Dataset:
     """Return the run-up of the machine, at a rate in rpm/s, in SI units."""
-    change = MACHINE.change_of_speed(to=LAST, rate=rate, unit="rpm")
     duration = (LAST - 300.0) / rate
     samples = round(1000.0 * duration) + 1
-    run = run_up(MACHINE.rotor(), start=REST, samples=samples, **change)
-    return dimensional(run, MACHINE, units=UNITS)
+    run = run_up(MACHINE, to=LAST * RPM, rate=rate * RPM, samples=samples)
+    return dimensional(run, units=UNITS)
 
 
 def exact_of_machine() -> tuple[xr.Dataset, xr.Dataset]:

@@ -31,9 +31,9 @@ machine = DimensionalRotor(
     speed=31.416,  # rad/s: 300 rpm
     shaft_stiffness=5e4,  # N/m
 )
-change = machine.change_of_speed(to=2500, rate=200, unit="rpm")
-run = run_up(machine.rotor(), start=(0, 0, 0, 0), samples=55_001, **change)
-run = dimensional(run, machine, units={"length": "µm"})
+rpm = 2 * np.pi / 60
+run = run_up(machine, to=2500 * rpm, rate=200 * rpm, samples=55_001)
+run = dimensional(run, units={"length": "µm"})
 
 noise = 0.5 * np.random.default_rng(1).normal(size=(2, run.sizes["t"]))
 towards = np.exp(-1j * np.pi / 4) * (run.x + 1j * run.y).values

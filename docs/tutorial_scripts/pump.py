@@ -49,10 +49,12 @@ print(f"eccentricity {1e6 * pump.eccentricity:.2f} um, damping {pump.damping:.1f
 #
 # The answer comes first, in three sentences. Tables with the details follow.
 
+from math import pi
+
 from rotor_ida import dimensional, run_up, summary
 
-ramp = pump.change_of_speed(speeds=[(0, 0), (20, 6000)], unit="rpm")
-run = dimensional(run_up(pump.rotor(), **ramp), pump, units={"speed": "rpm", "length": "um"})
+ramp = [(0, 0), (20, 6000 * 2 * pi / 60)]  # s, rad/s
+run = dimensional(run_up(pump, speeds=ramp), units={"speed": "rpm", "length": "um"})
 print(summary(run).attrs["sentence"])
 
 # %%
@@ -105,10 +107,7 @@ plot_cascade(run)
 from dataclasses import replace
 
 balanced = replace(pump, eccentricity=6.63e-6)
-ramp = balanced.change_of_speed(speeds=[(0, 0), (20, 6000)], unit="rpm")
-quiet = dimensional(
-    run_up(balanced.rotor(), **ramp), balanced, units={"speed": "rpm", "length": "um"}
-)
+quiet = dimensional(run_up(balanced, speeds=ramp), units={"speed": "rpm", "length": "um"})
 print(summary(quiet).attrs["sentence"])
 
 # %%

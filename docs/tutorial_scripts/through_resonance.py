@@ -45,8 +45,8 @@ print(f"radius of the whirl there, without a snubber: {1e6 * free:.0f} µm")
 # The run-up
 # ----------
 #
-# The drive accelerates by 3000 rpm per second. ``change_of_speed`` converts this to arguments of ``run_up``. ``dimensional``
-# converts the result to seconds, rpm and micrometres.
+# The drive accelerates by 3000 rpm per second. For a ``DimensionalRotor`` all numbers are in SI units, speeds in rad/s.
+# ``dimensional`` converts the result to rpm and micrometres.
 
 rotor = machine.rotor()
 rest = (0, 0, 0, 0)
@@ -54,9 +54,8 @@ rest = (0, 0, 0, 0)
 
 def up_to_speed(rate):
     """Run the machine up at a rate in rpm/s."""
-    change = machine.change_of_speed(to=10_000, rate=rate, unit="rpm")
-    run = run_up(rotor, start=rest, samples=6001, **change)
-    return dimensional(run, machine, units={"speed": "rpm", "length": "µm"})
+    run = run_up(machine, to=10_000 * rpm, rate=rate * rpm, start=rest, samples=6001)
+    return dimensional(run, units={"speed": "rpm", "length": "µm"})
 
 
 run = up_to_speed(3000)
@@ -170,9 +169,11 @@ print(
 no_load = 12_000 * rpm
 driven = {}
 for stall in (3.0, 6.0):
-    change = machine.change_of_speed(torque=(stall, stall / no_load), inertia=0.01, duration=12.0)
-    run = run_up(rotor, start=rest, samples=1001, **change)
-    driven[stall] = dimensional(run, machine, units={"speed": "rpm"})
+    run = run_up(
+        machine, torque=(stall, stall / no_load), inertia=0.01, duration=12.0, start=rest,
+        samples=1001,
+    )  # fmt: skip
+    driven[stall] = dimensional(run, units={"speed": "rpm"})
     last = driven[stall].speed.values[-1]
     touching = driven[stall].event_kind.values[-1] > 0  # the last event is an entry, and no exit
     print(f"{stall:.0f} N m: {last:.0f} rpm after 12 s, {'in contact' if touching else 'free'}, "

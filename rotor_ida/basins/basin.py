@@ -29,6 +29,7 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor, check_no_load
 from rotor_ida.parallel import Progress, choose, interruptible, shows_progress
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import LARGEST, Options, check_can_be_followed
@@ -43,6 +44,7 @@ MOST_CONTACT_DAMPING = 50.0
 MOST_STARTS = 100_000_000
 
 
+@takes_si
 @shows_progress
 def basin(
     rotor: Rotor,
@@ -61,8 +63,9 @@ def basin(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor. It must be damped: without damping there are no attractors.
+    rotor : Rotor or DimensionalRotor
+        The rotor. It must be damped: without damping there are no attractors. For a
+        `DimensionalRotor` starts and results are in SI units.
     x, y, vx, vy : float or array_like, shape (n,)
         Components of the start [1]: exactly two are increasing arrays, two are numbers.
     rtol : float, optional
@@ -152,6 +155,7 @@ def basin(
     return basin_dataset(axes, fixed, result)
 
 
+@takes_si
 @shows_progress
 def basin_fractions(
     rotor: Rotor,
@@ -172,8 +176,9 @@ def basin_fractions(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor. It must be damped: without damping there are no attractors.
+    rotor : Rotor or DimensionalRotor
+        The rotor. It must be damped: without damping there are no attractors. For a
+        `DimensionalRotor` starts and results are in SI units.
     x, y, vx, vy : float or array_like, shape (2,)
         Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn
         independently and uniformly.
@@ -292,19 +297,22 @@ def check_rotor(rotor: object, what: str = "a basin", *, one_by_one: bool = Fals
         check_no_load(rotor, what)
     if rotor.omega == 0.0 < min(rotor.load, rotor.friction):
         raise InputError(
-            f"omega must be above 0 for {what} under a load with friction, got 0.0: friction "
-            "allows many positions of rest"
-        )
+            "{name} must be above 0 for {what} under a load with friction, got {value}: friction "
+            "allows many positions of rest",
+            name="omega", what=what, value=0.0,
+        )  # fmt: skip
     check_can_be_followed(rotor, (0.0, 0.0, 0.0, 0.0), settling=True)
     if not 0.0 < rotor.zeta <= MOST_DAMPING:
         raise InputError(
-            f"zeta must be above 0 and at most {MOST_DAMPING:g} for {what}, got {rotor.zeta!r}"
-        )
+            "{name} must be above 0 and at most {most:g} for {what}, got {value}",
+            name="zeta", most=MOST_DAMPING, what=what, value=rotor.zeta,
+        )  # fmt: skip
     if rotor.contact_damping > MOST_CONTACT_DAMPING:
         raise InputError(
-            f"contact_damping must be at most {MOST_CONTACT_DAMPING:g} for {what}, got "
-            f"{rotor.contact_damping!r}"
-        )
+            "{name} must be at most {most:g} for {what}, got {value}",
+            name="contact_damping", most=MOST_CONTACT_DAMPING, what=what,
+            value=rotor.contact_damping,
+        )  # fmt: skip
     return rotor
 
 

@@ -184,15 +184,7 @@ def _course(speeds: Values) -> str:
 def _begun(dataset: xr.Dataset) -> Record:
     """Return from the attributes of a run its start and duration, in the units of the run."""
     attributes = attributes_of(dataset)
-    told: Record = {each: attributes[each] for each in ("start", "duration") if each in attributes}
-    if "time_scale" in dataset.attrs:
-        length, velocity = dataset.attrs["length_scale"], dataset.attrs["velocity_scale"]
-        if "start" in told:
-            scales = [length, length, velocity, velocity]
-            told["start"] = (np.asarray(dataset.attrs["start"]) * scales).tolist()
-        if "duration" in told:
-            told["duration"] = float(dataset.attrs["duration"] * dataset.attrs["time_scale"])
-    return told
+    return {each: attributes[each] for each in ("start", "duration") if each in attributes}
 
 
 def _largest(dataset: xr.Dataset, name: str) -> float:

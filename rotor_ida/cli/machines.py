@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from rotor_ida.checks import State, listed, shown
+from rotor_ida.checks import State, listed
 from rotor_ida.cli.parsing import Quantity, refuse_units
-from rotor_ida.errors import InputError
+from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.data_sheet import check_keys, in_si, machine_from_data_sheet, overridden
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OF_MACHINE, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.scales import BECOMES, IS_OF_MACHINE
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Dimensionless parameter for each quantity of a machine; others keep their name.
-BECOMES = {"speed": "omega", "damping": "zeta", "clearance": "delta0"}
-
 # Required parameters of a rotor, dimensionless or in SI units.
 KINDS = (PARAMETERS, MACHINE_PARAMETERS)
-IS_OF_MACHINE = {new: old for old, new in BECOMES.items()}
 # A number, the numbers of an axis, or the two ends of a range.
 Component = TypeVar("Component", float, list[float] | float, tuple[float, float] | float)
 
@@ -45,14 +43,6 @@ class Units:
         x, y, vx, vy = start
         length, velocity = self.machine.length_scale, self.machine.velocity_scale
         return x / length, y / length, vx / velocity, vy / velocity
-
-    def begun(self, start: State | None, rotor: Rotor | DimensionalRotor) -> State:
-        """Return a start without dimensions; without one it is where the load holds the rotor."""
-        if start is not None:
-            return self.start(start)
-        from rotor_ida.closed_forms.rest import hanging  # noqa: PLC0415 - not for --help
-
-        return hanging(rotor if isinstance(rotor, Rotor) else rotor.rotor())
 
     def component(self, name: str, value: Component) -> Component:
         """Return a component of starts, a number or several, without dimensions."""
@@ -82,33 +72,26 @@ class Units:
         """Return a change of the speed in rad/s2 without dimensions."""
         return self.speed(rate) / self.time(1.0)
 
-    def parameter(self, name: str) -> Any:
-        """Return the dimensionless parameter for a name."""
-        if self.machine is None and name in BECOMES:
-            raise InputError(
-                f"parameter must be {BECOMES[name]} for a dimensionless rotor, got {name!r}"
-            )
-        return BECOMES.get(name, name)
-
     def values(self, name: str, values: Sequence[float]) -> tuple[float, ...]:
         """Return values of a parameter of a machine, in its SI unit, without dimensions."""
         assert self.machine is not None
         given = IS_OF_MACHINE.get(name, name)
         return tuple(
-            getattr(replace(self.machine, **{given: each}).rotor(), self.parameter(name))
+            getattr(replace(self.machine, **{given: each}).rotor(), BECOMES.get(name, name))
             for each in map(float, values)
         )
 
-    def limits(self, name: str, values: Sequence[float]) -> tuple[float, ...]:
-        """Return dimensionless limits of a parameter; their units must match."""
-        if self.machine is None:
-            refuse_units({"limits": tuple(values)})
-            return tuple(values)
-        given = IS_OF_MACHINE.get(name, name)
-        for each in values:
-            if isinstance(each, Quantity) and each.word:
-                in_si(given, each.word, OF_MACHINE[given].unit)
-        return self.values(name, values)
+    @contextmanager
+    def told(self) -> Iterator[None]:
+        """Give errors the units of the machine."""
+        try:
+            yield
+        except (InputError, SimulationError) as error:
+            if self.machine is None:
+                raise
+            from rotor_ida.results.in_si import in_si  # noqa: PLC0415 - heavy
+
+            raise in_si(error, self.machine) from error
 
     def shown(self, dataset: xr.Dataset) -> xr.Dataset:
         """Return a dimensionless result in these units."""
@@ -120,27 +103,36 @@ class Units:
 
     def keep(self, study: Path | None) -> None:
         """Write the machine into the folder of a study, so that it continues in these units."""
-        if study is None or self.machine is None:
-            return
-        from rotor_ida.results.machine_file import load_machine, save_machine  # noqa: PLC0415
-        from rotor_ida.results.studies.store import MACHINE_FILE  # noqa: PLC0415
+        if self.machine is not None:
+            from rotor_ida.results.in_si import keep_machine  # noqa: PLC0415 - heavy
 
-        place = study / MACHINE_FILE
-        if place.exists():
-            if load_machine(place) != self.machine:
-                raise InputError(f"study must be of this machine, got {shown(study)} of another")
-            return
-        study.mkdir(parents=True, exist_ok=True)
-        save_machine(self.machine, place)
+            keep_machine(study, self.machine)
 
 
-def kept(study: Path) -> Units:
-    """Return the units of a study."""
-    from rotor_ida.results.machine_file import load_machine  # noqa: PLC0415 - not for --help
-    from rotor_ida.results.studies.store import MACHINE_FILE  # noqa: PLC0415
+def begun(start: State | None, rotor: Rotor | DimensionalRotor) -> State:
+    """Return a start; without one it is where the load holds the rotor."""
+    if start is not None:
+        return start
+    from rotor_ida.closed_forms.rest import hanging  # noqa: PLC0415 - not for --help
 
-    place = study / MACHINE_FILE
-    return Units(load_machine(place)) if place.is_file() else Units()
+    if isinstance(rotor, Rotor):
+        return hanging(rotor)
+    x, y, vx, vy = hanging(rotor.rotor())
+    length, velocity = rotor.length_scale, rotor.velocity_scale
+    return x * length, y * length, vx * velocity, vy * velocity
+
+
+def check_limits(
+    rotor: Rotor | DimensionalRotor, names: Sequence[str], limits: Sequence[float]
+) -> None:
+    """Raise `InputError` unless the units of limits, two a parameter, are those of parameters."""
+    if isinstance(rotor, Rotor):
+        refuse_units({"limits": tuple(limits)})
+        return
+    for place, each in enumerate(limits):
+        if isinstance(each, Quantity) and each.word:
+            name = IS_OF_MACHINE.get(names[place // 2], names[place // 2])
+            in_si(name, each.word, OF_MACHINE[name].unit)
 
 
 def plain(dataset: xr.Dataset) -> tuple[xr.Dataset, Units]:
@@ -218,7 +210,7 @@ def of_sheet(sheet: Mapping[str, object], file: Path | None) -> DimensionalRotor
     try:
         return machine_from_data_sheet(**sheet)  # type: ignore[arg-type]
     except InputError as error:
-        raise InputError(str(error) if file is None else f"{file}: {error}") from error
+        raise error if file is None else error.within(f"{file}: ") from error
 
 
 def axes_of(

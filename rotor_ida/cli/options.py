@@ -268,12 +268,9 @@ class ChangeOptions:
             else replace(chosen, speed=speed)
         )
 
-    def of(self, machine: Rotor | DimensionalRotor) -> dict[str, Any]:
-        """Return the arguments for `run_up`, without dimensions."""
-        given = {name: each for name, each in asdict(self).items() if name != "begin"}
-        if isinstance(machine, DimensionalRotor):
-            return dict(machine.change_of_speed(**given))
-        return given
+    def given(self) -> dict[str, Any]:
+        """Return the arguments for `run_up`."""
+        return {name: each for name, each in asdict(self).items() if name != "begin"}
 
 
 @Parameter(name="*", group=SOLVER)

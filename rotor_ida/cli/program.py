@@ -206,9 +206,8 @@ def _answer(command: Callable[..., object], bound: BoundArguments) -> object:
     except (InputError, SimulationError) as error:
         from rotor_ida.cli.messages import in_given_units  # noqa: PLC0415 - only after an error
 
-        said = in_given_units(bound.arguments, str(error))
-        kind = InputError if isinstance(error, InputError) else RotorError
-        raise kind(said) from error
+        said = in_given_units(bound.arguments, error)
+        raise said if isinstance(error, InputError) else RotorError(str(said)) from error
 
 
 def _note(message: Warning | str, *_where: object) -> None:

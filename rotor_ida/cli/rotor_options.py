@@ -24,6 +24,7 @@ from rotor_ida.model.data_sheet import units_of
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, TABLE
 from rotor_ida.model.parameters import Parameter as Quantity
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.scales import BECOMES
 
 # Placeholder where a speed is required but not used.
 ANY_SPEED = 1.0
@@ -105,11 +106,6 @@ class RotorOptions:
         """Return the rotor, dimensionless or in SI units, from the given and `known` quantities."""
         return machines.chosen({**self.given, **known}, self.machine, OPTIONAL)
 
-    def rotor_and_units(self) -> tuple[Rotor, Units]:
-        """Return the dimensionless rotor, and the units of the command."""
-        chosen = self.chosen()
-        return chosen if isinstance(chosen, Rotor) else chosen.rotor(), Units.of(chosen)
-
 
 @Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
@@ -155,7 +151,5 @@ class RotorsOptions:
     def panels(self, over: str = "") -> int:
         """Return the number of panels of a figure over one of the parameters."""
         return math.prod(
-            len(each)
-            for name, each in self.values.items()
-            if machines.BECOMES.get(name, name) != over
+            len(each) for name, each in self.values.items() if BECOMES.get(name, name) != over
         )

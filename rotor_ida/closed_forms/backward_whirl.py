@@ -33,19 +33,22 @@ from rotor_ida.closed_forms.rest import slowest_rate
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.model.rotor import Rotor, check_no_load
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.schema import STABILITY, WHIRL_KIND, labelled, labelled_dataset
 
 # With less friction the whirl speed leaves the range of doubles.
 _SMALLEST_FRICTION = 1e-20
 
 
+@takes_si
 def backward_whirl(rotor: Rotor) -> xr.Dataset:
     """Compute the backward whirls sustained by friction alone: dry whirl (slipping) and dry whip.
 
     Parameters
     ----------
-    rotor : Rotor
-        A rotor with friction; its unbalance is ignored.
+    rotor : Rotor or DimensionalRotor
+        A rotor with friction; its unbalance is ignored. For a `DimensionalRotor` results are in SI
+        units.
 
     Returns
     -------

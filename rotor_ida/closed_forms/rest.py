@@ -11,16 +11,19 @@ from rotor_ida.checks import LARGEST_NUMBER, State, check_instance, check_nonneg
 from rotor_ida.closed_forms.contact_laws import force_at_depth
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.model.rotor import Rotor, check_no_friction
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
 
+@takes_si
 def rest(rotor: Rotor) -> xr.Dataset:
     """Compute the position of rest of a rotor at zero speed under its load, and its stability.
 
     Parameters
     ----------
-    rotor : Rotor
-        Parameters of the rotor; the speed is not used.
+    rotor : Rotor or DimensionalRotor
+        Parameters of the rotor; the speed is not used. For a `DimensionalRotor` results are in SI
+        units.
 
     Returns
     -------

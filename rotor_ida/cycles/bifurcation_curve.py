@@ -33,6 +33,7 @@ from rotor_ida.cycles.problems import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, Stop, shows_progress
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.studies.results import Results
 
@@ -42,6 +43,7 @@ Kind = Literal["fold", "period_doubling", "torus"]
 MOST_POINTS_OF_BRANCH = 2000
 
 
+@takes_si
 @shows_progress
 def bifurcation_curve(
     rotor: Rotor,
@@ -57,8 +59,9 @@ def bifurcation_curve(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor.
+    rotor : Rotor or DimensionalRotor
+        The rotor. For a `DimensionalRotor` numbers with a unit are in SI units, as for
+        `continue_cycle`.
     start : array_like, shape (4,), or Dataset
         A special point of this kind of a branch, ``branch.isel(special=...)``. Or a limit cycle, a
         point of a branch, or a start ``(x, y, vx, vy)`` that leads to a cycle [1], by default at

@@ -19,6 +19,7 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, shows_progress
+from rotor_ida.results.in_si import keeps_si
 from rotor_ida.schema import EXACT, check_as_computed
 
 NEEDED = ("lies_on", "exact_period", "exact_radius_max", *(f"end_{name}" for name in COMPONENTS))
@@ -29,6 +30,7 @@ SAME_CYCLE = 1e-7
 WORTH_CLOSING = 0.02
 
 
+@keeps_si
 @shows_progress
 def branches_through(
     compared: xr.Dataset,

@@ -18,7 +18,6 @@ from rotor_ida.checks import (
     check_instance,
     check_progress,
     check_vector,
-    shown,
 )
 from rotor_ida.cycles.branch import (
     CLOSED,
@@ -33,17 +32,19 @@ from rotor_ida.cycles.limit_cycle import checked_guess, with_period
 from rotor_ida.cycles.problems import NEVER_ZERO, Continuation, branch_through
 from rotor_ida.cycles.special_points import O, Special
 from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import OF_ROTOR
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, shows_progress
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Form, Results, open_results
 from rotor_ida.schema import SPECIAL, by_number
 
 Parameter = Literal[
     "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",
-    "disc_radius",
+    "disc_radius", "speed", "damping", "clearance",
 ]  # fmt: skip
-CONTINUED: tuple[Parameter, ...] = get_args(Parameter)
+CONTINUED: tuple[Parameter, ...] = tuple(each for each in get_args(Parameter) if each in OF_ROTOR)
 Direction = Literal["both", "forward", "backward"]
 
 WAYS: dict[str, tuple[int, ...]] = {"both": (0, 1), "forward": (0,), "backward": (1,)}
@@ -62,6 +63,7 @@ FORM: Form[Arrays] = Form(
 )
 
 
+@takes_si
 @shows_progress
 def continue_cycle(
     rotor: Rotor,
@@ -78,8 +80,9 @@ def continue_cycle(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor.
+    rotor : Rotor or DimensionalRotor
+        The rotor. For a `DimensionalRotor` numbers with a unit are in SI units, as for
+        `rotor_ida.simulate`; a dataset has its own.
     start : array_like, shape (4,), or Dataset
         A start ``(x, y, vx, vy)`` that leads to the cycle [1], by default at rest on the axis; or
         the result of `limit_cycle`; or one point of a branch, ``branch.isel(point=...)``; or one of
@@ -88,9 +91,10 @@ def continue_cycle(
     parameter : {"omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", \
             "friction", "disc_radius"}
         The parameter to vary; the others are constant. A load cannot reach 0, where cycles have
-        other periods.
+        other periods. Of a `DimensionalRotor` also by the names ``speed``, ``damping`` and
+        ``clearance``.
     limits : tuple of float
-        Its smallest and largest value [1].
+        Its smallest and largest value, [1] or in its SI unit.
     direction : {"both", "forward", "backward"}
         Direction from the start. Forward is towards larger values of the parameter, or from a point
         of a branch onwards along that branch. From a period doubling there is only one direction.
@@ -175,11 +179,14 @@ def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, f
     values = check_vector("limits", limits)
     if values.size != 2 or not 0.0 <= values[0] < values[1]:
         raise InputError(
-            f"limits of {parameter} must be two increasing numbers from 0 on, got {shown(limits)}"
-        )
+            "{name} must be two increasing numbers from 0 on, got {value}",
+            name=f"limits of {parameter}", value=tuple(values.tolist()),
+        )  # fmt: skip
     low, high = values.tolist()
     if low == 0.0 and parameter in NEVER_ZERO:
-        raise InputError(f"limits of {parameter} must be above 0, got {shown(limits)}")
+        raise InputError(
+            "{name} must be above 0, got {value}", name=f"limits of {parameter}", value=(low, high)
+        )
     if parameter in {"friction", "disc_radius"} and rotor.disc_radius is None:
         raise InputError(f"disc_radius must be given for {parameter} to be continued, got None")
     here = getattr(rotor, parameter)
@@ -190,15 +197,19 @@ def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, f
         )
     if parameter == "load" and here == 0.0:
         raise InputError(
-            "load must be above 0 to be continued, got 0.0: without a load cycles have other "
-            "periods"
-        )
+            "{name} must be above 0 to be continued, got {value}: without a load cycles have other "
+            "periods",
+            name="load", value=here,
+        )  # fmt: skip
     if parameter == "delta0" and here == 0.0:
-        raise InputError("delta0 must be above 0 to be continued, got 0.0")
+        raise InputError(
+            "{name} must be above 0 to be continued, got {value}", name=parameter, value=here
+        )
     if not low <= here <= high:
         raise InputError(
-            f"limits of {parameter} must contain that of the start, {here!r}, got {shown(limits)}"
-        )
+            "{name} must contain that of the start, {here}, got {value}",
+            name=f"limits of {parameter}", here=here, value=(low, high),
+        )  # fmt: skip
     return low, high
 
 

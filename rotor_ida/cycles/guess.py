@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import COMPONENTS, check_between, shown
+from rotor_ida.checks import COMPONENTS, check_between
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
@@ -107,9 +107,9 @@ def _rotor_of(rotor: Rotor, start: xr.Dataset) -> Rotor:
         here, given = getattr(own, name), getattr(rotor, name)
         if name not in _continued(start) and here != given:
             raise InputError(
-                f"start must be of the same rotor: its {name} is {shown(here)}, that of the rotor "
-                f"{shown(given)}"
-            )
+                "start must be of the same rotor: its {name} is {value}, that of the rotor {given}",
+                name=name, value=here, given=given,
+            )  # fmt: skip
     return own
 
 

@@ -24,6 +24,7 @@ from rotor_ida.cycles.shooting import (
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.steady.follow import FAILED, follow_to_steady_state
 from rotor_ida.steady.response import UNRESOLVED
@@ -52,6 +53,7 @@ REVOLUTIONS = 128
 COME_BACK = 1e-6
 
 
+@takes_si
 def limit_cycle(
     rotor: Rotor, *, start: npt.ArrayLike | xr.Dataset = AT_REST, period: float | None = None
 ) -> xr.Dataset:
@@ -59,8 +61,9 @@ def limit_cycle(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor. It must turn and be damped.
+    rotor : Rotor or DimensionalRotor
+        The rotor. It must turn and be damped. For a `DimensionalRotor` numbers with a unit are in
+        SI units, as for `rotor_ida.simulate`; a dataset has its own.
     start : array_like, shape (4,), or Dataset
         ``(x, y, vx, vy)`` at time 0 [1], by default at rest on the axis. A start that returns to
         itself to a relative 1e-3 is taken as a guess of a cycle, stable or not. From any other
@@ -142,7 +145,10 @@ def check_turns_and_settles(rotor: Rotor) -> None:
     """Raise InputError for a rotor that has no limit cycles."""
     for name in ("omega", "zeta"):
         if getattr(rotor, name) == 0.0:
-            raise InputError(f"{name} must be above 0 for a limit cycle, got 0.0: nothing settles")
+            raise InputError(
+                "{name} must be above 0 for a limit cycle, got {value}: nothing settles",
+                name=name, value=0.0,
+            )  # fmt: skip
 
 
 def check_revolutions(guess: Guess) -> None:
@@ -153,9 +159,10 @@ def check_revolutions(guess: Guess) -> None:
     apart = abs(guess.period - period_of(guess.rotor, revolutions_of(guess.rotor, guess.period)))
     if apart > WITHIN_A_REVOLUTION * revolution:
         raise InputError(
-            "period must be a whole number of revolutions under a load, each of "
-            f"{revolution:.9g}, got {guess.period!r}"
-        )
+            "{name} must be a whole number of revolutions under a load, each of {revolution:.9g}, "
+            "got {value}",
+            name="period", revolution=revolution, value=guess.period,
+        )  # fmt: skip
 
 
 def checked_guess(rotor: Rotor, start: object) -> Guess:

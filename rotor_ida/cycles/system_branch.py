@@ -123,8 +123,9 @@ def _limits(limits: object, speed: float) -> tuple[float, float]:
     low, high = values.tolist()
     if not low <= speed <= high:
         raise InputError(
-            f"limits must contain the speed of the start, {speed!r}, got {shown(limits)}"
-        )
+            "{name} must contain the speed of the start, {speed}, got {value}",
+            name="limits", speed=speed, value=(low, high),
+        )  # fmt: skip
     return low, high
 
 

@@ -259,6 +259,7 @@ def check_clearance_needed(largest: dict[str, float | None]) -> None:
         value = largest[name]
         if value:
             raise InputError(
-                f"{name} must be 0 without clearance, where the radius may vanish in contact, "
-                f"got {value!r} with delta0 0.0"
-            )
+                "{name} must be 0 without clearance, where the radius may vanish in contact, got "
+                "{value} with {delta0=}",
+                name=name, value=value, delta0=0.0,
+            )  # fmt: skip

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-import numpy.typing as npt
 
-from rotor_ida.errors import InputError
-from rotor_ida.model.change_of_speed import ChangeOfSpeed, dimensionless_change
+from rotor_ida.errors import Amount, InputError
 from rotor_ida.model.parameters import (
     DEFAULTS,
     MACHINE_PARAMETERS,
@@ -22,7 +20,6 @@ from rotor_ida.model.parameters import (
     check_parameter,
     check_together,
 )
-from rotor_ida.units import SpeedUnit
 
 if TYPE_CHECKING:
     from rotor_ida.model.rotor_system import RotorSystem
@@ -211,11 +208,12 @@ def check_no_friction(rotor: Rotor, what: str) -> None:
 def check_no_load(rotor: Rotor | DimensionalRotor, what: str) -> None:
     """Raise `InputError` for a rotor with a load, where it is not supported."""
     if rotor.load > 0.0:
-        unit = " N" if isinstance(rotor, DimensionalRotor) else ""
         raise InputError(
-            f"load must be 0 for {what}, as there is no synchronous whirl under a load, "
-            f"got {rotor.load!r}{unit}"
-        )
+            "{name} must be 0 for {what}, as there is no synchronous whirl under a load, got "
+            "{value}",
+            name="load", what=what,
+            value=Amount(rotor.load, "N") if isinstance(rotor, DimensionalRotor) else rotor.load,
+        )  # fmt: skip
 
 
 def check_papers(rotor: Rotor, what: str) -> None:
@@ -297,8 +295,11 @@ class DimensionalRotor:
     disc_radius: float | None = None
 
     def __post_init__(self) -> None:
-        _set_checked(self, OF_MACHINE)
-        check_together(_optional(self), math.inf)
+        try:
+            _set_checked(self, OF_MACHINE)
+            check_together(_optional(self), math.inf)
+        except InputError as error:
+            raise error.with_numbers(self._in_si) from error
         scales = (self.reference_frequency, self.velocity_scale, self.force_scale)
         if not all(SMALLEST_SCALE < scale < 1.0 / SMALLEST_SCALE for scale in scales):
             raise InputError(
@@ -306,6 +307,14 @@ class DimensionalRotor:
                 f"and force between {SMALLEST_SCALE:g} and {1.0 / SMALLEST_SCALE:g}, got "
                 f"{', '.join(f'{scale:.3g}' for scale in scales)}"
             )
+
+    def _in_si(self, field: str, name: str, _place: int, value: float) -> float:
+        """Return a number of a message about a quantity with its unit."""
+        parameter = OF_MACHINE.get(field) or OF_MACHINE.get(name)
+        if parameter is None or parameter.unit == "1":
+            return value
+        linear = self.contact_exponent == 1.0
+        return Amount(value, parameter.unit.replace("m-1.5", "m-1" if linear else "m-1.5"))
 
     @property
     def reference_frequency(self) -> float:
@@ -403,66 +412,3 @@ class DimensionalRotor:
             friction=self.friction,
             disc_radius=None if self.disc_radius is None else self.disc_radius / self.eccentricity,
         )
-
-    def change_of_speed(
-        self,
-        *,
-        to: float | None = None,
-        rate: float | None = None,
-        ramp_time: float | None = None,
-        speeds: Sequence[tuple[float, float]] | npt.ArrayLike | None = None,
-        torque: tuple[float, float] | npt.ArrayLike | None = None,
-        inertia: float | None = None,
-        duration: float | None = None,
-        unit: SpeedUnit = "rad/s",
-    ) -> ChangeOfSpeed:
-        """Convert a change of speed of this machine to the arguments of `rotor_ida.run_up`.
-
-        Parameters
-        ----------
-        to : float, optional
-            Speed at the end of a ramp [unit].
-        rate : float, optional
-            Change of speed per second [unit/s], negative in a run-down.
-        ramp_time : float, optional
-            Duration of the ramp [s], instead of the rate.
-        speeds : sequence of (float, float), optional
-            Pairs of time [s] and speed [unit].
-        torque : tuple of float, optional
-            ``(stall, slope)``: torque of the drive at rest [N m], and its decrease per rad/s
-            [N m s], whatever `unit` is. A drive with the no-load speed W0 in rad/s has the slope
-            ``stall/W0``.
-        inertia : float, optional
-            Moment of inertia of all rotating parts, about the centre of mass [kg m^2].
-        duration : float, optional
-            Time to simulate [s].
-        unit : {"rad/s", "rpm", "Hz"}
-            Unit of the speeds.
-
-        Returns
-        -------
-        dict
-            The given arguments in dimensionless form.
-
-        Raises
-        ------
-        InputError
-            If a value is not a finite number; if an inertia is not positive or a speed negative; if
-            the rate does not lead from the speed of the machine to `to`.
-
-        Examples
-        --------
-        A run-up to 3,000 rpm from the speed of the machine:
-
-        >>> from rotor_ida import run_up
-        >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=3.2e7, damping=89.1,
-        ...                            eccentricity=1e-5, clearance=2e-5, speed=60.0)
-        >>> run = run_up(machine.rotor(), start=(0, 0, 0, 0), rtol=1e-8,
-        ...              **machine.change_of_speed(to=3000, rate=10_000, unit="rpm"))
-        >>> round(float(run.speed[-1]) * machine.reference_frequency * 30 / math.pi, 6)
-        3000.0
-        """
-        return dimensionless_change(
-            self, to=to, rate=rate, ramp_time=ramp_time, speeds=speeds, torque=torque,
-            inertia=inertia, duration=duration, unit=unit,
-        )  # fmt: skip

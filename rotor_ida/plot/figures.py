@@ -21,7 +21,7 @@ from rotor_ida.plot.labels import label_parameter
 from rotor_ida.plot.run_up import has_many_turns
 from rotor_ida.results.kinds import KINDS, kind_of, loaded, why_not
 from rotor_ida.results.run import is_of_system
-from rotor_ida.results.si_units import in_units_of
+from rotor_ida.results.si_units import dimensionless, in_units_of
 from rotor_ida.signals.record import Record, record_of
 
 # Largest number of speeds of a table of whirls that are marked.
@@ -174,7 +174,7 @@ def figure_of_curve(dataset: xr.Dataset) -> Figure:
 
 def _whirls_beside(curve: xr.Dataset) -> xr.Dataset | None:
     """Return the folds of the whirl within the limits of a curve over speed and clearance."""
-    limits = np.reshape(curve.attrs["limits"], (2, 2))
+    limits = np.reshape(dimensionless(curve).attrs["limits"], (2, 2))
     of = dict(zip(str(curve.attrs["parameters"]).split(), limits.tolist(), strict=True))
     beyond = any(name in curve.variables for name in FRICTIONLESS)
     if beyond or set(of) != {"omega", "delta0"}:

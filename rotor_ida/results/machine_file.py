@@ -70,7 +70,7 @@ def load_machine(path: str | os.PathLike[str]) -> DimensionalRotor:
     try:
         return machine_from_data_sheet(**sheet)  # type: ignore[arg-type]
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        raise error.within(f"{path}: ") from error
 
 
 def read_data_sheet(path: str | os.PathLike[str]) -> dict[str, object]:

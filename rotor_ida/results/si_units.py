@@ -12,6 +12,8 @@ from rotor_ida.checks import COMPONENTS, check_between, check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor
+from rotor_ida.model.scales import UNITS_OF_ARGUMENTS, unit_of_parameter
+from rotor_ida.model.scales import scale_of as scale_in
 from rotor_ida.schema import QUANTITIES, check_variables
 from rotor_ida.units import PREFIXES, SPEED_UNITS
 
@@ -43,16 +45,19 @@ SPEEDS = ("omega", "fold_omega", "hopf_omega", "jump_omega", "birth_omega", "cus
 
 
 def dimensional(
-    dataset: xr.Dataset, machine: DimensionalRotor, *, units: Mapping[str, str] | None = None
+    dataset: xr.Dataset,
+    machine: DimensionalRotor | None = None,
+    *,
+    units: Mapping[str, str] | None = None,
 ) -> xr.Dataset:
-    """Return a result with displacements, times, velocities and forces in SI units.
+    """Return a result with displacements, times, velocities and forces in SI or other units.
 
     Parameters
     ----------
     dataset : Dataset
-        A dimensionless result of this package.
-    machine : DimensionalRotor
-        The machine.
+        A result of this package for a `DimensionalRotor`, or a dimensionless one.
+    machine : DimensionalRotor, optional
+        The machine; required for a dimensionless result.
     units : mapping of str to str, optional
         Units other than m, s, m/s, N, N s, J and 1/s, by kind: ``length``, ``time``, ``velocity``,
         ``force``, ``impulse`` or ``energy``, such as ``{"length": "µm", "time": "ms"}``. Prefixes
@@ -66,14 +71,15 @@ def dimensional(
         variable's attribute ``units`` has its unit in the notation of UDUNITS (``um``, ``m s-1``).
         The attributes ``length_scale``, ``time_scale`` and so on are the values of a dimensionless
         1; ``machine_mass`` and so on describe the machine.
-        The attributes ``to``, ``rate``, ``speeds``, ``torque`` and ``inertia`` of a run-up, and
-        ``rate`` and ``extrema_time`` of a bifurcation diagram, and ``range_x`` and so on of random
-        starts are in SI units too, given by ``to_units`` and so on.
+        The attributes of what was asked, such as ``start``, ``duration`` and ``rate``, are in SI
+        units too, given by ``start_units`` and so on. Parameters of the rotor and coordinates named
+        ``omega``, ``zeta`` and so on stay dimensionless.
 
     Raises
     ------
     InputError
-        If the dataset is in SI units already, or a unit is not of its kind.
+        If a dimensionless result has no machine, one in SI units is of another, or a unit is not of
+        its kind.
 
     Notes
     -----
@@ -89,28 +95,22 @@ def dimensional(
     >>> from rotor_ida import simulate
     >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
     ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
-    >>> run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=20.0)
-    >>> dimensional(run, machine).t.attrs["units"]
+    >>> run = simulate(machine, duration=0.04)
+    >>> run.t.attrs["units"]
     's'
-    >>> shown = dimensional(run, machine, units={"length": "µm"})
+    >>> shown = dimensional(run, units={"length": "µm"})
     >>> shown.x.attrs["units"], round(shown.attrs["length_scale"], 9)
     ('um', 1.0)
     """
     check_instance("dataset", dataset, xr.Dataset)
-    check_instance("machine", machine, DimensionalRotor)
     check_variables("dataset", dataset)
-    if "length_scale" in dataset.attrs:
-        raise InputError("the dataset is in SI units already")
-    in_si = {
-        "length": machine.length_scale,
-        "time": machine.time_scale,
-        "velocity": machine.velocity_scale,
-        "force": machine.force_scale,
-        "impulse": machine.force_scale * machine.time_scale,
-        "energy": machine.force_scale * machine.length_scale,
-        "rate": machine.reference_frequency,
-        "speed": machine.reference_frequency,
-    }
+    own = machine_of(dataset)
+    if machine is None and own is None:
+        raise InputError("machine must be given for a dimensionless result, got None")
+    machine = check_instance("machine", own if machine is None else machine, DimensionalRotor)
+    if own not in {None, machine}:
+        raise InputError(f"machine must be that of the result, {own!r}, got {machine!r}")
+    dataset, in_si = dimensionless(dataset), _scales_of(machine)
     if units is None:
         units = {}
     if not isinstance(units, Mapping):
@@ -182,6 +182,42 @@ def dimensionless(dataset: xr.Dataset) -> xr.Dataset:
     return plain
 
 
+def rescaled(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
+    """Return a result without dimensions; one of another machine by the scales of `machine`."""
+    plain, own = dimensionless(dataset), machine_of(dataset)
+    if own is None or (own.length_scale, own.time_scale) == (
+        machine.length_scale,
+        machine.time_scale,
+    ):
+        return plain
+    scales = dimensional(plain, machine).attrs
+    ratios = {kind: dimensional(plain, own).attrs[f"{kind}_scale"] / scales[f"{kind}_scale"]
+              for kind in UNITS}  # fmt: skip
+    return plain.assign({
+        name: variable.copy(data=variable.data * ratios[quantity.scale])
+        for name, variable in plain.variables.items()
+        if (quantity := QUANTITIES.get(str(name))) is not None and quantity.scale
+    })  # fmt: skip
+
+
+def complete(dataset: xr.Dataset) -> None:
+    """Give SI units to the attributes of an archived result that were dimensionless in old ones."""
+    try:
+        machine = machine_of(dataset)
+        if machine is None:
+            return
+        scales = {kind: scale_of(dataset, kind) for kind in UNITS}
+        found = _attributes_in_si(dataset, machine, scales, UNITS | _units_in(dataset))
+    except (InputError, TypeError, ValueError):  # not written by `dimensional`
+        return
+    names = [name for name in found if f"{name}_units" in found]
+    if dataset.attrs.get("result_kind") == "touchdown":  # whose ranges always were
+        names = []
+    for name in [each for each in names if f"{each}_units" not in dataset.attrs]:
+        whole = (name, f"{name}_units", f"{EXACT}_{name}")
+        dataset.attrs.update({each: found[each] for each in whole})
+
+
 def is_in_si(dataset: xr.Dataset) -> bool:
     """Return whether a result is in SI units."""
     return "length_scale" in dataset.attrs
@@ -215,12 +251,17 @@ def in_units_of(dataset: xr.Dataset, other: xr.Dataset) -> xr.Dataset:
     machine = machine_of(other)
     if machine is None:
         return dataset
+    return dimensional(dataset, machine, units=_units_in(other))
+
+
+def _units_in(dataset: xr.Dataset) -> dict[str, str]:
+    """Return the units of a result in SI units, by kind."""
     units = {}
-    for name, variable in other.variables.items():
+    for name, variable in dataset.variables.items():
         quantity = QUANTITIES.get(str(name))
         if quantity is not None and quantity.scale:
             units[quantity.scale] = str(variable.attrs["units"])
-    return dimensional(dataset, machine, units=units)
+    return units
 
 
 def in_suitable_units(dataset: xr.Dataset) -> xr.Dataset:
@@ -304,6 +345,20 @@ def in_rpm(speeds: xr.DataArray) -> Values | None:
     return None if factor is None else np.asarray(speeds.values) * (factor / OF_SPEED["rpm"])
 
 
+def _scales_of(machine: DimensionalRotor) -> dict[str, float]:
+    """Return the value of a dimensionless 1 in SI units, by kind."""
+    return {
+        "length": machine.length_scale,
+        "time": machine.time_scale,
+        "velocity": machine.velocity_scale,
+        "force": machine.force_scale,
+        "impulse": machine.force_scale * machine.time_scale,
+        "energy": machine.force_scale * machine.length_scale,
+        "rate": machine.reference_frequency,
+        "speed": machine.reference_frequency,
+    }
+
+
 def _attributes_in_si(
     dataset: xr.Dataset,
     machine: DimensionalRotor,
@@ -311,25 +366,21 @@ def _attributes_in_si(
     units: Mapping[str, str],
 ) -> dict[str, object]:
     """Return the attributes that have units, with these and their dimensionless values."""
-    speed, time = scales["speed"], scales["time"]
-    torque, rate = machine.torque_scale, machine.reference_frequency
-    factors: dict[str, tuple[list[float], str]] = {
-        "to": ([speed], units["speed"]),
-        "rate": ([speed * rate], "s-2" if units["speed"] == "s-1" else f"{units['speed']} s-1"),
-        "speeds": ([time, speed], f"{units['time']}, {units['speed']}"),
-        "torque": ([torque, torque / rate], "N m, N m s"),
-        "inertia": ([machine.inertia_scale], "kg m2"),
-        "extrema_time": ([time], units["time"]),
-    }
-    for name in COMPONENTS:
-        kind = "velocity" if name.startswith("v") else "length"
-        factors[f"range_{name}"] = ([scales[kind]], units[kind])
+    kinds = {"m": "length", "s": "time", "m s-1": "velocity", "rad s-1": "speed"}
+    chosen = {si: (scales[kind], units[kind]) for si, kind in kinds.items()}
+    speed, unit = chosen["rad s-1"]
+    rate = speed * machine.reference_frequency
+    chosen["rad s-2"] = (rate, "s-2" if unit == "s-1" else f"{unit} s-1")
+    continued = str(dataset.attrs.get("parameter", dataset.attrs.get("parameters", "")))
+    ends = tuple(unit_of_parameter(name) for name in continued.split() for _ in ("low", "high"))
     found: dict[str, object] = {}
-    for name, (factor, unit) in factors.items():
-        if name in dataset.attrs:
-            values = (np.reshape(dataset.attrs[name], (-1, len(factor))) * factor).ravel()
-            found[name] = values if values.size > 1 else values.item()
-            found[f"{name}_units"] = unit
+    for name, each in {**UNITS_OF_ARGUMENTS, "limits": ends}.items():
+        if each and name in dataset.attrs and np.asarray(dataset.attrs[name]).dtype.kind == "f":
+            pairs = [chosen.get(si) or (scale_in(machine, si), si) for si in each]
+            given = np.asarray(dataset.attrs[name])
+            values = np.reshape(given, (-1, len(pairs))) * [factor for factor, _ in pairs]
+            found[name] = values.ravel() if given.ndim else values.item()
+            found[f"{name}_units"] = ", ".join(dict.fromkeys(unit for _, unit in pairs))
             found[f"{EXACT}_{name}"] = dataset.attrs[name]
     return found
 

@@ -218,7 +218,7 @@ def read_system_file(path: str | os.PathLike[str]) -> tuple[RotorSystem, Course]
     try:
         return _system_file(table, Path(path).parent)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        raise error.within(f"{path}: ") from error
 
 
 def _system_file(entries: Mapping[str, object], folder: Path) -> tuple[RotorSystem, Course]:

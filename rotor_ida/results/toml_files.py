@@ -130,4 +130,4 @@ def naming(place: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise InputError(f"{place}: {error}") from error
+        raise error.within(f"{place}: ") from error

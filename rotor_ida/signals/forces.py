@@ -12,6 +12,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.model.contact import contact_force, damping_factor, secant_stiffness
 from rotor_ida.model.forces import Moment, hold_of_rolling, with_values
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.results.in_si import keeps_si
 from rotor_ida.results.run import check_one_speed, check_run, parameter_coordinates, rotor_of
 from rotor_ida.schema import MODE, Column, labelled_dataset, origin_of
 
@@ -19,6 +20,7 @@ NEEDED = (*("t", "x", "y", "vx", "vy", "entry_time", "exit_time"), "peak_time", 
 NEEDED_WITH_FRICTION = ("mode", "normal_force")
 
 
+@keeps_si
 def contact_forces(run: xr.Dataset) -> xr.Dataset:
     """Return the contact force on the rotor along a run, and its peaks.
 

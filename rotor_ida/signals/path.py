@@ -16,6 +16,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.model.contact import contact_force, damping_factor
 from rotor_ida.model.equations import rotated
+from rotor_ida.results.in_si import keeps_si
 from rotor_ida.results.run import check_columns, check_run, rotor_of
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import MODE, flags_of, labelled, words_of
@@ -164,6 +165,7 @@ def rotated_back(x: Values, y: Values, angle: Values) -> tuple[Values, Values]:
     return rotated.real, rotated.imag
 
 
+@keeps_si
 def rotating(run: xr.Dataset) -> xr.Dataset:
     """Transform the motion of a run to axes that rotate with the unbalance.
 

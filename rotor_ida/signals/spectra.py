@@ -12,6 +12,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_choice, check_count, check_nonnegative
 from rotor_ida.errors import InputError
+from rotor_ida.results.in_si import keeps_si
 from rotor_ida.results.run import check_one_speed, check_run, parameter_coordinates, rotor_of
 from rotor_ida.schema import Column, labelled_dataset, origin_of
 from rotor_ida.signals.record import FEWEST_SAMPLES, Record, equal_step, record_of
@@ -29,6 +30,7 @@ MOST_LINES = 100_000_000
 LEAST_SEGMENT = 64
 
 
+@keeps_si
 def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
     """Compute the amplitudes of forward and backward whirl in a run at each frequency.
 

@@ -13,6 +13,7 @@ from rotor_ida.checks import check_instance
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.results.in_si import keeps_si
 from rotor_ida.results.run import is_of_system
 from rotor_ida.schema import (
     WHIRL_DIRECTION,
@@ -76,6 +77,7 @@ def peak_forces(orbit: Orbit) -> Values:
     return np.asarray(contact_force(depth, 0.0, rotor.contact_exponent))
 
 
+@keeps_si
 def contact_summary(run: xr.Dataset) -> xr.Dataset:
     """Summarise the contacts of a run: number, duration, force and impulse.
 
@@ -102,7 +104,7 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the dataset is not a run, or is in SI units. (Convert the summary instead.)
+        If the dataset is not a run.
 
     Examples
     --------

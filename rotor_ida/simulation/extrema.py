@@ -78,7 +78,10 @@ def check_knots(name: str, rotor: Rotor, duration: float) -> None:
     """Raise `InputError` for a time with more knots than fit into memory."""
     longest = MOST_NUMBERS / _knots_a_time(rotor)
     if duration > longest:
-        raise InputError(f"{name} must be at most {longest:.6g}, got {duration!r}")
+        raise InputError(
+            "{name} must be at most {most:.6g}, got {value}",
+            name=name, most=longest, value=duration,
+        )  # fmt: skip
 
 
 def _knots_a_time(rotor: Rotor) -> float:

@@ -27,6 +27,7 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.schema import Column, labelled_dataset
@@ -53,6 +54,7 @@ POINTS_SHOWN = 400
 LONGEST = SPAN * MOST_NUMBERS
 
 
+@takes_si
 def lyapunov_exponent(
     rotor: Rotor,
     *,
@@ -67,8 +69,8 @@ def lyapunov_exponent(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor.
+    rotor : Rotor or DimensionalRotor
+        The rotor. For a `DimensionalRotor` numbers with a unit are in SI units, as for `simulate`.
     start : array_like, shape (4,), or Dataset
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis. Or a result that ends in a
         state, as for `rotor_ida.simulate`.
@@ -157,8 +159,11 @@ def lyapunov_exponent(
     each = int(length / (count * SPAN))
     if each < FEWEST_SPANS:
         raise InputError(
-            f"duration must be at least {FEWEST_SPANS * SPAN:g} for each of {count} batches, "
-            f"got {length!r}"
+            "{name} must be at least {least:g} for each of {count} batches, got {value}",
+            name="duration",
+            least=FEWEST_SPANS * SPAN,
+            count=count,
+            value=length,
         )
     check_choice("method", method, METHODS_OF_TANGENTS)
     if method != "taylor" and (reason := sundials.why_not()):

@@ -143,22 +143,30 @@ def check_can_be_followed(rotor: Rotor, start: State, *, settling: bool = False)
     for name in PARAMETERS:
         value, least, most = getattr(rotor, name), OF_ROTOR[name].smallest, OF_ROTOR[name].largest
         if value > most:
-            raise InputError(f"{name} must be at most {most:g} to be simulated, got {value!r}")
+            raise InputError(
+                "{name} must be at most {most:g} to be simulated, got {value}",
+                name=name, most=most, value=value,
+            )  # fmt: skip
         if 0.0 < value < least:
             raise InputError(
-                f"{name} must be 0 or at least {least:g} to be simulated, got {value!r}"
-            )
+                "{name} must be 0 or at least {least:g} to be simulated, got {value}",
+                name=name, least=least, value=value,
+            )  # fmt: skip
     for name, value in rotor.beyond.items():
         least, most = OF_ROTOR[name].smallest, OF_ROTOR[name].largest
         if value != 0.0 and not least <= value <= most:
             raise InputError(
-                f"{name} must be 0, or from {least:g} to {most:g}, to be simulated, got {value!r}"
-            )
+                "{name} must be 0, or from {least:g} to {most:g}, to be simulated, got {value}",
+                name=name, least=least, most=most, value=value,
+            )  # fmt: skip
     if settling and rotor.omega and not SLOWEST_TO_SETTLE <= rotor.omega <= FASTEST_TO_SETTLE:
         raise InputError(
-            f"omega must be 0 or from {SLOWEST_TO_SETTLE} to {FASTEST_TO_SETTLE:g} to settle, got "
-            f"{rotor.omega!r}"
-        )
+            "{name} must be 0 or from {least} to {most:g} to settle, got {value}",
+            name="omega", least=SLOWEST_TO_SETTLE, most=FASTEST_TO_SETTLE, value=rotor.omega,
+        )  # fmt: skip
     for name, value in zip(COMPONENTS, start, strict=True):
         if abs(value) > LARGEST:
-            raise InputError(f"start {name} must lie within {LARGEST:g} of zero, got {value!r}")
+            raise InputError(
+                "{name} must lie within {most:g} of zero, got {value}",
+                name=f"start {name}", most=LARGEST, value=value,
+            )  # fmt: skip

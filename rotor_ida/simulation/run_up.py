@@ -28,6 +28,7 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, Stop, interruptible, shows_progress
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors, tell_half
 from rotor_ida.simulation.options import (
@@ -73,6 +74,7 @@ class _SpeedChange:
         return max(self.rotor.omega, float(speeds.max()))
 
 
+@takes_si
 @shows_progress
 def run_up(
     rotor: Rotor,
@@ -100,9 +102,10 @@ def run_up(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor; its
-        ``omega`` is the speed at time 0, when the unbalance points along x.
+    rotor : Rotor or DimensionalRotor
+        The rotor. Its ``omega`` or ``speed`` is that at time 0, when the unbalance points along x.
+        For a `DimensionalRotor` numbers with a unit are in SI units, as for `simulate`: speeds in
+        rad/s, the torque in N m and N m s, the inertia in kg m^2.
     start : array_like, shape (4,), or Dataset
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
         `rotor_ida.rest` gives the place where a load holds the rotor. A result that ends in a state
@@ -266,9 +269,10 @@ def _check_can_wait(change: _SpeedChange, backend: str) -> None:
     longest = MOST_RADIANS[backend] / max(change.largest_speed, 1.0)
     if end > longest:
         raise InputError(
-            f"the duration of a run-up must be at most {longest:g} with backend {backend!r}, which "
-            f"would take an hour or more, got {end!r}"
-        )
+            "the {name} of a run-up must be at most {most:g} with backend {backend!r}, which would "
+            "take an hour or more, got {value}",
+            name="duration", most=longest, backend=backend, value=end,
+        )  # fmt: skip
 
 
 def ramp_of(rotor: Rotor, to: float, rate: float, backend: Backend = "compiled") -> SpeedProfile:
@@ -282,12 +286,16 @@ def _by_ramp(rotor: Rotor, to: object, rate: object, duration: float | None) -> 
     """Return a ramp from the rotor's speed to another."""
     target, slope, omega = _checked_speed("to", to), check_real("rate", rate), rotor.omega
     if target == omega:
-        raise InputError(f"to must differ from the rotor's omega {omega!r}, got {target!r}")
+        raise InputError(
+            "{name} must differ from the rotor's {omega=}, got {value}",
+            name="to", omega=omega, value=target,
+        )  # fmt: skip
     way = "positive" if target > omega else "negative"
     if slope == 0.0 or (slope > 0.0) != (target > omega):
         raise InputError(
-            f"rate must be {way} to change the speed from {omega!r} to {target!r}, got {slope!r}"
-        )
+            "{name} must be {way} to change the speed from {omega} to {to}, got {value}",
+            name="rate", way=way, omega=omega, to=target, value=slope,
+        )  # fmt: skip
     check_between("the size of rate", abs(slope), SMALLEST_DRIVE, LARGEST)
     ramp = check_duration("the time of the ramp", (target - omega) / slope, max(omega, target))
     end = _checked_end(duration, ramp, max(omega, target))
@@ -299,11 +307,15 @@ def _piece_by_piece(rotor: Rotor, speeds: object, duration: float | None) -> _Sp
     """Return a piecewise linear profile of the speed."""
     table = check_array("speeds", speeds)
     if table.ndim != 2 or table.shape[1] != 2 or len(table) < 2:
-        given = shown(table.tolist())
-        raise InputError(f"speeds must be two or more pairs of time and speed, got {given}")
+        raise InputError(
+            "{name} must be two or more pairs of time and speed, got {value}",
+            name="speeds", value=table.tolist(),
+        )  # fmt: skip
     times, values = table.T.tolist()
     if times[0] != 0.0:
-        raise InputError(f"the first time of speeds must be 0, got {times[0]!r}")
+        raise InputError(
+            "the first {name} of speeds must be 0, got {value}", name="time", value=times[0]
+        )
     check_increasing("times of speeds", table[:, 0])
     for value in values:
         _checked_speed("a speed of speeds", value)
@@ -311,9 +323,11 @@ def _piece_by_piece(rotor: Rotor, speeds: object, duration: float | None) -> _Sp
         slopes = np.diff(table[:, 1]) / np.diff(table[:, 0])
     for place in np.flatnonzero(np.abs(slopes) > LARGEST)[:1].tolist():
         raise InputError(
-            f"the rate of speeds must lie within {LARGEST:g} of zero, got {float(slopes[place])!r} "
-            f"from time {times[place]!r} to {times[place + 1]!r}"
-        )
+            "the {name} of speeds must lie within {most:g} of zero, got {value} from {time=} to "
+            "{end_time}",
+            name="rate", most=LARGEST, value=float(slopes[place]), time=times[place],
+            end_time=times[place + 1],
+        )  # fmt: skip
     last = check_duration("the last time of speeds", times[-1], max(values))
     end = _checked_end(duration, last, max(values))
     profile = through(list(zip(times, values, strict=True)), end)
@@ -331,8 +345,9 @@ def _by_torque(
     moment = check_between("inertia", inertia, SMALLEST_DRIVE, LARGEST_DRIVE)
     if rotor.omega == 0.0 and tau0 <= 0.0:
         raise InputError(
-            f"tau0 of torque must be positive to turn a rotor that is at rest, got {tau0!r}"
-        )
+            "{name} must be positive to turn a rotor that is at rest, got {value}",
+            name="tau0 of torque", value=tau0,
+        )  # fmt: skip
     if duration is None:
         raise InputError("duration must be given with torque, got None")
     end = check_duration("duration", duration, rotor.omega)
@@ -354,9 +369,11 @@ def _check_runaway(
     resisted = slope + 2.0 * rotor.zeta
     if resisted * duration / inertia > most:
         raise InputError(
-            f"inertia must be at least {resisted * duration / most:.3g} with torque {torque!r} and "
-            f"duration {duration!r}, or the run would take an hour or more, got {inertia!r}"
-        )
+            "{name} must be at least {least:.3g} with {torque=} and {duration=}, or the run would "
+            "take an hour or more, got {value}",
+            name="inertia", least=resisted * duration / most, torque=torque, duration=duration,
+            value=inertia,
+        )  # fmt: skip
     growth = min(-resisted * duration / inertia, LARGEST_EXPONENT)
     faster = tau0 * duration / inertia
     mean = math.expm1(growth) / growth if growth else 1.0
@@ -365,10 +382,12 @@ def _check_runaway(
     radians = (rotor.omega * mean + faster * rise) * duration if growth >= 0.0 else 0.0
     if speed > LARGEST or radians > most:
         raise InputError(
-            f"torque, inertia and duration must keep the speed below {LARGEST:g} and a speed that "
-            f"grows without bound within {most:g} radians, got torque {torque!r}, inertia "
-            f"{inertia!r} and duration {duration!r}, which lead to a speed of about {speed:.3g}"
-        )
+            "torque, inertia and duration must keep the speed below {most:g} and a speed that "
+            "grows without bound within {radians} radians, got {torque=}, {inertia=} and "
+            "{duration=}, which lead to a speed of about {omega:.3g}",
+            name="omega", most=LARGEST, radians=f"{most:g}", torque=torque, inertia=inertia,
+            duration=duration, omega=speed,
+        )  # fmt: skip
 
 
 def _checked_speed(name: str, value: object) -> float:
@@ -376,8 +395,9 @@ def _checked_speed(name: str, value: object) -> float:
     number = check_real(name, value)
     if number < 0.0:
         raise InputError(
-            f"{name} must be zero or positive: a run through zero is not supported, got {number!r}"
-        )
+            "{name} must be zero or positive: a run through zero is not supported, got {value}",
+            name=name, value=number,
+        )  # fmt: skip
     return check_nonnegative(name, number, LARGEST)
 
 
@@ -388,6 +408,7 @@ def _checked_end(duration: float | None, least: float, fastest: float) -> float:
     end = check_duration("duration", duration, fastest)
     if end < least and not math.isclose(end, least, rel_tol=1e-12):
         raise InputError(
-            f"duration must be at least {least!r}, the time of the speed change, got {end!r}"
-        )
+            "{name} must be at least {least}, the time of the speed change, got {value}",
+            name="duration", least=least, value=end,
+        )  # fmt: skip
     return max(end, least)

@@ -54,7 +54,10 @@ def sample_times(samples: object, duration: float, rotor: Rotor, fastest: float)
     times = check_increasing("samples", check_axis("samples", samples))
     if times[-1] > duration:
         raise InputError(
-            f"samples must lie from 0 to the duration {duration!r}, got {float(times[-1])!r}"
+            "{name} must lie from 0 to the {duration=}, got {value}",
+            name="samples",
+            duration=duration,
+            value=float(times[-1]),
         )
     return times
 

@@ -23,6 +23,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.schema import Column, labelled_dataset
@@ -41,6 +42,7 @@ PLACES = ("revolution", "entry", "exit", "peak", *RUBS)
 NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 
 
+@takes_si
 def poincare_section(
     rotor: Rotor,
     *,
@@ -57,8 +59,9 @@ def poincare_section(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor, with omega above 0.
+    rotor : Rotor or DimensionalRotor
+        The rotor, with a speed above 0. For a `DimensionalRotor` numbers with a unit are in SI
+        units, as for `simulate`.
     start : array_like, shape (4,), or Dataset
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis. Or a result that ends in a
         state, as for `rotor_ida.simulate`.
@@ -120,7 +123,9 @@ def poincare_section(
     first = state_of("start", start)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
-        raise InputError("omega must be positive for a section, got 0.0")
+        raise InputError(
+            "{name} must be positive for a section, got {value}", name="omega", value=0.0
+        )
     count = check_count("revolutions", revolutions)
     left_out = check_count("skip", skip, minimum=0)
     check_choice("at", at, PLACES)
@@ -131,7 +136,10 @@ def poincare_section(
     if at in RUBS and rotor.friction == 0.0:
         raise InputError(f"friction must be positive for a section at each {at}, got 0.0")
     if at in EVENTS and rotor.delta0 == 0.0:
-        raise InputError(f"delta0 must be positive for a section at each {at}, got 0.0")
+        raise InputError(
+            "{name} must be positive for a section at each {at}, got {value}",
+            name="delta0", at=at, value=0.0,
+        )  # fmt: skip
     options = Options(rtol=rtol, atol=atol, method=method)
     period = 2.0 * math.pi / rotor.omega
     check_duration("the time of skip and revolutions", (left_out + count) * period, rotor.omega)

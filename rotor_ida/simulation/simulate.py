@@ -11,6 +11,7 @@ from rotor_ida.arrays import Watch
 from rotor_ida.checks import AT_REST, check_duration, check_instance, check_progress
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, Stop, interruptible, shows_progress
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors, tell_half
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
@@ -26,6 +27,7 @@ MOST_SLACK = 1e-8
 SOON_PASSED = 1e4
 
 
+@takes_si
 @shows_progress
 def simulate(
     rotor: Rotor,
@@ -44,8 +46,10 @@ def simulate(
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor.
+    rotor : Rotor or DimensionalRotor
+        The rotor. For a `DimensionalRotor` all numbers with a unit, given or returned, are in SI
+        units, also in attributes and messages. Tolerances, and coordinates named ``omega``,
+        ``zeta`` and so on, stay dimensionless.
     start : array_like, shape (4,), or Dataset
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
         `rotor_ida.rest` gives the place where a load holds the rotor. A result that ends in a state

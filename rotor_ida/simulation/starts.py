@@ -18,7 +18,6 @@ from rotor_ida.checks import (
     check_vector,
     is_scalar,
     listed,
-    shown,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.results.kinds import KINDS, kind_of
@@ -125,8 +124,13 @@ def range_of(name: str, value: object) -> tuple[float, float]:
     """Return the ends of a range; a number is a range of length zero."""
     ends = check_vector(name, value, largest=LARGEST).tolist()
     if len(ends) > 2 or (len(ends) == 1 and not is_scalar(name, value)):
-        raise InputError(f"{name} must be a number or a range (low, high), got {shown(value)}")
+        raise InputError(
+            "{name} must be a number or a range (low, high), got {value}", name=name, value=ends
+        )
     low, high = ends[0], ends[-1]
     if low > high:
-        raise InputError(f"{name} must be a range (low, high) with low <= high, got {shown(value)}")
+        raise InputError(
+            "{name} must be a range (low, high) with low <= high, got {value}",
+            name=name, value=(low, high),
+        )  # fmt: skip
     return low, high

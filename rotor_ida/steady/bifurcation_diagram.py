@@ -207,7 +207,9 @@ def bifurcation_diagram(
 def _check_settles(rotors: Rotors, window: float) -> None:
     """Raise `InputError` where nothing settles, or where a run after that would be too long."""
     if not rotors.axes["zeta"].all():
-        raise InputError("zeta must be above 0, where nothing settles, got 0.0")
+        raise InputError(
+            "{name} must be above 0, where nothing settles, got {value}", name="zeta", value=0.0
+        )
     for speed in rotors.axes["omega"].tolist():
         check_knots("extrema_time", Rotor(omega=speed, zeta=0.0, delta0=0.0), window)
 

@@ -60,7 +60,10 @@ def profile_of(
         return profile, first, {"start_speed": first, "rate": slope}
     last = check_real("to", to)
     if slope == 0.0 or (last - first) * slope <= 0.0:
-        raise InputError(f"rate must lead from speed {first!r} to {last!r}, got {slope!r}")
+        raise InputError(
+            "{name} must lead from {speed=} to {to}, got {value}",
+            name="rate", speed=first, to=last, value=slope,
+        )  # fmt: skip
     span = check_positive("the time of the ramp", (last - first) / slope)
     points = [(0.0, first), (span, last)]
     told: dict[str, object] = {"start_speed": first, "to": last, "rate": slope}
@@ -90,8 +93,9 @@ def _end_after(least: float, end: float | None) -> float:
     """Return the end of a run, no earlier than that of the change of speed."""
     if end is not None and end < least * (1.0 - SAME_TIME):
         raise InputError(
-            f"duration must be at least {least!r}, the time of the speed change, got {end!r}"
-        )
+            "{name} must be at least {least}, the time of the speed change, got {value}",
+            name="duration", least=least, value=end,
+        )  # fmt: skip
     return max(end or least, least)
 
 

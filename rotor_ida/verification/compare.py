@@ -19,6 +19,7 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import interruptible
+from rotor_ida.results.in_si import keeps_si
 from rotor_ida.schema import (
     EXACT,
     RESPONSE,
@@ -44,6 +45,7 @@ UNDER_LOAD = (
 ALL_DIGITS = 16.0
 
 
+@keeps_si
 def compare(dataset: xr.Dataset) -> xr.Dataset:
     """Compare each simulated response of a sweep with the exact one.
 
@@ -70,7 +72,7 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the dataset is not a sweep, or in SI units.
+        If the dataset is not a sweep.
 
     Notes
     -----

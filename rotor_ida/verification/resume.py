@@ -22,6 +22,7 @@ from rotor_ida.errors import ArchiveError
 from rotor_ida.model.parameters import ALL_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, shows_progress
+from rotor_ida.results.in_si import in_units_of_study
 from rotor_ida.results.kinds import STUDIES, loaded
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies import design_of, program_of
@@ -63,7 +64,8 @@ def resume(
     Dataset
         The result of that function, equal bit for bit to that of an uninterrupted study. If the
         study is complete, nothing is computed again, and the versions of the program may differ
-        from those that computed it, which the attribute ``computed_with`` gives.
+        from those that computed it, which the attribute ``computed_with`` gives. That of a machine
+        is in SI units.
 
     Raises
     ------
@@ -87,7 +89,7 @@ def resume(
         resumed: Resumed = loaded(STUDIES[design["kind"]].resumed)(design, jobs)
     except (KeyError, TypeError) as error:
         raise ArchiveError(f"study {str(folder)!r} has a damaged design: {error!r}") from error
-    found = resumed(study=folder, progress=progress)
+    found = in_units_of_study(resumed(study=folder, progress=progress), folder)
     before = program_of(design)
     if before == program_of(computing()):
         return found

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import rotor_ida
+from rotor_ida.units import SPEED_UNITS
 
 Program = Callable[..., Any]
 GUESS = ("--zeta", "0.08", "--delta0", "1.8", "--shaft-stiffness", "0.9")
@@ -29,9 +30,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rotor = rotor_ida.Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
     run = rotor_ida.run_up(rotor, start=(0, 0, 0, 0), to=2.0, rate=0.02, samples=2501)
     rotor_ida.save(run, found / "run_up.nc")
-    change = MACHINE.change_of_speed(to=1500, rate=300, unit="rpm")
-    up = rotor_ida.run_up(MACHINE.rotor(), start=(0, 0, 0, 0), samples=4001, **change)
-    seen = rotor_ida.dimensional(up, MACHINE, units={"length": "µm"})
+    rpm = SPEED_UNITS["rpm"]
+    up = rotor_ida.run_up(MACHINE, to=1500.0 * rpm, rate=300.0 * rpm, samples=4001)
+    seen = rotor_ida.dimensional(up, units={"length": "µm"})
     angle = rotor_ida.signals_of(seen)["angle"].values
     table = np.stack([seen["t"], seen["x"], seen["y"], angle], axis=1)
     np.savetxt(found / "probes.csv", table, delimiter=",", header="t,x,y,angle", comments="")

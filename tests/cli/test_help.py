@@ -282,7 +282,7 @@ def test_choices_of_branches_are_those_of_the_library():
     ours = options_of(continue_cycle)
     assert get_args(ours["direction"][0]) == get_args(Direction)
     of_machines = {"speed", "damping", "clearance"}
-    assert set(get_args(ours["parameter"][0])) == {*get_args(Parameter), *of_machines}
+    assert set(get_args(ours["parameter"][0])) == {*get_args(Parameter)} >= {*of_machines}
     assert get_args(options_of(bifurcation_curve)["kind"][0]) == get_args(Kind)
 
 

@@ -15,6 +15,7 @@ import rotor_ida
 from rotor_ida.cli.commands.plot import FUNCTIONS, OF_SYSTEM, PLOTS_ALSO_CALLED, KindOfPlot
 from rotor_ida.cli.exact import exact_beneath
 from rotor_ida.plot.figures import figure_of
+from rotor_ida.units import SPEED_UNITS
 
 Program = Callable[..., Any]
 EXACT = ("bode", "orbit", "full-spectrum", "cascade")
@@ -33,9 +34,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         mass=4.0, contact_stiffness=3.2e7, damping=89.1, eccentricity=10e-6, clearance=20e-6,
         speed=31.416,
     )  # fmt: skip
-    change = machine.change_of_speed(to=1500, rate=1500, unit="rpm")
-    up = rotor_ida.run_up(machine.rotor(), start=(0, 0, 0, 0), samples=8001, **change)
-    rotor_ida.save(rotor_ida.dimensional(up, machine), found / "machine.nc")
+    rpm = SPEED_UNITS["rpm"]
+    up = rotor_ida.run_up(machine, to=1500.0 * rpm, rate=1500.0 * rpm, samples=8001)
+    rotor_ida.save(up, found / "machine.nc")
     times = np.arange(4000) / 2000.0
     turn = 100.0 * np.pi * times
     columns = [times, 5.0 * np.cos(turn), 5.0 * np.sin(turn), np.cos(turn) > 0.9]

@@ -56,9 +56,7 @@ def noisy(signals, rng, noise=NOISE):
 
 
 def in_si(machine, to=250.0, rate=15.0, samples=12_001):
-    change = machine.change_of_speed(to=to, rate=rate)
-    run = run_up(machine.rotor(), start=(0, 0, 0, 0), samples=samples, **change)
-    return dimensional(run, machine, units={"length": "µm"})
+    return dimensional(run_up(machine, to=to, rate=rate, samples=samples), units={"length": "µm"})
 
 
 def test_without_noise_the_truth_comes_back(up):

@@ -7,6 +7,7 @@ import pytest
 
 from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, fit, run_up, signals_of
 from rotor_ida.plot import fit_figure, plot_fit, plot_fit_residuals
+from rotor_ida.units import SPEED_UNITS
 
 ROTOR = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
 SOUGHT = ["zeta", "delta0", "shaft_stiffness"]
@@ -72,9 +73,9 @@ def test_the_title_has_units_and_powers_of_a_thousand():
         mass=4.0, contact_stiffness=3.2e7, damping=89.1, eccentricity=1e-5, clearance=2.5e-5,
         speed=31.416, shaft_stiffness=5e4,
     )  # fmt: skip
-    change = machine.change_of_speed(to=1500, rate=300, unit="rpm")
-    up = run_up(machine.rotor(), start=(0, 0, 0, 0), samples=4001, **change)
-    seen = signals_of(dimensional(up, machine, units={"length": "µm"}))
+    rpm = SPEED_UNITS["rpm"]
+    up = run_up(machine, to=1500.0 * rpm, rate=300.0 * rpm, samples=4001)
+    seen = signals_of(dimensional(up, units={"length": "µm"}))
     figure = fit_figure(fit(seen, machine, ["clearance", "damping"], noise=1.0))
     title = figure.axes[0].get_title(loc="left")
     assert title.startswith("clearance (25.0")

@@ -12,12 +12,12 @@ from rotor_ida import (
     Rotor,
     RotorSystem,
     Unbalance,
-    dimensional,
     run_up,
     simulate,
 )
 from rotor_ida.plot import plot_run_up
 from rotor_ida.plot.figures import figure_of
+from rotor_ida.units import SPEED_UNITS
 
 REST = (0.0, 0.0, 0.0, 0.0)
 ROTOR = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
@@ -109,8 +109,8 @@ def test_a_run_up_without_contact_shows_the_largest_radius():
 
 
 def test_a_machine_is_drawn_over_revolutions_per_minute():
-    change = MACHINE.change_of_speed(to=2500, rate=2000, unit="rpm")
-    up = dimensional(run_up(MACHINE.rotor(), start=REST, **change), MACHINE)
+    rpm = SPEED_UNITS["rpm"]
+    up = run_up(MACHINE, to=2500.0 * rpm, rate=2000.0 * rpm)
     force, first = figure_of(up).axes[1:3]
     assert force.get_xlabel() == "spin speed [rpm]"
     np.testing.assert_allclose(force.get_xlim(), (300.0, 2500.0), rtol=1e-4)

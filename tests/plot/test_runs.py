@@ -14,7 +14,9 @@ from rotor_ida.plot import (
     plot_trace,
 )
 from rotor_ida.plot.labels import LABELS, label_of
+from rotor_ida.results.si_units import dimensionless
 from rotor_ida.signals.path import path_of
+from rotor_ida.units import SPEED_UNITS
 
 MACHINE = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
                            clearance=2e-6, speed=1000.0)  # fmt: skip
@@ -320,9 +322,9 @@ def test_without_friction_nothing_is_told_of_slip(run):
 @pytest.mark.parametrize("unit", ["rad/s", "rpm"])
 def test_a_run_up_in_si_units_is_drawn_alike_whatever_its_unit_of_speed(unit):
     """The title tells first and last speed in rpm; the line between the samples stays the same."""
-    change = MACHINE.change_of_speed(to=12_000, rate=60_000, unit="rpm")
-    plain = run_up(MACHINE.rotor(), start=(0, 0, 0, 0), samples=401, rtol=1e-6, **change)
-    shown = dimensional(plain, MACHINE, units={"speed": unit})
+    rpm = SPEED_UNITS["rpm"]
+    in_si = run_up(MACHINE, to=12_000.0 * rpm, rate=60_000.0 * rpm, samples=401, rtol=1e-6)
+    plain, shown = dimensionless(in_si), dimensional(in_si, units={"speed": unit})
     title = plot_run(shown).get_suptitle()
     assert title == "9549 to 12000 rpm,  damping $280$ N s/m,  clearance $2$ µm"
     drawn, without = path_of(shown), path_of(plain)

@@ -3,20 +3,19 @@
 import math
 import sys
 
-import numpy as np
 import pytest
 
 from rotor_ida import (
     DimensionalRotor,
     InputError,
     Rotor,
-    dimensional,
     run_up,
     run_ups,
     simulate,
     summary,
 )
 from rotor_ida.schema import words_of
+from rotor_ida.units import SPEED_UNITS
 
 REST = (0.0, 0.0, 0.0, 0.0)
 # Each ending, with a rotor, a ramp and a start that lead to it.
@@ -82,9 +81,7 @@ PUMP = DimensionalRotor(
 
 def test_a_pump_of_grade_2_5_does_not_rub():
     """At resonance e/(2 zeta sqrt(1 - zeta^2)) is 110 um of 150, and less on a ramp of 20 s."""
-    run = run_up(PUMP.rotor(), start=REST, **PUMP.change_of_speed(to=6000, ramp_time=20.0,
-                 unit="rpm"))  # fmt: skip
-    found = summary(dimensional(run, PUMP))
+    found = summary(run_up(PUMP, to=6000.0 * SPEED_UNITS["rpm"], ramp_time=20.0))
     assert found.attrs["sentence"].startswith("No rub: closest to the stator at 5,")
     assert "of the clearance of 150 um are left. Held at 6,000 rpm it" in found.attrs["sentence"]
     zeta = PUMP.damping_ratio
@@ -100,10 +97,7 @@ def test_an_indentation_that_no_contact_law_means_is_told():
     """Dry whip of the pump: 12 kg at the speed of the rim press millimetres into the ring."""
     whip = DimensionalRotor(**PUMP.given | {"speed": 300.0, "friction": 0.3})
     start = (0.0045, 0.0, 0.0, -300.0 * 0.06)
-    rotor = whip.rotor()
-    plain = np.array(start) / np.repeat([whip.length_scale, whip.velocity_scale], 2)
-    run = run_up(rotor, start=plain, **whip.change_of_speed(to=310.0, ramp_time=0.05))
-    said = summary(dimensional(run, whip)).attrs["sentence"]
+    said = summary(run_up(whip, start=start, to=310.0, ramp_time=0.05)).attrs["sentence"]
     assert "Beyond the model: an indentation of " in said
     assert "is more than a tenth of the rotor's radius and the clearance" in said
     assert "Beyond" not in summary(
@@ -122,8 +116,8 @@ def test_a_summary_is_of_a_run_up_that_was_sampled_at_its_end():
 def test_a_long_run_up_tells_how_far_it_is(monkeypatch):
     monkeypatch.setattr(sys.modules["rotor_ida.parallel.interruptible"], "TOLD_EVERY", 1e-3)
     told = []
-    run_up(PUMP.rotor(), start=REST, progress=lambda *done: told.append(done),
-           **PUMP.change_of_speed(to=6000, ramp_time=200.0, unit="rpm"))  # fmt: skip
+    run_up(PUMP, progress=lambda *done: told.append(done), to=6000.0 * SPEED_UNITS["rpm"],
+           ramp_time=200.0)  # fmt: skip
     done = [part for part, whole in told if whole == 100]
     assert len(done) == len(told) > 0
     assert done == sorted(done)

@@ -26,23 +26,21 @@ from rotor_ida.basins.known import followed_alone
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_SHOCKS,
-    check_array,
     check_between,
     check_count,
+    check_instance,
     check_seed,
-    shown,
 )
 from rotor_ida.cycles.dataset import whirl_of_cycle
 from rotor_ida.cycles.shooting import close_orbit, sampled_orbit
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force
-from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import interruptible
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.run import parameter_coordinates
-from rotor_ida.results.si_units import dimensional
 from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.simulation.neighbours import Shot
-from rotor_ida.simulation.options import LARGEST
 from rotor_ida.simulation.starts import box_of, drawn_from
 from rotor_ida.steady import response
 
@@ -63,8 +61,9 @@ AT_THE_SPIN = (response.SYNCHRONOUS, response.CONTACT_FREE, response.TOUCHING)
 OF_FRICTION = ("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction")
 
 
+@takes_si
 def touchdown_report(
-    machine: DimensionalRotor | Rotor,
+    rotor: Rotor,
     *,
     x: npt.ArrayLike = 0.0,
     y: npt.ArrayLike = 0.0,
@@ -79,9 +78,8 @@ def touchdown_report(
 
     Parameters
     ----------
-    machine : DimensionalRotor or Rotor
-        The machine. For a `DimensionalRotor` starts and results are in SI units; for a `Rotor`
-        they are dimensionless.
+    rotor : Rotor or DimensionalRotor
+        The rotor. For a `DimensionalRotor` starts and results are in SI units.
     x, y, vx, vy : float or array_like, shape (2,)
         Components of the start [m], [m/s] or [1]: numbers, or ranges ``(low, high)`` from which
         they are drawn independently and uniformly.
@@ -166,6 +164,7 @@ def touchdown_report(
 
     Examples
     --------
+    >>> from rotor_ida import DimensionalRotor
     >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
     ...                            eccentricity=1e-6, clearance=2e-6, speed=1000.0)
     >>> report = touchdown_report(machine, x=(-1e-5, 1e-5), y=(-1e-5, 1e-5), starts=100,
@@ -175,25 +174,23 @@ def touchdown_report(
     >>> bool((report.velocity_shock_bound <= report.velocity_shock.min("target")).all())
     True
     """
-    rotor, length, velocity = _scales(machine)
-    check_rotor(rotor, "a touchdown report", one_by_one=True)
+    check_rotor(check_instance("rotor", rotor, Rotor), "a touchdown report", one_by_one=True)
     if rotor.omega == 0.0:
-        raise InputError("speed must be above 0 for a touchdown report, got 0.0")
+        raise InputError(
+            "{name} must be above 0 for a touchdown report, got {value}", name="omega", value=0.0
+        )
     count = check_count("starts", starts, maximum=MOST_STARTS)
     chosen = check_seed(seed)
     tolerance = ALONE.rtol if followed_alone(rotor) else RTOL
     if rtol is not None:
         tolerance = check_between("rtol", rtol, TIGHTEST, LOOSEST)
     box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
-    scaled = box / np.array([length, length, velocity, velocity])[:, None]
-    check_array("x, y, vx and vy, in eccentricities,", scaled, largest=LARGEST)
     tried = _shocks_to_try(rotor, shocks)
-    job = CellJob(rotor, drawn_from(scaled, chosen, 0, count), tolerance, tried)
+    job = CellJob(rotor, drawn_from(box, chosen, 0, count), tolerance, tried)
     cell = interruptible(lambda stop: fill_cell(job, stop))
     how = {**how_computed(tolerance, tried, rotor), "starts": count, "seed": chosen}
     ranges = {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
-    report = _dataset(cell, count, {**how, **ranges})
-    return dimensional(report, machine) if isinstance(machine, DimensionalRotor) else report
+    return _dataset(cell, count, {**how, **ranges})
 
 
 def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Dataset:
@@ -230,7 +227,9 @@ def _shocks_to_try(rotor: Rotor, shocks: object) -> int:
         return 0 if rotor.load > 0.0 else SHOCKS
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
     if tried and rotor.load > 0.0:
-        raise InputError(f"shocks must be 0 under a load, got {tried} with load {rotor.load!r}")
+        raise InputError(
+            "shocks must be 0 under a load, got {tried} with {load=}", tried=tried, load=rotor.load
+        )
     return tried
 
 
@@ -249,15 +248,6 @@ def _shocks(cell: Cell) -> dict[str, Column]:
             for column, name in enumerate(COMPONENTS):
                 variables[f"{kind}_shock_{when}_{name}"] = (over, states[..., column])
     return variables
-
-
-def _scales(machine: object) -> tuple[Rotor, float, float]:
-    """Return the rotor of a machine, and its units of length and velocity."""
-    if isinstance(machine, DimensionalRotor):
-        return machine.rotor(), machine.length_scale, machine.velocity_scale
-    if isinstance(machine, Rotor):
-        return machine, 1.0, 1.0
-    raise InputError(f"machine must be a DimensionalRotor or a Rotor, got {shown(machine)}")
 
 
 def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:

@@ -83,18 +83,20 @@ def basin(
     axes = [part for part in (x, y, vx, vy) if isinstance(part, list)]
     check_points(*axes, in_study=study is not None)
     output.check()
-    chosen, units = rotor.rotor_and_units()
-    units.keep(study)
+    chosen = rotor.chosen()
     with working("basin", study) as progress:
         dataset = rotor_ida.basin(
             chosen,
-            **units.components({"x": x, "y": y, "vx": vx, "vy": vy}),
+            x=x,
+            y=y,
+            vx=vx,
+            vy=vy,
             rtol=rtol,
             **asdict(jobs),
             study=study,
             progress=progress,
         )
-        return answer_whole(units.shown(dataset), output, study)
+        return answer_whole(dataset, output, study)
 
 
 def basin_fractions(
@@ -125,12 +127,14 @@ def basin_fractions(
     output.check()
     if study is None and starts > MOST_POINTS:
         raise InputError(f"starts must be at most {MOST_POINTS} without --study, got {starts}")
-    chosen, units = rotor.rotor_and_units()
-    units.keep(study)
+    chosen = rotor.chosen()
     with working("fractions", study) as progress:
         dataset = rotor_ida.basin_fractions(
             chosen,
-            **units.components({"x": x, "y": y, "vx": vx, "vy": vy}),
+            x=x,
+            y=y,
+            vx=vx,
+            vy=vy,
             starts=starts,
             seed=seed,
             rtol=rtol,
@@ -138,7 +142,7 @@ def basin_fractions(
             study=study,
             progress=progress,
         )
-        return answer_whole(units.shown(dataset), output, study)
+        return answer_whole(dataset, output, study)
 
 
 def continue_attractors(
@@ -162,7 +166,7 @@ def continue_attractors(
         check_varies(rotors.panels())
     given, units = rotors.given_and_units()
     units.keep(study)
-    with working("atlas", study) as progress:
+    with working("atlas", study) as progress, units.told():
         dataset = rotor_ida.continue_attractors(
             **given,
             **drawn.of(units),

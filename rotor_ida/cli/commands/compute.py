@@ -13,7 +13,7 @@ from cyclopts import Parameter
 import rotor_ida
 from rotor_ida.checks import AT_REST, MOST_NUMBERS, State, check_one_varies
 from rotor_ida.cli import options, parsing
-from rotor_ida.cli.machines import Units
+from rotor_ida.cli.machines import begun
 from rotor_ida.cli.option_types import (
     IN_OUTPUT,
     count_option,
@@ -120,18 +120,18 @@ def simulate(
     if system is not None:
         given = {"duration": duration, "samples": samples}
         return simulate_file(system, rotor, start, solver, output, given)
-    chosen, units = rotor.rotor_and_units()
+    chosen = rotor.chosen()
     output.check()
     with working("simulate [%]") as progress:
         run = rotor_ida.simulate(
             chosen,
-            start=units.begun(start, chosen),
-            duration=units.time(duration),
+            start=begun(start, chosen),
+            duration=duration,
             samples=samples,
             **options.of_disc(solver),
             progress=progress,
         )
-    return answer(units.shown(run), output, most=FIRST_ROWS)
+    return answer(run, output, most=FIRST_ROWS)
 
 
 def run_up(
@@ -175,20 +175,18 @@ def run_up(
     if system is not None:
         return run_up_file(system, rotor, change, start, solver, output, {"samples": samples})
     chosen = change.beginning(rotor)
-    units = Units.of(chosen)
     output.check()
     with working("run-up [%]") as progress:
         run = rotor_ida.run_up(
-            chosen if isinstance(chosen, Rotor) else chosen.rotor(),
-            start=units.begun(start, change.first_of(chosen)),
-            **change.of(chosen),
+            chosen,
+            start=begun(start, change.first_of(chosen)),
+            **change.given(),
             samples=samples,
             **options.of_disc(solver),
             progress=progress,
         )
-        shown = units.shown(run)
-        found = rotor_ida.summary(shown)
-    return summarised(found, answer(shown, output, most=FIRST_ROWS))
+        found = rotor_ida.summary(run)
+    return summarised(found, answer(run, output, most=FIRST_ROWS))
 
 
 def sweep(
@@ -229,7 +227,7 @@ def sweep(
     output.check(panels=rotors.panels(over="omega"))
     given, units = rotors.given_and_units()
     units.keep(study)
-    with working("sweep", study) as progress:
+    with working("sweep", study) as progress, units.told():
         dataset = rotor_ida.sweep(
             **given,
             starts=list(map(units.start, start)),
@@ -285,7 +283,7 @@ def bifurcation_diagram(
     given |= units.components({name: each for name, each in box.items() if each is not None})
     if extrema_time is not None:
         given["extrema_time"] = units.time(extrema_time)
-    with working("diagram") as progress:
+    with working("diagram") as progress, units.told():
         dataset = rotor_ida.bifurcation_diagram(
             **given,
             starts=starts if start is None else list(map(units.start, start)),
@@ -330,13 +328,13 @@ def run_ups(
     output.check(panels=rotors.panels())
     given, units = rotors.given_and_units()
     units.keep(study)
-    with working("run-ups", study) as progress:
+    with working("run-ups", study) as progress, units.told():
         dataset = rotor_ida.run_ups(
             **given,
             to=units.speed(to),
             rate=list(map(units.rate, rate)),
             phase=phase,
-            starts=_hanging(given, units) if start is None else list(map(units.start, start)),
+            starts=_hanging(given) if start is None else list(map(units.start, start)),
             **asdict(solver),
             **jobs.on_every_core(),
             study=study,
@@ -345,13 +343,13 @@ def run_ups(
         return answer_whole(units.shown(dataset), output, study)
 
 
-def _hanging(given: Mapping[str, Any], units: Units) -> list[State]:
+def _hanging(given: Mapping[str, Any]) -> list[State]:
     """Return the one place in which all rotors of run-ups hang at rest under their load."""
     axes = {name: each if isinstance(each, list) else [each] for name, each in given.items()}
     if not any(axes.get("load", [])):
         return [AT_REST]
     rotors = (Rotor(**dict(zip(axes, values, strict=True))) for values in product(*axes.values()))
-    places = {units.begun(None, each) for each in rotors}
+    places = {begun(None, each) for each in rotors}
     if len(places) > 1:
         raise InputError(
             "start must be given for rotors that hang in different places under their load, got "

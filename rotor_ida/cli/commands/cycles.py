@@ -11,7 +11,7 @@ from cyclopts import Parameter
 import rotor_ida
 from rotor_ida.checks import COMPONENTS, MOST_NUMBERS, State, shown
 from rotor_ida.cli import options, parsing
-from rotor_ida.cli.machines import Units, plain
+from rotor_ida.cli.machines import begun, check_limits, plain
 from rotor_ida.cli.option_types import count_option, path_option, quantity_option
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
@@ -19,7 +19,7 @@ from rotor_ida.cli.rotor_options import RotorOptions
 from rotor_ida.cli.systems import cycle_case
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS, TABLE
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -130,20 +130,18 @@ class Origin(RotorOptions):
         if not (self.given or self.machine):
             raise InputError("a rotor must be given, or a file with --from")
 
-    def guess(self, *, curve_kind: str | None = None) -> tuple[Rotor, State | xr.Dataset, Units]:
-        """Return rotor and start of the continuation, and the units of the command.
+    def guess(self, *, curve_kind: str | None = None) -> tuple[Any, State | xr.Dataset]:
+        """Return rotor and start of the continuation.
 
         A point of a bifurcation curve of `curve_kind` starts exactly that bifurcation.
         """
         if self.from_ is not None:
             dataset, units = plain(read(self.from_))
             rotor, found = _in_archive(dataset, self, curve_kind)
-            return rotor, found, units
-        rotor, units = self.rotor_and_units()
-        start = units.begun(self.start, rotor)
-        if self.period is None:
-            return rotor, start, units
-        return rotor, _closed(rotor, start, units.time(self.period)), units
+            return units.machine or rotor, found
+        chosen = self.chosen()
+        start = begun(self.start, chosen)
+        return chosen, start if self.period is None else _closed(chosen, start, self.period)
 
 
 def limit_cycle(
@@ -177,13 +175,13 @@ def limit_cycle(
     if without_gravity:
         raise InputError("without_gravity must be left out without a rotor system")
     output.check()
-    chosen, units = rotor.rotor_and_units()
+    chosen = rotor.chosen()
     with working("cycle"):
         if period is None:
-            found = rotor_ida.limit_cycle(chosen, start=units.begun(start, chosen))
+            found = rotor_ida.limit_cycle(chosen, start=begun(start, chosen))
         else:
-            found = _closed(chosen, units.begun(start, chosen), units.time(period))
-    return _answered(units.shown(found), output)
+            found = _closed(chosen, begun(start, chosen), period)
+    return _answered(found, output)
 
 
 def _answered(found: xr.Dataset, output: Output) -> Report:
@@ -232,19 +230,19 @@ def continue_cycle(
     origin.check()
     output.check()
     with working("points", study) as progress:
-        rotor, start, units = origin.guess()
-        low, high = units.limits(parameter, limits)
+        rotor, start = origin.guess()
+        check_limits(rotor, [parameter], limits)
         branch = rotor_ida.continue_cycle(
             rotor,
             start=start,
-            parameter=units.parameter(parameter),
-            limits=(low, high),
+            parameter=parameter,
+            limits=limits,
             direction=direction,
             points=points,
             study=study,
             progress=progress,
         )
-        return answer_whole(units.shown(branch), output, study)
+        return answer_whole(branch, output, study)
 
 
 def bifurcation_curve(
@@ -265,21 +263,19 @@ def bifurcation_curve(
     """
     origin.check()
     output.check()
-    first, second = parameters
     with working("points") as progress:
-        rotor, start, units = origin.guess(curve_kind=kind)
-        low, high = units.limits(first, limits[:2])
-        second_low, second_high = units.limits(second, limits[2:])
+        rotor, start = origin.guess(curve_kind=kind)
+        check_limits(rotor, parameters, limits)
         found = rotor_ida.bifurcation_curve(
             rotor,
             start=start,
             kind=kind,
-            parameters=(units.parameter(first), units.parameter(second)),
-            limits=((low, high), (second_low, second_high)),
+            parameters=parameters,
+            limits=(limits[:2], limits[2:]),
             points=points,
             progress=progress,
         )
-        return answer(units.shown(found), output)
+        return answer(found, output)
 
 
 # ---- Of a rotor system ----
@@ -341,7 +337,7 @@ def _point_of_system(dataset: xr.Dataset, origin: Origin) -> xr.Dataset:
     return _at(dataset, kind, origin.point, origin.special)
 
 
-def _closed(rotor: Rotor, start: State, period: float) -> xr.Dataset:
+def _closed(rotor: Rotor | DimensionalRotor, start: State, period: float) -> xr.Dataset:
     """Return the cycle near a guess; if there is none, the guess is an input error."""
     try:
         return rotor_ida.limit_cycle(rotor, start=start, period=period)
@@ -404,7 +400,7 @@ def _of_curve(at: xr.Dataset, prefix: str, curve_kind: str | None) -> xr.Dataset
     values |= {first: at[names[0]].item(), second: at[names[1]].item()}
     numbers = {name: at[f"{prefix}{name}"].item() for name in (*COMPONENTS, "period")}
     if kind != curve_kind:
-        return xr.Dataset(numbers, values)
+        return xr.Dataset(numbers, values, {"parameters": at.attrs["parameters"]})
     told = {f"special_{name}": number for name, number in numbers.items()}
     told |= {"special_kind": SPECIAL[kind], "special_value": values[first]}
     return xr.Dataset(told, values, {"parameter": first})

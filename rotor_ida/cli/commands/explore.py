@@ -11,7 +11,7 @@ from typing import Annotated
 
 from rotor_ida.checks import COMPONENTS, State, shown
 from rotor_ida.cli import options
-from rotor_ida.cli.machines import Units, plain
+from rotor_ida.cli.machines import begun, plain
 from rotor_ida.cli.option_types import (
     IN_OUTPUT,
     count_option,
@@ -138,9 +138,8 @@ def _beginning(
     given = rotor.machine is not None or bool(rotor.given)
     if file is None:
         chosen = rotor.chosen() if given else FIRST
-        begun = Units.of(chosen).begun(start, chosen)
-        check_can_be_followed(chosen if isinstance(chosen, Rotor) else chosen.rotor(), begun)
-        return chosen, None if start is None else begun, REVOLUTIONS
+        first = _checked_start(chosen, begun(start, chosen))
+        return chosen, None if start is None else first, REVOLUTIONS
     if given or start is not None:
         raise InputError("file must be given alone: the archive contains the rotor and the start")
     from rotor_ida.results.run import check_one_speed, rotor_of  # noqa: PLC0415 - heavy, and not for --help
@@ -157,6 +156,21 @@ def _beginning(
     return units.machine or found, (x, y, vx, vy), revolutions
 
 
+def _checked_start(rotor: Rotor | DimensionalRotor, start: State) -> State:
+    """Return a start of the page, without dimensions, if it can be followed."""
+    if isinstance(rotor, Rotor):
+        check_can_be_followed(rotor, start)
+        return start
+    from rotor_ida.results.in_si import in_si, without_dimensions  # noqa: PLC0415
+
+    x, y, vx, vy = without_dimensions(rotor, {"start": start})["start"].tolist()
+    try:
+        check_can_be_followed(rotor.rotor(), (x, y, vx, vy))
+    except InputError as error:
+        raise in_si(error, rotor) from error
+    return x, y, vx, vy
+
+
 def _state(
     machine: Rotor | DimensionalRotor, start: State | None, revolutions: int
 ) -> Mapping[str, object]:
@@ -170,13 +184,14 @@ def _export(
     place: Path, machine: Rotor | DimensionalRotor, start: State | None, revolutions: int,
     speeds: list[float] | None, force: bool,
 ) -> int:  # fmt: skip
+    from rotor_ida.closed_forms.rest import hanging  # noqa: PLC0415
     from rotor_ida.explorer.files import check_speeds, record  # noqa: PLC0415
 
     _check_page(place, force)
     chosen = check_speeds(machine, speeds)
-    begun = start or Units().begun(None, machine)
+    first = start or hanging(machine if isinstance(machine, Rotor) else machine.rotor())
     with working("recording") as told:
-        page = record(machine, start=begun, revolutions=revolutions, speeds=chosen, progress=told)
+        page = record(machine, start=first, revolutions=revolutions, speeds=chosen, progress=told)
     return _write(place, page, force)
 
 

@@ -14,7 +14,6 @@ from cyclopts import Parameter
 import rotor_ida
 from rotor_ida.checks import shown
 from rotor_ida.cli import options
-from rotor_ida.cli.machines import kept, plain
 from rotor_ida.cli.option_types import IN_SOLVER, path_option
 from rotor_ida.cli.output import Output, answer, answer_whole, check_varies, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report, pairs
@@ -81,8 +80,7 @@ def compare(
     output.check()
     if out is not None and os.path.realpath(out) == os.path.realpath(file):
         raise InputError(f"out must not be the file that is compared, got {shown(out)}")
-    archived, units = plain(read(file))
-    return answer(units.shown(rotor_ida.compare(archived)), output)
+    return answer(rotor_ida.compare(read(file)), output)
 
 
 def verify(
@@ -159,7 +157,7 @@ def resume(
     output.check(panels=1 if output.figure is None else _panels(folder))
     with working("study", folder) as progress:
         dataset = rotor_ida.resume(folder, **asdict(jobs), progress=progress)
-        return answer_whole(kept(folder).shown(dataset), output, folder)
+        return answer_whole(dataset, output, folder)
 
 
 def _panels(folder: Path) -> int:

@@ -149,7 +149,9 @@ def _at_all_speeds(
     check_points(*rotors.axes())
     output.check(panels=rotors.panels())
     given, units = rotors.without_speed()
-    return answer(units.shown(compute(**given)), output, most=MOST_ROWS)
+    with units.told():
+        found = compute(**given)
+    return answer(units.shown(found), output, most=MOST_ROWS)
 
 
 def backward_whirl(*, rotor: RotorOptions = RotorOptions(), output: Output = Output()) -> Report:
@@ -161,5 +163,4 @@ def backward_whirl(*, rotor: RotorOptions = RotorOptions(), output: Output = Out
             --friction 0.2 --disc-radius 10
     """
     output.check()
-    chosen, units = rotor.rotor_and_units()
-    return answer(units.shown(rotor_ida.backward_whirl(chosen)), output)
+    return answer(rotor_ida.backward_whirl(rotor.chosen()), output)

@@ -21,6 +21,7 @@ from rotor_ida.results.archive.checksum import content_sha256, seal_of
 from rotor_ida.results.archive.content import CHECKSUM, FORMAT, FORMAT_NUMBER, LABEL_OF, NUMERIC
 from rotor_ida.results.archive.library import LOCK, what_is_no_variable
 from rotor_ida.results.files import check_path
+from rotor_ida.results.si_units import complete
 from rotor_ida.schema import with_flags_of_now
 
 if TYPE_CHECKING:
@@ -166,6 +167,7 @@ def _load(source: Path) -> xr.Dataset:
     with LOCK:
         dataset = _read(source, lambda _, stored: _values(stored, source), in_memory=True)
     _check_content(dataset, source)
+    complete(dataset)
     return with_flags_of_now(dataset)
 
 
@@ -177,6 +179,7 @@ def _open(source: Path, *, check: bool) -> xr.Dataset:
             dataset = _read(source, lambda name, _: _unread(stored.variables[name], source))
         if check:
             _check_content(dataset, source)
+        complete(dataset)
         found = with_flags_of_now(dataset)
     except BaseException:
         stored.close()

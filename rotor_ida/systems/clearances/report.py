@@ -26,7 +26,7 @@ from rotor_ida.checks import (
     check_positive,
     shown,
 )
-from rotor_ida.errors import InputError
+from rotor_ida.errors import Amount, InputError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.schema import STABILITY, VERDICT, labelled_dataset
 from rotor_ida.systems.archived import described_problem
@@ -180,7 +180,8 @@ def clearance_report(
         if not mode.decay > UNDAMPED * mode.speed:
             raise InputError(
                 "system must be damped at its critical speeds for a report, got no damping at "
-                f"{mode.speed:.6g}{' rad/s' if system.units == 'SI' else ''}"
+                "{speed:.6g}",
+                speed=Amount(mode.speed, "rad s-1") if system.units == "SI" else mode.speed,
             )
     if system.unbalance:
         cases: Cases = [[scaled(each, multiple) for each in system.unbalance]]

@@ -137,7 +137,10 @@ def _limits(given: object) -> tuple[float, float]:
         raise InputError(f"limits must be two speeds, got {shown(given)}")
     low, high = check_axis("limits", ends, largest=LARGEST_NUMBER).tolist()
     if not low < high:
-        raise InputError(f"limits must be two speeds, the lower one first, got {(low, high)!r}")
+        raise InputError(
+            "{name} must be two speeds, the lower one first, got {value}",
+            name="limits", value=(low, high),
+        )  # fmt: skip
     return low, high
 
 

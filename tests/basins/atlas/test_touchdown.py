@@ -113,20 +113,20 @@ def test_backward_whirl_has_a_negative_ratio(bouncing):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"machine": "mine"}, "machine must be a DimensionalRotor or a Rotor, got 'mine'"),
-        ({"machine": Rotor(omega=0.0, zeta=0.1, delta0=1.0)}, "speed must be above 0 .* got 0.0"),
-        ({"machine": Rotor(omega=1.0, zeta=0.0, delta0=1.0)}, "zeta must be above 0"),
+        ({"rotor": "mine"}, "rotor must be a Rotor, got 'mine'"),
+        ({"rotor": Rotor(omega=0.0, zeta=0.1, delta0=1.0)}, "omega must be above 0 .* got 0.0"),
+        ({"rotor": Rotor(omega=1.0, zeta=0.0, delta0=1.0)}, "zeta must be above 0"),
         ({"starts": -1}, "starts must be at least 1, got -1"),
         ({"x": (2, 1)}, "x must be a range"),
         (
-            {"machine": MACHINE, "x": (-1e3, 1e3)},
+            {"rotor": MACHINE, "x": (-1e3, 1e3)},
             "in eccentricities, must lie within 1e.06 of zero",
         ),
     ],
 )
 def test_bad_input_gets_one_clear_line(changes, message):
     with pytest.raises(InputError, match=message) as caught:
-        touchdown_report(**{"machine": BOUNCER, **BOX, **changes})
+        touchdown_report(**{"rotor": BOUNCER, **BOX, **changes})
     assert "\n" not in str(caught.value)
 
 

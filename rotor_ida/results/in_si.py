@@ -1,0 +1,224 @@
+"""The border between SI units and dimensionless numbers: verbs of a `Rotor` take a machine too."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from functools import wraps
+from inspect import signature
+from pathlib import Path
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.checks import check_array, shown
+from rotor_ida.errors import Amount, InputError, RotorError, SimulationError
+from rotor_ida.model.parameters import OF_MACHINE
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.scales import (
+    BECOMES,
+    IS_OF_MACHINE,
+    UNITS_OF_ARGUMENTS,
+    scale_of,
+    unit_of,
+    unit_of_parameter,
+    without_units,
+)
+from rotor_ida.results.machine_file import load_machine, save_machine
+from rotor_ida.results.si_units import (
+    dimensional,
+    dimensionless,
+    in_units_of,
+    machine_of,
+    rescaled,
+)
+from rotor_ida.results.studies.store import MACHINE_FILE
+
+Asked = ParamSpec("Asked")
+Found = TypeVar("Found")
+Failure = TypeVar("Failure", bound=RotorError)
+
+
+def takes_si(
+    verb: Callable[Concatenate[Rotor, Asked], xr.Dataset],
+) -> Callable[Concatenate[Rotor | DimensionalRotor, Asked], xr.Dataset]:
+    """Return a function of a `Rotor` that also takes a `DimensionalRotor`, and is in SI units then.
+
+    Arguments become dimensionless by their names (`rotor_ida.model.scales`), and the result gets SI
+    units. A start that is a dataset has its own units.
+    """
+    defaults = {
+        name: each.default for name, each in signature(verb).parameters.items()
+        if name in {"parameter", "parameters"}
+    }  # fmt: skip
+
+    @wraps(verb)
+    def either(rotor: Rotor | DimensionalRotor, *given: Any, **options: Any) -> xr.Dataset:
+        if not isinstance(rotor, DimensionalRotor):
+            if isinstance(start := options.get("start"), xr.Dataset):
+                options["start"] = dimensionless(start)
+            return verb(rotor, *given, **options)
+        plain = without_dimensions(rotor, defaults | options)
+        keep_machine(options.get("study"), rotor)
+        try:
+            found = verb(rotor.rotor(), *given, **plain)
+        except (InputError, SimulationError) as error:
+            raise in_si(error, rotor) from error
+        return dimensional(found, rotor)
+
+    return cast("Callable[Concatenate[Rotor | DimensionalRotor, Asked], xr.Dataset]", either)
+
+
+def keeps_si(
+    analysis: Callable[Concatenate[xr.Dataset, Asked], Found],
+) -> Callable[Concatenate[xr.Dataset, Asked], Found]:
+    """Return a function of a dimensionless result that also takes one in SI units, as its answer.
+
+    Examples
+    --------
+    >>> from rotor_ida import contact_summary, simulate
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=5e-7, speed=600.0)
+    >>> contact_summary(simulate(machine, duration=0.1)).largest_force.attrs["units"]
+    'N'
+    """
+
+    @wraps(analysis)
+    def either(result: xr.Dataset, *given: Any, **options: Any) -> Any:
+        machine = machine_of(result) if isinstance(result, xr.Dataset) else None
+        if machine is None:
+            return analysis(result, *given, **options)
+        try:
+            found = analysis(dimensionless(result), *given, **without_dimensions(machine, options))
+        except (InputError, SimulationError) as error:
+            raise in_si(error, machine) from error
+        if isinstance(found, list):
+            return [in_units_of(each, result) for each in found]
+        return in_units_of(cast("xr.Dataset", found), result)
+
+    return cast("Callable[Concatenate[xr.Dataset, Asked], Found]", either)
+
+
+def without_dimensions(machine: DimensionalRotor, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of a verb of a machine without dimensions, by name.
+
+    Parameters of the machine become those of the rotor, by their names too.
+
+    Examples
+    --------
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
+    >>> without_dimensions(machine, {"speed": [600.0, 1000.0], "duration": 0.04, "rtol": 1e-9})
+    {'omega': array([1.2, 2. ]), 'duration': 20.0, 'rtol': 1e-09}
+    >>> without_dimensions(machine, {"mass": [4.0, 5.0]})
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: mass must be left out, as it sets the scales of all results: give a
+    machine with another one
+    """
+    for name in options:
+        if name in OF_MACHINE and OF_MACHINE[name].sets_scales:
+            raise InputError(
+                f"{name} must be left out, as it sets the scales of all results: give a machine "
+                "with another one"
+            )
+        if name in IS_OF_MACHINE:
+            raise InputError(
+                f"{name} must be left out with a machine: give its {IS_OF_MACHINE[name]}"
+            )
+    plain = {_plain_name(name): _plain(machine, name, value) for name, value in options.items()}
+    if "along" in options:
+        plain["along"] = _plain_name(options["along"])
+    if "parameters" in options:
+        plain["parameters"], plain["limits"] = _several(machine, options)
+    elif "limits" in options:
+        parameter = options.get("parameter", "omega")
+        plain["limits"] = _limits(machine, parameter, options["limits"])
+        if "parameter" in options:
+            plain["parameter"] = _plain_name(parameter)
+    return plain
+
+
+def in_si(error: Failure, machine: DimensionalRotor) -> Failure:
+    """Return an error about dimensionless numbers of a machine with these in SI units.
+
+    Examples
+    --------
+    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
+    ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
+    >>> error = InputError("{name} must be positive, got {value}", name="duration", value=-500.0)
+    >>> print(in_si(error, machine))
+    duration must be positive, got -1 s
+    """
+
+    def amount(field: str, name: str, place: int, value: float) -> float:
+        unit = unit_of(field, place) or unit_of(name, place)
+        has_scale = unit is not None and unit != "kg"
+        return Amount(value * scale_of(machine, unit), unit) if unit and has_scale else value
+
+    return error.with_numbers(amount, IS_OF_MACHINE)
+
+
+def keep_machine(study: object, machine: DimensionalRotor) -> None:
+    """Write a machine into the folder of a study, so that it continues in SI units."""
+    if not isinstance(study, (str, os.PathLike)) or not os.fspath(study):
+        return
+    place = Path(study) / MACHINE_FILE
+    if place.exists():
+        if load_machine(place) != machine:
+            raise InputError(f"study must be of this machine, got {shown(study)} of another")
+        return
+    place.parent.mkdir(parents=True, exist_ok=True)
+    save_machine(machine, place)
+
+
+def in_units_of_study(dataset: xr.Dataset, study: str | os.PathLike[str]) -> xr.Dataset:
+    """Return the dimensionless result of a study, in SI units if that is of a machine."""
+    place = Path(study) / MACHINE_FILE
+    return dimensional(dataset, load_machine(place)) if place.is_file() else dataset
+
+
+def _plain(machine: DimensionalRotor, name: str, value: Any) -> Any:
+    """Return an argument without dimensions; a word, a count or a wrong value as it is."""
+    if name == "start" and isinstance(value, xr.Dataset):
+        return rescaled(value, machine)
+    units = (unit_of_parameter(name),) if name in OF_MACHINE else UNITS_OF_ARGUMENTS.get(name)
+    is_count = name in {"samples", "starts"} and np.ndim(value) == 0
+    if units is None or value is None or is_count or isinstance(value, str):
+        return value
+    numbers = check_array(name, value)
+    if len(units) == 1:
+        plain = without_units(machine, units[0], numbers)
+        return plain.item() if plain.ndim == 0 else plain
+    if numbers.ndim == 0 or numbers.shape[-1] != len(units):
+        return value  # the function refuses it, as it was given
+    columns = [without_units(machine, unit, numbers[..., at]) for at, unit in enumerate(units)]
+    return np.stack(columns, axis=-1)
+
+
+def _plain_name(parameter: Any) -> Any:
+    """Return the dimensionless parameter for a name; what is none as it is."""
+    return BECOMES.get(parameter, parameter) if isinstance(parameter, str) else parameter
+
+
+def _limits(machine: DimensionalRotor, parameter: Any, limits: Any) -> Any:
+    """Return limits of a parameter without dimensions."""
+    if not isinstance(parameter, str) or IS_OF_MACHINE.get(parameter, parameter) not in OF_MACHINE:
+        return limits  # the function refuses the parameter
+    values = check_array("limits", limits)
+    return without_units(machine, unit_of_parameter(parameter), values).tolist()
+
+
+def _several(machine: DimensionalRotor, options: Mapping[str, Any]) -> tuple[Any, Any]:
+    """Return parameters and their limits without dimensions; wrong ones as they are."""
+    names, limits = options["parameters"], options.get("limits")
+    if not isinstance(names, (tuple, list)):
+        return names, limits
+    plain = tuple(map(_plain_name, names))
+    if isinstance(limits, Mapping):
+        return plain, {_plain_name(each): _limits(machine, each, limits[each]) for each in limits}
+    if np.ndim(limits) == 0 or len(limits) != len(names):  # type: ignore[arg-type]
+        return plain, limits
+    pairs = zip(names, limits, strict=True)  # type: ignore[arg-type]
+    return plain, [_limits(machine, name, each) for name, each in pairs]

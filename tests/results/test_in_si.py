@@ -1,0 +1,238 @@
+"""Every verb of one disc takes a machine: in SI units, as the same rotor without dimensions.
+
+The scales are those of the paper's Eq. (9), computed here: ``omega_0**2 = k sqrt(D)/m``.
+"""
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import rotor_ida
+from rotor_ida import DimensionalRotor, Rotor
+from rotor_ida.results.si_units import rescaled
+from rotor_ida.verification.verify import differences, rerun
+
+D, M, K = 1e-6, 4.0, 1e9
+W = math.sqrt(K * math.sqrt(D) / M)
+F = K * D**1.5
+SCALES = {
+    "1": 1.0,
+    "m": D,
+    "s": 1.0 / W,
+    "m s-1": D * W,
+    "s-1": W,
+    "N": F,
+    "J": F * D,
+    "N s": F / W,
+}
+STATE = np.array([D, D, D * W, D * W])
+ROTOR = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+RUBBING = Rotor(omega=0.63, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+LOADED = Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.5, load=0.3)
+START = np.array([0.5, -0.3, 0.2, 0.4])
+
+
+def machine_of(rotor):
+    return DimensionalRotor(
+        mass=M, contact_stiffness=K, eccentricity=D, speed=rotor.omega * W,
+        damping=2.0 * M * W * rotor.zeta, clearance=rotor.delta0 * D,
+        shaft_stiffness=rotor.shaft_stiffness * M * W**2, load=rotor.load * F,
+        friction=rotor.friction,
+        disc_radius=None if rotor.disc_radius is None else rotor.disc_radius * D,
+    )  # fmt: skip
+
+
+# Each verb: its rotor, then each argument without dimensions, and its scale where it has one.
+VERBS = {
+    "simulate": (ROTOR, {"start": (START, STATE), "duration": (20.0, 1 / W)}),
+    "simulate at times": (
+        ROTOR, {"duration": (9.0, 1 / W), "samples": (np.array([0.0, 4.0, 9.0]), 1 / W)},
+    ),
+    "run_up by rate": (
+        ROTOR, {"to": (3.0, W), "rate": (0.1, W**2), "samples": (50, None), "rtol": (1e-9, None)},
+    ),
+    "run_up in time": (
+        ROTOR, {"to": (1.0, W), "ramp_time": (10.0, 1 / W), "duration": (12.0, 1 / W)},
+    ),
+    "run_up by speeds": (ROTOR, {"speeds": (np.array([[0.0, 2.0], [9.0, 2.5]]), [1 / W, W])}),
+    "run_up by torque": (ROTOR, {
+        "torque": (np.array([3.0, 0.5]), [F * D, F * D / W]), "inertia": (10.0, M * D**2),
+        "duration": (10.0, 1 / W),
+    }),
+    "poincare_section": (ROTOR, {"start": (START, STATE), "revolutions": (5, None)}),
+    "lyapunov_exponent": (
+        ROTOR, {"start": (START, STATE), "transient": (20.0, 1 / W), "duration": (80.0, 1 / W),
+                "batches": (4, None)},
+    ),
+    "limit_cycle": (
+        ROTOR, {"start": (np.array([2.6, 0.75, 0.66, -1.65]), STATE), "period": (4.5, 1 / W)},
+    ),
+    "continue_cycle": (ROTOR, {"limits": ((1.98, 2.02), W), "points": (5, None)}),
+    "continue_cycle over the clearance": (
+        ROTOR, {"limits": ((1.98, 2.02), D), "parameter": ("delta0", "clearance"),
+                "points": (5, None)},
+    ),
+    "basin": (ROTOR, {
+        "x": (np.linspace(-5.0, 5.0, 4), D), "y": (np.linspace(-5.0, 5.0, 3), D),
+        "vx": (0.5, D * W),
+    }),
+    "basin_fractions": (
+        ROTOR, {"x": ((-5.0, 5.0), D), "y": (1.0, D), "vy": ((-2.0, 2.0), D * W),
+                "starts": (40, None)},
+    ),
+    "touchdown_report": (
+        ROTOR, {"x": ((-5.0, 5.0), D), "y": ((-5.0, 5.0), D), "starts": (40, None),
+                "shocks": (0, None)},
+    ),
+    "rest": (LOADED, {}),
+    "backward_whirl": (RUBBING, {}),
+}  # fmt: skip
+
+
+def scaled(value, scale):
+    """The value as a user of the machine gives it; a word of a scale is the machine's own name."""
+    if scale is None or isinstance(scale, str):
+        return scale or value
+    if isinstance(value, tuple):
+        return tuple(np.multiply(value, scale).tolist())
+    return np.multiply(value, scale) if np.ndim(value) else value * scale
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_a_machine_is_its_rotor_in_si_units(name):
+    rotor, asked = VERBS[name]
+    verb = getattr(rotor_ida, name.split()[0])
+    plain = verb(rotor, **{each: value for each, (value, _) in asked.items()})
+    in_si = verb(machine_of(rotor), **{each: scaled(*both) for each, both in asked.items()})
+    assert set(in_si.variables) == set(plain.variables)
+    for each, variable in in_si.variables.items():
+        if variable.dtype.kind != "f":
+            xr.testing.assert_equal(variable, plain.variables[each])
+            continue
+        here = variable.values / SCALES.get(variable.attrs["units"], 1.0)
+        there = plain.variables[each].values
+        size = np.max(np.abs(there), initial=1e-9, where=np.isfinite(there))
+        if each.endswith(("error", "residual", "defect")):  # of rounding
+            continue
+        np.testing.assert_allclose(here, there, rtol=0, atol=1e-7 * size, err_msg=each)
+    for each, (value, scale) in asked.items():
+        if each in in_si.attrs and scale is not None and not isinstance(scale, str):
+            expected = np.ravel(np.multiply(value, scale))
+            np.testing.assert_allclose(in_si.attrs[each], expected, rtol=1e-12)
+            assert in_si.attrs[f"{each}_units"]
+
+
+def test_a_curve_of_folds_of_a_machine_has_limits_in_its_units():
+    rotor = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
+    asked = {"start": (3.0, 1.0, 0.0, 0.0), "kind": "fold", "points": 4}
+    limits = {"omega": (2.4, 3.2), "delta0": (0.45, 0.55)}
+    plain = rotor_ida.bifurcation_curve(rotor, **asked, limits=limits)
+    asked["start"] = tuple(asked["start"] * STATE)
+    in_si = rotor_ida.bifurcation_curve(
+        machine_of(rotor), **asked, parameters=("speed", "clearance"),
+        limits=((2.4 * W, 3.2 * W), (0.45 * D, 0.55 * D)),
+    )  # fmt: skip
+    np.testing.assert_allclose(in_si.omega, plain.omega, rtol=1e-9)
+    np.testing.assert_allclose(in_si.period * W, plain.period, rtol=1e-9)
+    assert in_si.attrs["limits"] == pytest.approx([2.4 * W, 3.2 * W, 0.45 * D, 0.55 * D], rel=1e-12)
+
+
+def test_a_machine_touches_when_its_flight_reaches_the_clearance():
+    """From rest the flight is linear, ``Z = c + d exp(-n T/m) + a exp(i W T)``: by hand in SI."""
+    mass, damping, eccentricity, speed, clearance = 4.0, 280.0, 1e-6, 600.0, 5e-7
+    machine = DimensionalRotor(mass=mass, contact_stiffness=1e9, damping=damping,
+                               eccentricity=eccentricity, clearance=clearance,
+                               speed=speed)  # fmt: skip
+    run = rotor_ida.simulate(machine, duration=0.04)
+    decay = damping / mass
+    whirl = -eccentricity * speed / (speed - 1j * decay)
+    fades = 1j * speed * whirl / decay
+    time = run.event_time.values[0]
+    place = -whirl - fades + fades * np.exp(-decay * time) + whirl * np.exp(1j * speed * time)
+    assert abs(place) == pytest.approx(clearance, rel=1e-12)
+    assert (run.event_time.attrs["units"], run.attrs["duration"]) == ("s", 0.04)
+
+
+def test_a_cycle_of_a_machine_starts_its_branch():
+    machine = machine_of(ROTOR)
+    cycle = rotor_ida.limit_cycle(machine)
+    branch = rotor_ida.continue_cycle(machine, start=cycle, limits=(1.98 * W, 2.02 * W), points=5)
+    assert branch.attrs["start_period"] == pytest.approx(cycle.period.item(), rel=1e-12)
+    plain = rotor_ida.continue_cycle(ROTOR, start=cycle, limits=(1.98, 2.02), points=5)
+    np.testing.assert_allclose(branch.period * W, plain.period, rtol=1e-12)
+
+
+def test_a_start_of_a_machine_with_other_scales_keeps_its_metres():
+    one = machine_of(ROTOR)
+    run = rotor_ida.simulate(one, start=START * STATE, duration=0.02)
+    other = DimensionalRotor(**{**one.given, "eccentricity": 2.0 * D})
+    plain = rescaled(run, other)
+    np.testing.assert_allclose(plain.x * other.length_scale, run.x, rtol=1e-12)
+    np.testing.assert_allclose(plain.t * other.time_scale, run.t, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("verb", "asked", "message"),
+    [
+        ("simulate", {"duration": -0.5}, "duration must be positive, got -0.5 s"),
+        ("simulate", {"duration": 1.0, "start": (30.0, 0, 0, 0)},
+         "start x must lie within 1 m of zero, got 30 m"),
+        ("simulate", {"duration": 1e30},
+         "duration must be below 8.58993e+06 s at speed 1000 rad/s, so that doubles resolve a "
+         "revolution, got 1e+30 s"),
+        ("simulate", {"duration": 0.1, "samples": [0.0, 0.2]},
+         "samples must lie from 0 to the duration 0.1 s, got 0.2 s"),
+        ("simulate", {"duration": "1 s"}, "duration must be a finite real number, got '1 s'"),
+        ("simulate", {"duration": 1.0, "start": (1, 2)},
+         "start must be four numbers (x, y, vx, vy), got (1, 2)"),
+        ("run_up", {"to": 900.0, "rate": 3.0},
+         "rate must be negative to change the speed from 1000 rad/s to 900 rad/s, got 3 rad/s2"),
+        ("run_up", {"torque": (1.0, 0.1), "inertia": 1e-16, "duration": 1.0},
+         "inertia must be at least 1e-09 kg m2 with torque (1 N m, 0.1 N m s) and duration 1 s, or "
+         "the run would take an hour or more, got 1e-16 kg m2"),
+        ("limit_cycle", {"period": 100.0}, "period must lie from 2e-09 s to 20 s, got 100 s"),
+        ("continue_cycle", {"parameter": "clearance", "limits": (3e-6, 4e-6)},
+         "limits of clearance must contain that of the start, 2e-06 m, got (3e-06 m, 4e-06 m)"),
+        ("basin", {"x": [0.0, -1e-6], "y": [0.0, 1e-6]}, "x must increase, got -1e-06 m after 0"),
+        ("simulate", {"duration": 1.0, "mass": 3.0}, "mass must be left out, as it sets the scales "
+         "of all results: give a machine with another one"),
+    ],
+)  # fmt: skip
+def test_an_error_about_a_machine_is_in_si_units(verb, asked, message):
+    with pytest.raises(rotor_ida.InputError) as refused:
+        getattr(rotor_ida, verb)(machine_of(ROTOR), **asked)
+    assert str(refused.value) == message
+
+
+def test_an_error_carries_name_value_and_unit_across_processes():
+    with pytest.raises(rotor_ida.InputError) as refused:
+        rotor_ida.simulate(machine_of(ROTOR), duration=-0.5)
+    error = pickle.loads(pickle.dumps(refused.value))
+    assert (error.name, error.value, error.value.unit) == ("duration", -0.5, "s")
+    assert str(error) == str(refused.value)
+
+
+def test_a_study_of_a_machine_continues_in_si_units(tmp_path):
+    asked = {"x": np.linspace(-5 * D, 5 * D, 3), "y": np.linspace(-5 * D, 5 * D, 3)}
+    found = rotor_ida.basin(machine_of(ROTOR), **asked, study=tmp_path)
+    assert rotor_ida.resume(tmp_path).identical(found)
+    other = machine_of(Rotor(omega=2.5, zeta=0.07, delta0=2.0))
+    with pytest.raises(rotor_ida.InputError, match="study must be of this machine"):
+        rotor_ida.basin(other, **asked, study=tmp_path)
+
+
+def test_an_old_archive_in_si_units_gets_its_attributes_in_them(tmp_path):
+    """Archives had their start and duration without dimensions, and no units of these."""
+    run = rotor_ida.simulate(machine_of(ROTOR), start=START * STATE, duration=0.02)
+    new = {name for name in run.attrs if "start" in name or "duration" in name}
+    plain = {"start": run.attrs["dimensionless_start"], "duration": 10.0}
+    old = run.copy()
+    old.attrs = {name: each for name, each in run.attrs.items() if name not in new} | plain
+    loaded = rotor_ida.load(rotor_ida.save(old, tmp_path / "old.nc"))
+    np.testing.assert_array_equal(loaded.attrs["start"], run.attrs["start"])
+    assert (loaded.attrs["duration"], loaded.attrs["duration_units"]) == (0.02, "s")
+    again = rerun(loaded)
+    assert differences(again, loaded)["agrees"]
