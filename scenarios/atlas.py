@@ -25,19 +25,19 @@ CYCLE = Rotor(omega=2.0, zeta=ZETA, delta0=2.0)
 
 
 def main(settings: Settings) -> None:
-    speeds = np.linspace(*PLANE["omega"], 4 if settings.quick else 33)
+    speeds = np.linspace(*PLANE["omega"], 5 if settings.quick else 33)
     clearances = np.linspace(*PLANE["delta0"], 3 if settings.quick else 13)
     with progress_bar("speeds and clearances") as progress:
         found = continue_attractors(
             omega=speeds, zeta=ZETA, delta0=clearances, **BOX, workers=settings.workers,
-            starts=12 if settings.quick else 200, progress=progress,
+            starts=20 if settings.quick else 200, progress=progress,
         )  # fmt: skip
     settings.keep(found, "atlas")
     with progress_bar("shocks") as progress:
         shocked = continue_attractors(
             omega=speeds[1::3], zeta=ZETA, delta0=clearances[::2], **BOX,
-            workers=settings.workers, starts=12 if settings.quick else 200,
-            shocks=24 if settings.quick else 512, progress=progress,
+            workers=settings.workers, starts=20 if settings.quick else 200,
+            shocks=64 if settings.quick else 512, progress=progress,
         )  # fmt: skip
     settings.keep(shocked, "shocks")
     curves = curves_of_the_cycle(15 if settings.quick else 400)

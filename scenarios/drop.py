@@ -73,8 +73,8 @@ def main(settings: Settings) -> None:
         settings.keep(runs[name], name)
     draw_drops(runs, settings)
     mapped = map_of(
-        contact_damping=np.geomspace(1.0, 40.0, 2 if settings.quick else 24),
-        clearance=np.linspace(0.05e-3, 0.4e-3, 4 if settings.quick else 29),
+        contact_damping=np.geomspace(1.0, 40.0, 6 if settings.quick else 24),
+        clearance=np.linspace(0.05e-3, 0.4e-3, 8 if settings.quick else 29),
         settings=settings,
     )
     settings.keep(mapped, "map")
@@ -83,8 +83,8 @@ def main(settings: Settings) -> None:
     for name, run in rubs.items():
         settings.keep(run, name)
     shares = whip_shares(
-        friction=np.geomspace(0.1, 1.0, 3 if settings.quick else 12),
-        damping=np.geomspace(20.0, 4e4, 3 if settings.quick else 10),
+        friction=np.geomspace(0.1, 1.0, 4 if settings.quick else 12),
+        damping=np.geomspace(20.0, 4e4, 4 if settings.quick else 10),
         angles=np.linspace(0.0, 2.0 * math.pi, 2 if settings.quick else 8, endpoint=False),
         settings=settings,
     )

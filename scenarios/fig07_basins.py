@@ -29,7 +29,7 @@ CLEARANCES = (0.0, 0.5, 1.0, 2.0)
 
 
 def main(settings: Settings) -> None:
-    cells = 16 if settings.quick else 512
+    cells = 32 if settings.quick else 512
     rotor = Rotor(omega=OMEGA, zeta=ZETA, delta0=0.0)
     found = {}
     for name, (ranges, held) in PLANES.items():
@@ -51,7 +51,7 @@ def main(settings: Settings) -> None:
         "out and moving across, have arms.",
     )  # fmt: skip
 
-    coarse = 12 if settings.quick else 256
+    coarse = 24 if settings.quick else 256
     figure, axes = panels(2, 2, width=7.2, height=8.8, shared=False)
     words = []
     for ax, delta0 in zip(axes, CLEARANCES, strict=True):

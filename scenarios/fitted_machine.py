@@ -51,12 +51,12 @@ TRIED = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
 SOUGHT = {"zeta": TRIED.zeta, "delta0": TRIED.delta0, "shaft_stiffness": TRIED.shaft_stiffness}
 GUESS = replace(TRIED, zeta=0.08, delta0=1.8, shaft_stiffness=0.9)
 TRIAL_NOISE, TIME_ERROR = 0.02, 0.01
-TRIALS, FEW = 300, 3
+TRIALS, FEW = 300, 5
 SYMBOLS = {"zeta": r"$\zeta$", "delta0": r"$\delta_0$", "shaft_stiffness": r"$k_s$"}
 
 
 def main(settings: Settings) -> None:
-    seen = signals_of_machine(*((1800, 400.0) if settings.quick else (LAST, SLOW)))
+    seen = signals_of_machine(*((1800, 200.0) if settings.quick else (LAST, SLOW)))
     settings.keep(seen, "measured")
     guess = replace(MACHINE, **DATA_SHEET)
     found = fit(seen, guess, [*DATA_SHEET, "unbalance_angle"])

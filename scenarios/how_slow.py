@@ -81,13 +81,13 @@ def main(settings: Settings) -> None:
     settings.keep(endings, "endings")
     draw(forces, endings, settings)
     machine_forces = of_machine(
-        RING, [SMOOTH], rate=np.geomspace(400.0 if quick else 50.0, 5000.0, 4 if quick else 31),
+        RING, [SMOOTH], rate=np.geomspace(200.0 if quick else 50.0, 5000.0, 4 if quick else 31),
         settings=settings,
     )  # fmt: skip
     settings.keep(machine_forces, "machine_forces")
     machine_endings = of_machine(
         RING[1:2], np.geomspace(0.03 if quick else 0.01, 0.3, 2 if quick else 10),
-        rate=np.geomspace(600.0 if quick else 50.0, 1000.0, 2 if quick else 12),
+        rate=np.geomspace(400.0 if quick else 50.0, 1000.0, 3 if quick else 12),
         settings=settings,
     )  # fmt: skip
     settings.keep(machine_endings, "machine_endings")

@@ -43,7 +43,7 @@ def main(settings: Settings) -> None:
     settings.keep(exact, "curves")
     sweeps = []
     for name, number, how in (
-        ("up_down", 12 if settings.quick else 60, {"direction": "both"}),
+        ("up_down", 24 if settings.quick else 60, {"direction": "both"}),
         ("pushed", 6 if settings.quick else 20, {"starts": PUSHES}),
     ):
         with progress_bar(name.replace("_", " and ")) as progress:

@@ -226,6 +226,7 @@ def desk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
     numbers = (signal.SIGINT, signal.SIGALRM)
     before = [signal.signal(number, found.break_off) for number in numbers]
     yield found
+    signal.setitimer(signal.ITIMER_REAL, 0.0)  # which may still run, until there is nothing due
     for number, handler in zip(numbers, before, strict=True):
         signal.signal(number, handler)
 

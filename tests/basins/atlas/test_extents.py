@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -55,6 +56,7 @@ def count_of_whirls(rotor):
     return int(found.in_contact.sum())
 
 
+@cache
 def drawn():
     """Return rotors all over the plane with a stable whirl in contact each."""
     random = np.random.default_rng(7)
@@ -69,7 +71,16 @@ def drawn():
     return rotors
 
 
-ROTORS = drawn()
+@cache
+def extents(rotor):
+    """Return both ends of each whirl along each parameter, with its amplitude."""
+    return [
+        (name, amplitude, extent_of_whirl(rotor, amplitude, name))
+        for name in PARAMETERS
+        for amplitude in stable_amplitudes(rotor).tolist()
+    ]
+
+
 # With little damping the curves are long and thin, and folds lie far off or close to the ring.
 LITTLE_DAMPING = [
     Rotor(omega=2.8, zeta=0.0024, delta0=0.0),
@@ -82,12 +93,12 @@ LITTLE_DAMPING = [
 PARTS = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 0.99, 4000))
 
 
-@pytest.mark.parametrize("rotor", ROTORS, ids=str)
-@pytest.mark.parametrize("name", PARAMETERS)
-def test_a_whirl_ends_where_the_locus_of_folds_says(rotor, name):
+@pytest.mark.parametrize("number", range(40))
+def test_a_whirl_ends_where_the_locus_of_folds_says(number):
     """`folds` finds them otherwise: by crossings of one function along the locus."""
-    for amplitude in stable_amplitudes(rotor).tolist():
-        for end in extent_of_whirl(rotor, amplitude, name):
+    rotor = drawn()[number]
+    for name, _, ends in extents(rotor):
+        for end in ends:
             if end.kind == "fold":
                 there = with_value(rotor, name, end.value)
                 known = folds(zeta=there.zeta, delta0=there.delta0).fold_omega.values
@@ -120,13 +131,13 @@ def test_a_whirl_that_never_fits_into_the_clearance_ends_at_folds(omega, zeta, d
         assert np.nanmin(np.abs(found / omega - 1.0)) < 1e-7
 
 
-@pytest.mark.parametrize("rotor", ROTORS[:15], ids=str)
-@pytest.mark.parametrize("name", PARAMETERS)
-def test_up_to_there_the_whirl_can_be_followed(rotor, name):
+@pytest.mark.parametrize("number", range(15))
+def test_up_to_there_the_whirl_can_be_followed(number):
     """In small steps, each to the nearest stable whirl: none jumps before the end."""
-    for amplitude in stable_amplitudes(rotor).tolist():
+    rotor = drawn()[number]
+    for name, amplitude, ends in extents(rotor):
         begin = getattr(rotor, name)
-        for end in extent_of_whirl(rotor, amplitude, name):
+        for end in ends:
             if end.kind == "none":
                 continue
             values = begin + (end.value - begin) * PARTS
@@ -138,12 +149,12 @@ def test_up_to_there_the_whirl_can_be_followed(rotor, name):
                 here = nearest
 
 
-@pytest.mark.parametrize("rotor", [*ROTORS, *LITTLE_DAMPING], ids=str)
-@pytest.mark.parametrize("name", PARAMETERS)
-def test_at_an_end_whirls_are_lost(rotor, name):
+@pytest.mark.parametrize("number", range(40 + len(LITTLE_DAMPING)))
+def test_at_an_end_whirls_are_lost(number):
     """Two at a fold, which are one there, and one where the whirl leaves the ring."""
-    for amplitude in stable_amplitudes(rotor).tolist():
-        for way, end in zip((-1.0, 1.0), extent_of_whirl(rotor, amplitude, name), strict=True):
+    rotor = [*drawn(), *LITTLE_DAMPING][number]
+    for name, _, ends in extents(rotor):
+        for way, end in zip((-1.0, 1.0), ends, strict=True):
             if end.kind != "none":
                 before = with_value(rotor, name, end.value * (1.0 - 1e-7 * way))
                 beyond = with_value(rotor, name, end.value * (1.0 + 1e-7 * way))
