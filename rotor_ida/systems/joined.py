@@ -58,6 +58,8 @@ def of_both(
             return chosen(*given[1:], **{**rotor.given, **options})
         if not isinstance(rotor, Rotor | DimensionalRotor):
             raise wrong_first(either, KINDS, rotor)
+        if by_name:
+            raise wrong_first(either, "a Rotor or RotorSystem", rotor)
         return chosen(*given, **options)
 
     either.__module__ = module  # where it can be found, by pickle too
@@ -69,8 +71,10 @@ def of_both(
 def joined_signature(disc: Callable[..., Any], system: Callable[..., Any]) -> inspect.Signature:
     """Return the rotor and the keywords of two functions; those of one alone may be left out."""
     own, other = (inspect.signature(each).parameters for each in (disc, system))
+    first = next(iter(own.values()))
     rotor = inspect.Parameter(
         "rotor", inspect.Parameter.POSITIONAL_OR_KEYWORD,
+        default=None if first.kind is first.KEYWORD_ONLY else first.default,
         annotation="Rotor | DimensionalRotor | RotorSystem",
     )  # fmt: skip
     found: dict[str, inspect.Parameter] = {}
@@ -80,10 +84,9 @@ def joined_signature(disc: Callable[..., Any], system: Callable[..., Any]) -> in
         is_needed = all(name in of and of[name].default is each.empty for of in (own, other))
         default = None if each.default is each.empty and not is_needed else each.default
         found[name] = each.replace(default=default)
-    first = [name for name in own if name in found]
-    rest = [name for name in found if name not in own]
+    names = [*(name for name in own if name in found), *(name for name in found if name not in own)]
     changed = [each for each in other.values() if each.kind is each.VAR_KEYWORD]
-    return inspect.Signature([rotor, *(found[name] for name in (*first, *rest)), *changed],
+    return inspect.Signature([rotor, *(found[name] for name in names), *changed],
                              return_annotation="xr.Dataset")  # fmt: skip
 
 
