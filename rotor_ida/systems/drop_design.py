@@ -68,6 +68,9 @@ def as_text(design: Mapping[str, Any]) -> str:
 
 def design_in(dataset: xr.Dataset) -> dict[str, Any]:
     """Return the design in a dataset."""
+    if DESIGN not in dataset:
+        kind = dataset.attrs.get("result_kind")
+        raise InputError(f"this {kind} cannot be verified: it lacks {DESIGN}")
     try:
         found = json.loads(str(dataset[DESIGN].values))
     except (ValueError, RecursionError) as error:
