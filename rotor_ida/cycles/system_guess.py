@@ -155,6 +155,22 @@ def _of_dataset(problem: CycleProblem, start: xr.Dataset, speed: object) -> Syst
     return SystemGuess(flow, problem.given_state(flow, values), period, special, slope)
 
 
+def as_start_of_system(begun: Mapping[str, Any]) -> xr.Dataset:
+    """Return where a branch began, from its attributes, as a dataset that `guess_of_system` reads.
+
+    They are ``start`` (q, velocity and speeds of races), ``start_speed``, ``start_period``,
+    ``start_special`` and ``start_slope``.
+    """
+    special = str(begun["start_special"])
+    prefix, state = ("special_", "special_state") if special else ("", "final_state")
+    held: dict[str, Any] = {
+        f"{prefix}{name}": float(begun[f"start_{name}"]) for name in ("speed", "period")
+    }
+    held[state] = ("coordinate", np.atleast_1d(begun["start"]))
+    slope = {"slope": float(begun["start_slope"])}
+    return xr.Dataset(held | ({"special_kind": SPECIAL[special]} if special else slope))
+
+
 def _of_hopf_point(problem: CycleProblem, start: xr.Dataset) -> SystemGuess:
     """Return the rub at a Hopf point of `special_speeds`, with the period of its oscillation."""
     frequency = float(start["hopf_frequency"])

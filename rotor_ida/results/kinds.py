@@ -1,4 +1,4 @@
-"""The registry of kinds of result: how each is shown, drawn, verified and resumed.
+"""The registry of kinds of result: how each is recognised, shown and drawn.
 
 Every dataset of the package has its kind in the attribute ``result_kind``. (``kind`` is taken: in
 archives of bifurcation curves it names the bifurcation.) Older archives are recognised by their
@@ -42,13 +42,6 @@ class Kind:
         Function of the dataset and a number of rows that returns its record and its tables.
     drawn : str
         Function of the dataset that returns its figure, or axes in it; empty if there is none.
-    verified : str
-        The `Verification` that computes it again and compares it; empty if there is none.
-    study : str
-        Its name in the design of a study; empty if it is not a study.
-    resumed : str
-        Function of the design of a study and the settings of its jobs. It returns a function of
-        folder and progress that resumes the study.
     """
 
     name: str
@@ -58,9 +51,6 @@ class Kind:
     along: tuple[str, ...] = ()
     shown: str = "rotor_ida.cli.variables:show_by_dimension"
     drawn: str = ""
-    verified: str = ""
-    study: str = ""
-    resumed: str = ""
 
     def fits(self, dataset: xr.Dataset) -> bool:
         """Return whether a dataset has the variables and dimensions of this kind."""
@@ -75,9 +65,6 @@ _SHOWN = "rotor_ida.cli.describe"
 _SIGNALS = "rotor_ida.cli.describe_signals"
 _SYSTEM_WHIRLS = "rotor_ida.cli.describe_whirls"
 _DRAWN = "rotor_ida.plot.figures"
-_VERIFIED = "rotor_ida.verification.verify"
-_VERIFIED_SYSTEMS = "rotor_ida.verification.verify_systems"
-_RESUMED = "rotor_ida.verification.resume"
 
 # In the order in which archives without a stated kind are recognised.
 KINDS = {
@@ -87,19 +74,18 @@ KINDS = {
             name="drop", meaning="drop of a rotor system",
             variables=("whirl_turns", "standstill_time", "event_contact"), dims=("t", "node"),
             shown="rotor_ida.cli.describe_systems:show_drop",
-            drawn="rotor_ida.plot:drop_figure", verified=f"{_VERIFIED_SYSTEMS}:DROP",
+            drawn="rotor_ida.plot:drop_figure",
         ),
         Kind(
             name="drop_ensemble", meaning="many drops of a rotor system",
             variables=("whirl_turns", "decided_fraction"), dims=("drop", "contact"),
             shown="rotor_ida.cli.describe_systems:show_drops",
-            drawn="rotor_ida.plot:drops_figure", verified=f"{_VERIFIED_SYSTEMS}:DROPS",
-            study="drop_ensemble", resumed=f"{_RESUMED}:resume_drops",
+            drawn="rotor_ida.plot:drops_figure",
         ),
         Kind(
             name="system_run", meaning="run of a rotor system", variables=("x", "event_contact"),
             dims=("t", "node"), shown="rotor_ida.cli.describe_systems:show_system_run",
-            drawn=f"{_DRAWN}:figure_of_run", verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_RUN",
+            drawn=f"{_DRAWN}:figure_of_run",
         ),
         Kind(
             name="system_sweep", meaning="sweep of a rotor system",
@@ -107,46 +93,37 @@ KINDS = {
             dims=("speed", "start", "direction"),
             shown="rotor_ida.cli.describe_systems:show_system_sweep",
             drawn="rotor_ida.plot:system_sweep_figure",
-            verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_SWEEP",
-            study="sweep_system", resumed=f"{_RESUMED}:resume_system_sweep",
         ),
         Kind(
             name="system_branch", meaning="branch of limit cycles of a rotor system",
             variables=("multiplier_real", "special_state"), dims=("point", "contact"),
             shown=f"{_SYSTEM_WHIRLS}:SYSTEM_BRANCH", drawn="rotor_ida.plot:system_branch_figure",
-            verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_BRANCH",
-            study="branch_of_system", resumed=f"{_RESUMED}:resume_system_branch",
         ),
         Kind(
             name="system_cycle", meaning="limit cycle of a rotor system",
             variables=("multiplier_real", "node_radius_max"), dims=("t", "contact"),
             shown=f"{_SYSTEM_WHIRLS}:SYSTEM_CYCLE", drawn="rotor_ida.plot:system_cycle_figure",
-            verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_CYCLE",
         ),
         Kind(
             name="system_whirls", meaning="exact whirls of a rotor system",
             variables=("amplitude", "node_amplitude"), dims=("speed", "branch"),
             shown=f"{_SYSTEM_WHIRLS}:WHIRLS_OF_SYSTEM", drawn="rotor_ida.plot:system_whirls_figure",
-            verified=f"{_VERIFIED_SYSTEMS}:WHIRLS",
         ),
         Kind(
             name="system_special_points", meaning="special speeds of a rotor system",
             variables=("special_speed",), shown=f"{_SYSTEM_WHIRLS}:SPECIAL_SPEEDS",
             drawn="rotor_ida.plot:special_speeds_figure",
-            verified=f"{_VERIFIED_SYSTEMS}:SPECIAL_SPEEDS",
         ),
         Kind(
             name="campbell", meaning="eigenvalues over the speed",
             variables=("whirl_speed", "damping_ratio"), dims=("eigenvalue",),
             shown=f"{_SYSTEM_WHIRLS}:EIGENVALUES", drawn="rotor_ida.plot:plot_campbell",
-            verified=f"{_VERIFIED_SYSTEMS}:CAMPBELL",
         ),
         Kind(
             name="clearance_report", meaning="report on close clearances",
             variables=("running_share", "clearance_verdict"), dims=("case", "contact"),
             shown=f"{_SYSTEM_WHIRLS}:show_clearance_report",
             drawn="rotor_ida.plot:clearance_report_figure",
-            verified=f"{_VERIFIED_SYSTEMS}:CLEARANCE_REPORT",
         ),
         Kind(
             name="comparison", meaning="comparison", variables=("matched_branch",),
@@ -155,20 +132,14 @@ KINDS = {
         Kind(
             name="basin", meaning="basin", variables=("label",), dims=("attractor",),
             shown=f"{_SHOWN}_basins:show_attractors", drawn="rotor_ida.plot:plot_basin",
-            verified=f"{_VERIFIED}_motions:BASIN",
-            study="basin", resumed=f"{_RESUMED}:resume_basin",
         ),
         Kind(
             name="basin_fractions", meaning="basin fractions", variables=("response_fraction",),
             shown=f"{_SHOWN}_basins:show_attractors", drawn=f"{_DRAWN}:figure_of_fractions",
-            verified=f"{_VERIFIED}_motions:FRACTIONS",
-            study="basin_fractions", resumed=f"{_RESUMED}:resume_fractions",
         ),
         Kind(
             name="atlas", meaning="atlas", variables=("missed_fraction",), dims=PARAMETERS,
             shown=f"{_SHOWN}_basins:show_atlas", drawn=f"{_DRAWN}:figure_of_atlas",
-            verified=f"{_VERIFIED}_motions:ATLAS",
-            study="continue_attractors", resumed=f"{_RESUMED}:resume_atlas",
         ),
         Kind(
             name="touchdown", meaning="report on touching",
@@ -177,38 +148,32 @@ KINDS = {
         Kind(
             name="bifurcation_diagram", meaning="bifurcation diagram",
             variables=("extremum_radius",), shown=f"{_SHOWN}:show_sweep",
-            drawn=f"{_DRAWN}:figure_of_diagram", verified=f"{_VERIFIED}_motions:DIAGRAM",
+            drawn=f"{_DRAWN}:figure_of_diagram",
         ),
         Kind(
             name="run_ups", meaning="run-ups", variables=("ending", "rate", "to"),
             shown=f"{_SHOWN}:show_run_ups", drawn="rotor_ida.plot:run_ups_figure",
-            verified=f"{_VERIFIED}_motions:RUN_UPS",
-            study="run_ups", resumed=f"{_RESUMED}:resume_run_ups",
         ),
         Kind(
             name="sweep", meaning="sweep", variables=("response",), dims=PARAMETERS,
             shown=f"{_SHOWN}:show_sweep", drawn=_WHIRLS,
-            verified=f"{_VERIFIED}_motions:SWEEP",
-            study="sweep", resumed=f"{_RESUMED}:resume_sweep",
         ),
         Kind(
             name="run", meaning="run",
             variables=("event_time",), dims=("t",), along=("event",),
             shown=f"{_SHOWN}:show_run", drawn=f"{_DRAWN}:figure_of_run",
-            verified=f"{_VERIFIED}_motions:RUN",
         ),
         Kind(
             name="whirls", meaning="exact whirls", variables=("amplitude",), dims=("branch",),
-            shown=f"{_SHOWN}_whirls:WHIRLS", drawn=_WHIRLS, verified=f"{_VERIFIED}_whirls:WHIRLS",
+            shown=f"{_SHOWN}_whirls:WHIRLS", drawn=_WHIRLS,
         ),
         Kind(
             name="folds", meaning="folds", variables=("fold_omega",),
-            shown=f"{_SHOWN}_whirls:FOLDS", drawn=_WHIRLS, verified=f"{_VERIFIED}_whirls:FOLDS",
+            shown=f"{_SHOWN}_whirls:FOLDS", drawn=_WHIRLS,
         ),
         Kind(
             name="hopf_points", meaning="Hopf points", variables=("hopf_omega",),
             shown=f"{_SHOWN}_whirls:HOPF_POINTS", drawn=_WHIRLS,
-            verified=f"{_VERIFIED}_whirls:HOPF_POINTS",
         ),
         Kind(
             name="backward_whirl", meaning="backward whirls",
@@ -218,7 +183,6 @@ KINDS = {
         Kind(
             name="curve", meaning="bifurcation curve", variables=("special_second_value",),
             shown=f"{_SHOWN}:show_curve", drawn=f"{_DRAWN}:figure_of_curve",
-            verified=f"{_VERIFIED}_cycles:CURVE",
         ),
         Kind(
             name="fit", meaning="fit", variables=("estimate", "covariance"),
@@ -227,13 +191,10 @@ KINDS = {
         Kind(
             name="branch", meaning="branch", variables=("special_value",), dims=("special",),
             shown=f"{_SHOWN}:show_branch", drawn=f"{_DRAWN}:figure_of_branch",
-            verified=f"{_VERIFIED}_cycles:BRANCH",
-            study="branch", resumed=f"{_RESUMED}:resume_branch",
         ),
         Kind(
             name="cycle", meaning="limit cycle", variables=("period_error", "multiplier_error"),
             shown=f"{_SHOWN}:show_cycle", drawn="rotor_ida.plot:cycle_figure",
-            verified=f"{_VERIFIED}_cycles:CYCLE",
         ),
         Kind(
             name="orders", meaning="orders", variables=("forward_whirl_amplitude",),
@@ -288,7 +249,6 @@ KINDS = {
         Kind(name=OTHER, meaning="any other dataset"),
     )
 }  # fmt: skip
-STUDIES = {kind.study: kind for kind in KINDS.values() if kind.study}
 
 
 def kind_of(dataset: xr.Dataset) -> str:

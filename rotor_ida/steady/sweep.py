@@ -24,7 +24,8 @@ from rotor_ida.checks import (
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import Rotors, rotors_of
 from rotor_ida.parallel import Progress, Stop, Workers, choose
-from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.provenance import provenance
+from rotor_ida.results.question import Question
 from rotor_ida.results.rows import counted
 from rotor_ida.results.run import event_columns
 from rotor_ida.results.studies.results import Folder
@@ -232,17 +233,11 @@ def sweep_rotors(
     grid = Grid(rotors, {"start": np.arange(len(states)), "direction": directions}, states)
     grid.check_size(study)
     _check_can_be_followed(grid)
-    design = {
-        "kind": "sweep",
-        **rotors.values,
-        "starts": [list(start) for start in states],
-        "direction": direction,
-        **{name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")},
-        **computing(),
-    }
+    how = {name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")}
+    question = Question("sweep", {**rotors.values, "starts": states, "direction": direction, **how})
     task = Task(settle_along, lost, rows_of, FORM, POINT, EVENT)
     columns = run_study(
-        Ramps(grid, options), task, design, study=study, workers=workers, progress=progress
+        Ramps(grid, options), task, question, study=study, workers=workers, progress=progress
     )
     variables = grid.labelled(columns.points)
     variables |= counted("event_count", variables["event_count"], "event")

@@ -27,7 +27,8 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Unbalance
 from rotor_ida.parallel import Progress, choose
-from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.provenance import provenance
+from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESPONSE, STATUS, labelled_dataset
 from rotor_ida.steady.follow import FAILED
@@ -37,7 +38,7 @@ from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS
 from rotor_ida.steady.sweep import DIRECTIONS, Direction
 from rotor_ida.steady.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.system_motion import SettledSystem, settle
-from rotor_ida.systems.archived import design_of_problem, problem_variables
+from rotor_ida.systems.archived import problem_variables
 from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.modes import in_modes
 from rotor_ida.systems.receptances import checked_speeds
@@ -179,12 +180,15 @@ def sweep_system(
     states = np.array([_start_state(problem, each, speeds) for each in first])
     held = problem_variables(assembly, unbalance, states)
     held["node"] = ("node", np.array(list(assembly.system.nodes), str))
-    design = {
-        "kind": "sweep_system", "speed": speeds.tolist(), "direction": direction, "rtol": tolerance,
-        "problem": design_of_problem(held, assembly.system), **computing(),
-    }  # fmt: skip
+    question = Question("sweep", {
+        "rotor": system, "contacts": contacts, "unbalance": unbalance, "gravity": gravity,
+        "static_force": static_force, "starts": begun, "modes": modes, "speed": speeds,
+        "direction": direction, "rtol": tolerance,
+    })  # fmt: skip
     task = Task(settle_along, lost, rows_of, ramps.form, ramps.point)
-    columns = run_study(ramps, task, design, study=study, workers=chosen, progress=progress).points
+    columns = run_study(
+        ramps, task, question, study=study, workers=chosen, progress=progress
+    ).points
     return _dataset(ramps, columns, held)
 
 
