@@ -15,6 +15,7 @@ import numpy as np
 from rotor_ida import Rotor
 from rotor_ida.basins.basin import label
 from rotor_ida.parallel import count_workers, run_all
+from rotor_ida.results.question import Question
 from rotor_ida.schema import FATE
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import follow_to_steady_state
@@ -28,7 +29,7 @@ AGREES = 1e-6
 def labelled(rotor, states, rtol, workers):
     """Return the labels of starts, shape (4, n), and the attractors."""
     found = label(
-        rotor, lambda first, last: states[:, first:last], states.shape[1], {},
+        rotor, lambda first, last: states[:, first:last], states.shape[1], Question("basin", {}),
         rtol=rtol, workers=workers, executor="auto", study=None, progress=None,
     )  # fmt: skip
     return found.labels, found.attractors

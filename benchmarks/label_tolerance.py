@@ -16,6 +16,7 @@ import numpy as np
 from rotor_ida import Rotor
 from rotor_ida.basins.basin import TIGHTEST, label
 from rotor_ida.basins.following import RTOL
+from rotor_ida.results.question import Question
 from rotor_ida.schema import FATE
 
 ROTORS = (
@@ -31,7 +32,7 @@ SAME = 1e-5
 def labelled(rotor, states, rtol, workers):
     """Return starts, shape (4, n), as they were labelled."""
     return label(
-        rotor, lambda first, last: states[:, first:last], states.shape[1], {},
+        rotor, lambda first, last: states[:, first:last], states.shape[1], Question("basin", {}),
         rtol=rtol, workers=workers, executor="auto", study=None, progress=None,
     )  # fmt: skip
 

@@ -19,6 +19,7 @@ from label_tolerance import HALF_WIDTH, same
 from rotor_ida import Rotor
 from rotor_ida.basins import known
 from rotor_ida.basins.basin import drawn_from, label
+from rotor_ida.results.question import Question
 from rotor_ida.schema import FATE
 
 # Beside a doubling; beside chaos in a narrow window; weak chaos; chaos that is left.
@@ -30,8 +31,9 @@ def labelled(rotor, count, workers):
     """Return so many starts as they were labelled, and how long that took."""
     start = time.perf_counter()
     found = label(
-        rotor, lambda first, last: drawn_from(BOX, 0, first, last), count, {}, rtol=None,
-        workers=workers, executor="threads", study=None, progress=None, drawn=True,
+        rotor, lambda first, last: drawn_from(BOX, 0, first, last), count,
+        Question("basin", {}), rtol=None, workers=workers, executor="threads", study=None,
+        progress=None, drawn=True,
     )  # fmt: skip
     return found, time.perf_counter() - start
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -30,7 +29,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor, check_no_load
 from rotor_ida.parallel import Progress, choose, interruptible, shows_progress
 from rotor_ida.results.in_si import takes_si
-from rotor_ida.results.provenance import computing
+from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import LARGEST, Options, check_can_be_followed
 from rotor_ida.simulation.starts import drawn_from, range_of
@@ -147,9 +146,8 @@ def basin(
         states[places[0]], states[places[1]] = rows[row], columns[column]
         return states
 
-    design = {"kind": "basin", **{name: values.tolist() for name, values in axes.items()}, **fixed}
     result = label(
-        rotor, starts, rows.size * columns.size, design,
+        rotor, starts, rows.size * columns.size, Question("basin", {**axes, **fixed}),
         rtol=rtol, workers=workers, executor=executor, study=study, progress=progress,
     )  # fmt: skip
     return basin_dataset(axes, fixed, result)
@@ -232,9 +230,9 @@ def basin_fractions(
         return drawn_from(box, chosen, first, last)
 
     ranges = {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
-    design = {"kind": "basin_fractions", "starts": count, "seed": chosen, **ranges}
+    question = Question("basin_fractions", {"starts": count, "seed": chosen, **ranges})
     result = label(
-        rotor, drawn, count, design,
+        rotor, drawn, count, question,
         rtol=rtol, workers=workers, executor=executor, study=study, progress=progress, drawn=True,
     )  # fmt: skip
     attributes = {"starts": count, "seed": chosen}
@@ -246,7 +244,7 @@ def label(
     rotor: Rotor,
     starts: Starts,
     count: int,
-    design: Mapping[str, object],
+    question: Question,
     *,
     rtol: object,
     workers: int | None,
@@ -258,7 +256,7 @@ def label(
     """Follow `count` starts of a rotor, each to its attractor.
 
     `starts` returns those from one number up to another, shape (4, n). If `drawn`, the starts do
-    not depend on their number. `design` describes them for a study.
+    not depend on their number. `question` is the one asked, but for the rotor and `rtol`.
     """
     check_rotor(rotor, "fractions" if drawn else "a basin", one_by_one=drawn)
     most = MOST_STARTS if study is None else MOST_POINTS_OF_STUDY
@@ -268,7 +266,9 @@ def label(
     tolerance = None if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
     place, several = choose(executor, workers, compiled=True)
     options = Options()
-    with open_results(study, {**design, **_design(rotor, tolerance, options)}, count, FORM) as kept:
+    asked = {"rotor": rotor, **question.arguments, "rtol": tolerance}
+    design = Question(question.verb, asked).design()
+    with open_results(study, design, count, FORM) as kept:
         known = interruptible(lambda stop: known_from_closed_forms(rotor, stop))
         result = follow_starts(
             known, starts, count, kept,
@@ -283,11 +283,6 @@ def label(
                     raise
                 result.interrupted = True
         return Labelled(result, attractors, options, kept.folder)
-
-
-def _design(rotor: Rotor, rtol: float | None, options: Options) -> dict[str, object]:
-    """Return all that the labels depend on except the starts."""
-    return {**rotor.given, "rtol": rtol, "confirmed_with_rtol": options.rtol, **computing()}
 
 
 def check_rotor(rotor: object, what: str = "a basin", *, one_by_one: bool = False) -> Rotor:

@@ -27,7 +27,7 @@ from rotor_ida.cycles.branch import (
 )
 from rotor_ida.cycles.continuation import Point
 from rotor_ida.cycles.dataset import branch_dataset, start_attributes
-from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.guess import Guess, as_start
 from rotor_ida.cycles.limit_cycle import checked_guess, with_period
 from rotor_ida.cycles.problems import NEVER_ZERO, Continuation, branch_through
 from rotor_ida.cycles.special_points import O, Special
@@ -36,7 +36,8 @@ from rotor_ida.model.parameters import OF_ROTOR
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_si
-from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.provenance import provenance
+from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Form, Results, open_results
 from rotor_ida.schema import SPECIAL, by_number
 
@@ -224,28 +225,16 @@ def branch_from(
 ) -> xr.Dataset:
     """Return the branch through a guess of a cycle with its period, as `continue_cycle` does."""
     branch = branch_through(guess, parameter, limits, points, np.zeros(1, np.uint8))
-    design = {
-        "kind": "branch",
-        **guess.rotor.given,
-        "state": guess.state.tolist(),
-        "period": guess.period,
-        "special": guess.special,
-        "slope": guess.slope,
-        "parameter": parameter,
-        "limits": list(limits),
-        "direction": direction,
-        "points": points,
-        **computing(),
-    }
+    told = {"parameter": parameter, "limits": limits, "direction": direction, "points": points}
+    start = as_start(guess, (parameter,))
+    question = Question("continue_cycle", {"rotor": guess.rotor, "start": start, **told})
     ways = WAYS[direction] if branch.both else WAYS["forward"]
-    with open_results(study, design, len(ways) * (points - 1), FORM) as kept:
+    with open_results(study, question.design(), len(ways) * (points - 1), FORM) as kept:
         sides = follow_sides(branch, ways, kept, progress)
     first = branch.first.stretch
     attributes = provenance({"method": "taylor", "flight": "exact"}) | {
-        "parameter": parameter,
+        **told,
         "limits": np.array(limits),
-        "direction": direction,
-        "points": points,
         "start_special": guess.special,
         "start_slope": guess.slope,
         **start_attributes(guess),

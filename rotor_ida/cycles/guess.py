@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,8 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import SPECIAL, by_number, check_as_computed
 from rotor_ida.simulation.starts import state_of
 
+# What a special point says of the parameters that vary.
+VALUES = ("special_value", "special_second_value")
 DOUBLING = "period_doubling"
 NO_CYCLE = "start must be a limit cycle, got a result without one"
 # No cycle has a shorter period,
@@ -85,12 +88,26 @@ def _ends_a_run(start: xr.Dataset) -> bool:
     return "end_x" in start or ("x" in start and "period" not in start)
 
 
+def as_start(guess: Guess, parameters: Sequence[str]) -> xr.Dataset:
+    """Return a guess with its period as one point of a branch or curve, which `guess_of` reads."""
+    rotor, prefix = guess.rotor, "special_" if guess.special else ""
+    place = {name: each for name in ALL_PARAMETERS if (each := getattr(rotor, name)) is not None}
+    state = zip(COMPONENTS, guess.state.tolist(), strict=True)
+    held: dict[str, object] = {f"{prefix}{name}": each for name, each in state}
+    held[f"{prefix}period"] = guess.period
+    if guess.special:
+        held["special_kind"] = SPECIAL[guess.special]
+        held |= {value: place[name] for value, name in zip(VALUES, parameters, strict=False)}
+    else:
+        held["slope"] = guess.slope
+    return xr.Dataset(held, place, {"parameters": " ".join(parameters)})
+
+
 def _of_special(rotor: Rotor, start: xr.Dataset) -> Guess:
     state = np.array([float(start[f"special_{name}"]) for name in COMPONENTS])
     kind = by_number(SPECIAL)[int(start["special_kind"])]
-    values = ("special_value", "special_second_value")
     place = start.assign_coords(
-        {name: start[value] for name, value in zip(_continued(start), values, strict=False)}
+        {name: start[value] for name, value in zip(_continued(start), VALUES, strict=False)}
     )
     return _checked(Guess(_rotor_of(rotor, place), state, float(start["special_period"]), kind))
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-from typing import Any, Unpack
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
 
-from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     MOST_NUMBERS,
     check_choice,
@@ -21,14 +18,19 @@ from rotor_ida.checks import (
 from rotor_ida.cycles.continue_cycle import FORM, WAYS, Direction, follow_sides
 from rotor_ida.cycles.system_cycle import found_cycle
 from rotor_ida.cycles.system_dataset import system_branch_dataset
-from rotor_ida.cycles.system_guess import CLOSING_RTOL, CycleProblem, guess_of_system
+from rotor_ida.cycles.system_guess import (
+    CLOSING_RTOL,
+    CycleProblem,
+    as_start_of_system,
+    guess_of_system,
+)
 from rotor_ida.cycles.system_problem import SystemGuess, branch_over_speed
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, interruptible, shows_progress
-from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.provenance import provenance
+from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder, open_results
-from rotor_ida.systems.archived import design_of_problem
 from rotor_ida.systems.starts import Start
 
 
@@ -110,7 +112,25 @@ def continue_cycle_system(
     problem, begun = CycleProblem.of(system, modes, start)
     guess = guess_of_system(problem, begun, speed)
     bounds = _limits(limits, guess.flow.speed)
-    return branch_from(problem, _with_period(guess), bounds, direction, count, study, progress)
+    guess = _with_period(guess)
+    how = {"limits": bounds, "direction": direction, "points": count}
+    told: dict[str, object] = how | {
+        "start": problem.state_in_q(guess.flow, guess.state),
+        "start_speed": guess.flow.speed,
+        "start_period": guess.period,
+        "start_special": guess.special,
+        "start_slope": guess.slope,
+    }
+    question = Question("continue_cycle", {
+        "rotor": system, **how, "modes": modes, "start": as_start_of_system(told),
+    })  # fmt: skip
+    branch = branch_over_speed(guess, bounds, count)
+    ways = WAYS[direction] if branch.both else WAYS["forward"]
+    with open_results(study, question.design(), len(ways) * (count - 1), FORM) as kept:
+        sides = follow_sides(branch, ways, kept, progress)
+    attributes = provenance({"method": "taylor", "rtol": CLOSING_RTOL}) | told
+    attributes["limits"] = np.array(bounds)
+    return system_branch_dataset(problem, sides).assign_attrs(attributes)
 
 
 def _limits(limits: object, speed: float) -> tuple[float, float]:
@@ -139,46 +159,3 @@ def _with_period(guess: SystemGuess) -> SystemGuess:
             f"start must lead to a limit cycle, got one from which the response is {response}"
         )
     return SystemGuess(guess.flow, cycle.start, cycle.duration)
-
-
-def branch_from(
-    problem: CycleProblem,
-    guess: SystemGuess,
-    limits: tuple[float, float],
-    direction: str,
-    points: int,
-    study: Folder | None = None,
-    progress: Progress | None = None,
-) -> xr.Dataset:
-    """Return the branch through a guess with its period, as `continue_cycle_system` does."""
-    branch = branch_over_speed(guess, limits, points)
-    begun: dict[str, object] = {
-        "start": problem.state_in_q(guess.flow, guess.state).tolist(),
-        "start_speed": guess.flow.speed,
-        "start_period": guess.period or math.nan,
-        "start_special": guess.special,
-        "start_slope": guess.slope,
-        "limits": list(limits),
-        "direction": direction,
-        "points": points,
-    }
-    held = problem.described()
-    design = {
-        "kind": "branch_of_system", **begun,
-        "problem": design_of_problem(held, problem.assembly.system), **computing(),
-    }  # fmt: skip
-    ways = WAYS[direction] if branch.both else WAYS["forward"]
-    with open_results(study, design, len(ways) * (points - 1), FORM) as kept:
-        sides = follow_sides(branch, ways, kept, progress)
-    attributes = provenance({"method": "taylor", "rtol": CLOSING_RTOL}) | begun
-    attributes |= {name: np.array(begun[name]) for name in ("start", "limits")}
-    return system_branch_dataset(problem, sides).assign_attrs(attributes)
-
-
-def guess_in(problem: CycleProblem, begun: Mapping[str, Any], state: Values) -> SystemGuess:
-    """Return the guess from which a branch was followed, from its attributes or its design."""
-    flow = problem.at(float(begun["start_speed"]))
-    return SystemGuess(
-        flow, problem.given_state(flow, state), float(begun["start_period"]),
-        str(begun["start_special"]), float(begun["start_slope"]),
-    )  # fmt: skip

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -145,6 +147,22 @@ def _of_dataset(problem: CycleProblem, start: xr.Dataset, speed: object) -> Syst
     slope = float(start["slope"]) if "slope" in start and not prefix else 1.0
     values = np.asarray(start[state].values, float)
     return SystemGuess(flow, problem.given_state(flow, values), period, special, slope)
+
+
+def as_start_of_system(begun: Mapping[str, Any]) -> xr.Dataset:
+    """Return where a branch began, from its attributes, as a dataset that `guess_of_system` reads.
+
+    They are ``start`` (q, velocity and speeds of races), ``start_speed``, ``start_period``,
+    ``start_special`` and ``start_slope``.
+    """
+    special = str(begun["start_special"])
+    prefix, state = ("special_", "special_state") if special else ("", "final_state")
+    held: dict[str, Any] = {
+        f"{prefix}{name}": float(begun[f"start_{name}"]) for name in ("speed", "period")
+    }
+    held[state] = ("coordinate", np.atleast_1d(begun["start"]))
+    slope = {"slope": float(begun["start_slope"])}
+    return xr.Dataset(held | ({"special_kind": SPECIAL[special]} if special else slope))
 
 
 def _of_hopf_point(problem: CycleProblem, start: xr.Dataset) -> SystemGuess:

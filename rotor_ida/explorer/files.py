@@ -25,6 +25,8 @@ from rotor_ida.parallel import Progress
 from rotor_ida.plot import plot_machine, plot_run, save_figure
 from rotor_ida.plot.appearance import without_pyplot
 from rotor_ida.results.archive import save
+from rotor_ida.results.question import Question as Asked
+from rotor_ida.results.question import written
 from rotor_ida.results.si_units import dimensional, is_in_si
 from rotor_ida.texts import in_page
 
@@ -36,13 +38,7 @@ from rotor_ida import {names}
 from rotor_ida.plot import {plot}, save_figure
 
 machine = {machine}
-run = simulate(
-    {rotor},
-    start={start},
-    duration={duration!r},
-    samples={samples},
-    method={method!r},
-)
+run = {call}
 save({shown}, "{name}.nc", overwrite=True)
 save_figure({plot}({shown}), "{name}", overwrite=True)
 '''
@@ -109,22 +105,21 @@ def command_of(question: Question) -> str:
     >>> command_of(example("sh", (1.7, 0.07, 0.5))).partition(" --start")[0]
     'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 0.5'
     """
-    machine, length, velocity, time = question.machine, 1.0, 1.0, 1.0
+    asked, machine = asked_in(question), question.machine
     if isinstance(machine, DimensionalRotor):
         length, velocity = machine.length_scale, machine.velocity_scale
-        time = machine.time_scale
-    rotor = " ".join(
-        f"--{name.replace('_', '-')} {value!r}" for name, value in machine.given.items()
-    )
-    scales = (length, length, velocity, velocity)
-    start = " ".join(
-        repr(float(each * scale)) for each, scale in zip(question.start, scales, strict=True)
-    )
-    return (
-        f"rotor-ida simulate {rotor} --start {start} --duration {duration_of(question) * time!r} "
-        f"--samples {run_of(question).sizes['t']} --method {METHOD} --out {NAME}.nc "
-        f"--figure {NAME}"
-    )
+        start = np.array(question.start) * (length, length, velocity, velocity)
+        in_si = {"start": start, "duration": duration_of(question) * machine.time_scale}
+        asked = Asked(asked.verb, {**asked.arguments, **in_si})
+    return f"{asked.command()} --out {NAME}.nc --figure {NAME}"
+
+
+def asked_in(question: Question) -> Asked:
+    """Return the question whose answer is the run shown, its numbers without dimensions."""
+    return Asked("simulate", {
+        "rotor": question.machine, "start": question.start, "duration": duration_of(question),
+        "samples": run_of(question).sizes["t"], "method": METHOD,
+    })  # fmt: skip
 
 
 def lines_of(question: Question) -> str:
@@ -136,18 +131,12 @@ def lines_of(question: Question) -> str:
     >>> print(lines_of(example("py", (1.7, 0.07, 0.5))).splitlines()[5])
     machine = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
     """
-    machine = question.machine
-    in_si = isinstance(machine, DimensionalRotor)
-    given = ", ".join(f"{name}={value!r}" for name, value in machine.given.items())
+    in_si = isinstance(question.machine, DimensionalRotor)
     return LINES.format(
         names="DimensionalRotor, dimensional, save, simulate" if in_si else "Rotor, save, simulate",
         plot="plot_machine" if in_si else "plot_run",
-        machine=f"{type(machine).__name__}({given})",
-        rotor="machine.rotor()" if in_si else "machine",
-        start=question.start,
-        duration=duration_of(question),
-        samples=run_of(question).sizes["t"],
-        method=METHOD,
+        machine=written(question.machine),
+        call=asked_in(question).python("machine.rotor()" if in_si else "machine"),
         name=NAME,
         shown="dimensional(run, machine)" if in_si else "run",
     )

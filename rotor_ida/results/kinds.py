@@ -1,4 +1,4 @@
-"""The registry of kinds of result: how each is shown, drawn, verified and resumed.
+"""The registry of kinds of result: how each is recognised, shown and drawn.
 
 Every dataset of the package has its kind in the attribute ``result_kind``. (``kind`` is taken: in
 archives of bifurcation curves it names the bifurcation.) Older archives are recognised by their
@@ -47,13 +47,6 @@ class Kind:
         Function of the dataset and a number of rows that returns its record and its tables.
     drawn : str
         Function of the dataset that returns its figure, or axes in it; empty if there is none.
-    verified : str
-        The `Verification` that computes it again and compares it; empty if there is none.
-    study : str
-        Its name in the design of a study; empty if it is not a study.
-    resumed : str
-        Function of the design of a study and the settings of its jobs. It returns a function of
-        folder and progress that resumes the study.
     """
 
     name: str
@@ -62,9 +55,6 @@ class Kind:
     dims: tuple[str, ...] = ()
     shown: str = "rotor_ida.cli.variables:show_by_dimension"
     drawn: str = ""
-    verified: str = ""
-    study: str = ""
-    resumed: str = ""
 
     def lacking_in(self, dataset: xr.Dataset) -> str:
         """Return, in words, a variable or dimension of this kind that a dataset lacks, or ""."""
@@ -100,9 +90,6 @@ _SHOWN = "rotor_ida.cli.describe"
 _SIGNALS = "rotor_ida.cli.describe_signals"
 _SYSTEM_WHIRLS = "rotor_ida.cli.describe_whirls"
 _DRAWN = "rotor_ida.plot.figures"
-_VERIFIED = "rotor_ida.verification.verify"
-_VERIFIED_SYSTEMS = "rotor_ida.verification.verify_systems"
-_RESUMED = "rotor_ida.verification.resume"
 
 _CONTACTS = "clearance(contact) contact_node(contact) law_radius(contact)?"
 _SYSTEM_RUN = (
@@ -129,7 +116,7 @@ KINDS = {
             variables=_SYSTEM_RUN + " whirl_turns(contact) standstill_time()",
             dims=("t", "node", "contact", "event", "episode", "coordinate"),
             shown="rotor_ida.cli.describe_systems:show_drop",
-            drawn="rotor_ida.plot:drop_figure", verified=f"{_VERIFIED_SYSTEMS}:DROP",
+            drawn="rotor_ida.plot:drop_figure",
         ),
         Kind(
             name="drop_ensemble", meaning="many drops of a rotor system",
@@ -139,15 +126,14 @@ KINDS = {
             ),
             dims=("drop", "contact"),
             shown="rotor_ida.cli.describe_systems:show_drops",
-            drawn="rotor_ida.plot:drops_figure", verified=f"{_VERIFIED_SYSTEMS}:DROPS",
-            study="drop_ensemble", resumed=f"{_RESUMED}:resume_drops",
+            drawn="rotor_ida.plot:drops_figure",
         ),
         Kind(
             name="system_run", meaning="run of a rotor system",
             variables=_SYSTEM_RUN,
             dims=("t", "node", "contact", "event", "episode", "coordinate"),
             shown="rotor_ida.cli.describe_systems:show_system_run",
-            drawn=f"{_DRAWN}:figure_of_run", verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_RUN",
+            drawn=f"{_DRAWN}:figure_of_run",
         ),
         Kind(
             name="system_sweep", meaning="sweep of a rotor system",
@@ -155,44 +141,36 @@ KINDS = {
             dims=("speed", "start", "direction", "contact", "node"),
             shown="rotor_ida.cli.describe_systems:show_system_sweep",
             drawn="rotor_ida.plot:system_sweep_figure",
-            verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_SWEEP",
-            study="sweep_system", resumed=f"{_RESUMED}:resume_system_sweep",
         ),
         Kind(
             name="system_branch", meaning="branch of limit cycles of a rotor system",
             variables="multiplier_real(point multiplier) special_state " + _CONTACTS,
             dims=("point", "contact", "special", "component"),
             shown=f"{_SYSTEM_WHIRLS}:SYSTEM_BRANCH", drawn="rotor_ida.plot:system_branch_figure",
-            verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_BRANCH",
-            study="branch_of_system", resumed=f"{_RESUMED}:resume_system_branch",
         ),
         Kind(
             name="system_cycle", meaning="limit cycle of a rotor system",
             variables="multiplier_real(multiplier) node_radius_max(node) " + _CONTACTS,
             dims=("t", "contact"),
             shown=f"{_SYSTEM_WHIRLS}:SYSTEM_CYCLE", drawn="rotor_ida.plot:system_cycle_figure",
-            verified=f"{_VERIFIED_SYSTEMS}:SYSTEM_CYCLE",
         ),
         Kind(
             name="system_whirls", meaning="exact whirls of a rotor system",
             variables="amplitude node_amplitude " + _CONTACTS,
             dims=("speed", "branch", "contact", "node"),
             shown=f"{_SYSTEM_WHIRLS}:WHIRLS_OF_SYSTEM", drawn="rotor_ida.plot:system_whirls_figure",
-            verified=f"{_VERIFIED_SYSTEMS}:WHIRLS",
         ),
         Kind(
             name="system_special_points", meaning="special speeds of a rotor system",
             variables="special_speed " + _CONTACTS, dims=("special", "contact"),
             shown=f"{_SYSTEM_WHIRLS}:SPECIAL_SPEEDS",
             drawn="rotor_ida.plot:special_speeds_figure",
-            verified=f"{_VERIFIED_SYSTEMS}:SPECIAL_SPEEDS",
         ),
         Kind(
             name="campbell", meaning="eigenvalues over the speed",
             variables="whirl_speed damping_ratio",
             dims=("speed", "eigenvalue", "contact_stiffness"),
             shown=f"{_SYSTEM_WHIRLS}:EIGENVALUES", drawn="rotor_ida.plot:plot_campbell",
-            verified=f"{_VERIFIED_SYSTEMS}:CAMPBELL",
         ),
         Kind(
             name="clearance_report", meaning="report on close clearances",
@@ -200,7 +178,6 @@ KINDS = {
             dims=("case", "contact"),
             shown=f"{_SYSTEM_WHIRLS}:show_clearance_report",
             drawn="rotor_ida.plot:clearance_report_figure",
-            verified=f"{_VERIFIED_SYSTEMS}:CLEARANCE_REPORT",
         ),
         Kind(
             name="comparison", meaning="comparison",
@@ -212,23 +189,17 @@ KINDS = {
             name="basin", meaning="basin",
             variables="label", dims=("attractor",),
             shown=f"{_SHOWN}_basins:show_attractors", drawn="rotor_ida.plot:plot_basin",
-            verified=f"{_VERIFIED}_motions:BASIN",
-            study="basin", resumed=f"{_RESUMED}:resume_basin",
         ),
         Kind(
             name="basin_fractions", meaning="basin fractions",
             variables="response_fraction", dims=("response",),
             shown=f"{_SHOWN}_basins:show_attractors", drawn=f"{_DRAWN}:figure_of_fractions",
-            verified=f"{_VERIFIED}_motions:FRACTIONS",
-            study="basin_fractions", resumed=f"{_RESUMED}:resume_fractions",
         ),
         Kind(
             name="atlas", meaning="atlas",
             variables="missed_fraction() undecided_fraction kind fraction radius_max",
             dims=("omega", "zeta", "delta0", "attractor"),
             shown=f"{_SHOWN}_basins:show_atlas", drawn=f"{_DRAWN}:figure_of_atlas",
-            verified=f"{_VERIFIED}_motions:ATLAS",
-            study="continue_attractors", resumed=f"{_RESUMED}:resume_atlas",
         ),
         Kind(
             name="touchdown", meaning="report on touching",
@@ -243,23 +214,19 @@ KINDS = {
             name="bifurcation_diagram", meaning="bifurcation diagram",
             variables="extremum_radius(extremum) response " + _STARTS, dims=("start",),
             shown=f"{_SHOWN}:show_sweep",
-            drawn=f"{_DRAWN}:figure_of_diagram", verified=f"{_VERIFIED}_motions:DIAGRAM",
+            drawn=f"{_DRAWN}:figure_of_diagram",
         ),
         Kind(
             name="run_ups", meaning="run-ups",
             variables="ending rate(rate) to() largest_force failed_count " + _STARTS,
             dims=("rate", "phase", "start"),
             shown=f"{_SHOWN}:show_run_ups", drawn="rotor_ida.plot:run_ups_figure",
-            verified=f"{_VERIFIED}_motions:RUN_UPS",
-            study="run_ups", resumed=f"{_RESUMED}:resume_run_ups",
         ),
         Kind(
             name="sweep", meaning="sweep",
             variables="response " + _STARTS,
             dims=("omega", "zeta", "delta0", "start", "direction"),
             shown=f"{_SHOWN}:show_sweep", drawn=_WHIRLS,
-            verified=f"{_VERIFIED}_motions:SWEEP",
-            study="sweep", resumed=f"{_RESUMED}:resume_sweep",
         ),
         Kind(
             name="run", meaning="run",
@@ -269,23 +236,21 @@ KINDS = {
             ),
             dims=("t",),
             shown=f"{_SHOWN}:show_run", drawn=f"{_DRAWN}:figure_of_run",
-            verified=f"{_VERIFIED}_motions:RUN",
         ),
         Kind(
             name="whirls", meaning="exact whirls",
             variables="amplitude omega zeta delta0", dims=("branch",),
-            shown=f"{_SHOWN}_whirls:WHIRLS", drawn=_WHIRLS, verified=f"{_VERIFIED}_whirls:WHIRLS",
+            shown=f"{_SHOWN}_whirls:WHIRLS", drawn=_WHIRLS,
         ),
         Kind(
             name="folds", meaning="folds",
             variables="fold_omega zeta delta0", dims=("fold",),
-            shown=f"{_SHOWN}_whirls:FOLDS", drawn=_WHIRLS, verified=f"{_VERIFIED}_whirls:FOLDS",
+            shown=f"{_SHOWN}_whirls:FOLDS", drawn=_WHIRLS,
         ),
         Kind(
             name="hopf_points", meaning="Hopf points",
             variables="hopf_omega zeta delta0", dims=("hopf",),
             shown=f"{_SHOWN}_whirls:HOPF_POINTS", drawn=_WHIRLS,
-            verified=f"{_VERIFIED}_whirls:HOPF_POINTS",
         ),
         Kind(
             name="backward_whirl", meaning="backward whirls",
@@ -296,7 +261,6 @@ KINDS = {
             name="curve", meaning="bifurcation curve",
             variables="special_second_value(special) " + _BRANCH, dims=("point", "special"),
             shown=f"{_SHOWN}:show_curve", drawn=f"{_DRAWN}:figure_of_curve",
-            verified=f"{_VERIFIED}_cycles:CURVE",
         ),
         Kind(
             name="fit", meaning="fit",
@@ -311,8 +275,6 @@ KINDS = {
             ),
             dims=("point", "special"),
             shown=f"{_SHOWN}:show_branch", drawn=f"{_DRAWN}:figure_of_branch",
-            verified=f"{_VERIFIED}_cycles:BRANCH",
-            study="branch", resumed=f"{_RESUMED}:resume_branch",
         ),
         Kind(
             name="cycle", meaning="limit cycle",
@@ -321,7 +283,6 @@ KINDS = {
                 "response() whirl_amplitude(line) line_kind(line) frequency(line)"
             ),
             shown=f"{_SHOWN}:show_cycle", drawn="rotor_ida.plot:cycle_figure",
-            verified=f"{_VERIFIED}_cycles:CYCLE",
         ),
         Kind(
             name="orders", meaning="orders",
@@ -387,7 +348,6 @@ KINDS = {
         Kind(name=OTHER, meaning="any other dataset"),
     )
 }  # fmt: skip
-STUDIES = {kind.study: kind for kind in KINDS.values() if kind.study}
 
 
 def kind_of(dataset: xr.Dataset) -> str:

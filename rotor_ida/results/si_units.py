@@ -177,8 +177,8 @@ def dimensionless(dataset: xr.Dataset) -> xr.Dataset:
     attributes = plain.attrs = _attributes_before(dataset)
     if "t" in plain.coords and "duration" in attributes:
         # the division may have moved the last sample behind the end of the run by a rounding
-        t = plain["t"].clip(max=float(str(attributes["duration"])), keep_attrs=True)
-        plain = plain.assign_coords(t=t)
+        t, end = plain["t"], float(str(attributes["duration"]))
+        plain = plain.assign_coords(t=t.where((t < end) | (t > end * (1.0 + 1e-12)), end))
     return plain
 
 

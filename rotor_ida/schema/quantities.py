@@ -658,6 +658,16 @@ QUANTITIES |= {
 # Difference allowed between a number of an archive and the same computed on another processor,
 # relative to the largest number of its variable.
 TOLERANCE = 1e-6
+# The same for kinds of result whose numbers Newton's method or a polynomial gives.
+TOLERANCE_OF_KIND = dict.fromkeys(
+    ("cycle", "branch", "curve", "system_cycle", "system_branch", "whirls", "folds", "hopf_points",
+     "system_whirls", "system_special_points", "campbell", "clearance_report"),
+    1e-8,
+)  # fmt: skip
+# Variables compared within an error that the dataset itself states, and those whose numbers are
+# compared each relative to itself.
+STATED_ERROR = {"event_time": "event_time_error"}
+EACH_BY_ITSELF = ("amplitude", "radius_min", "radius_max", "period")
 _ROUNDING, _TRANSIENT = "of the size of rounding", "depends on the way to the steady state"
 # Variables that another processor gives otherwise, and why.
 DEPENDS_ON_ROUNDING = {

@@ -33,14 +33,14 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, choose, shows_progress
-from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.provenance import provenance
+from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled, labelled_dataset
 from rotor_ida.steady.drop_grid import cells_of, grid_statistics_of
 from rotor_ida.steady.drop_statistics import QUANTILES, statistics_of
 from rotor_ida.steady.grid import EXPECTED, Places, Rows, Task, form_of, reason_of, run_study
 from rotor_ida.systems.drop import drop
-from rotor_ida.systems.drop_design import DESIGN, as_text, plain_case
 from rotor_ida.systems.drop_figures import NUMBERS
 from rotor_ida.systems.units import with_system_units
 
@@ -196,10 +196,10 @@ def drop_ensemble(
     point = _point(example.sizes["contact"], len(clearances or ()))
     ways = {name: check_axis(name, each).tolist() for name, each in given.items()
             if each is not None}  # fmt: skip
-    asked = {**plain_case(case), "varied": ways, "drops": drops, "seed": seed}
-    design = {"kind": "drop_ensemble", **asked, **computing()}
+    asked = {"rotor" if name == "system" else name: each for name, each in case.items()}
+    question = Question("drop_ensemble", {**asked, **ways, "drops": drops, "seed": seed})
     task = Task(follow_drop, _lost, _rows, form_of("drop", "drops", point), point)
-    columns = run_study(plan, task, design, study=study, workers=chosen, progress=progress)
+    columns = run_study(plan, task, question, study=study, workers=chosen, progress=progress)
     told = {"duration": example.attrs["duration"], "rtol": example.attrs["rtol"]}
     told |= {} if drops is None else {"seed": seed}
     told |= {name: example.attrs[name] for name in ("speed", "start_speed", "inertia", "torque")
@@ -207,7 +207,7 @@ def drop_ensemble(
     gaps = np.array([each.clearance for each in system.contacts])
     dataset = _dataset(example, varied, gaps, columns.points, told,
                        None if drops is not None else axes)  # fmt: skip
-    dataset[DESIGN] = labelled(DESIGN, (), as_text(asked))
+    dataset["design"] = labelled("design", (), question.text())
     return with_system_units(dataset, system)
 
 

@@ -24,6 +24,7 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import Rotors
 from rotor_ida.parallel import FailedJob, Progress, Workers, run_all
 from rotor_ida.parallel.jobs import Job, Result, Work
+from rotor_ida.results.question import Question
 from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.results.studies.results import Folder, Form, Results, open_results
 from rotor_ida.schema import STATUS, labelled
@@ -205,7 +206,7 @@ def form_of(
 def run_study(
     plan: Plan[Job],
     task: Task[Job, Result],
-    design: Mapping[str, object],
+    question: Question,
     *,
     study: Folder | None,
     workers: Workers,
@@ -213,9 +214,9 @@ def run_study(
 ) -> Columns:
     """Do the jobs of a study that are not stored yet, and return the columns of all.
 
-    `design` is everything that determines the bits: a study with another design is refused.
+    `question` is what determines the bits: the study of another question is refused.
     """
-    with open_results(study, design, plan.points, task.form) as kept:
+    with open_results(study, question.design(), plan.points, task.form) as kept:
         _do_jobs(plan, task, kept, workers, progress)
         points = _point_columns(plan, task.point, kept)
         events = _event_columns(plan, task.event, kept, points) if task.event.names else {}

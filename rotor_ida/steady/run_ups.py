@@ -13,7 +13,8 @@ import xarray as xr
 from rotor_ida.checks import AT_REST, check_progress, check_real, check_vector
 from rotor_ida.model.rotors import rotors_of
 from rotor_ida.parallel import Progress, choose, shows_progress
-from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.provenance import provenance
+from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import ENDING, ENDS_IN_WORDS, RESPONSE, STATUS, labelled, labelled_dataset
 from rotor_ida.simulation.options import (
@@ -181,17 +182,12 @@ def run_ups(
     grid.check_size(study)
     plan = RunUps(grid, speed, options)
     _check_can_be_followed(plan)
-    design = {
-        "kind": "run_ups",
-        **rotors.values,
-        **{name: axis.tolist() for name, axis in varied.items()},
-        "to": speed,
-        "starts": [list(start) for start in states],
-        **{name: getattr(options, name) for name in ("rtol", "atol", "method")},
-        **computing(),
-    }
+    how = {name: getattr(options, name) for name in ("rtol", "atol", "method")}
+    asked = {**rotors.values, **varied, "to": speed, "starts": states, **how}
     task = Task(follow_run_up, lost, rows_of, FORM, POINT)
-    columns = run_study(plan, task, design, study=study, workers=chosen, progress=progress)
+    columns = run_study(
+        plan, task, Question("run_ups", asked), study=study, workers=chosen, progress=progress
+    )
     return _dataset(plan, columns.points)
 
 

@@ -24,7 +24,8 @@ from rotor_ida.checks import (
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotors import Rotors, rotors_of
 from rotor_ida.parallel import Progress, Stop, Workers, choose, shows_progress
-from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.provenance import provenance
+from rotor_ida.results.question import Question
 from rotor_ida.results.rows import counted
 from rotor_ida.results.run import event_columns
 from rotor_ida.results.studies.results import Folder
@@ -257,20 +258,15 @@ def sweep_rotors(
     grid = Grid(rotors, {"start": np.arange(len(states)), "direction": directions}, states)
     grid.check_size(study)
     _check_can_be_followed(grid)
-    design = {
-        "kind": "sweep",
-        **rotors.values,
-        "starts": [list(start) for start in states],
-        "direction": direction,
-        **{name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")},
-        **({} if events else {"events": False}),  # studies of earlier versions have the events
-        **computing(),
-    }
+    how = {name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")}
+    question = Question("sweep", {
+        **rotors.values, "starts": states, "direction": direction, **how, "events": events,
+    })  # fmt: skip
     event = EVENT if events else NO_COLUMNS
     form = form_of("points of a sweep", "points", POINT, event)
     task = Task(settle_along, lost, rows_of if events else points_of, form, POINT, event)
     columns = run_study(
-        Ramps(grid, options), task, design, study=study, workers=workers, progress=progress
+        Ramps(grid, options), task, question, study=study, workers=workers, progress=progress
     )
     variables = grid.labelled(columns.points)
     if events:

@@ -26,7 +26,8 @@ from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, choose, shows_progress
-from rotor_ida.results.provenance import computing, provenance
+from rotor_ida.results.provenance import provenance
+from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESPONSE, STATUS, labelled_dataset
 from rotor_ida.steady.follow import FAILED
@@ -36,7 +37,7 @@ from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS
 from rotor_ida.steady.sweep import DIRECTIONS, Direction
 from rotor_ida.steady.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.system_motion import SettledSystem, settle
-from rotor_ida.systems.archived import design_of_problem, problem_variables
+from rotor_ida.systems.archived import problem_variables
 from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.ends import state_at_end
 from rotor_ida.systems.modes import in_modes
@@ -165,7 +166,8 @@ def sweep_system(
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=True)
-    taken = [in_modes(system, modes, start) for start in _checked_starts(starts)]
+    begun = _checked_starts(starts)
+    taken = [in_modes(system, modes, start) for start in begun]
     assembly = assemble(taken[0][0])
     first = [state_at_end(assembly, start) for _, start in taken]
     problem = SettlingProblem.of(assembly, tolerance)
@@ -179,12 +181,14 @@ def sweep_system(
     states = np.array([_start_state(problem, each, speeds) for each in first])
     held = problem_variables(assembly, states)
     held["node"] = ("node", np.array(list(assembly.system.nodes), str))
-    design = {
-        "kind": "sweep_system", "speed": speeds.tolist(), "direction": direction, "rtol": tolerance,
-        "problem": design_of_problem(held, assembly.system), **computing(),
-    }  # fmt: skip
+    question = Question("sweep", {
+        "rotor": system, "starts": begun, "modes": modes, "speed": speeds, "direction": direction,
+        "rtol": tolerance,
+    })  # fmt: skip
     task = Task(settle_along, lost, rows_of, ramps.form, ramps.point)
-    columns = run_study(ramps, task, design, study=study, workers=chosen, progress=progress).points
+    columns = run_study(
+        ramps, task, question, study=study, workers=chosen, progress=progress
+    ).points
     return _dataset(ramps, columns, held)
 
 

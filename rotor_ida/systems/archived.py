@@ -6,7 +6,7 @@ within the constant force. So a result can be computed again, to the bit, from i
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -167,33 +167,6 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, list[Any]]:
         "settled" if np.isnan(each).all() else tuple(each.reshape(2, -1))
         for each in np.atleast_2d(run[START].values)
     ]
-
-
-def design_of_problem(problem: Mapping[str, Column], system: RotorSystem) -> dict[str, object]:
-    """Return what a sweep is computed from, as strings, finite numbers, None and lists of them."""
-    found: dict[str, object] = {"units": system.units, NOTE: system.note}
-    places = None if system.positions is None else list(system.positions.values())
-    more = {} if places is None else {"axial_position": ("node", np.array(places))}
-    for name, column in {**problem, **more}.items():
-        each = xr.Variable(*column)
-        flat = [None if value != value else value for value in each.values.ravel().tolist()]  # noqa: PLR0124 - NaN
-        found[name] = [list(map(str, each.dims)), list(each.shape), flat]
-    return found
-
-
-def problem_in(design: Mapping[str, Any]) -> tuple[RotorSystem, list[Any]]:
-    """Return the system in the design of a study, and its starts."""
-    columns = dict(design)
-    unit = {"units": "s-1"} if columns.pop("units") == "SI" else {}
-    note = {NOTE: columns.pop(NOTE)}
-    variables = {
-        name: (
-            dims,
-            np.array([np.nan if value is None else value for value in flat]).reshape(shape),
-        )
-        for name, (dims, shape, flat) in columns.items()
-    }
-    return problem_of(xr.Dataset({**variables, "speed": ((), 0.0, unit)}, attrs=note))
 
 
 def _race(row: xr.Dataset) -> Race | None:

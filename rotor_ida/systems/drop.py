@@ -18,10 +18,10 @@ from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_
 from rotor_ida.model.supports import with_supports
 from rotor_ida.model.system_parts import Support
 from rotor_ida.parallel import Progress, shows_progress
+from rotor_ida.results.question import Question
 from rotor_ida.schema import labelled
 from rotor_ida.simulation.spin import SpeedProfile, steady
 from rotor_ida.systems.assembly import assemble
-from rotor_ida.systems.drop_design import DESIGN, as_text, plain_case
 from rotor_ida.systems.drop_figures import figures_of_drop
 from rotor_ida.systems.ends import state_at_end
 from rotor_ida.systems.levitation import Levitated, check_failing, levitated
@@ -176,13 +176,13 @@ def drop(
         change=change | {name: each for name, each in numbers.items() if each is not None},
         whirls=True,
     )  # fmt: skip
-    design = plain_case({
-        "system": system, "speed": omega, "duration": end, "failing": failing,
+    question = Question("drop", {
+        "rotor": system, "speed": omega, "duration": end, "failing": failing,
         "inertia": inertia, "drag": drag, "clearances": clearances, "capacities": capacities,
         "modes": modes, "more_modes": more_modes, "rtol": rtol, "phase": turned, "start": start,
         "method": method,
     })  # fmt: skip
-    columns = figures_of_drop(run, gaps, limits) | cases[0].told | {DESIGN: ((), as_text(design))}
+    columns = figures_of_drop(run, gaps, limits) | cases[0].told | {"design": ((), question.text())}
     return _dataset(system, run, columns, {"phase": turned})
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,15 +11,21 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.schema import RESPONSE
-from rotor_ida.schema.quantities import DEPENDS_ON_ROUNDING, TOLERANCE
+from rotor_ida.schema import RESPONSE, by_number, flags_of
+from rotor_ida.schema.quantities import (
+    DEPENDS_ON_ROUNDING,
+    EACH_BY_ITSELF,
+    STATED_ERROR,
+    TOLERANCE,
+)
 
 # Responses whose numbers belong to the motion, not to one stretch of it; and the numbers that do
 # so in fewer of them, as they are means over a stretch.
 PERIODIC = ("contact_free", "synchronous", "bouncing", "full_contact")
 CIRCULAR = ("contact_free", "synchronous")
+# What is compared of every point, start and attractor.
+OF_POINTS = ("response", "kind", "label", "count")
 OF_CIRCLES = ("amplitude", "phase_lag", "node_amplitude", "node_phase_lag")
-GIVEN = "what the result was computed from"
 NO_MORE = "not computed by this version"
 NOT_BY_METHOD = "not computed by this method"
 OF_ONE_STRETCH = "chaotic or undecided: another processor follows another stretch of the motion"
@@ -35,12 +41,19 @@ class Comparison:
         Variables whose numbers or words were compared.
     left_out : dict of str
         Why others were not compared, by name.
+    values, differing : int
+        The numbers of values that were compared, and of those that differ.
+    largest : float
+        The largest difference between numbers, relative to the largest of their variable.
     trouble : str
         The first difference in words; empty if there is none.
     """
 
     compared: list[str] = field(default_factory=list)
     left_out: dict[str, str] = field(default_factory=dict)
+    values: int = 0
+    differing: int = 0
+    largest: float = 0.0
     trouble: str = ""
 
 
@@ -48,7 +61,6 @@ def compare_variables(
     again: xr.Dataset,
     archived: xr.Dataset,
     *,
-    given: Collection[str],
     left_out: Mapping[str, str],
     tolerance: float = TOLERANCE,
     told: xr.Variable | None = None,
@@ -59,8 +71,6 @@ def compare_variables(
     ----------
     again, archived : Dataset
         The result computed again, and that of the archive.
-    given : collection of str
-        Variables from which the result was computed.
     left_out : mapping of str
         Why variables are not compared, by name or by dimension; beside those of the schema.
     tolerance : float
@@ -78,20 +88,17 @@ def compare_variables(
     reasons = {**DEPENDS_ON_ROUNDING, **left_out}
     for name in map(str, archived.variables):
         keys = (name, *map(str, archived.variables[name].dims))
-        reason = GIVEN if name in given else next(filter(None, map(reasons.get, keys)), "")
+        reason = next(filter(None, map(reasons.get, keys)), "")
         if not reason and name not in again.variables:
             reason = NO_MORE
+        where = _told(archived.variables[name], _periodic(archived, name) if told is None else told)
+        if not reason and where.size and not where.any():
+            reason = OF_ONE_STRETCH
         if reason:
             found.left_out[name] = reason
             continue
-        where = _told(archived.variables[name], _periodic(archived, name) if told is None else told)
-        apart, words = _apart(name, again, archived, where, tolerance)
-        if apart is None:
-            found.left_out[name] = OF_ONE_STRETCH
-            continue
         found.compared.append(name)
-        if apart:
-            found.trouble = found.trouble or words
+        _compare(found, name, again, archived, where, tolerance)
     return found
 
 
@@ -108,36 +115,47 @@ def missing_in(again: xr.Dataset, archived: xr.Dataset) -> list[str]:
     ]  # fmt: skip
 
 
-def _apart(
+def _compare(
+    found: Comparison,
     name: str,
     again: xr.Dataset,
     archived: xr.Dataset,
     told: npt.NDArray[np.bool_],
     tolerance: float,
-) -> tuple[bool | None, str]:
-    """Return whether a variable differs, and how; None if no number of it can be compared."""
+) -> None:
+    """Compare one variable where its numbers are told, and add what differs to what was found."""
     here, there = again.variables[name], archived.variables[name]
+    found.values += there.size
     if dict(here.sizes) != dict(there.sizes):
-        return True, f"{name} has {dict(here.sizes)} computed again, {dict(there.sizes)} archived"
-    here = here.transpose(*there.dims)
-    if there.size and not told.any():
-        return None, ""
-    if there.dtype.kind != "f" or here.dtype.kind != "f":
-        differs = (here.values != there.values) & told
-        largest = ""
-    else:
-        angle = there.attrs.get("units") in {"radian", "rad"}
-        apart = np.where(told, _relative(here.values, there.values, angle=angle), 0.0)
+        found.differing += there.size
+        found.trouble = found.trouble or (
+            f"{name} has {dict(here.sizes)} computed again, {dict(there.sizes)} archived"
+        )
+        return
+    one, other = here.transpose(*there.dims).values, there.values
+    differs, largest = (one != other) & told, ""
+    if here.dtype.kind == there.dtype.kind == "f":
+        apart = np.where(told, _relative(name, one, other, there.attrs.get("units")), 0.0)
         differs = apart > tolerance
+        if stated := STATED_ERROR.get(name):
+            differs = ~(abs(one - other) <= again[stated].values + archived[stated].values)
+        found.largest = max(found.largest, float(apart.max(initial=0.0)))
         largest = f" by up to {apart.max(initial=0.0):.3g} of the largest"
-    count = int(differs.sum())
-    return bool(count), f"{name} differs in {count} of {there.size} places{largest}"
+    found.differing += int(differs.sum())
+    if differs.any() and not found.trouble:
+        first = np.unravel_index(int(differs.argmax()), differs.shape)
+        words = by_number(flags_of(archived[name])) if "flag_meanings" in there.attrs else {}
+        here_first, there_first = (words.get(each[first], each[first]) for each in (one, other))
+        found.trouble = (
+            f"{name} differs in {int(differs.sum())} of {there.size} places{largest}; the first: "
+            f"{here_first} computed again, {there_first} archived"
+        )
 
 
 def _periodic(archived: xr.Dataset, name: str) -> xr.Variable | None:
     """Return where the response has numbers of its own; None for a result without responses."""
     by = next((each for each in ("response", "kind") if each in archived.data_vars), None)
-    if by in {None, name}:
+    if by is None or name in OF_POINTS:
         return None
     words = CIRCULAR if name in OF_CIRCLES else PERIODIC
     response = archived.variables[by]
@@ -155,13 +173,15 @@ def _told(variable: xr.Variable, known: xr.Variable | None) -> npt.NDArray[np.bo
     return np.array(np.broadcast_to(values, variable.shape), dtype=np.bool_)
 
 
-def _relative(here: Values, there: Values, *, angle: bool) -> Values:
-    """Return differences over the largest number; numbers missing in both are equal."""
+def _relative(name: str, here: Values, there: Values, unit: object) -> Values:
+    """Return differences over the largest number, or each number; missing in both are equal."""
     same = (here == there) | (np.isnan(here) & np.isnan(there))
     finite = np.isfinite(there) & np.isfinite(here)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        if angle:
+        if unit in {"radian", "rad"}:
             apart = np.abs(np.remainder(here - there + math.pi, 2.0 * math.pi) - math.pi)
+        elif name in EACH_BY_ITSELF:
+            apart = np.abs(here - there) / np.abs(there)
         else:
             apart = np.abs(here - there) / np.abs(there).max(initial=0.0, where=finite)
     return np.where(same, 0.0, np.where(finite & np.isfinite(apart), apart, np.inf))

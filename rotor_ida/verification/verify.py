@@ -1,45 +1,23 @@
-"""Compute an archived result again, from its attributes, and compare it with the archive."""
+"""Ask the question of an archived result again, and compare the answer with the archive."""
 
 from __future__ import annotations
-
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
-from rotor_ida.arrays import Values
-from rotor_ida.checks import check_progress, shown
+from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS
-from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, shows_progress
-from rotor_ida.results.kinds import KINDS, kind_of, loaded, why_not
+from rotor_ida.results.kinds import kind_of, why_not
+from rotor_ida.results.question import Question
 from rotor_ida.results.si_units import dimensionless
-from rotor_ida.schema.quantities import TOLERANCE
+from rotor_ida.signals.path import rotating
 from rotor_ida.simulation.options import Method
+from rotor_ida.verification.questions import VERIFIED, Verification
 from rotor_ida.verification.variables import NOT_BY_METHOD, compare_variables, missing_in
 
 # Relative differences allowed for another method, whose extrema may be those of its samples.
 TOLERANCE_OF_OTHERS = 1e-4
-# Numbers compared and differences; and the first difference in words.
-Verdict = tuple[dict[str, object], str]
-
-
-@dataclass(frozen=True, slots=True)
-class Verification:
-    """How results of one kind are computed again and compared."""
-
-    variables: tuple[str, ...]  # numbers that are needed
-    attributes: tuple[str, ...]
-    again: Callable[[xr.Dataset, int | None, Progress | None], xr.Dataset]
-    compared: Callable[[xr.Dataset, xr.Dataset], Verdict]
-    # What it is computed from, and why other variables are not compared, by name or dimension.
-    given: tuple[str, ...] = ()
-    left_out: Callable[[xr.Dataset, xr.Dataset], Mapping[str, str]] = lambda _, __: {}
-    tolerance: Callable[[xr.Dataset], float] = lambda _: TOLERANCE
-    # Where numbers belong to the motion, on any processor.
-    told: Callable[[xr.Dataset], xr.Variable | None] = lambda _: None
 
 
 @shows_progress
@@ -82,14 +60,26 @@ def rerun(
     >>> run = simulate(rotor, start=(0, 0, 0, 0), duration=20.0)
     >>> assert_events_close(rerun(run, method="taylor"), run)
     """
-    verification = _verification_of(dataset)
+    question = question_of(dataset)
     if method is not None:
-        if "method" not in verification.attributes:
+        if "method" not in question.arguments:
             kind = kind_of(dataset)
             raise InputError(f"method must be left out for the kind {kind}, got {method!r}")
-        exact = {"flight": "exact"} if method == "taylor" else {}
-        dataset = dataset.assign_attrs({"method": method, **exact})
-    return verification.again(dimensionless(dataset), workers, check_progress(progress))
+        flight = {"flight": "exact"} if "flight" in question.arguments else {}
+        changed = {"method": method} | (flight if method == "taylor" else {})
+        question = Question(question.verb, {**question.arguments, **changed})
+    found = question.ask(workers=workers, progress=progress)
+    return rotating(found) if "rotating_x" in dataset else found
+
+
+def question_of(dataset: xr.Dataset) -> Question:
+    """Return the question that a result answers; refuse one that cannot be asked again."""
+    verification = _verification_of(dataset)
+    try:
+        return verification.question(dimensionless(dataset))
+    except (KeyError, IndexError, TypeError, ValueError) as error:
+        kind = kind_of(dataset)
+        raise InputError(f"this {kind} cannot be verified: {error}") from error
 
 
 def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
@@ -104,13 +94,11 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     -------
     dict
         ``agrees``, and ``trouble``, the first difference in words. ``variables``, the number of
-        variables that were compared, and ``not_compared``, the others with the reason. For runs:
-        the numbers of events, the largest difference between event times and the largest error
-        stated for one [1]. For other results: the number of points, starts or values of limit
-        cycles compared, the number of those that differ, and the largest difference between
-        amplitudes, radii, periods or other numbers, relative to the larger one. ``core``: whether
-        the compiled core is the same;
-        another one gives different last bits.
+        variables that were compared, and ``not_compared``, the others with the reason. The numbers
+        of values ``compared`` and ``differing``, and the ``largest_difference``, relative to the
+        largest number of its variable. For runs instead the numbers of events, the largest
+        difference between event times and the largest error stated for one [1]. ``core``: whether
+        the compiled core is the same; another one gives different last bits.
 
     Examples
     --------
@@ -121,30 +109,46 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     """
     verification = _verification_of(archived)
     again, archived = dimensionless(again), dimensionless(archived)
-    counts, trouble = verification.compared(again, archived)
     left_out = {**verification.left_out(again, archived)}
     tolerance = verification.tolerance(archived)
     if again.attrs.get("method") != archived.attrs.get("method"):
         left_out |= dict.fromkeys(missing_in(again, archived), NOT_BY_METHOD)
         tolerance = max(tolerance, TOLERANCE_OF_OTHERS)
+    more, others = verification.also(again), verification.also(archived)
     found = compare_variables(
-        again, archived, given=verification.given, left_out=left_out,
-        tolerance=tolerance, told=verification.told(archived),
+        again.assign(more), archived.assign(others), left_out=left_out, tolerance=tolerance,
+        told=verification.told(archived),
     )  # fmt: skip
     is_result = any(name in archived.data_vars for name in found.compared)
-    trouble = trouble or found.trouble or ("" if is_result else "no variable was compared")
-    counts |= {"variables": len(found.compared), "not_compared": found.left_out}
+    trouble = found.trouble or ("" if is_result else "no variable was compared")
+    counts = _of_events(again, archived) if "event_time_error" in archived else {
+        "compared": found.values, "differing": found.differing, "largest_difference": found.largest
+    }  # fmt: skip
     # the last bits depend on the core
     same = again.attrs.get("core_sources") == archived.attrs.get("core_sources")
-    core = "the same" if same else "different from that of the archive"
-    return {"agrees": not trouble, **counts, "trouble": trouble, "core": core}
+    return {
+        "agrees": not trouble, **counts, "variables": len(set(found.compared) - more.keys()),
+        "not_compared": found.left_out, "trouble": trouble,
+        "core": "the same" if same else "different from that of the archive",
+    }  # fmt: skip
+
+
+def _of_events(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
+    """Return the numbers of events of two runs, and by how much their times differ."""
+    common = min(again.sizes["event"], archived.sizes["event"])
+    apart = again["event_time"].values[:common] - archived["event_time"].values[:common]
+    return {
+        "events": again.sizes["event"],
+        "archived_events": archived.sizes["event"],
+        "largest_difference": float(np.abs(apart).max(initial=0.0)),
+        "largest_stated_error": float(archived["event_time_error"].values.max(initial=0.0)),
+    }
 
 
 def _verification_of(dataset: xr.Dataset) -> Verification:
     """Return how a result is verified; refuse one that cannot be, or that lacks variables."""
     kind = kind_of(dataset)
-    place = KINDS[kind].verified
-    verification: Verification | None = loaded(place) if place else None
+    verification = VERIFIED.get(kind)
     if verification is None:
         command = str(dataset.attrs.get("command", ""))
         way = f" with {shown(command)}" if command.startswith("rotor-ida ") else ""
@@ -160,27 +164,3 @@ def _verification_of(dataset: xr.Dataset) -> Verification:
     if words:
         raise InputError(f"{words[0]} must be numbers, got {dataset[words[0]].dtype}")
     return verification
-
-
-def rotor_in(dataset: xr.Dataset, prefix: str = "") -> Rotor:
-    """Return the rotor in the attributes; missing parameters have their defaults."""
-    attributes = {name: f"{prefix}{name}" for name in ALL_PARAMETERS}
-    given = dataset.attrs
-    return Rotor(**{name: given[each] for name, each in attributes.items() if each in given})
-
-
-def counts_of(compared: int, differing: int, largest: float) -> dict[str, object]:
-    """Return the counts of a comparison as `differences` names them."""
-    return {"compared": compared, "differing": differing, "largest_difference": largest}
-
-
-def relative_differences(one: Values | float, other: Values | float, least: float = 0.0) -> Values:
-    """Return the differences of numbers, relative to the larger one or to `least`.
-
-    Numbers missing in both count as equal.
-    """
-    one, other = np.asarray(one), np.asarray(other)
-    same = (one == other) | (np.isnan(one) & np.isnan(other))
-    with np.errstate(invalid="ignore"):
-        part = np.abs(one - other) / np.maximum(np.maximum(np.abs(one), np.abs(other)), least)
-    return np.where(same, 0.0, np.where(np.isfinite(part), part, np.inf))

@@ -8,6 +8,7 @@ from rotor_ida.basins import attractors, following
 from rotor_ida.basins import dataset as basin_dataset_module
 from rotor_ida.basins.basin import label
 from rotor_ida.parallel import FailedJob
+from rotor_ida.results.question import Question
 from rotor_ida.schema import FATE, RESPONSE, flags_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import follow_to_steady_state
@@ -49,7 +50,7 @@ def test_labels_are_those_of_cvode(omega, delta0, kinds):
     states = np.zeros((4, 12))
     states[:2] = np.random.default_rng(3).uniform(-15.0, 15.0, (2, 12))
     found = label(
-        rotor, lambda a, b: states[:, a:b], 12, {},
+        rotor, lambda a, b: states[:, a:b], 12, Question("basin", {}),
         rtol=1e-6, workers=1, executor="auto", study=None, progress=None,
     )  # fmt: skip
     seen = set()

@@ -35,7 +35,7 @@ def test_a_forged_run_does_not(program: Program, archives: Path):
     rotor_ida.save(run.assign(event_time=run.event_time + 1e-3), "forged.nc")
     answer = program("verify", "forged.nc")
     assert answer.status == 1
-    assert answer.err.startswith("rotor-ida: forged.nc does not verify: Mismatched events: ")
+    assert answer.err.startswith("rotor-ida: forged.nc does not verify: event_time differs in ")
     assert answer.err.count("\n") == 1
 
 

@@ -91,15 +91,25 @@ def test_a_response_without_a_cycle_is_made_again_too():
     again = rerun(none)
     assert differences(again, none)["agrees"]
     cycle = limit_cycle(BOUNCING, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
-    assert differences(cycle, none)["trouble"].startswith(
-        "response differs: computed again bouncing"
-    )
+    assert differences(cycle, none)["trouble"].startswith("period differs in 1 of 1 places")
 
 
 def test_one_special_point_more_or_less_is_a_difference(branch):
     fewer = branch.isel(special=slice(0, -1))
     trouble = differences(branch, fewer)["trouble"]
     count = branch.sizes["special"]
-    assert trouble.startswith(
-        f"the number of special points differs: computed again {count}, archived {count - 1}"
-    )
+    assert f"has {{'special': {count}}} computed again, {{'special': {count - 1}}}" in trouble
+
+
+def test_other_steps_are_no_difference_but_another_end_is(branch):
+    """Another processor may take other steps: then ends and stable ranges are compared."""
+    fewer = branch.isel(point=np.delete(np.arange(branch.sizes["point"]), 5))
+    behind = branch.special_point > 5
+    fewer = fewer.assign(special_point=branch.special_point - behind)
+    told = differences(fewer, branch)
+    assert told["agrees"], told
+    assert "point" in str(told["not_compared"])
+    forged = branch.assign(radius_max=branch.radius_max * 1.000001)
+    assert differences(fewer, forged)["trouble"].startswith("radius_max at the first_end differs")
+    ends = branch.assign_attrs(last_end="hopf")
+    assert "last_end differs" in differences(fewer, ends)["trouble"]

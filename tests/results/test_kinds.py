@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 import rotor_ida
-from rotor_ida.results.kinds import KINDS, STUDIES, kind_of, loaded
+from rotor_ida.results.kinds import KINDS, kind_of, loaded
 from rotor_ida.schema import RESULT_KIND
+from rotor_ida.verification.questions import VERIFIED
 
 PACKAGE = Path(rotor_ida.__file__).parent
 # They hand the kind on that they are given.
@@ -40,17 +41,14 @@ def test_each_dataset_that_the_package_builds_states_a_kind_of_the_registry():
     without = {place for place, kind in stated.items() if kind is None}
     assert {file for file, _ in without} <= HANDED_ON, without
     assert {kind for kind in stated.values() if kind is not None} == KINDS.keys() - {"other"}
+    assert VERIFIED.keys() < KINDS.keys()
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_a_row_names_exists(kind):
     row = KINDS[kind]
-    for place in filter(None, (row.shown, row.drawn, row.resumed)):
+    for place in filter(None, (row.shown, row.drawn)):
         assert callable(loaded(place)), place
-    if row.verified:
-        assert callable(loaded(row.verified).again)
-    assert bool(row.study) == bool(row.resumed)
-    assert not row.study or STUDIES[row.study] is row
 
 
 def test_the_page_on_datasets_has_each_kind():

@@ -7,6 +7,7 @@ from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
+from rotor_ida.systems.drop_design import case_from, plain_case
 
 import rotor_ida
 from rotor_ida import (
@@ -20,7 +21,6 @@ from rotor_ida import (
     Unbalance,
     simulate,
 )
-from rotor_ida.systems.drop_design import case_from, plain_case
 
 BARE = RotorSystem(
     mass=np.eye(4), stiffness=2.0 * np.eye(4), damping=0.2 * np.eye(4),

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import rotor_ida
 from rotor_ida import (
     DimensionalRotor,
     InputError,
@@ -61,7 +62,7 @@ def test_a_run_is_made_again_of_the_whole_rotor(tmp_path, monkeypatch):
         asked.append(rotor)
         return simulate(rotor, **given)
 
-    monkeypatch.setattr("rotor_ida.verification.verify_motions.simulate", spy)
+    monkeypatch.setattr(rotor_ida, "simulate", spy)
     archived = load(save(run, tmp_path / "run.nc"))
     assert differences(rerun(archived), archived)["agrees"] is True
     assert asked == [rotor]
@@ -179,32 +180,48 @@ def test_a_basin_written_before_with_the_first_component_first_verifies(tmp_path
 @pytest.mark.parametrize(
     ("kind", "forge", "trouble"),
     [
-        ("sweep", lambda of: of.assign(response=of.response + 1), "12 of 12 differ in response"),
-        ("sweep", lambda of: of.assign(amplitude=of.amplitude * 1.001), "amplitudes, radii or"),
-        ("run_ups", lambda of: of.assign(response=of.response + 1), "8 of 8 differ in response"),
-        ("other kinds", lambda of: of.assign(period=of.period * 1.001), "radii or periods differ"),
+        (
+            "sweep",
+            lambda of: of.assign(response=of.response + 1),
+            "response differs in 12",
+        ),
+        (
+            "sweep",
+            lambda of: of.assign(amplitude=of.amplitude * 1.001),
+            "amplitude differs",
+        ),
+        (
+            "run_ups",
+            lambda of: of.assign(response=of.response + 1),
+            "response differs in 8",
+        ),
+        ("other kinds", lambda of: of.assign(period=of.period * 1.001), "period differs in 1 of 2"),
         (
             "machines",
             lambda of: of.assign_coords(shaft_stiffness=of.shaft_stiffness + 0.1),
-            "computed again, it has {'event': ",
+            "amplitude differs in",
         ),
         (
             "up and down of a machine",
             lambda of: of.assign_coords(contact_exponent=1.0),
-            "amplitudes, radii or periods differ",
+            "amplitude differs in",
         ),
-        ("basin", lambda of: of.assign(label=of.label - 1), "6 of 6 differ in label; the first"),
+        (
+            "basin",
+            lambda of: of.assign(label=of.label - 1),
+            "label differs in 6",
+        ),
         (
             "basin_fractions",
             lambda of: of.assign({"count": of["count"][::-1].variable}),
-            "differ in count",
+            "count differs in",
         ),
         (
             "atlas",
             lambda of: of.assign({"count": of["count"] + 1}),
-            "4 of 4 differ in count",
+            "count differs in 4",
         ),
-        ("atlas", lambda of: of.assign(amplitude=of.amplitude * 1.001), "amplitudes, radii or"),
+        ("atlas", lambda of: of.assign(amplitude=of.amplitude * 1.001), "amplitude differs in"),
     ],
 )
 def test_a_forged_result_of_many_points_does_not_verify(kind, forge, trouble):

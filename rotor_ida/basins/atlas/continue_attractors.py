@@ -33,7 +33,7 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotors import Rotors, rotors_of
 from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_all, shows_progress
-from rotor_ida.results.provenance import computing
+from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Results, open_results
 from rotor_ida.simulation.options import LARGEST
 from rotor_ida.simulation.starts import box_of, drawn_from, range_of
@@ -159,14 +159,8 @@ def continue_attractors(
     tolerance = RTOL if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
     place, several = choose(executor, workers, compiled=True)
-    design = {
-        "kind": "continue_attractors",
-        **grid.values,
-        **drawn,
-        "rtol": tolerance,
-        "shocks": tried,
-        **computing(),
-    }
+    asked = {**grid.values, **drawn, "rtol": tolerance, "shocks": tried}
+    design = Question("continue_attractors", asked).design()
     with open_results(study, design, len(rotors), FORM) as kept:
         jobs = [CellJob(rotor, states, tolerance, tried) for rotor in rotors]
         reason = _fill(jobs, kept, place, several, progress)

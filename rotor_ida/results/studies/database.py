@@ -18,7 +18,7 @@ from rotor_ida.results.files import check_path
 Design = dict[str, Any]
 
 FILE = "study.sqlite"
-FORMAT = 2
+FORMAT = 3
 # A reader of the status locks the file for an instant only.
 _PATIENCE = 30.0  # seconds
 

@@ -148,14 +148,14 @@ def test_another_sweep_is_refused(tmp_path, change, message):
 
 
 def test_another_version_is_refused(tmp_path, monkeypatch):
-    from rotor_ida.steady import sweep as sweeps
+    from rotor_ida.results import question
 
     given = {"omega": 1.7, "zeta": 0.5, "delta0": 0.5}
     sweep(**given, study=tmp_path)
     with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
         connection.execute("DELETE FROM pieces")
-    other = {**sweeps.computing(), "numpy_version": "9.9"}
-    monkeypatch.setattr(sweeps, "computing", lambda: other)
+    other = {**question.computing(), "numpy_version": "9.9"}
+    monkeypatch.setattr(question, "computing", lambda: other)
     with pytest.raises(InputError, match=r"begun with numpy_version '.*', got '9.9'"):
         sweep(**given, study=tmp_path)
 

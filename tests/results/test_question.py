@@ -1,0 +1,82 @@
+"""A question comes back from JSON as it was asked, and is answered to the bit."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import rotor_ida
+from rotor_ida import InputError, Rotor, continue_cycle, sweep
+from rotor_ida.results.question import Question, arguments_from, arguments_in
+from rotor_ida.results.studies import design_of
+from rotor_ida.verification.resume import resume
+from rotor_ida.verification.verify import question_of
+from tests import kinds
+
+SYSTEM, CONTACTS, UNBALANCE = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+AROUND = {"contacts": CONTACTS, "unbalance": UNBALANCE}
+# what each of them adds to the values that questions hold
+ASKED = ("run", "sweep", "basin", "bifurcation_curve", "branch", "system_run", "system_branch",
+         "drop_ensemble", "clearance_report")  # fmt: skip
+STUDIES = {
+    "system sweep": lambda **more: sweep(
+        SYSTEM, **AROUND, speed=[0.9, 2.0],
+        starts=["settled", (np.array([0.5, 0.0]), np.array([0, 0]))], rtol=1e-9, **more,
+    ),
+    "system branch": lambda **more: continue_cycle(
+        SYSTEM, **AROUND, start=kinds.a_system_cycle(), limits=(1.9, 2.1), **more
+    ),
+    "branch of doubled cycles": lambda **more: continue_cycle(
+        Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=kinds.a_branch().isel(special=0),
+        limits=(1.75, 1.85), points=20, **more,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ASKED)
+def test_it_comes_back_from_json(name):
+    question = question_of(kinds.KINDS[name]())
+    text = question.text()
+    again = arguments_in(text)
+    assert Question(question.verb, again).text() == text
+    assert again.keys() == question.arguments.keys()
+    design = json.loads(json.dumps(question.design(), allow_nan=False))
+    assert Question.of_design(design) == Question(question.verb, again) or "rotor" in again
+
+
+def test_numbers_keep_all_their_bits():
+    given = {"x": np.array([0.1 + 0.2, -0.0, 1e-300]), "starts": 3, "rtol": None, "method": "bdf"}
+    again = arguments_in(Question("basin", given).text())
+    assert again == {"x": (0.1 + 0.2, -0.0, 1e-300), "starts": 3, "rtol": None, "method": "bdf"}
+    assert np.signbit(again["x"][1])
+    assert isinstance(again["starts"], int)
+
+
+def test_a_stator_of_its_own_stays_apart_from_one_that_is_shared():
+    stators = [rotor_ida.Stator(mass=1.0, stiffness=2.0) for _ in range(2)]
+    contacts = [
+        rotor_ida.Contact(node="disc", clearance=gap, stiffness=4.0, stator=stator)
+        for gap, stator in ((0.5, stators[0]), (0.6, stators[1]), (0.7, stators[0]))
+    ]
+    question = Question("sweep", {"rotor": SYSTEM, "contacts": contacts})
+    first, second, third = arguments_from(question.plain())["contacts"]
+    assert first.stator is third.stator is not second.stator
+
+
+@pytest.mark.parametrize("kind", STUDIES)
+def test_a_study_is_resumed_to_the_same_bits(kind, tmp_path):
+    found = STUDIES[kind](study=tmp_path / "study")
+    xr.testing.assert_identical(resume(tmp_path / "study"), found)
+    assert design_of(tmp_path / "study")["kind"] in rotor_ida.__all__
+
+
+@pytest.mark.parametrize("text", ["{", "[1]", '{"rotor": {"type": "Path"}}', '{"x": {"type": "R'])
+def test_text_that_holds_no_question_is_refused(text):
+    with pytest.raises(InputError, match="a question must be arguments in JSON, got"):
+        arguments_in(text)
+
+
+def test_only_verbs_are_asked():
+    with pytest.raises(InputError, match=r"must be one of basin, .*, got 'save'"):
+        Question("save", {}).ask()
