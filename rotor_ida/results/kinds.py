@@ -61,7 +61,8 @@ class Kind:
         for dim in self.dims:
             if dim not in dataset.sizes or (dim in _FILLED and not dataset.sizes[dim]):
                 return f"values along {dim}"
-        for name, bracket, along, optional in _variables_in(f"{self.variables} {_PARAMETERS}"):
+        text = f"{self.variables} {_PARAMETERS}" if self.variables else ""
+        for name, bracket, along, optional in _variables_in(text):
             if optional and name not in dataset.variables:
                 continue
             found = {*dataset[name].dims} if name in dataset.variables else {None}
@@ -91,7 +92,10 @@ _SIGNALS = "rotor_ida.cli.describe_signals"
 _SYSTEM_WHIRLS = "rotor_ida.cli.describe_whirls"
 _DRAWN = "rotor_ida.plot.figures"
 
-_CONTACTS = "clearance(contact) contact_node(contact) law_radius(contact)?"
+_CONTACTS = (
+    "clearance(contact) contact_node(contact) law_radius(contact)? law_stiffness(contact)? "
+    "law_exponent(contact)? law_damping(contact)? law_friction(contact)?"
+)
 _SYSTEM_RUN = (
     "x(t node) mode(t contact) normal_force(t contact) t(t)? speed(t)? event_time(event) "
     "event_kind(event) event_contact(event) episode_contact(episode) entry_time(episode) "
@@ -212,7 +216,8 @@ KINDS = {
         ),
         Kind(
             name="bifurcation_diagram", meaning="bifurcation diagram",
-            variables="extremum_radius(extremum) response " + _STARTS, dims=("start",),
+            variables="extremum_radius(extremum) response " + _STARTS,
+            dims=("omega", "zeta", "delta0", "start"),
             shown=f"{_SHOWN}:show_sweep",
             drawn=f"{_DRAWN}:figure_of_diagram",
         ),
@@ -264,7 +269,8 @@ KINDS = {
         ),
         Kind(
             name="fit", meaning="fit",
-            variables="estimate(unknown) covariance", dims=("unknown", "unknown_too", "window"),
+            variables="estimate(unknown) covariance forward_amplitude_error(window order)?",
+            dims=("unknown", "unknown_too", "window"),
             shown=f"{_SHOWN}:show_fit", drawn="rotor_ida.plot:fit_figure",
         ),
         Kind(

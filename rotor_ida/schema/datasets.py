@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Mapping, Sequence
 
 import numpy as np
@@ -132,7 +133,10 @@ def _is_text(variable: xr.Variable) -> bool:
     if variable.dtype.kind != "O":
         return variable.dtype.kind in "UT"
     values = variable.values.ravel().tolist()
-    return all(isinstance(value, str) or value is np.nan for value in values)
+    return all(
+        isinstance(value, str) or (isinstance(value, float) and math.isnan(value))
+        for value in values
+    )
 
 
 def check_as_computed(name: str, dataset: xr.Dataset) -> None:

@@ -105,6 +105,8 @@ def flags_of(variable: xr.DataArray | xr.Variable) -> dict[str, int]:
 def check_flags(name: str, variable: xr.DataArray | xr.Variable) -> dict[int, str]:
     """Return the words of a flag variable by number; refuse a number of it that has none."""
     words = by_number(flags_of(variable))
+    if variable.dtype.kind not in "iuf":
+        raise InputError(f"{name} must be numbers of flags, got {variable.dtype}")
     numbers = np.unique(variable.values[~np.isnan(variable.values)])
     for number in numbers.tolist():
         if number not in words:
