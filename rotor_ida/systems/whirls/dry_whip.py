@@ -172,10 +172,10 @@ def _edges(
 
 
 def _roots(function: Callable[[float], float], low: float, high: float) -> list[float]:
-    """Return the sign changes of an analytic function, which polynomials of Chebyshev resolve.
+    """Return the sign changes of an analytic function between two arguments.
 
-    The roots of the polynomials, with those that are nearly real, part the range; so no pair is
-    passed over.
+    Chebyshev polynomials resolve it on parts of the range. Their roots, those that are nearly real
+    included, divide the range so that between neighbours it changes sign at most once.
     """
     parts, seen = [(low, high)], []
     while parts:
