@@ -181,10 +181,9 @@ def _roots(function: Callable[[float], float], low: float, high: float) -> list[
     while parts:
         first, last = parts.pop()
         middle, half = 0.5 * (first + last), 0.5 * (last - first)
-        series = chebyshev.chebinterpolate(
-            lambda x, middle=middle, half=half: [function(each) for each in middle + half * x],
-            DEGREE,
-        )
+        nodes = middle + half * chebyshev.chebpts1(DEGREE + 1)
+        values = np.array([function(each) for each in nodes.tolist()])
+        series = chebyshev.chebfit(chebyshev.chebpts1(DEGREE + 1), values, DEGREE)
         sizes = np.abs(series)
         if sizes[-TAIL:].max() > RESOLVED * sizes.max() and half > SHORTEST * (high - low):
             parts += [(first, middle), (middle, last)]

@@ -3,8 +3,8 @@
 1. *Branches* of each set of contacts, followed through their folds along the arc (`branches`).
 2. *Folds*: where the speed turns along a branch.
 3. *Grazes and Hopf points*: along a branch, where another contact is just touched, and where the
-   real part of a pair of eigenvalues vanishes. Pieces of branches are halved until none can hold
-   two that undo each other.
+   real part of a pair of eigenvalues vanishes. Pieces of branches are halved where values
+   in the middle show that two may undo each other.
 4. From each graze, the branch of the larger set of contacts is followed too.
 """
 
@@ -82,7 +82,8 @@ def special_speeds(
         Lowest and highest speed.
     points : int
         Number of speeds in between, at equal distances, from whose whirls branches are followed. An
-        isola between neighbouring speeds that no graze leads to is not noticed.
+        isola between neighbouring speeds that no graze leads to is not noticed; nor may be two Hopf
+        points that undo each other within a small part of a step along a branch.
 
     Returns
     -------
