@@ -40,7 +40,7 @@ _OF_DISTANCE, _OF_SIZE = 0.2, 0.01
 # of the largest unknowns; the least cosine of the angle between tangents, the farthest from the
 # tangent, and the most of an unknown, or of the largest one, that a step may change.
 _FIRST, _LONGEST, _SHORTEST, _MOST = 0.01, 0.1, 1e-11, 20_000
-_GROWTH, _TURN, _ASIDE, _CHANGE, _OF_LARGEST = 1.7, 0.95, 0.3, 0.5, 1e-3
+_GROWTH, _TURN, _ASIDE, _CHANGE, _OF_LARGEST = 1.7, 0.95, 0.3, 0.2, 1e-3
 # Unknown of a contact that is just touched. Part of a step beside a fold. Distance of points that
 # are one. Largest number of halvings of a piece.
 TOUCHED, _BESIDE, _SAME, _HALVINGS = 1e-10, 1e-5, 1e-5, 12

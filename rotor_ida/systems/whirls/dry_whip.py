@@ -171,19 +171,18 @@ def _edges(
 
 
 def _roots(function: Callable[[float], float], low: float, high: float) -> list[float]:
-    """Return the sign changes of an analytic function, which polynomials of Chebyshev resolve.
+    """Return the sign changes of an analytic function between two arguments.
 
-    The roots of the polynomials, with those that are nearly real, part the range; so no pair is
-    passed over.
+    Chebyshev polynomials resolve it on parts of the range. Their roots, those that are nearly real
+    included, divide the range so that between neighbours it changes sign at most once.
     """
     parts, seen = [(low, high)], []
     while parts:
         first, last = parts.pop()
         middle, half = 0.5 * (first + last), 0.5 * (last - first)
-        series = chebyshev.chebinterpolate(
-            lambda x, middle=middle, half=half: [function(each) for each in middle + half * x],
-            DEGREE,
-        )
+        nodes = middle + half * chebyshev.chebpts1(DEGREE + 1)
+        values = np.array([function(each) for each in nodes.tolist()])
+        series = chebyshev.chebfit(chebyshev.chebpts1(DEGREE + 1), values, DEGREE)
         sizes = np.abs(series)
         if sizes[-TAIL:].max() > RESOLVED * sizes.max() and half > SHORTEST * (high - low):
             parts += [(first, middle), (middle, last)]

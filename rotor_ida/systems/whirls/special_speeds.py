@@ -1,13 +1,11 @@
 """Speeds at which the synchronous whirls of a rotor system change: folds, Hopf points, grazes.
 
-1. *Grid*: all rubs of each set of contacts, at many speeds. Folds and grazes join it, from both
-   sides and in several distances, until no other is found: so no cell has two of them.
-2. *Folds*: where the number of rubs changes by two between neighbouring speeds, the change is
-   enclosed by halving, and Newton's method finds where the balance of forces and its determinant
-   vanish together.
-3. *Branches*: between neighbouring speeds without a fold each rub is followed to its successor.
-4. *Grazes and Hopf points*: along a branch, where another contact is just touched, and where the
-   real part of a pair of eigenvalues vanishes.
+1. *Branches* of each set of contacts, followed through their folds along the arc (`branches`).
+2. *Folds*: where the speed turns along a branch.
+3. *Grazes and Hopf points*: along a branch, where another contact is just touched, and where the
+   real part of a pair of eigenvalues vanishes. Pieces of branches are halved where values
+   in the middle show that two may undo each other.
+4. From each graze, the branch of the larger set of contacts is followed too.
 """
 
 from __future__ import annotations
@@ -82,9 +80,9 @@ def special_speeds(
     limits : (float, float)
         Lowest and highest speed.
     points : int
-        Number of speeds in between, at equal distances, by which changes are noticed. Two that
-        undo each other between neighbouring speeds, such as the folds of a small isola, are not;
-        nor may be Hopf points of rubs at two contacts at once beside their folds.
+        Number of speeds in between, at equal distances, from whose whirls branches are followed. An
+        isola between neighbouring speeds that no graze leads to is not noticed; nor may be two Hopf
+        points that undo each other within a small part of a step along a branch.
     contacts, unbalance, supports, gravity, static_force : optional
         In place of those of the system, as in `simulate`.
 
