@@ -264,23 +264,6 @@ def test_a_motor_by_hand():
     assert found["duration"] == pytest.approx(2.0 * rate, rel=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [({"to": 100.0, "rate": 3.0, "unit": "rpm"}, "rate must be negative .* 572.958 to 100 rpm"),
-     ({"to": 100.0, "rate": -3.0}, "rate must be positive .* from 60 to 100 rad/s, got -3.0"),
-     ({"to": 60.0, "rate": 3.0}, "to must differ from the speed of the machine, 60 rad/s, got"),
-     ({"to": -1.0, "rate": -3.0}, "to must be zero or positive, got -1.0"),
-     ({"speeds": [(0.0, 10.0), (1.0, -1.0)]}, "a speed of speeds must be zero or positive"),
-     ({"speeds": [1.0, 2.0]}, "speeds must be pairs of time and speed, got"),
-     ({"torque": 3.0}, "torque must be two numbers"),
-     ({"inertia": 0.0}, "inertia must be positive, got 0.0"),
-     ({"to": 1.0, "unit": "rps"}, "unit must be one of 'rad/s', 'rpm', 'Hz', got 'rps'")],
-)  # fmt: skip
-def test_changes_of_speed_that_cannot_be_are_refused_in_the_units_given(given, message):
-    with pytest.raises(InputError, match=message):
-        TURNED.change_of_speed(**given)
-
-
 def test_a_bifurcation_diagram_in_si_units_has_its_rate_and_lengths_in_them(tmp_path):
     """The speeds and rate that went in come out in rpm; its archive is the diagram to the bit."""
     machine = replace(MACHINE, damping=4e4)
