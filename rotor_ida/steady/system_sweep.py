@@ -158,8 +158,8 @@ def sweep_system(
     ...     unbalance=[Unbalance(node="disc", moment=1.0)], speed=[0.5, 0.9], direction="up")
     >>> decode_flags(responses.response).values.ravel().tolist()
     ['contact_free', 'synchronous']
-    >>> responses.amplitude.values.ravel().round(6)
-    array([0.332595, 1.622132])
+    >>> responses[["response", "amplitude"]].to_dataframe().amplitude.round(6).tolist()
+    [0.332595, 1.622132]
     """
     speeds = _checked_speeds(speed, direction)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
