@@ -158,8 +158,8 @@ def sweep_system(
     >>> responses = sweep_system(system, speed=[0.5, 0.9], direction="up")
     >>> decode_flags(responses.response).values.ravel().tolist()
     ['contact_free', 'synchronous']
-    >>> responses.amplitude.values.ravel().round(6)
-    array([0.332595, 1.622132])
+    >>> responses[["response", "amplitude"]].to_dataframe().amplitude.round(6).tolist()
+    [0.332595, 1.622132]
     """
     system = changed_system(sweep_system, system, changed)
     speeds = _checked_speeds(speed, direction)

@@ -280,6 +280,9 @@ def test_sweep_takes_several_starts_and_a_direction(program: Program):
     assert [start["start_vy"] for start in record["starts"]] == [0.0, -2.0]
     assert {point["direction"] for point in record["responses"]} == {"up", "down"}
     assert len(record["responses"]) == 8
+    for given, kept in (((), False), (("--events",), True)):
+        assert program(*words, *given, "--out", "events.nc", "--force").status == 0
+        assert ("event_time" in rotor_ida.load("events.nc")) is kept
     assert "synchronous" in program(*words).out
 
 

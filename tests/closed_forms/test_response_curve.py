@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from rotor_ida import InputError, folds, synchronous_response
+from rotor_ida import folds, synchronous_response
 from rotor_ida.closed_forms import (
     clearance_curve,
     cusp_zeta,
@@ -339,46 +339,3 @@ def test_axes_are_dimensions_and_hold_what_single_curves_hold():
         for name in grid.data_vars:
             np.testing.assert_array_equal(part[name].values, single[name].values.ravel())
         assert (grid.sel(place).piece[single.sizes["point"] :] == -1).all()
-
-
-@pytest.mark.parametrize(
-    ("limits", "message"),
-    [
-        ((1.0, 1.0), "limits must be two numbers, the lower first"),
-        ((1.0,), "limits must be two numbers, the lower first"),
-        ((-1.0, 1.0), "limits must be zero or positive"),
-        ((0.0, 1e16), "limits must be .* 1e\\+15"),
-    ],
-)
-def test_bad_limits_are_refused(limits, message):
-    with pytest.raises(InputError, match=message):
-        response_curve(zeta=0.07, delta0=0.0, limits=limits)
-    with pytest.raises(InputError, match=message):
-        clearance_curve(omega=1.0, zeta=0.07, limits=limits)
-
-
-@pytest.mark.parametrize(
-    ("values", "says"),
-    [
-        ({"zeta": [0.0, 0.1], "contact_exponent": 1.0}, "zeta must be positive for the curve"),
-        ({"zeta": 0.0, "contact_exponent": 1.0, "friction": [0.0, 0.1]}, "zeta must be positive"),
-        ({"shaft_stiffness": -1}, "shaft_stiffness must be zero or positive, got -1"),
-    ],
-)
-def test_what_has_no_curve_over_the_speed_is_refused(values, says):
-    with pytest.raises(InputError, match=says):
-        response_curve(**{"zeta": 0.1, "delta0": 0.5, "limits": LIMITS, **values})
-
-
-@pytest.mark.parametrize(
-    ("values", "says"),
-    [
-        ({"omega": 0.0}, r"omega must be positive, got 0\.0"),
-        ({"zeta": 0.0, "contact_exponent": 1.0}, "zeta must be positive for the curve of a linear"),
-        ({"contact_damping": 1.0}, "contact_damping must be 0 without clearance"),
-        ({"friction": 0.1}, "friction must be 0 without clearance"),
-    ],
-)
-def test_what_has_no_curve_over_the_clearance_is_refused(values, says):
-    with pytest.raises(InputError, match=says):
-        clearance_curve(**{"omega": 1.0, "zeta": 0.1, "limits": (0.0, 1.0), **values})

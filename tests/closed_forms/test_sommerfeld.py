@@ -158,21 +158,6 @@ def test_limited_power_settles_on_the_curve_and_jumps_beyond_its_stable_part():
 
 
 @pytest.mark.parametrize(
-    ("odd", "words"),
-    [
-        ({"inertia": 0.0}, "inertia"),
-        ({"inertia": -1.0}, "inertia"),
-        ({"slope": -0.1}, "slope"),
-        ({"friction": 0.1}, "disc_radius must be given with friction 0.1, got None"),
-    ],
-)
-def test_bad_drives_are_refused(odd, words):
-    given = {"zeta": 0.1, "delta0": 1.0, "limits": (0.1, 2.0), "inertia": 1.0} | odd
-    with pytest.raises(InputError, match=words):
-        sommerfeld_curve(**given)
-
-
-@pytest.mark.parametrize(
     "odd",
     [{"zeta": -0.1}, {"friction": 0.1}, {"contact_exponent": 2.0}, {"omega": [1.0, 2.0, 3.0]}],
 )

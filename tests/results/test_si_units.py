@@ -281,22 +281,6 @@ def test_a_motor_by_hand():
     assert found["duration"] == pytest.approx(2.0 * rate, rel=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [({"to": 10.0, "rate": 3.0}, "rate must be negative .* from 60 rad/s to 10 rad/s, got 3 "),
-     ({"to": 60.0, "rate": 3.0}, "to must differ from the rotor's speed 60 rad/s, got 60 rad/s"),
-     ({"to": -1.0, "rate": -3.0}, "to must be zero or positive: .*, got -1 rad/s"),
-     ({"speeds": [(0.0, 10.0), (1.0, -1.0)]}, "a speed of speeds must be zero or positive"),
-     ({"speeds": [1.0, 2.0]}, "speeds must be two or more pairs of time and speed, got"),
-     ({"torque": 3.0, "inertia": 1.0}, "torque must be two numbers"),
-     ({"torque": (1.0, 0.0), "inertia": 0.0, "duration": 1.0},
-      "inertia must be positive, got 0 kg m2")],
-)  # fmt: skip
-def test_changes_of_speed_that_cannot_be_are_refused_in_si_units(given, message):
-    with pytest.raises(InputError, match=message):
-        run_up(TURNED, **given)
-
-
 def test_a_bifurcation_diagram_in_si_units_has_its_rate_and_lengths_in_them(tmp_path):
     """The speeds and rate that went in come out in rpm; its archive is the diagram to the bit."""
     machine = replace(MACHINE, damping=4e4)

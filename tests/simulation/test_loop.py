@@ -188,30 +188,6 @@ def test_samples_do_not_depend_on_how_many_there_are():
     assert (few.event_time.values == many.event_time.values).all()
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"start": (0, 0, 0)}, r"start must be four numbers \(x, y, vx, vy\), got \(0, 0, 0\)"),
-        ({"start": (0, 0, 0, math.nan)}, "start vy must be a finite real number, got nan"),
-        ({"duration": -1.0}, "duration must be positive, got -1.0"),
-        ({"duration": math.inf}, "duration must be a finite real number, got inf"),
-        ({"samples": 1}, "samples must be at least 2, got 1"),
-        ({"samples": [0.0, 2.0, 1.0]}, "samples must increase, got 1.0 after 2.0"),
-        ({"samples": [0.0, 11.0]}, "samples must lie from 0 to the duration 10.0, got 11.0"),
-        ({"rtol": 1.0}, "rtol must lie from 1e-13 to 0.001, got 1.0"),
-        ({"atol": 0.0}, "atol must be positive, got 0.0"),
-        ({"atol": 1e-99}, "atol must lie from 1e-30 to 0.01, got 1e-99"),
-        ({"method": "rk4"}, "method must be one of 'adams', 'bdf', 'ida', 'taylor', got 'rk4'"),
-        ({"flight": "none"}, "flight must be one of 'exact', 'cvode', got 'none'"),
-        ({"backend": "gpu"}, "backend must be one of 'auto', 'python', 'compiled', got 'gpu'"),
-    ],
-)
-def test_bad_input_gets_one_clear_line(changes, message):
-    arguments = {"start": REST, "duration": 10.0, **changes}
-    with pytest.raises(InputError, match=f"^{message}$"):
-        simulate(HARD, **arguments)
-
-
 def test_the_mode_at_the_start_is_a_function_of_its_own():
     assert starts_in_contact(HARD, (2.1, 0.0, 0.0, 0.0))
     assert not starts_in_contact(HARD, (1.9, 0.0, 5.0, 0.0))

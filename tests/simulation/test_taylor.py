@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, Rotor, simulate
+from rotor_ida import Rotor, simulate
 from rotor_ida.closed_forms import planar_period
 from rotor_ida.model.equations import energy
 
@@ -30,20 +30,3 @@ def test_passing_close_to_the_centre_conserves_energy_and_moment(miss):
     np.testing.assert_allclose(energies, energies[0], rtol=2e-12)
     moments = run.x * run.vy - run.y * run.vx
     np.testing.assert_allclose(moments, 2.0 * miss, rtol=1e-10, atol=0.0)
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"flight": "cvode"}, "flight must be 'exact' with taylor, got 'cvode'"),
-        ({"rtol": 1e-3}, "rtol must lie from 1e-15 to 0.0001"),
-        ({"rtol": 1e-16}, "rtol must lie from 1e-15 to 0.0001"),
-        ({"backend": "python"}, "backend must be 'auto' or 'compiled' with taylor, got 'python'"),
-    ],
-)
-def test_what_it_cannot_do_is_refused(settings, message):
-    with pytest.raises(InputError, match=message):
-        simulate(
-            Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=(0, 0, 0, 0), duration=1.0,
-            method="taylor", **settings,
-        )  # fmt: skip

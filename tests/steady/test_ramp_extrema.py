@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, Rotor, SimulationError, bifurcation_diagram, folds, run_up
+from rotor_ida import Rotor, SimulationError, bifurcation_diagram, folds, run_up
 from rotor_ida.closed_forms import late_jumps
 from rotor_ida.plot import plot_extrema
 from rotor_ida.schema import RESPONSE, STATUS
@@ -143,21 +143,3 @@ def test_a_run_that_cannot_be_followed_has_failed(monkeypatch):
     assert found.message.values.ravel()[0].startswith("stuck (at t = 0.5")
     assert found.sizes["extremum"] == 0
     assert found.radius_max.isnull().all()
-
-
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
-        ({"direction": None}, "direction must be given with rate, got None"),
-        ({"direction": "round"}, "direction must be"),
-        ({"rate": 0.0}, "rate must"),
-        ({"rate": -0.1}, "rate must"),
-        ({"rate": 1e-10}, "rate must be at least"),
-        ({"omega": 1.0}, "omega must be two or more speeds for a rate"),
-        ({"omega": [1.0, 2.0, 2.0]}, "omega must increase for a rate, got 2.0 after 2.0"),
-    ],
-)
-def test_bad_run_ups_are_refused(wrong, message):
-    given = {"omega": [1.0, 2.0], "zeta": 0.5, "delta0": 0.0, "direction": "up", "rate": 0.1}
-    with pytest.raises(InputError, match=message):
-        bifurcation_diagram(**(given | wrong), starts=[REST])

@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 
 from rotor_ida import (
-    InputError,
     Rotor,
     SimulationError,
     load,
@@ -333,33 +332,3 @@ def test_one_that_is_lost_with_its_worker_is_labelled(monkeypatch):
     # the slowest first
     assert found.status.values.tolist() == [0, 0, 1]
     assert found.message.values.tolist() == ["", "", "its worker died"]
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"rate": -0.1}, "rate must be positive to change the speed from 0.3 to 1.6, got -0.1"),
-        ({"rate": [0.1, -0.1]}, "rate must be positive to change the speed from 0.3"),
-        ({"rate": 0.0}, "rate must be positive"),
-        ({"rate": []}, "rate must contain at least one number, got none"),
-        ({"to": 0.3}, "to must differ from the rotor's omega 0.3, got 0.3"),
-        ({"omega": [0.3, 2.0]}, "rate must be negative to change the speed from 2.0 to 1.6"),
-        ({"to": -1.0}, "to must be zero or positive"),
-        ({"to": [1.0, 2.0]}, "to must be a finite real number"),
-        (
-            {"to": 1e5, "rate": 1e6},
-            "omega must be 0 or from 0.001 to 1000 to settle",
-        ),
-        ({"phase": 7.0}, "phase must lie within 6.28319 of zero, got 7.0"),
-        ({"starts": []}, "starts must contain at least one start, got none"),
-        ({"starts": [(1e9, 0, 0, 0)]}, "start x must lie within 1e.06 of zero"),
-        ({"friction": 0.1}, "disc_radius must be given with friction"),
-        ({"workers": 0}, "workers must be at least 1, got 0"),
-        ({"method": "rk4"}, "method must be one of"),
-    ],
-)
-def test_bad_input_is_one_line(changes, message):
-    given = {"omega": 0.3, "to": 1.6, "rate": 0.1, "zeta": 0.1, "delta0": 2.0}
-    with pytest.raises(InputError, match=message) as error:
-        run_ups(**given | changes)
-    assert "\n" not in str(error.value)

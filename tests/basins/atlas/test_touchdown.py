@@ -7,7 +7,6 @@ import pytest
 
 from rotor_ida import (
     DimensionalRotor,
-    InputError,
     Rotor,
     contact_summary,
     continue_attractors,
@@ -108,26 +107,6 @@ def test_backward_whirl_has_a_negative_ratio(bouncing):
     for row in (bouncing.isel(attractor=number) for number in range(bouncing.sizes["attractor"])):
         ratio, word = float(row.whirl_over_spin), int(row.whirl_sense)
         assert word == (0 if math.isnan(ratio) else np.sign(ratio))
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"rotor": "mine"}, "rotor must be a Rotor, got 'mine'"),
-        ({"rotor": Rotor(omega=0.0, zeta=0.1, delta0=1.0)}, "omega must be above 0 .* got 0.0"),
-        ({"rotor": Rotor(omega=1.0, zeta=0.0, delta0=1.0)}, "zeta must be above 0"),
-        ({"starts": -1}, "starts must be at least 1, got -1"),
-        ({"x": (2, 1)}, "x must be a range"),
-        (
-            {"rotor": MACHINE, "x": (-1e3, 1e3)},
-            "in eccentricities, must lie within 1e.06 of zero",
-        ),
-    ],
-)
-def test_bad_input_gets_one_clear_line(changes, message):
-    with pytest.raises(InputError, match=message) as caught:
-        touchdown_report(**{"rotor": BOUNCER, **BOX, **changes})
-    assert "\n" not in str(caught.value)
 
 
 def test_only_what_followed_its_starts_and_shocks_is_told(monkeypatch):
