@@ -664,6 +664,8 @@ TOLERANCE_OF_KIND = dict.fromkeys(
      "system_whirls", "system_special_points", "campbell", "clearance_report"),
     1e-8,
 )  # fmt: skip
+# Variables with a wider one, whatever the kind: that of a curve is found by finite differences.
+TOLERANCE_OF_VARIABLE = {"slope": 1e-3}
 # Variables compared within an error that the dataset itself states, and those whose numbers are
 # compared each relative to itself.
 STATED_ERROR = {"event_time": "event_time_error"}

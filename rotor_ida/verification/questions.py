@@ -40,6 +40,7 @@ LATE = 100.0
 SHARP = ("limits", "closed", "halved", "hopf", "start")
 TRANSIENT = "depends on the way to the steady state"
 STEPS = "the steps along it depend on rounding; its special points and ends are compared"
+MARGINAL = "at a bifurcation a multiplier lies on the unit circle, on which side is rounding"
 BEHIND_HORIZON = "some drops end behind their horizon, where another processor drops otherwise"
 STARTS = tuple(f"start_{name}" for name in COMPONENTS)
 # The variable of a drop with its question.
@@ -317,6 +318,12 @@ def _steps(again: xr.Dataset, archived: xr.Dataset) -> Reasons:
     return {} if same else dict.fromkeys(("point", "special_point"), STEPS)
 
 
+def _steps_of_curve(again: xr.Dataset, archived: xr.Dataset) -> Reasons:
+    """Return the same of a curve, where rounding decides on which side a multiplier lies too."""
+    names = ("stability", "trace", "multiplier_real", "multiplier_imag")
+    return {**_steps(again, archived), **dict.fromkeys(names, MARGINAL)}
+
+
 def _ends(dataset: xr.Dataset) -> dict[str, Any]:
     """Return what of a branch or curve does not depend on its steps, besides special points."""
     found: dict[str, Any] = {}
@@ -397,7 +404,7 @@ VERIFIED = {
     ),
     "curve": Verification(
         _curve, ("special_second_value", "special_value", "special_period"),
-        ("kind", "parameters", "limits", "points", *_BEGUN), _steps, also=_ends,
+        ("kind", "parameters", "limits", "points", *_BEGUN), _steps_of_curve, also=_ends,
     ),
     "system_run": _SYSTEM_RUN,
     "drop": replace(_SYSTEM_RUN, question=_drop),

@@ -17,6 +17,7 @@ from rotor_ida.schema.quantities import (
     EACH_BY_ITSELF,
     STATED_ERROR,
     TOLERANCE,
+    TOLERANCE_OF_VARIABLE,
 )
 
 # Responses whose numbers belong to the motion, not to one stretch of it; and the numbers that do
@@ -136,7 +137,7 @@ def _compare(
     differs, largest = (one != other) & told, ""
     if here.dtype.kind == there.dtype.kind == "f":
         apart = np.where(told, _relative(name, one, other, there.attrs.get("units")), 0.0)
-        differs = apart > tolerance
+        differs = apart > max(tolerance, TOLERANCE_OF_VARIABLE.get(name, 0.0))
         if stated := STATED_ERROR.get(name):
             differs = ~(abs(one - other) <= again[stated].values + archived[stated].values)
         found.largest = max(found.largest, float(apart.max(initial=0.0)))

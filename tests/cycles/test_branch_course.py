@@ -84,6 +84,9 @@ def test_a_curve_and_a_branch_over_the_clearance_are_made_again(cycle, branch):
         limits={"omega": (1.7, 1.9), "delta0": (1.9, 2.1)},
     )
     assert differences(rerun(curve), curve)["agrees"]
+    # where a multiplier is -1, another processor finds it within or outside the unit circle
+    other = curve.assign(stability=1 - curve.stability, trace=-curve.trace)
+    assert differences(other, curve)["agrees"]
 
 
 def test_a_response_without_a_cycle_is_made_again_too():
