@@ -343,7 +343,11 @@ class Branches:
         opened = np.flatnonzero(piece.ends[1][:-1] < TOUCHED)
         if not opened.size:
             return piece
-        part = min(piece.where(lambda point, j=j: float(point[j]) - TOUCHED) for j in opened)
+
+        def deeper(number: int) -> Callable[[Values], float]:
+            return lambda point: float(point[number]) - TOUCHED
+
+        part = min(piece.where(deeper(number)) for number in opened.tolist())
         return Piece(self.curve, (piece.ends[0], piece.at(part)))
 
     def _to_fold(self, piece: Piece) -> tuple[Piece, Values, Values]:
@@ -370,7 +374,7 @@ class Branches:
         """Return whether a branch that meets a speed of the grid leads on to what is not known."""
         apart = np.abs(self.points[number] - point).max(axis=1)
         if not apart.size or apart.min() > _SAME:  # a rub that the grid has lost
-            return 0 < number < self.speeds.size - 1
+            return bool(0 < number < self.speeds.size - 1)
         root = int(np.argmin(apart))
         self.open.pop((number, root, -side), None)
         if (number, root, side) in self.open:
