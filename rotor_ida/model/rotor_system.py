@@ -9,7 +9,7 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal, TypedDict, Unpack, cast
+from typing import Any, Literal, NoReturn, TypedDict, Unpack, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -334,18 +334,18 @@ def changed_system(
             )
     system = given.system() if isinstance(given, Rotor | DimensionalRotor) else given
     if not isinstance(system, RotorSystem):
-        raise wrong_first(verb, "a Rotor, DimensionalRotor or RotorSystem", given)
+        refuse_first(verb, "a Rotor, DimensionalRotor or RotorSystem", given)
     return replace(system, **cast("Any", changed)) if changed else system
 
 
-def wrong_first(verb: Callable[..., Any], kinds: str, given: object) -> InputError:
-    """Return the error of a function whose first argument is no rotor: it shows the right call."""
+def refuse_first(verb: Callable[..., Any], kinds: str, given: object) -> NoReturn:
+    """Refuse a first argument that is no rotor of these kinds; the message shows the right call."""
     parameters = inspect.signature(verb).parameters
     needed = [f"{name}=..." for name, each in parameters.items()
               if each.kind is each.KEYWORD_ONLY and each.default is each.empty]  # fmt: skip
     call = ", ".join([next(iter(parameters), "rotor"), *needed])
     name = name_of(verb)
-    return InputError(f"{name} takes {kinds} first, as in {name}({call}), got {shown(given)}")
+    raise InputError(f"{name} takes {kinds} first, as in {name}({call}), got {shown(given)}")
 
 
 def name_of(verb: Callable[..., Any]) -> str:

@@ -11,7 +11,7 @@ from typing import Any, ParamSpec, Protocol, cast, overload
 import xarray as xr
 
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.rotor_system import RotorSystem, name_of, wrong_first
+from rotor_ida.model.rotor_system import RotorSystem, name_of, refuse_first
 
 OfDisc = ParamSpec("OfDisc")
 OfSystem = ParamSpec("OfSystem")
@@ -57,9 +57,9 @@ def of_both(
         if isinstance(rotor, Rotor) and by_name:
             return chosen(*given[1:], **{**rotor.given, **options})
         if not isinstance(rotor, Rotor | DimensionalRotor):
-            raise wrong_first(either, KINDS, rotor)
+            refuse_first(either, KINDS, rotor)
         if by_name:
-            raise wrong_first(either, "a Rotor or RotorSystem", rotor)
+            refuse_first(either, "a Rotor or RotorSystem", rotor)
         return chosen(*given, **options)
 
     either.__module__ = module  # where it can be found, by pickle too
