@@ -9,7 +9,6 @@ from typing import Any, ParamSpec, Protocol, cast, overload
 import xarray as xr
 
 from rotor_ida.closed_forms.synchronous import synchronous_response as synchronous_response_disc
-from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.simulation.run_up import run_up as run_up_disc
@@ -55,13 +54,8 @@ def of_both_by_keyword(
 
     @wraps(disc)
     def either(*rotor: RotorSystem | Rotor, **options: Any) -> xr.Dataset:
-        if rotor and isinstance(rotor[0], Rotor):
-            raise InputError(
-                f"{disc.__name__} takes omega, zeta and delta0 by name, or a RotorSystem, got a "
-                f"Rotor: write {disc.__name__}(omega={rotor[0].omega:g}, zeta={rotor[0].zeta:g}, "
-                f"delta0={rotor[0].delta0:g})"
-            )
-        chosen: Any = system if rotor or "system" in options else disc
+        first = options.get("system", *rotor)
+        chosen: Any = system if isinstance(first, RotorSystem) else disc
         return cast("xr.Dataset", chosen(*rotor, **options))
 
     either.__module__ = module  # where it can be found, by pickle too

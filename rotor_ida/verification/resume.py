@@ -99,6 +99,7 @@ def resume(
 def resume_sweep(design: Design, jobs: Jobs) -> Resumed:
     """Return the function that resumes a sweep."""
     given = _given(design, "direction", *SOLVER, "flight") | _axes(design)
+    given["along"] = design.get("along")
     return partial(sweep, **given, starts=_starts(design), **jobs)
 
 

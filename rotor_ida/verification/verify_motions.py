@@ -82,6 +82,7 @@ def _sweep(dataset: xr.Dataset, workers: int | None, progress: Progress | None) 
     given: dict[str, Any] = axes_in(dataset)
     given |= {name: dataset.attrs[name] for name in HOW}
     given |= {"starts": list(starts), "direction": direction_of(dataset)}
+    given["along"] = dataset.attrs.get("along")
     return sweep(**given, workers=workers, progress=progress)
 
 
@@ -91,7 +92,7 @@ def _diagram(dataset: xr.Dataset, workers: int | None, progress: Progress | None
     names = ("rtol", "atol", "method", "extrema_time", "rate")
     given |= {name: dataset.attrs[name] for name in names if name in dataset.attrs}
     if "direction" in dataset.dims:
-        given["direction"] = direction_of(dataset)
+        given |= {"direction": direction_of(dataset), "along": dataset.attrs.get("along")}
     return bifurcation_diagram(**given, starts=list(starts), workers=workers, progress=progress)
 
 

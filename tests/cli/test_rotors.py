@@ -213,7 +213,7 @@ def test_whirls_and_folds_of_machines_are_listed(program: Program):
     assert sorted(told) == sorted(there.tolist())
     refused = program(*line.replace("--folds", "--load 0.1").split())
     assert refused.status == 2
-    assert refused.err.startswith("rotor-ida: load must be 0 for exact whirls")
+    assert refused.err.startswith("rotor-ida: load must be 0 for synchronous_response")
 
 
 def test_an_atlas_goes_over_the_parameters_of_machines(program: Program):

@@ -29,6 +29,7 @@ from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
 from rotor_ida.cli.systems import run_up_file, simulate_file, sweep_file
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.scales import BECOMES
 
 # Number of random initial states of a bifurcation diagram.
 STARTS = 8
@@ -84,6 +85,14 @@ Results = Annotated[Path, path_option("Folder for archives and figures."), IN_OU
 Direction = Annotated[
     Literal["up", "down", "both"] | None,
     Parameter(help="Quasi-static sweep: start each speed where the one before ended."),
+]
+Along = Annotated[
+    options.OfRotor | None,
+    Parameter(
+        help="Parameter that rises or falls with --direction; for a machine speed, damping or "
+        "clearance replace omega, zeta or delta0. Default: the speed, or else the only one with "
+        "several values."
+    ),
 ]
 Quick = Annotated[bool, flag_option("Compute coarser results, faster.")]
 Studies = Annotated[
@@ -201,6 +210,7 @@ def sweep(
     rotors: RotorsOptions = RotorsOptions(),
     start: options.Starts = [AT_REST],  # noqa: B006 - never changed
     direction: Direction = None,
+    along: Along = None,
     jobs: options.JobOptions = options.JobOptions(),
     solver: options.AnySolverOptions = options.AnySolverOptions(),
     study: options.Study = None,
@@ -218,15 +228,24 @@ def sweep(
         rotor-ida sweep --omega 0.5:3:6 --zeta 0.1 --delta0 1 --direction both \
             --shaft-stiffness 0.25 --load 0 0.3 --figure machine
 
+    Up and down in clearance, at one speed:
+
+        rotor-ida sweep --omega 1.5 --zeta 0.07 --delta0 0:2:5 --direction both \
+            --figure clearance
+
     A rotor of any size with several contacts, from a system file:
 
         rotor-ida sweep rotor.toml --speed 1000rpm:5000rpm:9 --out map.nc
     """
     if system is not None:
+        if along is not None:
+            raise InputError(f"along must be left out with a rotor system, got {along}")
         given = {"direction": direction, "study": study, **jobs.on_every_core()}
         return sweep_file(system, rotors, start, solver, output, given)
     check_points(*rotors.axes(), start, in_study=study is not None)
-    output.check(panels=rotors.panels(over="omega"))
+    several = [name for name, each in rotors.values.items() if len(each) > 1]
+    over = along or (several[0] if direction and len(several) == 1 else "omega")
+    output.check(panels=rotors.panels(over=BECOMES.get(over, over)))
     given, units = rotors.given_and_units()
     units.keep(study)
     with working("sweep", study) as progress, units.told():
@@ -234,6 +253,7 @@ def sweep(
             **given,
             starts=list(map(units.start, start)),
             direction=direction,
+            along=None if along is None else units.parameter(along),
             **options.of_disc(solver),
             **jobs.on_every_core(),
             study=study,
@@ -251,6 +271,7 @@ def bifurcation_diagram(
     reach: Reach = None,
     extrema_time: ExtremaTime = None,
     direction: Direction = None,
+    along: Along = None,
     rate: RateOrNone = None,
     rtol: options.Rtol = 1e-10,
     atol: options.Atol = 1e-12,
@@ -287,6 +308,7 @@ def bifurcation_diagram(
             starts=starts if start is None else list(map(units.start, start)),
             seed=seed,
             direction=direction,
+            along=None if along is None else units.parameter(along),
             rate=None if rate is None else units.rate(rate),
             rtol=rtol,
             atol=atol,

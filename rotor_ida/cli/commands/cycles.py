@@ -58,19 +58,15 @@ SpecialNumber = Annotated[
 PointCount = Annotated[
     int, count_option("Largest number of points in each direction.", 2, MOST_NUMBERS)
 ]
-Continued = Literal[
-    "omega", "zeta", "delta0", "speed", "damping", "clearance", "shaft_stiffness",
-    "contact_damping", "load", "friction", "disc_radius",
-]  # fmt: skip
 OneParameter = Annotated[
-    Continued,
+    options.OfRotor,
     Parameter(
         help="Parameter to vary; for a machine speed, damping or clearance replace omega, "
         "zeta or delta0."
     ),
 ]
 TwoParameters = Annotated[
-    tuple[Continued, Continued],
+    tuple[options.OfRotor, options.OfRotor],
     Parameter(
         help="The two parameters to vary, from the choices of continue-cycle.",
         metavar="NAME NAME",

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import check_axis
 from rotor_ida.cli import machines, options
 from rotor_ida.cli.machines import Units
 from rotor_ida.cli.option_types import ROTOR, flag_option
@@ -39,27 +38,11 @@ WithFolds = Annotated[bool, flag_option("List the folds too.")]
 
 @Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
-class WhirlsOptions(RotorsOptions):
-    """Rotors for lists of whirls."""
-
-    def without_load(self, known: Mapping[str, list[float]] = {}) -> tuple[dict[str, Any], Units]:
-        """Return the given parameters that affect exact whirls, and their units."""
-        given, units = self.given_and_units(known)
-        if given.pop("load", 0.0) != 0.0:
-            raise InputError("load must be 0 for exact whirls: under a load there are none")
-        radii = given.pop("disc_radius", None)  # it moves no whirl
-        if radii is not None:
-            check_axis("disc_radius", radii)
-        return given, units
-
-
-@Parameter(name="*", group=ROTOR)
-@dataclass(frozen=True, kw_only=True)
 @with_parameters(
     {name: Annotated[SEVERAL[name], Parameter(show=False)] for name in SPEEDS},
     dict.fromkeys(SPEEDS),
 )
-class AllSpeedsOptions(WhirlsOptions):
+class AllSpeedsOptions(RotorsOptions):
     """Rotors for lists of folds or Hopf points, which are found at all speeds."""
 
     def without_speed(self) -> tuple[dict[str, Any], Units]:
@@ -70,7 +53,7 @@ class AllSpeedsOptions(WhirlsOptions):
         speed = "speed" if self.in_si else "omega"
         if self.machine is None:
             machines.check_complete(self.values, OPTIONAL, known=(speed,))
-        given, units = self.without_load({speed: [ANY_SPEED]} if self.machine is None else {})
+        given, units = self.given_and_units({speed: [ANY_SPEED]} if self.machine is None else {})
         del given["omega"]
         return given, units
 
@@ -79,7 +62,7 @@ def synchronous_response(
     system: options.System = None,
     /,
     *,
-    rotors: WhirlsOptions = WhirlsOptions(),
+    rotors: RotorsOptions = RotorsOptions(),
     folds: WithFolds = False,
     without_gravity: options.WithoutGravity = False,
     output: Output = Output(),
@@ -107,7 +90,7 @@ def synchronous_response(
         raise InputError("without_gravity must be left out without a rotor system")
     check_points(*rotors.axes())
     output.check(panels=rotors.panels(over="omega"))
-    given, units = rotors.without_load()
+    given, units = rotors.given_and_units()
     whirls = rotor_ida.synchronous_response(**given)
     if folds:
         of_folds = {name: each for name, each in given.items()
