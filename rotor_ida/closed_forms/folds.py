@@ -26,8 +26,9 @@ from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import Parameters
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Varied
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
 # Beyond these values the locus leaves the range of doubles.
@@ -43,12 +44,15 @@ _SAME = 1e-5
 _HUMP = (0.5, 0.8)
 
 
-def folds(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Dataset:
+@varies_in_si
+def folds(
+    rotor: Rotor | DimensionalRotor | None = None, **varied: Unpack[Parameters]
+) -> xr.Dataset:
     """Compute all folds of the contacting whirls.
 
     Parameters
     ----------
-    rotor : Rotor, optional
+    rotor : Rotor or DimensionalRotor, optional
         The rotor, at any speed. Without it, ``zeta`` and ``delta0`` must be given.
     **varied : float or array_like, shape (n,)
         Parameters of `Rotor` by name [1], in place of those of `rotor`, all but ``omega``, and

@@ -15,7 +15,8 @@ from rotor_ida.closed_forms.curve_polynomials import HopfPoint, equations_of, ex
 from rotor_ida.closed_forms.folds import ALL_SPEEDS
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.model.parameters import Parameters
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.schema import labelled_dataset
 
 _RANGES = dict.fromkeys(
@@ -23,12 +24,15 @@ _RANGES = dict.fromkeys(
 )
 
 
-def hopf_points(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Dataset:
+@varies_in_si
+def hopf_points(
+    rotor: Rotor | DimensionalRotor | None = None, **varied: Unpack[Parameters]
+) -> xr.Dataset:
     """Compute all Hopf points of the contacting whirls.
 
     Parameters
     ----------
-    rotor : Rotor, optional
+    rotor : Rotor or DimensionalRotor, optional
         The rotor. Without it, ``zeta`` and ``delta0`` must be given.
     **varied : float or array_like, shape (n,)
         Parameters of `Rotor` by name [1], in place of those of `rotor`, as for `folds`.

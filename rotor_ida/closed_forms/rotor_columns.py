@@ -15,7 +15,7 @@ from rotor_ida.checks import LARGEST_NUMBER, shown
 from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import DEFAULTS, Parameters
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Range, Varied, varied_of
 
 
@@ -64,7 +64,7 @@ class RotorColumns:
 
 def whirls_asked(
     verb: Callable[..., object],
-    rotor: Rotor | None,
+    rotor: Rotor | DimensionalRotor | None,
     given: Parameters,
     ranges: Mapping[str, Range],
     left_out: Mapping[str, str] = {},
@@ -79,9 +79,10 @@ def whirls_asked(
     )
     if (load := asked.values("load")).any():
         raise InputError(
-            f"load must be 0 for {verb.__name__}, as there is no synchronous whirl under a load, "
-            f"got {float(load.max())!r}"
-        )
+            "{name} must be 0 for {verb}, as there is no synchronous whirl under a load, got "
+            "{value}",
+            name="load", verb=verb.__name__, value=float(load.max()),
+        )  # fmt: skip
     if (radii := asked.values("disc_radius")).size > 1:
         raise InputError(f"disc_radius must be one number: it moves no whirl, got {shown(radii)}")
     return asked.without("load", "disc_radius").check_size()

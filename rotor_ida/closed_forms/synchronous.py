@@ -17,7 +17,8 @@ from rotor_ida.closed_forms.linear_whirls import linear_whirls
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.stability import growth_rate
 from rotor_ida.model.parameters import Parameters
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.schema import STABILITY, labelled_dataset
 
 _POINTS_AT_A_TIME = 16384  # keeps the working arrays inside the processor's cache
@@ -29,12 +30,15 @@ _REFERENCES = (
 )
 
 
-def synchronous_response(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Dataset:
+@varies_in_si
+def synchronous_response(
+    rotor: Rotor | DimensionalRotor | None = None, **varied: Unpack[Parameters]
+) -> xr.Dataset:
     """Compute all synchronous whirls, contact-free and contacting, with their stability.
 
     Parameters
     ----------
-    rotor : Rotor, optional
+    rotor : Rotor or DimensionalRotor, optional
         The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given.
     **varied : float or array_like, shape (n,)
         Parameters of `Rotor` by name [1], in place of those of `rotor`; all are combined. The load

@@ -31,7 +31,7 @@ from rotor_ida.model.parameters import (
     check_clearance_needed,
     check_exponent,
 )
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 
 Axis = npt.NDArray[Any]
 # Smallest nonzero and largest value of a parameter [1].
@@ -155,7 +155,7 @@ class Varied:
 
 def varied_of(
     verb: Callable[..., object],
-    rotor: Rotor | None,
+    rotor: Rotor | DimensionalRotor | None,
     given: Parameters,
     *,
     left_out: Mapping[str, str] = {},
@@ -220,7 +220,10 @@ def varied_of(
 
 
 def _asked(
-    verb: Callable[..., object], rotor: Rotor | None, given: Parameters, left_out: Mapping[str, str]
+    verb: Callable[..., object],
+    rotor: Rotor | DimensionalRotor | None,
+    given: Parameters,
+    left_out: Mapping[str, str],
 ) -> dict[str, object]:
     """Return the parameters of a rotor, overridden by those given by keyword."""
     name = verb.__name__

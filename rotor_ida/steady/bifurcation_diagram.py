@@ -30,9 +30,10 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS, Parameters
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Varied, varied_of
 from rotor_ida.parallel import FailedJob, Progress, Stop, Workers, choose, run_all
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.results.rows import counted
 from rotor_ida.schema import STATUS, labelled
 from rotor_ida.simulation.extrema import Extrema, check_knots, radius_extrema
@@ -49,8 +50,9 @@ SLOWEST, FASTEST = 1e-12, 1e6
 NO_EXTREMA = Extrema(NO_VALUES, NO_VALUES, NO_KINDS, np.empty((0, 4)))
 
 
+@varies_in_si
 def bifurcation_diagram(
-    rotor: Rotor | None = None,
+    rotor: Rotor | DimensionalRotor | None = None,
     *,
     starts: int | npt.ArrayLike = 8,
     seed: int = 0,
@@ -71,7 +73,7 @@ def bifurcation_diagram(
 
     Parameters
     ----------
-    rotor : Rotor, optional
+    rotor : Rotor or DimensionalRotor, optional
         The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given.
     starts : int or array_like, shape (n, 4)
         Number of random starts, or the starts ``(x, y, vx, vy)`` themselves [1], the same at each

@@ -23,9 +23,10 @@ from rotor_ida.checks import (
     check_vector,
 )
 from rotor_ida.model.parameters import Parameters
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Varied, varied_of
 from rotor_ida.parallel import Progress, choose
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import ENDING, ENDS_IN_WORDS, RESPONSE, STATUS, labelled, labelled_dataset
@@ -66,8 +67,9 @@ FORM = form_of("run-up", "run_ups", POINT)
 COUNTED = ("phase", "start")
 
 
+@varies_in_si
 def run_ups(
-    rotor: Rotor | None = None,
+    rotor: Rotor | DimensionalRotor | None = None,
     *,
     to: float,
     rate: npt.ArrayLike,
@@ -90,7 +92,7 @@ def run_ups(
 
     Parameters
     ----------
-    rotor : Rotor, optional
+    rotor : Rotor or DimensionalRotor, optional
         The rotor, at its speed at time 0. Without it, ``omega``, ``zeta`` and ``delta0`` must be
         given.
     to : float

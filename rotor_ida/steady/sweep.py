@@ -23,9 +23,10 @@ from rotor_ida.checks import (
     check_states,
 )
 from rotor_ida.model.parameters import OF_ROTOR, Parameters
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Varied, varied_of
 from rotor_ida.parallel import Progress, Stop, Workers, choose
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.rows import counted
 from rotor_ida.results.run import event_columns
@@ -78,8 +79,9 @@ EVENT = np.dtype(
 FORM = form_of("points of a sweep", "points", POINT, EVENT)
 
 
+@varies_in_si
 def sweep(
-    rotor: Rotor | None = None,
+    rotor: Rotor | DimensionalRotor | None = None,
     *,
     starts: npt.ArrayLike = (AT_REST,),
     direction: Direction | None = None,
@@ -99,7 +101,7 @@ def sweep(
 
     Parameters
     ----------
-    rotor : Rotor, optional
+    rotor : Rotor or DimensionalRotor, optional
         The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given.
     starts : array_like, shape (n, 4)
         Starts ``(x, y, vx, vy)`` [1].

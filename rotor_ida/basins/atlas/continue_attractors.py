@@ -32,9 +32,10 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import Parameters
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Varied, varied_of
 from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_all
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.results.provenance import computing
 from rotor_ida.results.studies.results import Results, open_results
 from rotor_ida.simulation.options import LARGEST
@@ -45,8 +46,9 @@ MOST_AXES = 2
 MOST_ROTORS = 100_000
 
 
+@varies_in_si
 def continue_attractors(
-    rotor: Rotor | None = None,
+    rotor: Rotor | DimensionalRotor | None = None,
     *,
     x: npt.ArrayLike = 0.0,
     y: npt.ArrayLike = 0.0,
@@ -66,7 +68,7 @@ def continue_attractors(
 
     Parameters
     ----------
-    rotor : Rotor, optional
+    rotor : Rotor or DimensionalRotor, optional
         The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given.
     x, y, vx, vy : float or array_like, shape (2,)
         Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -28,7 +28,7 @@ from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
 from rotor_ida.cli.systems import run_up_file, simulate_file, sweep_file
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.scales import BECOMES
 
 # Number of random initial states of a bifurcation diagram.
@@ -246,20 +246,20 @@ def sweep(
     several = [name for name, each in rotors.values.items() if len(each) > 1]
     over = along or (several[0] if direction and len(several) == 1 else "omega")
     output.check(panels=rotors.panels(over=BECOMES.get(over, over)))
-    given, units = rotors.given_and_units()
-    units.keep(study)
-    with working("sweep", study) as progress, units.told():
+    rotor, given = rotors.asked()
+    with working("sweep", study) as progress:
         dataset = rotor_ida.sweep(
+            rotor,
             **given,
-            starts=list(map(units.start, start)),
+            starts=start,
             direction=direction,
-            along=None if along is None else units.parameter(along),
+            along=along,
             **options.of_disc(solver),
             **jobs.on_every_core(),
             study=study,
             progress=progress,
         )
-        return answer_whole(units.shown(dataset), output, study)
+        return answer_whole(dataset, output, study)
 
 
 def bifurcation_diagram(
@@ -297,26 +297,27 @@ def bifurcation_diagram(
     output.check()
     if output.figure is not None:
         check_one_varies([name for name, each in rotors.values.items() if len(each) > 1])
-    given, units = rotors.given_and_units()
+    rotor, given = rotors.asked()
     if reach is not None:
-        given["reach"] = units.component("x", reach)
+        given["reach"] = reach
     if extrema_time is not None:
-        given["extrema_time"] = units.time(extrema_time)
-    with working("diagram") as progress, units.told():
+        given["extrema_time"] = extrema_time
+    with working("diagram") as progress:
         dataset = rotor_ida.bifurcation_diagram(
+            rotor,
             **given,
-            starts=starts if start is None else list(map(units.start, start)),
+            starts=starts if start is None else start,
             seed=seed,
             direction=direction,
-            along=None if along is None else units.parameter(along),
-            rate=None if rate is None else units.rate(rate),
+            along=along,
+            rate=rate,
             rtol=rtol,
             atol=atol,
             method=method,
             **jobs.on_every_core(),
             progress=progress,
         )
-        return answer_whole(units.shown(dataset), output, None)
+        return answer_whole(dataset, output, None)
 
 
 def run_ups(
@@ -346,30 +347,32 @@ def run_ups(
     """
     check_points(*rotors.axes(), rate, phase, start or [AT_REST], in_study=study is not None)
     output.check(panels=rotors.panels())
-    given, units = rotors.given_and_units()
-    units.keep(study)
-    with working("run-ups", study) as progress, units.told():
+    rotor, given = rotors.asked()
+    with working("run-ups", study) as progress:
         dataset = rotor_ida.run_ups(
+            rotor,
             **given,
-            to=units.speed(to),
-            rate=list(map(units.rate, rate)),
+            to=to,
+            rate=rate,
             phase=phase,
-            starts=_hanging(given) if start is None else list(map(units.start, start)),
+            starts=_hanging(rotor, given) if start is None else start,
             **asdict(solver),
             **jobs.on_every_core(),
             study=study,
             progress=progress,
         )
-        return answer_whole(units.shown(dataset), output, study)
+        return answer_whole(dataset, output, study)
 
 
-def _hanging(given: Mapping[str, Any]) -> list[State]:
+def _hanging(machine: DimensionalRotor | None, given: Mapping[str, Any]) -> list[State]:
     """Return the one place in which all rotors of run-ups hang at rest under their load."""
     axes = {name: each if isinstance(each, list) else [each] for name, each in given.items()}
-    if not any(axes.get("load", [])):
+    if not any(axes.get("load", [machine.load if machine else 0.0])):
         return [AT_REST]
-    rotors = (Rotor(**dict(zip(axes, values, strict=True))) for values in product(*axes.values()))
-    places = {begun(None, each) for each in rotors}
+    several = (dict(zip(axes, values, strict=True)) for values in product(*axes.values()))
+    places = {
+        begun(None, replace(machine, **each) if machine else Rotor(**each)) for each in several
+    }
     if len(places) > 1:
         raise InputError(
             "start must be given for rotors that hang in different places under their load, got "
