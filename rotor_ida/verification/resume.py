@@ -125,7 +125,8 @@ def resume_drops(design: Design, jobs: Jobs) -> Resumed:
 
 def resume_basin(design: Design, jobs: Jobs) -> Resumed:
     """Return the function that resumes a basin."""
-    return partial(basin, _rotor(design), **_given(design, *COMPONENTS, "rtol"), **jobs)
+    given = {**_given(design, *COMPONENTS, "rtol"), **jobs}
+    return lambda **how: basin(_rotor(design), **given, **how)
 
 
 def resume_fractions(design: Design, jobs: Jobs) -> Resumed:

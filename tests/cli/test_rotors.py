@@ -97,7 +97,7 @@ MISTAKES = [
 ]
 MISTAKES_OF_ONE = [
     ({"contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
-    ({"load": -1.0}, "load must be zero or positive, got -1 N"),
+    ({"load": -1.0}, "load must be zero or positive, got -1.0"),
     ({"shaft_stiffness": float("nan")}, "shaft-stiffness must be a finite real number, got"),
     ({"contact_damping": 0.5, "delta0": 0.0}, "contact_damping must be 0 without clearance"),
 ]
