@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Sequence, Sized
+from collections.abc import Callable, Iterable, Mapping, Sequence, Sized
 from difflib import get_close_matches
 from numbers import Integral, Real
 from pathlib import PurePath
@@ -421,27 +421,70 @@ def check_increasing(name: str, axis: Values, where: str = "") -> Values:
     return axis
 
 
-def check_direction(direction: str | None, name: str, speeds: Values) -> None:
-    """Raise `InputError` for a direction that a sweep over `speeds`, called `name`, cannot follow.
+def check_distinct(name: str, axis: Values) -> Values:
+    """Return `axis` if it has no number twice.
 
     Examples
     --------
-    >>> check_direction("up", "omega", np.array([1.7]))
+    >>> check_distinct("omega", np.array([1.0, 2.0, 1.0]))
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: omega must be two speeds or more with a direction, in which only
-    the speed changes, got 1.7
+    rotor_ida.errors.InputError: omega must have each value once, got 1.0 twice
+    """
+    if np.unique(axis).size < axis.size:
+        ordered = np.sort(axis)
+        twice = float(ordered[1:][np.diff(ordered) == 0.0][0])
+        raise InputError(
+            "{name} must have each value once, got {value} twice", name=name, value=twice
+        )
+    return axis
+
+
+def check_direction(
+    direction: str | None, along: str | None, axes: Mapping[str, Values], first: str = "omega"
+) -> str:
+    """Return the name of the axis along which a sweep has a direction; '' without a direction.
+
+    Parameters
+    ----------
+    direction, along : str, optional
+        The direction, and the name of the axis; by default `first` if it varies, else the only one
+        that does.
+    axes : mapping of str to ndarray
+        The values of each parameter that may vary.
+
+    Examples
+    --------
+    >>> one, two = np.array([1.7]), np.array([0.1, 0.2])
+    >>> check_direction("up", None, {"omega": one, "friction": two})
+    'friction'
+    >>> check_direction("up", None, {"omega": one, "friction": two, "delta0": two})
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: along must be given with a direction, as friction and delta0 vary
+    >>> check_direction("up", None, {"omega": one})
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: omega must be two values or more in a sweep up or down, got 1.7
     """
     if direction is None:
-        return
+        if along is not None:
+            raise InputError(f"along must be left out without a direction, got {shown(along)}")
+        return ""
     check_choice("direction", direction, ("up", "down", "both"))
-    if speeds.size < 2:
+    varying = [name for name, axis in axes.items() if axis.size > 1]
+    if along is None and first not in varying and len(varying) > 1:
+        raise InputError(f"along must be given with a direction, as {listed(varying)} vary")
+    if along is None:
+        along = first if first in varying or not varying else varying[0]
+    axis = axes[check_choice("along", along, list(axes))]
+    if axis.size < 2:
         raise InputError(
-            "{name} must be two speeds or more with a direction, in which only the speed changes, "
-            "got {value}",
-            name=name, value=speeds.item(),
+            "{name} must be two values or more in a sweep up or down, got {value}",
+            name=along, value=axis.item(),
         )  # fmt: skip
-    check_increasing(name, speeds, "in a sweep up or down")
+    check_increasing(along, axis, "in a sweep up or down")
+    return along
 
 
 def check_points(*axes: Sized, most: int = MOST_NUMBERS) -> None:

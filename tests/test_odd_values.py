@@ -30,6 +30,7 @@ from rotor_ida import (
 )
 from rotor_ida.cycles.system_branch import continue_cycle_system
 from rotor_ida.cycles.system_cycle import limit_cycle_system
+from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor_system import SystemParameters
 from rotor_ida.steady.system_lyapunov import lyapunov_exponent_system
 from rotor_ida.steady.system_sweep import sweep_system
@@ -451,6 +452,9 @@ def arguments_of(name: str) -> list[str]:
     if "changed" in names:
         names.remove("changed")
         names += SystemParameters.__annotations__
+    if "varied" in names:
+        names.remove("varied")
+        names += ALL_PARAMETERS
     return names
 
 

@@ -134,9 +134,7 @@ def trapping_regions(rotor: Rotor) -> list[TrappingRegion]:
 
 def _stable_whirls(rotor: Rotor) -> list[tuple[float, float]]:
     """Return amplitude and phase lag of each stable whirl in contact."""
-    apart = {"load", "disc_radius"}
-    given = {name: value for name, value in rotor.given.items() if name not in apart}
-    whirls = synchronous_response(**given).squeeze()
+    whirls = synchronous_response(rotor, load=0.0).squeeze()
     held = np.atleast_1d((whirls.in_contact == 1) & (whirls.stability == STABILITY["stable"]))
     amplitudes = np.atleast_1d(whirls.amplitude)[held].tolist()
     lags = np.atleast_1d(whirls.phase_lag)[held].tolist()

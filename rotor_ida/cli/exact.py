@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -96,8 +95,7 @@ def _some(
 def _over_speed(rotor: Rotor, speeds: Values) -> list[xr.Dataset]:
     """Return the response curve over the speeds of a run, with its folds and Hopf points."""
     low, high = (1.0 - BEYOND_RUN) * speeds.min(), (1.0 + BEYOND_RUN) * speeds.max()
-    given: dict[str, Any] = _given(rotor)
-    curve = response_curve(**given, limits=(max(1e-6, float(low)), float(high)))
+    curve = response_curve(rotor, limits=(max(1e-6, float(low)), float(high)), load=0.0)
     if rotor.load > 0.0:
         return _clear_of_ring(curve, rotor)
     return [curve, *_folds_and_hopf_points(rotor)]
@@ -121,11 +119,9 @@ def _clear_of_ring(curve: xr.Dataset, rotor: Rotor) -> list[xr.Dataset]:
 
 
 def _folds_and_hopf_points(rotor: Rotor) -> list[xr.Dataset]:
-    given = _given(rotor)
-    of_folds = {name: value for name, value in given.items() if name != "contact_damping"}
-    found = [rotor_ida.folds(**of_folds)]
+    found = [rotor_ida.folds(rotor, contact_damping=0.0, load=0.0)]
     if rotor.friction > 0.0 or rotor.contact_damping > 0.0:
-        found.append(rotor_ida.hopf_points(**given))
+        found.append(rotor_ida.hopf_points(rotor, load=0.0))
     return found
 
 
@@ -156,7 +152,7 @@ def _steady(rotor: Rotor, dataset: xr.Dataset, record: Record) -> list[xr.Datase
     cycle = _cycle(rotor, dataset, record)
     if cycle or rotor.load > 0.0:
         return cycle
-    return [rotor_ida.synchronous_response(omega=rotor.omega, **_given(rotor))]
+    return [rotor_ida.synchronous_response(rotor)]
 
 
 def _cycle(rotor: Rotor, dataset: xr.Dataset, record: Record) -> list[xr.Dataset]:
@@ -255,12 +251,6 @@ def _few(speeds: Values) -> list[float]:
     """Return speeds over the range of a run."""
     found: list[float] = np.linspace(speeds.min(), speeds.max(), WHIP_SPEEDS).tolist()
     return found
-
-
-def _given(rotor: Rotor) -> dict[str, float]:
-    """Return the parameters for closed forms without load; the disc radius has no effect."""
-    names = (name for name in ALL_PARAMETERS[1:] if name not in {"load", "disc_radius"})
-    return {name: getattr(rotor, name) for name in names}
 
 
 def _labels(rotor: Rotor) -> dict[str, Column]:

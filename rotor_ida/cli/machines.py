@@ -2,111 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from rotor_ida.checks import State, listed
 from rotor_ida.cli.parsing import Quantity, refuse_units
-from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import check_keys, in_si, machine_from_data_sheet, overridden
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OF_MACHINE, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.scales import BECOMES, IS_OF_MACHINE
+from rotor_ida.model.scales import IS_OF_MACHINE
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 # Required parameters of a rotor, dimensionless or in SI units.
 KINDS = (PARAMETERS, MACHINE_PARAMETERS)
 # A number, the numbers of an axis, or the two ends of a range.
 Component = TypeVar("Component", float, list[float] | float, tuple[float, float] | float)
-
-
-@dataclass(frozen=True, slots=True)
-class Units:
-    """Units of the input and output of a command: SI for a machine, or none."""
-
-    machine: DimensionalRotor | None = None
-
-    @classmethod
-    def of(cls, chosen: Rotor | DimensionalRotor) -> Units:
-        """Return the units of a rotor."""
-        return cls(chosen if isinstance(chosen, DimensionalRotor) else None)
-
-    def start(self, start: State) -> State:
-        """Return a start in m and m/s without dimensions."""
-        if self.machine is None:
-            return start
-        x, y, vx, vy = start
-        length, velocity = self.machine.length_scale, self.machine.velocity_scale
-        return x / length, y / length, vx / velocity, vy / velocity
-
-    def component(self, name: str, value: Component) -> Component:
-        """Return a component of starts, a number or several, without dimensions."""
-        if self.machine is None:
-            return value
-        speeds = name.startswith("v")
-        scale = self.machine.velocity_scale if speeds else self.machine.length_scale
-        if isinstance(value, list):
-            return [each / scale for each in value]
-        if isinstance(value, tuple):
-            return (value[0] / scale, value[1] / scale)
-        return value / scale
-
-    def components(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Return components of starts by name, without dimensions."""
-        return {name: self.component(name, value) for name, value in given.items()}
-
-    def time(self, time: float) -> float:
-        """Return a time in s without dimensions."""
-        return time if self.machine is None else time / self.machine.time_scale
-
-    def speed(self, speed: float) -> float:
-        """Return a speed in rad/s without dimensions."""
-        return speed if self.machine is None else speed / self.machine.reference_frequency
-
-    def rate(self, rate: float) -> float:
-        """Return a change of the speed in rad/s2 without dimensions."""
-        return self.speed(rate) / self.time(1.0)
-
-    def values(self, name: str, values: Sequence[float]) -> tuple[float, ...]:
-        """Return values of a parameter of a machine, in its SI unit, without dimensions."""
-        assert self.machine is not None
-        given = IS_OF_MACHINE.get(name, name)
-        return tuple(
-            getattr(replace(self.machine, **{given: each}).rotor(), BECOMES.get(name, name))
-            for each in map(float, values)
-        )
-
-    @contextmanager
-    def told(self) -> Iterator[None]:
-        """Give errors the units of the machine."""
-        try:
-            yield
-        except (InputError, SimulationError) as error:
-            if self.machine is None:
-                raise
-            from rotor_ida.results.in_si import in_si  # noqa: PLC0415 - heavy
-
-            raise in_si(error, self.machine) from error
-
-    def shown(self, dataset: xr.Dataset) -> xr.Dataset:
-        """Return a dimensionless result in these units."""
-        if self.machine is None:
-            return dataset
-        from rotor_ida.results.si_units import dimensional  # noqa: PLC0415 - heavy
-
-        return dimensional(dataset, self.machine)
-
-    def keep(self, study: Path | None) -> None:
-        """Write the machine into the folder of a study, so that it continues in these units."""
-        if self.machine is not None:
-            from rotor_ida.results.in_si import keep_machine  # noqa: PLC0415 - heavy
-
-            keep_machine(study, self.machine)
 
 
 def begun(start: State | None, rotor: Rotor | DimensionalRotor) -> State:
@@ -133,13 +47,6 @@ def check_limits(
         if isinstance(each, Quantity) and each.word:
             name = IS_OF_MACHINE.get(names[place // 2], names[place // 2])
             in_si(name, each.word, OF_MACHINE[name].unit)
-
-
-def plain(dataset: xr.Dataset) -> tuple[xr.Dataset, Units]:
-    """Return an archived result without dimensions, and its original units."""
-    from rotor_ida.results.si_units import dimensionless, machine_of  # noqa: PLC0415 - heavy
-
-    return dimensionless(dataset), Units(machine_of(dataset))
 
 
 def sheet_of(given: Mapping[str, object], file: Path | None) -> dict[str, object]:
@@ -213,10 +120,10 @@ def of_sheet(sheet: Mapping[str, object], file: Path | None) -> DimensionalRotor
         raise error if file is None else error.within(f"{file}: ") from error
 
 
-def axes_of(
+def varied(
     given: Mapping[str, Sequence[float]], file: Path | None
-) -> tuple[dict[str, list[float]], DimensionalRotor]:
-    """Return the dimensionless parameters of several machines, and the first of these machines."""
+) -> tuple[DimensionalRotor, dict[str, Sequence[float]]]:
+    """Return the first of several machines, and the quantities that vary."""
     several = {name: each for name, each in given.items() if len(each) > 1}
     for name, values in several.items():
         if OF_MACHINE[name].sets_scales:
@@ -224,10 +131,4 @@ def axes_of(
                 f"{name} must be one number, as it sets the scales of all machines, got "
                 f"{len(values)}"
             )
-    sheet = sheet_of({name: each[0] for name, each in given.items()}, file)
-    machine = of_sheet(sheet, file)
-    units = Units(machine)
-    found: dict[str, list[float]] = {name: [v] for name, v in machine.rotor().given.items()}
-    for name, values in several.items():
-        found[BECOMES.get(name, name)] = list(units.values(name, values))
-    return found, machine
+    return of_sheet(sheet_of({name: each[0] for name, each in given.items()}, file), file), several

@@ -109,6 +109,11 @@ SolverBackend = Annotated[Backend, Parameter(help="Code that runs the solver."),
 RtolOrNone = Annotated[
     float | None, number_option("Relative tolerance. Default: chosen automatically."), IN_SOLVER
 ]
+# What can vary along a branch or a sweep, for a rotor or a machine.
+OfRotor = Literal[
+    "omega", "zeta", "delta0", "speed", "damping", "clearance", "shaft_stiffness",
+    "contact_damping", "load", "friction", "disc_radius",
+]  # fmt: skip
 Workers = Annotated[
     int | None,
     count_option("Number of parallel jobs. Default: one per core.", 1, MOST_WORKERS),

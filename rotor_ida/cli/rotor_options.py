@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 from cyclopts import Parameter
 
 from rotor_ida.cli import machines
-from rotor_ida.cli.machines import Units
 from rotor_ida.cli.option_types import (
     IN_ROTOR,
     ROTOR,
@@ -126,23 +125,22 @@ class RotorsOptions:
         """The values of each quantity that is given."""
         return {name: getattr(self, name) for name in SEVERAL if getattr(self, name) is not None}
 
-    def given_and_units(
+    def asked(
         self, known: Mapping[str, list[float]] = {}
-    ) -> tuple[dict[str, Any], Units]:
-        """Return the given parameters without dimensions, and the units of the command.
+    ) -> tuple[DimensionalRotor | None, dict[str, Any]]:
+        """Return the machine, if it is one, and the quantities that are given or vary.
 
         One value of an optional parameter does not make an axis.
         """
-        values, units = {**self.values, **known}, Units()
+        values = {**self.values, **known}
         if self.machine is None:
             machines.check_complete(values, OPTIONAL)
         if self.in_si:
-            values, machine = machines.axes_of(values, self.machine)
-            units = Units(machine)
-        return {
+            return machines.varied(values, self.machine)
+        return None, {
             name: each[0] if name in OPTIONAL and len(each) == 1 else each
             for name, each in values.items()
-        }, units
+        }
 
     def axes(self) -> list[list[float]]:
         """Return the values of each given parameter."""

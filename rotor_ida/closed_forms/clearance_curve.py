@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
+from typing import Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -29,35 +30,33 @@ from rotor_ida.closed_forms.curve_tracing import (
     traced,
 )
 from rotor_ida.closed_forms.peaks import SMALLEST_DAMPING
-from rotor_ida.closed_forms.rotor_columns import RotorColumns, checked_rotors
+from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED, whirls_in_contact
 from rotor_ida.model.contact import HERTZ_EXPONENT
-from rotor_ida.model.parameters import check_clearance_needed
+from rotor_ida.model.parameters import Parameters, check_clearance_needed
+from rotor_ida.model.rotor import Rotor
 
 
 def clearance_curve(
+    rotor: Rotor | None = None,
     *,
-    omega: object,
-    zeta: object,
     limits: tuple[float, float],
     points: int = 200,
-    shaft_stiffness: object = 0.0,
-    contact_exponent: object = 1.5,
-    contact_damping: object = 0.0,
-    friction: object = 0.0,
+    **varied: Unpack[Parameters],
 ) -> xr.Dataset:
     """Compute the response curve over the clearance: all synchronous whirls, in order along it.
 
     Parameters
     ----------
-    omega, zeta : float or sequence of float, shapes (n,) and (m,)
-        Spin speeds, above zero, and damping ratios [1].
+    rotor : Rotor, optional
+        The rotor, with any clearance. Without it, ``omega`` and ``zeta`` must be given.
     limits : tuple of two floats
         Smallest and largest clearance [1].
     points : int
         Number of points from one fold, tip, first touch or limit to the next.
-    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
-        As for `folds`, numbers or axes [1].
+    **varied : float or array_like, shape (n,)
+        Parameters of `Rotor` by name [1], as for `synchronous_response`, all but ``delta0``. The
+        speed must be above 0.
 
     Returns
     -------
@@ -109,34 +108,25 @@ def clearance_curve(
     1.4589
     """
     span, count = checked_limits(limits), check_count("points", points, 2, MOST_POINTS)
-    rotors = checked_rotors(
-        {
-            "omega": omega,
-            "zeta": zeta,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "contact_damping": contact_damping,
-            "friction": friction,
-        },
-        {
-            "omega": (SMALLEST_SPEED, LARGEST_NUMBER),
-            "zeta": (SMALLEST_DAMPING, LARGEST_NUMBER),
-        },
-    )
-    check_positive("omega", float(rotors.axis("omega").min()))
-    check_damped(rotors)
+    ranges = {
+        "omega": (SMALLEST_SPEED, LARGEST_NUMBER),
+        "zeta": (SMALLEST_DAMPING, LARGEST_NUMBER),
+    }
+    left_out = {"delta0": "it varies between the limits"}
+    asked = whirls_asked(clearance_curve, rotor, varied, ranges, left_out)
+    check_positive("omega", float(asked.values("omega").min()))
+    check_damped(asked)
     if span[0] == 0.0:
         names = ("friction", "contact_damping")
-        check_clearance_needed({name: float(rotors.axis(name).max()) for name in names})
-    grid = RotorColumns.grid(rotors)
+        check_clearance_needed({name: float(asked.values(name).max()) for name in names})
+    grid = RotorColumns.of(asked.columns)
     curves = []
-    for row in range(rotors.points):
-        rotor = grid[row]
-        pieces = _pieces(rotor, span, count)
-        if rotor.contact_damping > 0.0 or rotor.friction > 0.0:
-            pieces = [driven(piece, "delta0", rotor) for piece in pieces]
+    for row in range(asked.points):
+        pieces = _pieces(grid[row], span, count)
+        if grid.contact_damping[row] > 0.0 or grid.friction[row] > 0.0:
+            pieces = [driven(piece, "delta0", grid[row]) for piece in pieces]
         curves.append(pieces)
-    return labelled_curves("delta0", curves, rotors)
+    return labelled_curves("delta0", curves, asked)
 
 
 @dataclass(frozen=True, slots=True)

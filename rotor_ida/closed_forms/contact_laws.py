@@ -20,9 +20,7 @@ from rotor_ida.model.contact import (
 )
 from rotor_ida.model.parameters import DEFAULTS, check_clearance_needed, check_exponent
 from rotor_ida.model.rotor import Rotor
-
-# Smallest value above zero, and largest value, of a parameter [1].
-Range = tuple[float, float]
+from rotor_ida.model.varied import Range
 
 
 def force(radius: Values, delta0: Values, exponent: Values) -> Values:

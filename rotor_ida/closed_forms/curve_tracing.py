@@ -27,7 +27,7 @@ from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.closed_forms.stability import eigenvalues
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
-from rotor_ida.model.rotors import Rotors
+from rotor_ida.model.varied import Varied
 from rotor_ida.schema import STABILITY, labelled_dataset
 
 _REFERENCES = "Mechanika 25(6), 2019, eqs (10) and (21)-(23), with the force corrected"
@@ -206,7 +206,7 @@ def driven(piece: Piece, varied: str, rotor: RotorColumns) -> Piece:
     return piece._replace(stability=stability)
 
 
-def labelled_curves(varied: str, curves: Sequence[Sequence[Piece]], rotors: Rotors) -> xr.Dataset:
+def labelled_curves(varied: str, curves: Sequence[Sequence[Piece]], asked: Varied) -> xr.Dataset:
     """Return the dataset of curves, one for each rotor of a study, over the parameter `varied`."""
     longest = max(sum(piece.value.size for piece in pieces) for pieces in curves)
     absent = [math.nan, math.nan, STABILITY["absent"], 0, -1]
@@ -222,17 +222,17 @@ def labelled_curves(varied: str, curves: Sequence[Sequence[Piece]], rotors: Roto
         varied: value,
         "amplitude": amplitude,
         "phase_lag": _phase_lag(
-            amplitude, replace(RotorColumns.grid(rotors)[:, None], **{varied: value})
+            amplitude, replace(RotorColumns.of(asked.columns)[:, None], **{varied: value})
         ),
     }
     names = ("stability", "in_contact", "piece")
     columns |= {name: flag.astype(np.int8) for name, flag in zip(names, flags, strict=True)}
-    dims, sizes = (*rotors.dims, "point"), (*rotors.sizes, longest)
-    contact = "contact" if rotors.optional else "Hertz contact"
+    dims, sizes = (*asked.dims, "point"), (*asked.shape, longest)
+    contact = "contact" if asked.optional else "Hertz contact"
     return labelled_dataset(
         f"Response curve of a rotor with {contact} and clearance",
         {name: (dims, column.reshape(sizes)) for name, column in columns.items()},
-        rotors.coordinates | {"point": ("point", np.arange(longest))},
+        asked.coordinates | {"point": ("point", np.arange(longest))},
         {"source": _SOURCE, "references": _REFERENCES},
         kind="response_curve",
     )
@@ -244,12 +244,12 @@ def _phase_lag(amplitude: Values, rotors: RotorColumns) -> Values:
     return np.asarray(np.arctan2(loss, stiffness + rotors.shaft_stiffness - rotors.omega**2))
 
 
-def check_damped(rotors: Rotors) -> None:
+def check_damped(asked: Varied) -> None:
     """Raise InputError for a linear contact without damping or friction: infinite curves."""
     if (
-        (rotors.axis("zeta") == 0.0).any()
-        and (rotors.axis("contact_exponent") != HERTZ_EXPONENT).any()
-        and (rotors.axis("friction") == 0.0).any()
+        (asked.values("zeta") == 0.0).any()
+        and (asked.values("contact_exponent") != HERTZ_EXPONENT).any()
+        and (asked.values("friction") == 0.0).any()
     ):
         raise InputError(
             "zeta must be positive for the curve of a linear contact without friction, got 0.0: "

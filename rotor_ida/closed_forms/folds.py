@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from functools import lru_cache
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
+from rotor_ida.checks import listed
 from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.curve_polynomials import CurveEquations, Fold, exact_folds
 from rotor_ida.closed_forms.fold_locus import (
@@ -21,15 +22,20 @@ from rotor_ida.closed_forms.fold_locus import (
     undamped_folds,
 )
 from rotor_ida.closed_forms.fold_locus_with_friction import friction_cusp
-from rotor_ida.closed_forms.rotor_columns import RotorColumns, checked_rotors
+from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotors import Rotors
+from rotor_ida.model.parameters import Parameters
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.varied import Varied
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
 # Beyond these values the locus leaves the range of doubles.
 _RANGE = (1e-20, 1e6)
 RANGES = dict.fromkeys(("zeta", "delta0", "shaft_stiffness", "friction"), _RANGE)
+# Why points that occur at any speed take none.
+ALL_SPEEDS = {"omega": "all speeds are searched"}
 # The law for which both sides of the locus coincide throughout.
 _MEETS_ALL_ALONG = RestoringLaw(1.0, contact_exponent=1.0)
 # At a fold two whirls coincide, to the root of rounding.
@@ -38,29 +44,26 @@ _SAME = 1e-5
 _HUMP = (0.5, 0.8)
 
 
+@varies_in_si
 def folds(
-    *,
-    zeta: object,
-    delta0: object,
-    shaft_stiffness: object = 0.0,
-    contact_exponent: object = 1.5,
-    contact_damping: object = 0.0,
-    friction: object = 0.0,
+    rotor: Rotor | DimensionalRotor | None = None, **varied: Unpack[Parameters]
 ) -> xr.Dataset:
     """Compute all folds of the contacting whirls.
 
     Parameters
     ----------
-    zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
-        Damping ratios and clearances [1].
-    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
-        As for `Rotor`, numbers or axes [1]. Contact damping does not move folds.
+    rotor : Rotor or DimensionalRotor, optional
+        The rotor, at any speed. Without it, ``zeta`` and ``delta0`` must be given.
+    **varied : float or array_like, shape (n,)
+        Parameters of `Rotor` by name [1], in place of those of `rotor`, all but ``omega``, and
+        combined. Contact damping does not move folds, and the radius of the disc has no effect. The
+        load must be 0.
 
     Returns
     -------
     Dataset
         ``fold_omega`` and ``fold_amplitude`` [1] on the dimensions (zeta, delta0, fold), in
-        order of speed, padded with NaN. Of the last four parameters, a sequence becomes a dimension
+        order of speed, padded with NaN. Of the optional parameters, an array becomes a dimension
         before ``fold``, and a number other than the default becomes a coordinate.
 
     Raises
@@ -98,24 +101,18 @@ def folds(
     >>> int(found.fold_omega.sel(zeta=0.2, delta0=0.0).count())
     0
     """
-    rotors = checked_rotors(
-        {
-            "zeta": zeta,
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "contact_damping": contact_damping,
-            "friction": friction,
-        },
-        RANGES,
-    )
-    table = fold_table(rotors)
-    dims, most = (*rotors.dims, "fold"), table.shape[-2]
-    contact = "contact" if rotors.optional else "Hertz contact"
+    return folds_of(whirls_asked(folds, rotor, varied, RANGES, ALL_SPEEDS))
+
+
+def folds_of(asked: Varied) -> xr.Dataset:
+    """Return the folds of all rotors, as `folds` does."""
+    table = fold_table(asked)
+    dims, most = (*asked.dims, "fold"), table.shape[-2]
+    contact = "contact" if asked.optional else "Hertz contact"
     return labelled_dataset(
         f"Folds of the synchronous whirls of a rotor with {contact} and clearance",
         {"fold_omega": (dims, table[..., 0]), "fold_amplitude": (dims, table[..., 1])},
-        rotors.coordinates | {"fold": ("fold", np.arange(most))},
+        asked.coordinates | {"fold": ("fold", np.arange(most))},
         {
             "source": "rotor_ida closed forms: crossings of the damping along the locus of folds",
             "references": "Mechanika 25(6), 2019, Fig. 6",
@@ -124,22 +121,12 @@ def folds(
     )
 
 
-def jumps(
-    *,
-    zeta: object,
-    delta0: object,
-    shaft_stiffness: object = 0.0,
-    contact_exponent: object = 1.5,
-    contact_damping: object = 0.0,
-    friction: object = 0.0,
-) -> xr.Dataset:
+def jumps(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Dataset:
     """Compute all folds, each with the amplitude of the whirl to jump to.
 
     Parameters
     ----------
-    zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
-        Damping ratios and clearances [1].
-    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
+    rotor, **varied
         As for `folds`.
 
     Returns
@@ -168,14 +155,7 @@ def jumps(
     >>> jumps(zeta=0.07, delta0=0.0).landing_amplitude.values.ravel().round(4)
     array([7.7963, 1.4727])
     """
-    found = folds(
-        zeta=zeta,
-        delta0=delta0,
-        shaft_stiffness=shaft_stiffness,
-        contact_exponent=contact_exponent,
-        contact_damping=contact_damping,
-        friction=friction,
-    )
+    found = folds_of(whirls_asked(jumps, rotor, varied, RANGES, ALL_SPEEDS))
     dims, speeds = found["fold_omega"].dims, found["fold_omega"].values
     names = [str(name) for name in found.coords if name != "fold"]
     landing = np.full(speeds.shape, np.nan)
@@ -249,23 +229,15 @@ def cusp_zeta(
     return _cusp(law).zeta
 
 
-def cusp(
-    *,
-    delta0: object = None,
-    shaft_stiffness: object = 0.0,
-    contact_exponent: object = 1.5,
-    contact_damping: object = 0.0,
-    friction: object = 0.0,
-) -> xr.Dataset:
+def cusp(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Dataset:
     """Compute the cusp of each clearance: damping above which the response curve has no fold.
 
     Parameters
     ----------
-    delta0 : float or sequence of float, shape (k,), optional
-        Clearances [1]. By default the one whose cusp has the largest damping: above that no rotor
-        jumps at any clearance. The default applies to the paper's rotor only.
-    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
-        As for `folds`.
+    rotor, **varied
+        As for `folds`, all but ``zeta``. Without a rotor the default of ``delta0`` is the clearance
+        whose cusp has the largest damping: above that no rotor jumps at any clearance. It applies
+        to the paper's rotor only.
 
     Returns
     -------
@@ -298,23 +270,18 @@ def cusp(
     >>> round(anywhere.cusp_zeta.item(), 8), round(anywhere.delta0.item(), 4)
     (0.25100303, 0.7009)
     """
-    rotors = checked_rotors(
-        {
-            "delta0": _worst_clearance() if delta0 is None else delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "contact_damping": contact_damping,
-            "friction": friction,
-        },
-        RANGES,
-    )
-    if delta0 is None and rotors.optional:
-        raise InputError(f"delta0 must be given with {', '.join(rotors.optional)}, got None")
-    table = np.reshape([_cusp(law) for law in RotorColumns.grid(rotors).laws], (*rotors.sizes, 3))
+    worst = rotor is None and varied.get("delta0") is None
+    if worst:
+        varied["delta0"] = _worst_clearance()
+    asked = whirls_asked(cusp, rotor, varied, RANGES, {**ALL_SPEEDS, "zeta": "it is sought"})
+    if worst and asked.optional:
+        raise InputError(f"delta0 must be given with {listed(asked.optional)}, got None")
+    laws = RotorColumns.of(asked.columns).laws
+    table = np.reshape([_cusp(law) for law in laws], (*asked.shape, 3))
     return labelled_dataset(
         "Cusps: damping above which the response curve has no fold",
-        {f"cusp_{name}": (rotors.dims, table[..., k]) for k, name in enumerate(Cusp._fields)},
-        rotors.coordinates,
+        {f"cusp_{name}": (asked.dims, table[..., k]) for k, name in enumerate(Cusp._fields)},
+        asked.coordinates,
         kind="cusps",
     )
 
@@ -335,18 +302,17 @@ def _cusp(law: RestoringLaw) -> Cusp:
     return friction_cusp(law) if law.friction > 0.0 else frictionless_cusp(law)
 
 
-def fold_table(rotors: Rotors) -> Values:
+def fold_table(asked: Varied) -> Values:
     """Return speed and amplitude of every fold, shape as of `folds`: dimensions, fold, 2."""
-    dampings = tuple(rotors.axis("zeta").tolist())
-    others = {name: axis for name, axis in rotors.axes.items() if name != "zeta"}
-    laws = RotorColumns.grid(replace(rotors, axes=others)).laws
+    dampings = tuple(asked.values("zeta").tolist())
+    laws = RotorColumns.of(asked.without("zeta").columns).laws
     found = [each for law in laws for each in _folds_of(dampings, law)]
     most = max(1, *map(len, found))
     table = np.full((len(found), most, 2), np.nan)
     for row, points in zip(table, found, strict=True):
         row[: len(points)] = np.reshape(points, (-1, 2))
     by_damping = table.reshape(len(laws), len(dampings), most, 2).swapaxes(0, 1)
-    return by_damping.reshape(*rotors.sizes, most, 2)
+    return by_damping.reshape(*asked.shape, most, 2)
 
 
 @lru_cache(maxsize=16)

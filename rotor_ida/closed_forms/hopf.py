@@ -6,11 +6,17 @@ contact damping drives the motion; so does friction. `curve_polynomials` contain
 
 from __future__ import annotations
 
+from typing import Unpack
+
 import numpy as np
 import xarray as xr
 
 from rotor_ida.closed_forms.curve_polynomials import HopfPoint, equations_of, exact_hopf_points
-from rotor_ida.closed_forms.rotor_columns import RotorColumns, checked_rotors
+from rotor_ida.closed_forms.folds import ALL_SPEEDS
+from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
+from rotor_ida.model.parameters import Parameters
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.schema import labelled_dataset
 
 _RANGES = dict.fromkeys(
@@ -18,32 +24,26 @@ _RANGES = dict.fromkeys(
 )
 
 
+@varies_in_si
 def hopf_points(
-    *,
-    zeta: object,
-    delta0: object,
-    shaft_stiffness: object = 0.0,
-    contact_exponent: object = 1.5,
-    contact_damping: object = 0.0,
-    friction: object = 0.0,
+    rotor: Rotor | DimensionalRotor | None = None, **varied: Unpack[Parameters]
 ) -> xr.Dataset:
     """Compute all Hopf points of the contacting whirls.
 
     Parameters
     ----------
-    zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
-        Damping ratios and clearances [1].
-    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
-        As for `Rotor`, numbers or axes [1].
+    rotor : Rotor or DimensionalRotor, optional
+        The rotor. Without it, ``zeta`` and ``delta0`` must be given.
+    **varied : float or array_like, shape (n,)
+        Parameters of `Rotor` by name [1], in place of those of `rotor`, as for `folds`.
 
     Returns
     -------
     Dataset
         ``hopf_omega`` and ``hopf_amplitude``, the speed and the amplitude of the whirl, and
         ``hopf_frequency``, at which it begins to oscillate on the rotating axes [1], on the
-        dimensions (zeta, delta0, hopf), in order of speed, padded with NaN. Of the last four
-        parameters, a sequence becomes a dimension before ``hopf``, and a number other than the
-        default becomes a coordinate.
+        dimensions (zeta, delta0, hopf), in order of speed, padded with NaN; other dimensions as for
+        `folds`.
 
     Raises
     ------
@@ -73,28 +73,18 @@ def hopf_points(
     >>> rubbing.hopf_omega.values.ravel().round(6)
     array([1.122971, 1.37644 ])
     """
-    rotors = checked_rotors(
-        {
-            "zeta": zeta,
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "contact_damping": contact_damping,
-            "friction": friction,
-        },
-        _RANGES,
-    )
-    found = [exact_hopf_points(each) for each in equations_of(RotorColumns.grid(rotors))]
+    asked = whirls_asked(hopf_points, rotor, varied, _RANGES, ALL_SPEEDS)
+    found = [exact_hopf_points(each) for each in equations_of(RotorColumns.of(asked.columns))]
     most = max(1, *map(len, found))
     table = np.full((len(found), most, 3), np.nan)
     for row, points in zip(table, found, strict=True):
         row[: len(points)] = np.reshape(points, (-1, 3))
-    table = table.reshape(*rotors.sizes, most, 3)
-    dims = (*rotors.dims, "hopf")
+    table = table.reshape(*asked.shape, most, 3)
+    dims = (*asked.dims, "hopf")
     return labelled_dataset(
         "Hopf points of the synchronous whirls of a rotor with contact and clearance",
         {f"hopf_{name}": (dims, table[..., k]) for k, name in enumerate(HopfPoint._fields)},
-        rotors.coordinates | {"hopf": ("hopf", np.arange(most))},
+        asked.coordinates | {"hopf": ("hopf", np.arange(most))},
         {"source": "rotor_ida closed forms: roots of a polynomial in exact arithmetic"},
         kind="hopf_points",
     )

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Unpack
+
 import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points
-from rotor_ida.closed_forms.rotor_columns import checked_rotors
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_distinct, check_points
+from rotor_ida.model.parameters import ALL_PARAMETERS, Parameters
+from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.varied import varied_of
 from rotor_ida.schema import labelled_dataset
 
+# What an impact does not take, and why.
+LEFT_OUT = {
+    name: "the contact alone acts"
+    for name in ALL_PARAMETERS
+    if name not in {"contact_damping", "contact_exponent"}
+}
 # Powers of smaller values leave the range of doubles.
 SMALLEST = 1e-100
 # Above this the bound of `restitution` is the root, to rounding.
@@ -18,24 +28,24 @@ _TERMS = 20
 
 
 def impact(
-    *, entry_speed: object, contact_damping: object, contact_exponent: object = 1.5
+    rotor: Rotor | None = None, *, entry_speed: object, **varied: Unpack[Parameters]
 ) -> xr.Dataset:
     """Compute the restitution and the peak indentation of a radial impact on the stator.
 
     Parameters
     ----------
+    rotor : Rotor, optional
+        The rotor, of which the contact alone counts.
     entry_speed : float or sequence of float, shape (n,)
         Speeds v at which the rotor reaches the stator, radially outwards [1].
-    contact_damping : float or sequence of float, shape (m,)
-        Contact damping c of `Rotor` [1].
-    contact_exponent : float or sequence of float
-        Exponent of the contact force, 1.5 or 1 [1].
+    **varied : float or array_like, shape (n,)
+        ``contact_damping`` and ``contact_exponent`` [1], in place of those of `rotor`.
 
     Returns
     -------
     Dataset
         On (entry_speed, contact_damping): ``restitution``, the speed at exit over that at entry,
-        and ``peak_indentation`` [1]. A sequence of exponents becomes a dimension after these; a
+        and ``peak_indentation`` [1]. An array of exponents becomes a dimension after these; a
         number other than the default becomes a coordinate.
 
     Raises
@@ -70,19 +80,19 @@ def impact(
     >>> round(impact(entry_speed=2.0, contact_damping=0.0).peak_indentation.item(), 6)
     1.903654
     """
+    ranges = {"contact_damping": (SMALLEST, LARGEST_NUMBER)}
+    asked = varied_of(impact, rotor, varied, left_out=LEFT_OUT, ranges=ranges)
     speeds = check_axis("entry_speed", entry_speed, smallest=SMALLEST, largest=LARGEST_NUMBER)
-    dampings = check_axis(
-        "contact_damping", contact_damping, smallest=SMALLEST, largest=LARGEST_NUMBER
-    )
-    contacts = checked_rotors({"contact_exponent": contact_exponent}, {})
-    exponents = contacts.axis("contact_exponent")
+    check_distinct("entry_speed", speeds)
+    dampings, exponents = asked.values("contact_damping"), asked.values("contact_exponent")
+    contacts = asked.without("contact_damping")
     check_points(speeds, dampings, exponents)
     v, c, n = np.meshgrid(speeds, dampings, exponents, indexing="ij")
     x = c * v
     lasting = n + 1.0
     indentation = (v * np.sqrt(lasting * _loss(x))) ** (2.0 / lasting)
     dims = ("entry_speed", "contact_damping", *contacts.dims)
-    shape = (speeds.size, dampings.size, *contacts.sizes)
+    shape = (speeds.size, dampings.size, *contacts.shape)
     return labelled_dataset(
         "Radial impacts on a stator with contact damping",
         {

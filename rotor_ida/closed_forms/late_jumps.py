@@ -24,19 +24,22 @@ References
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Unpack
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import ROUNDING, Values
-from rotor_ida.checks import LARGEST_NUMBER, check_axis, is_scalar
+from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_distinct, is_scalar
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
-from rotor_ida.closed_forms.folds import folds
-from rotor_ida.closed_forms.rotor_columns import RotorColumns
+from rotor_ida.closed_forms.folds import ALL_SPEEDS, RANGES, folds_of
+from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.stability import eigenvalues_of
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
+from rotor_ida.model.parameters import Parameters
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import labelled
 
 # The solution of ``x' = t + x**2`` that begins on the whirl is at infinity at this time.
@@ -46,23 +49,19 @@ UNSURE = 0.01
 
 
 def late_jumps(
+    rotor: Rotor | None = None,
     *,
     rate: npt.ArrayLike,
-    zeta: object,
-    delta0: object,
-    shaft_stiffness: object = 0.0,
-    contact_exponent: object = 1.5,
-    contact_damping: object = 0.0,
-    friction: object = 0.0,
+    **varied: Unpack[Parameters],
 ) -> xr.Dataset:
     """Compute the speed at which a slow run-up or run-down jumps, beyond each fold.
 
     Parameters
     ----------
+    rotor, **varied
+        As for `folds`.
     rate : float or sequence of float
         Absolute rate of change of the speed [1]; the direction follows from the fold.
-    zeta, delta0, shaft_stiffness, contact_exponent, contact_damping, friction
-        As for `folds`.
 
     Returns
     -------
@@ -101,17 +100,10 @@ def late_jumps(
     >>> found.jump_omega.sel(rate=1e-4).values.ravel().round(4)
     array([1.5915, 1.9482])
     """
-    rates = check_axis("rate", rate, largest=LARGEST_NUMBER)
+    rates = check_distinct("rate", check_axis("rate", rate, largest=LARGEST_NUMBER))
     if not (rates > 0.0).all():
         raise InputError(f"rate must be positive, got {float(rates.min())!r}")
-    found = folds(
-        zeta=zeta,
-        delta0=delta0,
-        shaft_stiffness=shaft_stiffness,
-        contact_exponent=contact_exponent,
-        contact_damping=contact_damping,
-        friction=friction,
-    )
+    found = folds_of(whirls_asked(late_jumps, rotor, varied, RANGES, ALL_SPEEDS))
     speeds = found["fold_omega"]
     dims, exists = speeds.dims, np.isfinite(speeds.values)
     coordinates = {

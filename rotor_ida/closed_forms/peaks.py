@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 from itertools import pairwise
+from typing import Unpack
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
@@ -16,8 +16,10 @@ from rotor_ida.closed_forms.contact_laws import RestoringLaw, force
 from rotor_ida.closed_forms.contacting_whirls import root_between
 from rotor_ida.closed_forms.curve_polynomials import CurveEquations, Tip, exact_tips, flanks
 from rotor_ida.closed_forms.fold_locus import positive_roots
-from rotor_ida.closed_forms.rotor_columns import RotorColumns, checked_rotors
+from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.model.contact import HERTZ_EXPONENT
+from rotor_ida.model.parameters import Parameters
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import labelled_dataset
 
 # With less damping the tip lies beyond the range of doubles.
@@ -291,27 +293,21 @@ def _extrema_between_flanks(law: RestoringLaw) -> Values:
     return np.sort(positive_roots(lead * lead * (A * A - 1.0) - A * A * g * g))
 
 
-def peaks(
-    *,
-    zeta: npt.ArrayLike,
-    delta0: npt.ArrayLike,
-    shaft_stiffness: npt.ArrayLike = 0.0,
-    contact_exponent: npt.ArrayLike = HERTZ_EXPONENT,
-    friction: npt.ArrayLike = 0.0,
-) -> xr.Dataset:
+def peaks(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Dataset:
     """Compute the largest contacting whirl for each damping and clearance.
 
     Parameters
     ----------
-    zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
-        Damping ratios, above zero without friction, and clearances [1].
-    shaft_stiffness, contact_exponent, friction : float or sequence of float
-        As for `Rotor`, numbers or axes [1].
+    rotor : Rotor, optional
+        The rotor. Without it, ``zeta`` and ``delta0`` must be given.
+    **varied : float or array_like, shape (n,)
+        Parameters of `Rotor` by name [1], in place of those of `rotor`, as for `folds`. The damping
+        ratio must be above 0 without friction.
 
     Returns
     -------
     Dataset
-        On (zeta, delta0) and any others that are sequences: ``peak_amplitude``, ``peak_omega`` and
+        On (zeta, delta0) and any others that are arrays: ``peak_amplitude``, ``peak_omega`` and
         ``peak_contact_force`` [1]; NaN if the damping allows no peak.
 
     Raises
@@ -337,17 +333,8 @@ def peaks(
     >>> found.peak_amplitude.values.round(3), found.peak_contact_force.values.round(2)
     (array([[13.768, 11.346]]), array([[51.09, 28.57]]))
     """
-    rotors = checked_rotors(
-        {
-            "zeta": zeta,
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "friction": friction,
-        },
-        _RANGES,
-    )
-    grid = RotorColumns.grid(rotors)
+    asked = whirls_asked(peaks, rotor, varied, _RANGES, {"omega": "all speeds are searched"})
+    grid = RotorColumns.of(asked.columns)
     for damping, mu in zip(grid.zeta.tolist(), grid.friction.tolist(), strict=True):
         if mu == 0.0:
             check_positive("zeta", damping)
@@ -358,11 +345,11 @@ def peaks(
         "peak_omega": omega,
         "peak_contact_force": force(amplitude, grid.delta0, grid.contact_exponent),
     }
-    contact = "contact" if rotors.optional else "Hertz contact"
+    contact = "contact" if asked.optional else "Hertz contact"
     return labelled_dataset(
         f"Largest contacting whirls of a rotor with {contact} and clearance",
-        {name: (rotors.dims, each.reshape(rotors.sizes)) for name, each in columns.items()},
-        rotors.coordinates,
+        {name: (asked.dims, each.reshape(asked.shape)) for name, each in columns.items()},
+        asked.coordinates,
         kind="peaks",
     )
 

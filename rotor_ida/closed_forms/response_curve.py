@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import asdict
 from itertools import pairwise
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
@@ -31,36 +32,37 @@ from rotor_ida.closed_forms.curve_tracing import (
 )
 from rotor_ida.closed_forms.folds import RANGES, fold_table
 from rotor_ida.closed_forms.peaks import speeds_of_stiffness, tips
-from rotor_ida.closed_forms.rotor_columns import RotorColumns, checked_rotors
+from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED, whirls_in_contact
+from rotor_ida.model.parameters import Parameters
+from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.varied import Varied
 
+# Why a curve over the speed takes none.
+BETWEEN_LIMITS = {"omega": "it varies between the limits"}
 # Range of speeds in which a contact-free whirl fits into the clearance.
 _Span = tuple[float, float]
 
 
 def response_curve(
+    rotor: Rotor | None = None,
     *,
-    zeta: object,
-    delta0: object,
     limits: tuple[float, float],
     points: int = 200,
-    shaft_stiffness: object = 0.0,
-    contact_exponent: object = 1.5,
-    contact_damping: object = 0.0,
-    friction: object = 0.0,
+    **varied: Unpack[Parameters],
 ) -> xr.Dataset:
     """Compute the response curve over the speed: all synchronous whirls, in order along it.
 
     Parameters
     ----------
-    zeta, delta0 : float or sequence of float, shapes (m,) and (k,)
-        Damping ratios and clearances [1].
+    rotor : Rotor, optional
+        The rotor. Without it, ``zeta`` and ``delta0`` must be given.
     limits : tuple of two floats
         Lowest and highest speed [1].
     points : int
         Number of points from one fold, tip, first touch or limit to the next.
-    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
-        As for `folds`, numbers or axes [1].
+    **varied : float or array_like, shape (n,)
+        Parameters of `Rotor` by name [1], in place of those of `rotor`, as for `folds`.
 
     Returns
     -------
@@ -109,22 +111,17 @@ def response_curve(
     >>> round(isola.amplitude.max().item(), 3), bool(isola.omega[0] == isola.omega[-1])
     (11.346, True)
     """
+    asked = whirls_asked(response_curve, rotor, varied, RANGES, BETWEEN_LIMITS)
+    return curve_over_speed(asked, limits, points)
+
+
+def curve_over_speed(asked: Varied, limits: object, points: object) -> xr.Dataset:
+    """Return the response curves of all rotors, as `response_curve` does."""
     span = checked_limits(limits, smallest=SMALLEST_SPEED)
     count = check_count("points", points, 2, MOST_POINTS)
-    rotors = checked_rotors(
-        {
-            "zeta": zeta,
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "contact_damping": contact_damping,
-            "friction": friction,
-        },
-        RANGES,
-    )
-    check_damped(rotors)
-    grid, table = RotorColumns.grid(rotors), fold_table(rotors)
-    turns = table.reshape(rotors.points, *table.shape[-2:])
+    check_damped(asked)
+    grid, table = RotorColumns.of(asked.columns), fold_table(asked)
+    turns = table.reshape(asked.points, *table.shape[-2:])
     curves = []
     for row, equations in enumerate(equations_of(grid)):
         pieces = _contact_free_pieces(equations, span, count)
@@ -132,7 +129,7 @@ def response_curve(
         if equations.contact_damping > 0.0 or equations.law.friction > 0.0:
             pieces = [driven(piece, "omega", grid[row]) for piece in pieces]
         curves.append(pieces)
-    return labelled_curves("omega", curves, rotors)
+    return labelled_curves("omega", curves, asked)
 
 
 def _contact_free_pieces(equations: CurveEquations, limits: _Span, points: int) -> list[Piece]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -11,10 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points
-from rotor_ida.closed_forms.contact_laws import Range, RestoringLaw
-from rotor_ida.model.parameters import DEFAULTS
-from rotor_ida.model.rotors import Rotors, rotors_of
+from rotor_ida.checks import LARGEST_NUMBER, shown
+from rotor_ida.closed_forms.contact_laws import RestoringLaw
+from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import DEFAULTS, Parameters
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.varied import Range, Varied, varied_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,12 +51,6 @@ class RotorColumns:
         ]
         return cls(*np.broadcast_arrays(*given))
 
-    @classmethod
-    def grid(cls, rotors: Rotors) -> RotorColumns:
-        """Return the columns of all rotors of a study, the last dimension varying fastest."""
-        grid = np.meshgrid(*rotors.axes.values(), indexing="ij")
-        return cls.of({name: part.ravel() for name, part in zip(rotors.axes, grid, strict=True)})
-
     @property
     def laws(self) -> list[RestoringLaw]:
         """Stiffness and friction of each rotor."""
@@ -66,24 +62,27 @@ class RotorColumns:
         return RotorColumns(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
-def checked_rotors(given: Mapping[str, object], ranges: Mapping[str, Range]) -> Rotors:
-    """Return the rotors of a study whose axes have been checked.
+def whirls_asked(
+    verb: Callable[..., object],
+    rotor: Rotor | DimensionalRotor | None,
+    given: Parameters,
+    ranges: Mapping[str, Range],
+    left_out: Mapping[str, str] = {},
+) -> Varied:
+    """Return what a function of synchronous whirls is asked to vary: see `varied_of`.
 
-    Parameters
-    ----------
-    given : mapping of str to array_like
-        A number or a vector for each parameter.
-    ranges : mapping of str to tuple of two floats
-        Smallest and largest value of some; for the others zero and 1e15.
-
-    Examples
-    --------
-    >>> checked_rotors({"zeta": [0.1, 0.2], "friction": 0.0}, {"zeta": (1e-20, 1e6)}).dims
-    ('zeta',)
+    The radius of the disc moves no whirl and is left out; a load must be 0. The largest value is
+    1e15 where `ranges` name no other.
     """
-    for name, values in given.items():
-        smallest, largest = ranges.get(name, (0.0, LARGEST_NUMBER))
-        check_axis(name, values, smallest=smallest, largest=largest)
-    rotors = rotors_of(given)
-    check_points(*rotors.axes.values())
-    return rotors
+    asked = varied_of(
+        verb, rotor, given, left_out=left_out, ranges=ranges, others=(0.0, LARGEST_NUMBER)
+    )
+    if (load := asked.values("load")).any():
+        raise InputError(
+            "{name} must be 0 for {verb}, as there is no synchronous whirl under a load, got "
+            "{value}",
+            name="load", verb=verb.__name__, value=float(load.max()),
+        )  # fmt: skip
+    if (radii := asked.values("disc_radius")).size > 1:
+        raise InputError(f"disc_radius must be one number: it moves no whirl, got {shown(radii)}")
+    return asked.without("load", "disc_radius").check_size()

@@ -19,7 +19,7 @@ References
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -34,10 +34,12 @@ from rotor_ida.checks import (
     check_real,
 )
 from rotor_ida.closed_forms.contact_laws import force, stiffnesses
-from rotor_ida.closed_forms.response_curve import response_curve
-from rotor_ida.closed_forms.rotor_columns import RotorColumns
+from rotor_ida.closed_forms.folds import RANGES
+from rotor_ida.closed_forms.response_curve import BETWEEN_LIMITS, curve_over_speed
+from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import check_exponent
+from rotor_ida.model.parameters import Parameters, check_exponent
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import STABILITY, labelled
 
 SMALLEST_INERTIA, LARGEST_INERTIA = 1e-12, 1e15
@@ -132,32 +134,25 @@ def _torque(A: Values, rotors: RotorColumns, disc_radius: Values | float) -> Val
 
 
 def sommerfeld_curve(
+    rotor: Rotor | None = None,
     *,
-    zeta: object,
-    delta0: object,
     limits: tuple[float, float],
     inertia: float,
     slope: float = 0.0,
     points: int = 200,
-    shaft_stiffness: object = 0.0,
-    contact_exponent: object = 1.5,
-    contact_damping: object = 0.0,
-    friction: object = 0.0,
-    disc_radius: float | None = None,
+    **varied: Unpack[Parameters],
 ) -> xr.Dataset:
     """Compute the torque of all synchronous whirls over the speed, and their driven stability.
 
     Parameters
     ----------
-    zeta, delta0, limits, points, shaft_stiffness, contact_exponent, contact_damping, friction
-        As for `response_curve`.
+    rotor, limits, points, **varied
+        As for `response_curve`. The radius of the disc, one number, is required with friction.
     inertia : float
         Moment of inertia about the centre of mass, over mass times eccentricity squared [1], as for
         `rotor_ida.run_up`.
     slope : float
         Decrease of the drive's torque per unit of speed [1].
-    disc_radius : float, optional
-        Radius of the disc [1], required with friction.
 
     Returns
     -------
@@ -197,13 +192,12 @@ def sommerfeld_curve(
     """
     moment = check_between("inertia", inertia, SMALLEST_INERTIA, LARGEST_INERTIA)
     falling = check_nonnegative("slope", slope, LARGEST_NUMBER)
+    asked = whirls_asked(sommerfeld_curve, rotor, varied, RANGES, BETWEEN_LIMITS)
+    disc_radius = varied.get("disc_radius", None if rotor is None else rotor.disc_radius)
     rho = 0.0
     if disc_radius is not None:
         rho = check_nonnegative("disc_radius", disc_radius, LARGEST_NUMBER)
-    curve = response_curve(
-        zeta=zeta, delta0=delta0, limits=limits, points=points, shaft_stiffness=shaft_stiffness,
-        contact_exponent=contact_exponent, contact_damping=contact_damping, friction=friction,
-    )  # fmt: skip
+    curve = curve_over_speed(asked, limits, points)
     dims = curve["amplitude"].dims
     coordinates = {
         str(name): each.broadcast_like(curve["amplitude"]).transpose(*dims).values

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -13,8 +14,11 @@ from rotor_ida.checks import LARGEST_NUMBER
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls, contacting_whirls
 from rotor_ida.closed_forms.linear_whirls import linear_whirls
-from rotor_ida.closed_forms.rotor_columns import RotorColumns, checked_rotors
+from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.stability import growth_rate
+from rotor_ida.model.parameters import Parameters
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.schema import STABILITY, labelled_dataset
 
 _POINTS_AT_A_TIME = 16384  # keeps the working arrays inside the processor's cache
@@ -26,24 +30,19 @@ _REFERENCES = (
 )
 
 
+@varies_in_si
 def synchronous_response(
-    *,
-    omega: object,
-    zeta: object,
-    delta0: object,
-    shaft_stiffness: object = 0.0,
-    contact_exponent: object = 1.5,
-    contact_damping: object = 0.0,
-    friction: object = 0.0,
+    rotor: Rotor | DimensionalRotor | None = None, **varied: Unpack[Parameters]
 ) -> xr.Dataset:
     """Compute all synchronous whirls, contact-free and contacting, with their stability.
 
     Parameters
     ----------
-    omega, zeta, delta0 : float or sequence of float, shapes (n,), (m,) and (k,)
-        Spin speeds, damping ratios and clearances [1].
-    shaft_stiffness, contact_exponent, contact_damping, friction : float or sequence of float
-        As for `Rotor`, numbers or axes [1].
+    rotor : Rotor or DimensionalRotor, optional
+        The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given.
+    **varied : float or array_like, shape (n,)
+        Parameters of `Rotor` by name [1], in place of those of `rotor`; all are combined. The load
+        must be 0. The radius of the disc has no effect.
 
     Returns
     -------
@@ -51,8 +50,8 @@ def synchronous_response(
         On the dimensions (omega, zeta, delta0, branch): ``amplitude`` [1], ``phase_lag``
         [rad], ``stability`` and ``in_contact`` (flags) and ``growth_rate`` [1]. The branches
         are in order of amplitude, padded with NaN, the flag ``absent``, and 0 for ``in_contact``.
-        Of the last four parameters, a sequence becomes a dimension before ``branch``, in the order
-        of the arguments, and a number other than the default becomes a coordinate.
+        Of the optional parameters, an array becomes a dimension before ``branch``, in the order of
+        those of `Rotor`, and a number other than the default becomes a coordinate.
 
     Raises
     ------
@@ -90,35 +89,25 @@ def synchronous_response(
     >>> whirls.stability.sel(omega=1.7, zeta=0.07, delta0=1.0).values
     array([2, 0, 1], dtype=int8)
     """
-    rotors = checked_rotors(
-        {
-            "omega": omega,
-            "zeta": zeta,
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "contact_damping": contact_damping,
-            "friction": friction,
-        },
-        {"omega": (SMALLEST_SPEED, LARGEST_NUMBER)},
-    )
-    grid = RotorColumns.grid(rotors)
+    ranges = {"omega": (SMALLEST_SPEED, LARGEST_NUMBER)}
+    asked = whirls_asked(synchronous_response, rotor, varied, ranges)
+    grid = RotorColumns.of(asked.columns)
     parts = [
         _branches(grid[first : first + _POINTS_AT_A_TIME])
-        for first in range(0, rotors.points, _POINTS_AT_A_TIME)
+        for first in range(0, asked.points, _POINTS_AT_A_TIME)
     ]
     columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     present = max(1, np.isfinite(columns["amplitude"]).sum(axis=1).max())
 
-    dims = (*rotors.dims, "branch")
-    contact = "contact" if rotors.optional else "Hertz contact"
+    dims = (*asked.dims, "branch")
+    contact = "contact" if asked.optional else "Hertz contact"
     return labelled_dataset(
         f"Synchronous whirls of a rotor with {contact} and clearance",
         {
-            name: (dims, values[:, :present].reshape(*rotors.sizes, present))
+            name: (dims, values[:, :present].reshape(*asked.shape, present))
             for name, values in columns.items()
         },
-        rotors.coordinates | {"branch": ("branch", np.arange(present))},
+        asked.coordinates | {"branch": ("branch", np.arange(present))},
         {"source": _SOURCE, "references": _REFERENCES},
         kind="whirls",
     )

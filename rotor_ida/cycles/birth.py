@@ -14,7 +14,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
-from rotor_ida.closed_forms.stability import eigenvalues
+from rotor_ida.closed_forms.rotor_columns import RotorColumns
+from rotor_ida.closed_forms.stability import eigenvalues_of
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.cycles.continuation import Point, Problem
 from rotor_ida.cycles.special_points import O
@@ -111,10 +112,8 @@ class DiscWhirl:
 
     def at(self, place: float) -> tuple[Values, complex]:
         """Return state and eigenvalue of the whirl for a value of the parameter."""
-        given = self.rotor_at(place).given
-        given.pop("load", None)
-        given.pop("disc_radius", None)
-        whirls = synchronous_response(**given)
+        rotor = self.rotor_at(place)
+        whirls = synchronous_response(rotor, load=0.0)
         touching = whirls["in_contact"].values.ravel() == 1
         amplitudes = whirls["amplitude"].values.ravel()[touching]
         if not amplitudes.size:
@@ -122,9 +121,9 @@ class DiscWhirl:
         nearest = int(np.argmin(np.abs(amplitudes - self._amplitude)))
         amplitude = float(amplitudes[nearest])
         lag = float(whirls["phase_lag"].values.ravel()[touching][nearest])
-        rates = eigenvalues(amplitude, **given)
+        rates = eigenvalues_of(np.array(amplitude), RotorColumns.of(rotor.given))
         rate = complex(rates[np.argmin(np.abs(rates - 1j * self._frequency))])
         position = amplitude * complex(math.cos(lag), -math.sin(lag))
-        velocity = 1j * given["omega"] * position
+        velocity = 1j * rotor.omega * position
         state = np.array([position.real, position.imag, velocity.real, velocity.imag])
         return state, rate

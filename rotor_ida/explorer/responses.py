@@ -78,8 +78,7 @@ def show_responses(question: Question) -> Iterator[Answer]:
     yield from _known_branches(question)
     if rotor.zeta == 0.0:
         return  # nothing settles
-    given: dict[str, Any] = dict(rotor.given)
-    swept = sweep(**given, starts=[question.start], method=METHOD, executor="serial")
+    swept = sweep(rotor, starts=[question.start], method=METHOD, executor="serial")
     compared = compare(swept).squeeze(ONE)
     settled = {**_seen(swept.squeeze(ONE)), **_exact(compared)}
     yield _settled(question, settled, swept)
@@ -116,21 +115,13 @@ def at_rest(rotor: Rotor) -> Rotor:
 @lru_cache(maxsize=MOST_KEPT)
 def _arrays_of_curve(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
     """Return the response curve with its folds and Hopf points, except those of rubs."""
-    given = of_whirls(rotor)
-    curve = response_curve(**given, limits=speeds, points=POINTS_OF_CURVE)
+    curve = response_curve(rotor, limits=speeds, points=POINTS_OF_CURVE)
     names = ("omega", "amplitude", "phase_lag", "stability", "in_contact", "piece")
     arrays = {name: curve[name].values[0, 0] for name in names}
-    arrays |= _marked(folds(**given), FOLD, (0.0, math.inf))
+    arrays |= _marked(folds(rotor), FOLD, (0.0, math.inf))
     if rotor.friction > 0.0:
         return arrays | dict.fromkeys(HOPF, np.empty(0)) | _backward_whirls(rotor, speeds)
-    return arrays | _marked(hopf_points(**given), HOPF, speeds)
-
-
-def of_whirls(rotor: Rotor) -> dict[str, Any]:
-    """Return the parameters that whirls over the speed depend on, without the disc radius."""
-    return {
-        name: value for name, value in rotor.given.items() if name not in {"omega", "disc_radius"}
-    }
+    return arrays | _marked(hopf_points(rotor), HOPF, speeds)
 
 
 def _marked(found: xr.Dataset, marks: tuple[str, str], limits: tuple[float, float]) -> Arrays:
@@ -148,7 +139,7 @@ def _with_hopf_points(question: Question, curve: Answer) -> Answer:
 
 @lru_cache(maxsize=MOST_KEPT)
 def _hopf_points(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
-    return _marked(hopf_points(**of_whirls(rotor)), HOPF, speeds)
+    return _marked(hopf_points(rotor), HOPF, speeds)
 
 
 def _backward_whirls(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:

@@ -27,7 +27,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.explorer.measured import segment_for
 from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.motion import facts_of
-from rotor_ida.explorer.responses import MOST_KEPT, at_rest, of_whirls
+from rotor_ida.explorer.responses import MOST_KEPT, at_rest
 from rotor_ida.explorer.words import words_of_run_up
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
@@ -203,7 +203,7 @@ def _folds_of(rotor: Rotor) -> tuple[dict[str, float], ...]:
     if rotor.load > 0.0:
         return ()
     try:
-        table = folds(**of_whirls(rotor))
+        table = folds(rotor)
     except InputError:
         return ()
     found = []
@@ -228,7 +228,7 @@ def _folds_of(rotor: Rotor) -> tuple[dict[str, float], ...]:
 
 def _whirls_at(rotor: Rotor, omega: float) -> tuple[int, list[float]]:
     """Return the number of whirls at a speed, and the radii of those that are not unstable."""
-    found = synchronous_response(omega=omega, **of_whirls(rotor))
+    found = synchronous_response(rotor, omega=omega)
     radii, stability = found["amplitude"].values.ravel(), found["stability"].values.ravel()
     held = np.isfinite(radii) & (stability != STABILITY["unstable"])
     return int(np.isfinite(radii).sum()), radii[held].tolist()

@@ -2,12 +2,15 @@
 
 Checks, coordinates, options of the command line, labels and the tables of the documentation are
 made from it. CONTRIBUTING.md ("A parameter") lists what a new one needs besides its row: a field of
-each rotor, its place in the forces, and the keywords of public functions.
+each rotor and of `Parameters`, and its place in the forces.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypedDict
+
+import numpy.typing as npt
 
 from rotor_ida.checks import check_nonnegative, check_positive
 from rotor_ida.errors import InputError
@@ -216,6 +219,22 @@ DEFAULTS: dict[str, float | None] = {
     each.name: each.default for each in OF_ROTOR.values() if not each.needed
 }
 OPTIONAL = tuple(DEFAULTS)
+
+
+class Parameters(TypedDict, total=False):
+    """The parameters of a rotor as keywords of a study, each a number or an axis [1]."""
+
+    omega: npt.ArrayLike
+    zeta: npt.ArrayLike
+    delta0: npt.ArrayLike
+    shaft_stiffness: npt.ArrayLike
+    contact_exponent: npt.ArrayLike
+    contact_damping: npt.ArrayLike
+    load: npt.ArrayLike
+    friction: npt.ArrayLike
+    disc_radius: npt.ArrayLike | None
+
+
 # Those that have a meaning without friction too.
 FRICTIONLESS = {
     name: value

@@ -112,7 +112,9 @@ class Rotor:
     def beyond(self) -> dict[str, float]:
         """The parameters that differ from the paper's rotor and affect the motion."""
         beyond = _not_default(self)
-        return beyond if self.friction > 0.0 else without(beyond, "disc_radius")
+        if self.friction == 0.0:
+            beyond.pop("disc_radius", None)
+        return beyond
 
     @property
     def damps_uniformly(self) -> bool:
@@ -190,11 +192,6 @@ def _not_default(rotor: Rotor | DimensionalRotor) -> dict[str, float]:
         for name, value in _optional(rotor).items()
         if value is not None and value != DEFAULTS[name]
     }
-
-
-def without(values: dict[str, float], name: str) -> dict[str, float]:
-    """Return values by name, except for one."""
-    return {each: value for each, value in values.items() if each != name}
 
 
 def check_no_friction(rotor: Rotor, what: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import xarray as xr
@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from rotor_ida import plot
 from rotor_ida.checks import check_one_varies, check_panels
-from rotor_ida.closed_forms import folds, hopf_points, response_curve
+from rotor_ida.closed_forms import folds, hopf_points, response_curve, synchronous_response
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.plot.datasets import parameters_in, rotors_in
@@ -28,6 +28,8 @@ from rotor_ida.signals.record import Record, record_of
 FEW_SPEEDS = 30
 # Number of clearances at which folds of the whirl are shown beside those of cycles.
 CLEARANCES = 41
+# Number of values of a parameter other than the speed at which whirls are shown.
+ALONG = 401
 # Folds and Hopf points are shown over these speeds, or to a margin past the last of them.
 MARKED, USUAL, MARGIN = ("fold_omega", "hopf_omega"), (0.05, 3.0), 1.2
 # Fewest revolutions of a Bode plot, samples between which speeds are compared, and the part by
@@ -59,12 +61,19 @@ def figure_of_run(run: xr.Dataset) -> Figure:
 
 
 def figure_of_whirls(dataset: xr.Dataset) -> Figure:
-    """Return the figure of exact curves with the points of a dataset; a panel for each."""
-    parts = [part for _, part in rotors_in(dataset, but=("omega",))]
+    """Return the figure of exact curves with the points of a dataset; a panel for each.
+
+    A sweep along another parameter than the speed is drawn over that.
+    """
+    over = str(dataset.attrs.get("along", "omega"))
+    parts = [part for _, part in rotors_in(dataset, but=(over,))]
     columns = math.ceil(math.sqrt(check_panels(len(parts))))
     rows = math.ceil(len(parts) / columns)
     figure, axes = plot.panels(rows, columns, width=2.4 + 2.4 * columns, height=1.6 + 2.0 * rows)
     for ax, part in zip(axes, parts, strict=False):
+        if over != "omega":
+            plot.plot_along(part, whirls=_whirls_along(part, over), ax=ax)
+            continue
         few = "branch" in part.dims and part.sizes["omega"] <= FEW_SPEEDS
         curve, fold_points, hopf = _exact_beside(part)
         plot.plot_amplitude(
@@ -82,8 +91,18 @@ def figure_of_whirls(dataset: xr.Dataset) -> Figure:
     with plot.style():
         for ax in shown[max(0, len(parts) - columns) :]:
             ax.tick_params(labelbottom=True)
-            label_parameter(ax.xaxis, "omega", dataset)
+            label_parameter(ax.xaxis, over, dataset)
     return figure
+
+
+def _whirls_along(part: xr.Dataset, over: str) -> xr.Dataset | None:
+    """Return the exact whirls over a parameter; None where none lie beneath the responses."""
+    given = {name: part[name].item() for name in parameters_in(part) if name != over}
+    if over in {"load", "contact_exponent", "disc_radius"} or given.get("load", 0.0) > 0.0:
+        return None
+    ends = float(part[over].min()), float(part[over].max())
+    asked: dict[str, Any] = {**given, over: np.linspace(*ends, ALONG)}
+    return in_units_of(synchronous_response(**asked), part)
 
 
 def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
@@ -91,7 +110,6 @@ def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
     given = {name: part[name].item() for name in ALL_PARAMETERS[1:] if name in part.variables}
     if given.pop("load", 0.0) > 0.0:
         return None, None, None
-    given.pop("disc_radius", None)  # it moves none of these whirls
     curve = response_curve(**given, limits=_limits_of(part))
     has_hopf_points = given.get("friction") or given.get("contact_damping")
     exact = [curve, folds(**given), hopf_points(**given) if has_hopf_points else None]

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import OPTIONAL, PARAMETERS
+from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
     CONTACT_FREE,
@@ -43,6 +43,8 @@ from rotor_ida.plot.datasets import (
     check_same_parameters,
     check_same_units,
     fixed_parameters,
+    one_value,
+    parameters_in,
 )
 from rotor_ida.plot.labels import (
     KIND_WORDS,
@@ -194,7 +196,8 @@ def plot_over_clearance(
         ``zeta``.
     simulated : Dataset, optional
         Result of `rotor_ida.sweep` at the same speed and damping. Responses on a whirl are
-        marks, all others bars over the range of the distance from the bearing axis.
+        marks, by direction of the sweep, all others bars over the range of the distance from the
+        bearing axis.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -208,20 +211,75 @@ def plot_over_clearance(
     exact = check_dataset("exact", exact, CURVE)
     parameters = fixed_parameters("exact", exact, ("omega", "zeta"))
     if simulated is not None:
-        simulated = check_dataset("simulated", simulated, ("delta0", *SIMULATED[:-1]))
+        simulated = check_dataset("simulated", simulated, ("delta0", *SIMULATED))
         optional = {name: value for name, value in parameters.items() if name in OPTIONAL}
         check_same_parameters("simulated", fixed_parameters("simulated", simulated, ()), optional)
         check_same_units("simulated", simulated, exact)
     with drawing(ax) as ax:
         draw_curve(ax, exact, over="delta0", quantity="amplitude")
         if simulated is not None:
-            _draw_over_clearance(ax, simulated)
+            draw_simulated(ax, simulated, "amplitude", over="delta0")
         ax.set_xlabel(LABELS["delta0"])
         label_axis(ax.yaxis, "amplitude", exact["amplitude"])
         ax.set_ylim(bottom=0.0)
         ax.set_title(in_lines(parameter_text(parameters)))
         own_legend(ax)
     return ax
+
+
+def plot_along(
+    simulated: xr.Dataset, *, whirls: xr.Dataset | None = None, ax: Axes | None = None
+) -> Axes:
+    r"""Draw the responses of a sweep up or down over the parameter that rises and falls.
+
+    Parameters
+    ----------
+    simulated : Dataset
+        Result of `rotor_ida.sweep` with a direction, for one value of each other parameter. The
+        attribute ``along`` names the parameter on the axis. Responses on a whirl are marks at their
+        amplitude, by direction; all others are bars over the range of the distance from the bearing
+        axis.
+    whirls : Dataset, optional
+        Result of `rotor_ida.synchronous_response` over many values of that parameter, which are
+        drawn as dots.
+    ax : Axes, optional
+        Axes to draw on and return; default: those of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import sweep
+    >>> both = sweep(omega=1.5, zeta=0.5, delta0=[0.5, 1.0], direction="both")
+    >>> plot_along(both).get_xlabel()
+    'clearance $\\delta_0$'
+    """
+    simulated = check_dataset("simulated", simulated, (*PARAMETERS, *SIMULATED))
+    over = str(simulated.attrs.get("along", "omega"))
+    names = [name for name in parameters_in(simulated) if name != over]
+    held = {name: one_value("simulated", simulated, name) for name in names}
+    with drawing(ax) as ax:
+        if whirls is not None:
+            whirls = check_dataset("whirls", whirls, (over, "amplitude", "stability"))
+            check_same_units("whirls", whirls, simulated)
+            draw_beneath(ax, whirls[over], whirls)
+        draw_simulated(ax, simulated, "amplitude", over=over)
+        label_parameter(ax.xaxis, over, simulated)
+        label_axis(ax.yaxis, "amplitude", simulated["amplitude"])
+        ax.set_ylim(bottom=0.0)
+        ax.set_title(in_lines(parameter_text(held)))
+        own_legend(ax)
+    return ax
+
+
+def draw_beneath(ax: Axes, across: xr.DataArray, whirls: xr.Dataset) -> None:
+    """Draw exact whirls as small dots by their stability, close enough to be read as lines."""
+    same = xr.broadcast(across, whirls["amplitude"], whirls["stability"])
+    places, heights, stability = (each.values.ravel() for each in same)
+    for word, (label, *_) in LINES.items():
+        chosen = (stability == flags_of(whirls["stability"])[word]) & np.isfinite(heights)
+        if chosen.any():
+            colour = GREY if word == "unstable" else INK
+            draw_marks(ax, places[chosen], heights[chosen], "o", colour, size=1.5, edge=0.0,
+                       label=f"exact, {label}", level=2.5)  # fmt: skip
 
 
 def _plot_over_speed(
@@ -371,7 +429,12 @@ def draw_simulated(
         _draw_by_direction(ax, look, points, over, points[quantity], 1.0)
         draw_marks(ax, [], [], "s", look.colour, size=4.5, face=look.face, edge=0.9,
                    label=KIND_WORDS[kind])  # fmt: skip
-    words = {0: _start_words(simulated), 1: GOING_UP, -1: GOING_DOWN}
+    along = str(simulated.attrs.get("along", "omega"))
+    words = {
+        0: _words_of(over, _start_words(simulated)),
+        1: _words_of(along, GOING_UP),
+        -1: _words_of(along, GOING_DOWN),
+    }
     for direction in np.unique(simulated["direction"]).tolist():
         marker, size = DIRECTIONS[direction]
         draw_marks(ax, [], [], marker, INK, size=size, face="none", edge=0.8,
@@ -390,22 +453,13 @@ def _draw_by_direction(
         )  # fmt: skip
 
 
+def _words_of(name: str, words: str) -> str:
+    """Return words about the speed as words about a parameter."""
+    return words if name in {"omega", "speed"} else words.replace("speed", OF_ROTOR[name].label)
+
+
 def _start_words(simulated: xr.Dataset) -> str:
     of_system = "start_state" in simulated
     starts = ["start_state"] if of_system else [f"start_{name}" for name in COMPONENTS]
     at_rest = all(name in simulated and not simulated[name].values.any() for name in starts)
     return FROM_REST if at_rest else FROM_START
-
-
-def _draw_over_clearance(ax: Axes, simulated: xr.Dataset) -> None:
-    """Draw responses on a whirl as marks, the others as bars, by kind."""
-    for kind, look, points in _of_each_kind(simulated, ("delta0", *SIMULATED[1:-1])):
-        if look.is_range:
-            ax.vlines(
-                points["delta0"], points["radius_min"], points["radius_max"], color=look.colour,
-                lw=1.2 if look.dashes == DOTS else 2.0, ls=look.dashes, zorder=3.0,
-                label=_range_words(kind),
-            )  # fmt: skip
-        else:
-            draw_marks(ax, points["delta0"], points["amplitude"], "o", look.colour, size=4.2,
-                       face=look.face, edge=0.9, label=KIND_WORDS[kind], level=3.1)  # fmt: skip

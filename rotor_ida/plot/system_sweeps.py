@@ -10,18 +10,13 @@ from matplotlib.figure import Figure
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
-    GREY,
-    INK,
-    NEUTRAL,
-    STABLE,
-    UNSTABLE,
     drawing,
     legend_below,
     raise_limit,
 )
 from rotor_ida.plot.datasets import check_dataset
 from rotor_ida.plot.labels import label_axis
-from rotor_ida.plot.responses import draw_simulated
+from rotor_ida.plot.responses import draw_beneath, draw_simulated
 from rotor_ida.plot.system_whirls import (
     WHIRLS,
     at_contact,
@@ -30,7 +25,6 @@ from rotor_ida.plot.system_whirls import (
     panels_of_contacts,
     speeds_in,
 )
-from rotor_ida.schema import flags_of
 from rotor_ida.systems.archived import problem_of
 from rotor_ida.systems.whirls.synchronous import synchronous_response_system
 
@@ -38,9 +32,6 @@ SWEEP = (
     "speed", "response", "direction", "amplitude", "phase_lag", "radius_min", "radius_max",
     "touched", "clearance", "contact_node",
 )  # fmt: skip
-# Exact whirls beneath: small dots, close enough to be read as lines.
-BENEATH = {"stable": (STABLE, INK), "unstable": (UNSTABLE, GREY), "neutral": (NEUTRAL, INK)}
-DOT = 1.5
 # Speeds at which they are computed, at least.
 FEWEST_SPEEDS = 500
 
@@ -90,26 +81,15 @@ def plot_system_sweep(
         highest = float(np.nanmax(part["radius_max"].values, initial=part["clearance"].item()))
         if whirls is not None:
             exact = check_dataset("whirls", whirls, (*WHIRLS, "contact_node"))
-            highest = max(highest, _draw_beneath(ax, at_contact(exact, contact)))
+            beneath = at_contact(exact, contact)
+            draw_beneath(ax, beneath["speed"].copy(data=speeds_in(beneath["speed"])), beneath)
+            highest = max(highest, float(np.nanmax(beneath["amplitude"], initial=0.0)))
         draw_simulated(
             ax, part.assign_coords(speed=("speed", speeds)), "amplitude", over="speed", reach="|u|"
         )
         raise_limit(ax, highest)
         legend_below(ax, columns=3)
     return ax
-
-
-def _draw_beneath(ax: Axes, whirls: xr.Dataset) -> float:
-    """Draw exact whirls as small dots by their stability, and return the largest amplitude."""
-    amplitude, stability = whirls["amplitude"].values, whirls["stability"].values
-    flags = flags_of(whirls["stability"])
-    across = np.broadcast_to(speeds_in(whirls["speed"])[:, np.newaxis], amplitude.shape)
-    for word, (label, colour) in BENEATH.items():
-        chosen = stability == flags[word]
-        if chosen.any():
-            ax.plot(across[chosen], amplitude[chosen], ls="", marker="o", ms=DOT, mec="none",
-                    color=colour, label=f"exact, {label}", zorder=2.5)  # fmt: skip
-    return float(np.nanmax(amplitude, initial=0.0))
 
 
 def system_sweep_figure(sweep: xr.Dataset) -> Figure:

@@ -37,6 +37,7 @@ from rotor_ida.results.studies.store import MACHINE_FILE
 
 Asked = ParamSpec("Asked")
 Found = TypeVar("Found")
+Verb = TypeVar("Verb", bound=Callable[..., xr.Dataset])
 Failure = TypeVar("Failure", bound=RotorError)
 
 
@@ -54,20 +55,27 @@ def takes_si(
     }  # fmt: skip
 
     @wraps(verb)
-    def either(rotor: Rotor | DimensionalRotor, *given: Any, **options: Any) -> xr.Dataset:
+    def either(*given: Any, **options: Any) -> xr.Dataset:
+        rotor = given[0] if given else options.get("rotor")
         if not isinstance(rotor, DimensionalRotor):
             if isinstance(start := options.get("start"), xr.Dataset):
                 options["start"] = dimensionless(start)
-            return verb(rotor, *given, **options)
+            return verb(*given, **options)
+        options.pop("rotor", None)
         plain = without_dimensions(rotor, defaults | options)
         keep_machine(options.get("study"), rotor)
         try:
-            found = verb(rotor.rotor(), *given, **plain)
+            found = verb(rotor.rotor(), *given[1:], **plain)
         except (InputError, SimulationError) as error:
             raise in_si(error, rotor) from error
         return dimensional(found, rotor)
 
     return cast("Callable[Concatenate[Rotor | DimensionalRotor, Asked], xr.Dataset]", either)
+
+
+def varies_in_si(verb: Verb) -> Verb:
+    """Return the function that `takes_si` does, whose rotor may be left out and varied."""
+    return cast("Verb", takes_si(verb))
 
 
 def keeps_si(
@@ -183,6 +191,8 @@ def _plain(machine: DimensionalRotor, name: str, value: Any) -> Any:
     """Return an argument without dimensions; a word, a count or a wrong value as it is."""
     if name == "start" and isinstance(value, xr.Dataset):
         return rescaled(value, machine)
+    if isinstance(value, (list, tuple)) and any(isinstance(each, xr.Dataset) for each in value):
+        return [_plain(machine, "start", each) for each in value]
     units = (unit_of_parameter(name),) if name in OF_MACHINE else UNITS_OF_ARGUMENTS.get(name)
     is_count = name in {"samples", "starts"} and np.ndim(value) == 0
     if units is None or value is None or is_count or isinstance(value, str):

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, TypeVar, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -21,8 +20,8 @@ from rotor_ida.checks import (
     COMPONENTS,
     State,
     check_between,
-    check_choice,
     check_count,
+    check_direction,
     check_increasing,
     check_positive,
     check_progress,
@@ -30,10 +29,11 @@ from rotor_ida.checks import (
     is_scalar,
 )
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.parameters import ALL_PARAMETERS
-from rotor_ida.model.rotor import Rotor
-from rotor_ida.model.rotors import Rotors, rotors_of
+from rotor_ida.model.parameters import ALL_PARAMETERS, Parameters
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.varied import Varied, varied_of
 from rotor_ida.parallel import FailedJob, Progress, Stop, Workers, choose, run_all, shows_progress
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.results.rows import counted
 from rotor_ida.schema import STATUS, labelled
 from rotor_ida.simulation.extrema import Extrema, check_knots, radius_extrema
@@ -41,7 +41,7 @@ from rotor_ida.simulation.options import Method, Options, options_of_study
 from rotor_ida.simulation.run_up import MOST_RADIANS
 from rotor_ida.simulation.starts import Starts, box_of, drawn_from
 from rotor_ida.steady.ramp_extrema import NO_KINDS, NO_VALUES, SpeedBand, ramp_extrema
-from rotor_ida.steady.sweep import DIRECTIONS, Direction, sweep_rotors
+from rotor_ida.steady.sweep import DIRECTIONS, Direction, sweep_varied
 
 Result = TypeVar("Result")
 
@@ -51,18 +51,11 @@ SLOWEST, FASTEST = 1e-12, 1e6
 NO_EXTREMA = Extrema(NO_VALUES, NO_VALUES, NO_KINDS, np.empty((0, 4)))
 
 
+@varies_in_si
 @shows_progress
 def bifurcation_diagram(
+    rotor: Rotor | DimensionalRotor | None = None,
     *,
-    omega: npt.ArrayLike,
-    zeta: npt.ArrayLike,
-    delta0: npt.ArrayLike,
-    shaft_stiffness: npt.ArrayLike = 0.0,
-    contact_exponent: npt.ArrayLike = 1.5,
-    contact_damping: npt.ArrayLike = 0.0,
-    load: npt.ArrayLike = 0.0,
-    friction: npt.ArrayLike = 0.0,
-    disc_radius: npt.ArrayLike | None = None,
     x: npt.ArrayLike = (-5.0, 5.0),
     y: npt.ArrayLike = (-5.0, 5.0),
     vx: npt.ArrayLike = (-5.0, 5.0),
@@ -71,6 +64,7 @@ def bifurcation_diagram(
     seed: int = 0,
     extrema_time: float = 100.0,
     direction: Direction | None = None,
+    along: str | None = None,
     rate: float | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-12,
@@ -78,17 +72,14 @@ def bifurcation_diagram(
     workers: int | None = None,
     executor: str = "auto",
     progress: Progress | bool | None = None,
+    **varied: Unpack[Parameters],
 ) -> xr.Dataset:
     """Compute a bifurcation diagram: extrema of the settled radius at each speed, from many starts.
 
     Parameters
     ----------
-    omega, zeta, delta0 : array_like, shape (n,) or scalar
-        The parameters to combine [1].
-    shaft_stiffness, contact_exponent, contact_damping, load, friction : array_like or scalar
-        More parameters to combine, as for `rotor_ida.sweep`; an array becomes a dimension [1].
-    disc_radius : array_like, shape (n,), or scalar, optional
-        The radius of the disc [1], required with friction; likewise.
+    rotor : Rotor or DimensionalRotor, optional
+        The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given.
     x, y, vx, vy : float or array_like, shape (2,)
         Components of random starts [1]: numbers, or ranges ``(low, high)`` from which they are
         drawn independently and uniformly, as for `rotor_ida.basin_fractions`.
@@ -104,6 +95,9 @@ def bifurcation_diagram(
         Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
         the starts, and each other from the settled state of the one before. By default each speed
         begins from the starts.
+    along : str, optional
+        Name of the parameter that rises or falls with a direction, as for `rotor_ida.sweep`; with
+        a rate it is the speed.
     rate : float, optional
         Change of speed per unit time [1]. The motion settles only at the first speed; then the
         speed runs through the others at this rate. Requires a direction.
@@ -116,6 +110,8 @@ def bifurcation_diagram(
         As for `rotor_ida.sweep`: by default all cores, for the motions and for their extrema.
     progress : callable or bool, optional
         Called with the number of points done and their total; True shows a bar on standard error.
+    **varied : float or array_like, shape (n,)
+        Parameters of `Rotor` by name [1], as for `rotor_ida.sweep`.
 
     Returns
     -------
@@ -164,18 +160,11 @@ def bifurcation_diagram(
     (array([0.8497, 0.9361]), array([1.2, 1.7]))
     """
     window, seed = check_positive("extrema_time", extrema_time), check_seed(seed)
-    rotors = rotors_of(
-        {
-            "omega": omega, "zeta": zeta, "delta0": delta0, "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent, "contact_damping": contact_damping, "load": load,
-            "friction": friction, "disc_radius": disc_radius,
-        }
-    )  # fmt: skip
-    speeds = rotors.axes["omega"]
-    _check_settles(rotors, window)
-    if direction is not None:
-        check_choice("direction", direction, ("up", "down", "both"))
-    slope = None if rate is None else _checked_rate(rate, direction, speeds)
+    asked = varied_of(bifurcation_diagram, rotor, varied)
+    speeds = asked.axes["omega"]
+    _check_settles(asked, window)
+    way = check_direction(direction, along, asked.axes)
+    slope = None if rate is None else _checked_rate(rate, way, speeds)
     attributes = {
         "title": "Extrema of the radius over a range of speeds",
         "result_kind": "bifurcation_diagram",
@@ -193,8 +182,8 @@ def bifurcation_diagram(
 
     def settled(speeds: Values, direction: Direction | None) -> xr.Dataset:
         """Return a sweep over some speeds, without the direction if none is given."""
-        some = replace(rotors, axes={**rotors.axes, "omega": speeds})
-        swept = sweep_rotors(some, starts, direction, options, chosen, progress=progress)
+        some, over = asked.over(omega=speeds), along if direction else None
+        swept = sweep_varied(some, starts, direction, over, options, chosen, progress=progress)
         return swept.isel(direction=0, drop=True) if direction is None else swept
 
     if slope is None:
@@ -204,13 +193,13 @@ def bifurcation_diagram(
     return diagram.assign_attrs(attributes | {"rate": slope})
 
 
-def _check_settles(rotors: Rotors, window: float) -> None:
+def _check_settles(varied: Varied, window: float) -> None:
     """Raise `InputError` where nothing settles, or where a run after that would be too long."""
-    if not rotors.axes["zeta"].all():
+    if not varied.axes["zeta"].all():
         raise InputError(
             "{name} must be above 0, where nothing settles, got {value}", name="zeta", value=0.0
         )
-    for speed in rotors.axes["omega"].tolist():
+    for speed in varied.axes["omega"].tolist():
         check_knots("extrema_time", Rotor(omega=speed, zeta=0.0, delta0=0.0), window)
 
 
@@ -232,14 +221,14 @@ def _at_a_rate(
     return _joined(runs, speeds, ways)
 
 
-def _checked_rate(rate: object, direction: str | None, speeds: Values) -> float:
+def _checked_rate(rate: object, along: str, speeds: Values) -> float:
     """Return the rate of a run-up that can be followed, or raise `InputError`."""
-    if direction is None:
+    if not along:
         raise InputError("direction must be given with rate, got None")
+    if along != "omega":
+        raise InputError(f"along must be 'omega' with a rate, got {along!r}")
     slope = check_between("rate", rate, SLOWEST, FASTEST)
     check_increasing("omega", speeds, "for a rate")
-    if speeds.size < 2:
-        raise InputError(f"omega must be two or more speeds for a rate, got {speeds.tolist()}")
     span = float(speeds[-1] - speeds[0]) / slope
     longest = MOST_RADIANS["compiled"] / max(float(speeds[-1]), 1.0)
     if span > longest:

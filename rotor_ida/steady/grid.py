@@ -6,22 +6,20 @@ becomes rows of tables: one for each point, and one for each event on the way to
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column
-from rotor_ida.checks import COMPONENTS, MOST_NUMBERS, MOST_POINTS_OF_STUDY, State, check_points
+from rotor_ida.checks import COMPONENTS, MOST_NUMBERS, MOST_POINTS_OF_STUDY, State
 from rotor_ida.errors import RotorError, SimulationError
-from rotor_ida.model.rotor import Rotor
-from rotor_ida.model.rotors import Rotors
+from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import FailedJob, Progress, Workers, run_all
 from rotor_ida.parallel.jobs import Job, Result, Work
 from rotor_ida.results.question import Question
@@ -48,64 +46,23 @@ def reason_of(error: Exception) -> str:
     return f"{type(error).__name__}: {error}".rstrip(": ")
 
 
-@dataclass(frozen=True)
-class Grid:
-    """The axes of a study.
+def start_coordinates(starts: Sequence[State]) -> dict[str, Column]:
+    """Return the starts ``(x, y, vx, vy)`` as coordinates of a result."""
+    states = zip(COMPONENTS, np.array(starts).T, strict=True)
+    return {f"start_{name}": ("start", column.copy()) for name, column in states}
 
-    Parameters
-    ----------
-    rotors : Rotors
-        The rotors, whose parameters are the first axes.
-    axes : mapping of str to ndarray
-        The axes after these, in order: the numbers of the starts, ``start``, and more [1].
-    starts : sequence of tuple of float
-        The starts ``(x, y, vx, vy)`` [1].
-    """
 
-    rotors: Rotors
-    axes: Mapping[str, npt.NDArray[Any]]
-    starts: Sequence[State]
+def check_size(varied: Varied, study: object) -> None:
+    """Raise `InputError` for more points than fit into memory, or into a study folder."""
+    varied.check_size(MOST_NUMBERS if study is None else MOST_POINTS_OF_STUDY)
 
-    @property
-    def dims(self) -> tuple[str, ...]:
-        """Dimensions of a result."""
-        return (*self.rotors.dims, *self.axes)
 
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Number of values along each dimension."""
-        return (*self.rotors.sizes, *(axis.size for axis in self.axes.values()))
-
-    @property
-    def points(self) -> int:
-        """Number of points."""
-        return math.prod(self.shape)
-
-    @property
-    def coordinates(self) -> dict[str, Column | xr.Variable]:
-        """The coordinates of a result."""
-        states = zip(COMPONENTS, np.array(self.starts).T, strict=True)
-        return {
-            **self.rotors.coordinates,
-            **{name: (name, axis) for name, axis in self.axes.items()},
-            **{f"start_{name}": ("start", column.copy()) for name, column in states},
-        }
-
-    def rotor(self, place: tuple[int, ...]) -> Rotor:
-        """Return the rotor at a place, an index along each dimension."""
-        return self.rotors.rotor(place[: len(self.rotors.dims)])
-
-    def check_size(self, study: object) -> None:
-        """Raise `InputError` for more points than fit into memory, or into a study folder."""
-        most = MOST_NUMBERS if study is None else MOST_POINTS_OF_STUDY
-        check_points(self.rotors, *self.axes.values(), most=most)
-
-    def labelled(self, columns: Mapping[str, Array]) -> dict[str, xr.Variable]:
-        """Return columns with a number for each point as variables."""
-        return {
-            name: labelled(name, self.dims, column.reshape(self.shape))
-            for name, column in columns.items()
-        }
+def labelled_points(varied: Varied, columns: Mapping[str, Array]) -> dict[str, xr.Variable]:
+    """Return columns with a number for each point as variables."""
+    return {
+        name: labelled(name, varied.dims, column.reshape(varied.shape))
+        for name, column in columns.items()
+    }
 
 
 @dataclass(frozen=True, slots=True)

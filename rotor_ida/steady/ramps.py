@@ -18,18 +18,21 @@ class RampOrder:
     Parameters
     ----------
     shape : tuple of int
-        Number of values along each dimension: speeds first, directions last.
+        Number of values along each dimension, directions last.
     directions : ndarray of int
         1 up, -1 down; 0 where each point is a ramp of its own.
+    axis : int
+        The dimension along which a ramp leads.
     """
 
     shape: tuple[int, ...]
     directions: npt.NDArray[np.int8]
+    axis: int = 0
 
     @property
     def length(self) -> int:
         """Number of points of each ramp."""
-        return self.shape[0] if self.directions[0] else 1
+        return self.shape[self.axis] if self.directions[0] else 1
 
     @property
     def points(self) -> int:
@@ -39,21 +42,20 @@ class RampOrder:
     def __len__(self) -> int:
         return self.points // self.length
 
-    @property
-    def counted(self) -> tuple[int, ...]:
-        """The order in which ramps are counted: directions, other dimensions, speeds."""
-        speeds, *others, directions = self.shape
-        return (directions, *others, speeds // self.length)
+    def firsts(self, numbers: int | Places) -> tuple[Places, ...]:
+        """Return the indices of the first points of ramps along each dimension.
 
-    def indices(self, number: int) -> tuple[Places, tuple[int, ...]]:
-        """Return the speeds of a ramp, by number, and its other indices."""
-        direction, *others, first = (int(each) for each in np.unravel_index(number, self.counted))
-        way = int(self.directions[direction])
-        speeds = np.arange(self.shape[0])[::way] if way else np.array([first])
-        return speeds, (*others, direction)
+        Ramps are counted by directions, then by the other dimensions, then along the axis.
+        """
+        *others, directions = self.shape
+        values = others.pop(self.axis)
+        counted = (directions, *others, values // self.length)
+        direction, *at, first = (np.asarray(each) for each in np.unravel_index(numbers, counted))
+        at.insert(self.axis, np.where(self.directions[direction] < 0, values - 1, first))
+        return (*at, direction)
 
     def places(self, number: int) -> Places:
         """Return the positions of a ramp's points among all, in the order of the dimensions."""
-        speeds, others_at = self.indices(number)
-        others = np.ravel_multi_index(others_at, self.shape[1:])
-        return np.asarray(speeds * (self.points // self.shape[0]) + others, dtype=np.int64)
+        first = self.firsts(number)
+        step = int(self.directions[first[-1]]) * math.prod(self.shape[self.axis + 1 :])
+        return np.ravel_multi_index(first, self.shape) + step * np.arange(self.length)

@@ -3,16 +3,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from itertools import product
+from typing import Unpack
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import AT_REST, check_progress, check_real, check_vector
-from rotor_ida.model.rotors import rotors_of
+from rotor_ida.arrays import Column
+from rotor_ida.checks import (
+    AT_REST,
+    State,
+    check_distinct,
+    check_progress,
+    check_real,
+    check_vector,
+)
+from rotor_ida.model.parameters import Parameters
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.varied import Varied, varied_of
 from rotor_ida.parallel import Progress, choose, shows_progress
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
@@ -28,7 +41,17 @@ from rotor_ida.simulation.options import (
 from rotor_ida.simulation.run_up import ramp_of
 from rotor_ida.simulation.starts import Starts, states_of
 from rotor_ida.steady.follow import FAILED
-from rotor_ida.steady.grid import Array, Grid, Places, Rows, Task, form_of, run_study
+from rotor_ida.steady.grid import (
+    Array,
+    Places,
+    Rows,
+    Task,
+    check_size,
+    form_of,
+    labelled_points,
+    run_study,
+    start_coordinates,
+)
 from rotor_ida.steady.run_up_outcome import Outcome, RampSummary, RunUp, follow_run_up, lost
 from rotor_ida.steady.sweep import FEATURES
 
@@ -52,21 +75,14 @@ FORM = form_of("run-up", "run_ups", POINT)
 COUNTED = ("phase", "start")
 
 
+@varies_in_si
 @shows_progress
 def run_ups(
+    rotor: Rotor | DimensionalRotor | None = None,
     *,
-    omega: npt.ArrayLike,
     to: float,
     rate: npt.ArrayLike,
-    zeta: npt.ArrayLike,
-    delta0: npt.ArrayLike,
     phase: npt.ArrayLike = 0.0,
-    shaft_stiffness: npt.ArrayLike = 0.0,
-    contact_exponent: npt.ArrayLike = 1.5,
-    contact_damping: npt.ArrayLike = 0.0,
-    load: npt.ArrayLike = 0.0,
-    friction: npt.ArrayLike = 0.0,
-    disc_radius: npt.ArrayLike | None = None,
     starts: Starts = (AT_REST,),
     rtol: float = 1e-10,
     atol: float = 1e-12,
@@ -76,6 +92,7 @@ def run_ups(
     executor: str = "auto",
     study: Folder | None = None,
     progress: Progress | bool | None = None,
+    **varied: Unpack[Parameters],
 ) -> xr.Dataset:
     """Run rotors up or down at every rate, phase, damping and clearance, and classify the endings.
 
@@ -84,19 +101,16 @@ def run_ups(
 
     Parameters
     ----------
-    omega : array_like, shape (n,) or scalar
-        Speeds at time 0 [1].
+    rotor : Rotor or DimensionalRotor, optional
+        The rotor, at its speed at time 0. Without it, ``omega``, ``zeta`` and ``delta0`` must be
+        given.
     to : float
         Speed at the end of the ramps [1].
     rate : array_like, shape (n,) or scalar
         Changes of speed per unit time [1]: all positive (up), or all negative (down).
-    zeta, delta0 : array_like, shape (n,) or scalar
-        Damping ratios and clearances to combine [1].
     phase : array_like, shape (n,) or scalar
         Angles of the unbalance at time 0, from the x axis [rad]. Without a load this is equivalent
         to rotating the start the other way.
-    shaft_stiffness, contact_exponent, contact_damping, load, friction, disc_radius
-        Optional parameters [1], as for `sweep`.
     starts : array_like, shape (n, 4), Dataset, or sequence of these
         Starts ``(x, y, vx, vy)`` at time 0, on fixed axes [1], or results that end in one.
     rtol, atol, backend
@@ -106,6 +120,8 @@ def run_ups(
         ``rtol``. The attribute ``method`` of the result gives which.
     workers, executor, study, progress
         As for `sweep`, with run-ups instead of points. The result is the same, bit for bit.
+    **varied : float or array_like, shape (n,)
+        Parameters of `Rotor` by name [1], as for `sweep`; ``omega`` are the speeds at time 0.
 
     Returns
     -------
@@ -163,27 +179,19 @@ def run_ups(
     >>> ended.rub_fraction.values.ravel(), ended.contact_free_fraction.values.ravel()
     (array([1., 0.]), array([0., 1.]))
     """
-    rotors = rotors_of(
-        {
-            "omega": omega, "zeta": zeta, "delta0": delta0, "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent, "contact_damping": contact_damping, "load": load,
-            "friction": friction, "disc_radius": disc_radius,
-        }
-    )  # fmt: skip
-    varied = {
-        "rate": check_vector("rate", rate, largest=LARGEST),
-        "phase": check_vector("phase", phase, largest=math.tau),
-    }
+    grid = varied_of(run_ups, rotor, varied)
+    rates = check_distinct("rate", check_vector("rate", rate, largest=LARGEST))
+    phases = check_distinct("phase", check_vector("phase", phase, largest=math.tau))
     options = options_of_study(rtol=rtol, atol=atol, method=method, backend=backend)
     progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=options.backend != "python")
     speed, states = check_real("to", to), states_of("starts", starts)
-    grid = Grid(rotors, varied | {"start": np.arange(len(states))}, states)
-    grid.check_size(study)
-    plan = RunUps(grid, speed, options)
+    grid = grid.over(rate=rates, phase=phases, start=np.arange(len(states)))
+    check_size(grid, study)
+    plan = RunUps(grid, states, speed, options)
     _check_can_be_followed(plan)
     how = {name: getattr(options, name) for name in ("rtol", "atol", "method")}
-    asked = {**rotors.values, **varied, "to": speed, "starts": states, **how}
+    asked = {**grid.design, "rate": rates, "phase": phases, "to": speed, "starts": states, **how}
     task = Task(follow_run_up, lost, rows_of, FORM, POINT)
     columns = run_study(
         plan, task, Question("run_ups", asked), study=study, workers=chosen, progress=progress
@@ -197,15 +205,18 @@ class RunUps:
 
     Parameters
     ----------
-    grid : Grid
-        The run-ups; the axes after those of the rotors are ``rate``, ``phase`` and ``start``.
+    varied : Varied
+        The run-ups; the axes behind the parameters are ``rate``, ``phase`` and ``start``.
+    starts : sequence of tuple of float
+        The starts ``(x, y, vx, vy)`` [1].
     to : float
         The speed at the end of the ramps [1].
     options : Options
         How to simulate.
     """
 
-    grid: Grid
+    varied: Varied
+    starts: Sequence[State]
     to: float
     options: Options
 
@@ -218,32 +229,32 @@ class RunUps:
     @property
     def points(self) -> int:
         """Number of points of all jobs."""
-        return self.grid.points
+        return self.varied.points
 
     def job(self, number: int) -> RunUp:
         """Return what a worker needs to follow a run-up."""
-        place = tuple(int(each) for each in np.unravel_index(number, self.grid.shape))
-        *_, rate, phase, start = place
+        place = [int(each) for each in np.unravel_index(number, self.varied.shape)]
+        at = self.varied.at(place)
         return RunUp(
-            rotor=self.grid.rotor(place),
+            rotor=self.varied.rotor(place),
             to=self.to,
-            rate=float(self.grid.axes["rate"][rate]),
-            phase=float(self.grid.axes["phase"][phase]),
-            start=self.grid.starts[start],
+            rate=float(at["rate"]),
+            phase=float(at["phase"]),
+            start=self.starts[at["start"]],
             options=self.options,
         )
 
     def slowest_first(self) -> Places:
         """Return the numbers of the run-ups, those at the lowest rates first."""
-        places = np.unravel_index(np.arange(self.grid.points), self.grid.shape)
-        rates = self.grid.axes["rate"][places[self.grid.dims.index("rate")]]
+        places = np.unravel_index(np.arange(self.points), self.varied.shape)
+        rates = self.varied.axes["rate"][places[self.varied.dims.index("rate")]]
         return np.argsort(np.abs(rates), kind="stable")
 
 
 def _check_can_be_followed(plan: RunUps) -> None:
     """Check each ramp, each value of a parameter and each start once."""
-    axes, starts, rotors = plan.grid.rotors.axes, plan.grid.starts, plan.grid.rotors.extremes()
-    for rotor, rate in product(rotors[: axes["omega"].size], plan.grid.axes["rate"].tolist()):
+    axes, starts, rotors = plan.varied.axes, plan.starts, plan.varied.extremes()
+    for rotor, rate in product(rotors[: axes["omega"].size], axes["rate"].tolist()):
         ramp_of(rotor, plan.to, rate, plan.options.backend)
     for rotor in rotors:
         check_can_be_followed(rotor, starts[0])
@@ -263,24 +274,30 @@ def rows_of(outcome: Outcome) -> Rows:
 
 def _dataset(plan: RunUps, columns: dict[str, Array]) -> xr.Dataset:
     """Return run-ups as a labelled dataset, with the fractions of their endings."""
-    grid = plan.grid
+    varied = plan.varied
     for parameter, names in ONLY_WITH.items():
-        if not grid.rotors.axes.get(parameter, np.zeros(1)).any():
+        if not varied.values(parameter).any():
             columns = {name: each for name, each in columns.items() if name not in names}
-    variables = grid.labelled(columns)
-    counted = tuple(grid.dims.index(name) for name in COUNTED)
-    others = [name for name in grid.dims if name not in COUNTED]
-    fractions = fractions_of(columns["ending"].reshape(grid.shape), counted)
+    variables = labelled_points(varied, columns)
+    counted = tuple(varied.dims.index(name) for name in COUNTED)
+    others = [name for name in varied.dims if name not in COUNTED]
+    fractions = fractions_of(columns["ending"].reshape(varied.shape), counted)
     variables |= {name: labelled(name, others, values) for name, values in fractions.items()}
     for name in ("radius_min", "radius_max"):
         variables[name].attrs["long_name"] += " at the last speed"
     for name in ("contact_count", "largest_force"):
         variables[name].attrs["long_name"] += " on the ramp"
-    rate = labelled("rate", "rate", grid.axes["rate"])
+    rate = labelled("rate", "rate", varied.axes["rate"])
     rate.attrs["long_name"] = "change of the spin speed in a unit of time"
     title = "Rotor in a clearance: run-ups over a range of speeds"
     how = provenance(plan.options.attributes())
-    coordinates = grid.coordinates | {"rate": rate, "to": ((), plan.to)}
+    starts = start_coordinates(plan.starts)
+    coordinates: dict[str, Column | xr.Variable] = {
+        **varied.coordinates,
+        **starts,
+        "rate": rate,
+        "to": ((), plan.to),
+    }
     return labelled_dataset(title, variables, coordinates, how, kind="run_ups")
 
 

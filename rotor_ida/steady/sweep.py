@@ -1,17 +1,17 @@
 """Sweeps: the settled response at each speed, damping and clearance.
 
-The points of the grid form ramps (quasi-static run-up and run-down): each point of a ramp begins
-where the one before has ended. Without a direction each point is a separate ramp.
+The points of the grid form ramps (quasi-static run-up and run-down, of the speed or of another
+parameter): each point of a ramp begins where the one before has ended. Without a direction each
+point is a separate ramp.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Literal
+from typing import Literal, Unpack
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import (
@@ -21,9 +21,11 @@ from rotor_ida.checks import (
     check_flag,
     check_progress,
 )
-from rotor_ida.model.rotor import Rotor
-from rotor_ida.model.rotors import Rotors, rotors_of
+from rotor_ida.model.parameters import OF_ROTOR, Parameters
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.varied import Varied, varied_of
 from rotor_ida.parallel import Progress, Stop, Workers, choose, shows_progress
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.rows import counted
@@ -43,13 +45,15 @@ from rotor_ida.steady.follow import FAILED, SettledResponse, failed, follow_to_s
 from rotor_ida.steady.grid import (
     EXPECTED,
     NO_COLUMNS,
-    Grid,
     Places,
     Rows,
     Task,
+    check_size,
     form_of,
+    labelled_points,
     reason_of,
     run_study,
+    start_coordinates,
 )
 from rotor_ida.steady.ramps import RampOrder
 from rotor_ida.steady.response import Features
@@ -83,20 +87,14 @@ EVENT = np.dtype(
 )
 
 
+@varies_in_si
 @shows_progress
 def sweep(
+    rotor: Rotor | DimensionalRotor | None = None,
     *,
-    omega: npt.ArrayLike,
-    zeta: npt.ArrayLike,
-    delta0: npt.ArrayLike,
-    shaft_stiffness: npt.ArrayLike = 0.0,
-    contact_exponent: npt.ArrayLike = 1.5,
-    contact_damping: npt.ArrayLike = 0.0,
-    load: npt.ArrayLike = 0.0,
-    friction: npt.ArrayLike = 0.0,
-    disc_radius: npt.ArrayLike | None = None,
     starts: Starts = (AT_REST,),
     direction: Direction | None = None,
+    along: str | None = None,
     events: bool = False,
     rtol: float = 1e-10,
     atol: float = 1e-12,
@@ -107,24 +105,24 @@ def sweep(
     executor: str = "auto",
     study: Folder | None = None,
     progress: Progress | bool | None = None,
+    **varied: Unpack[Parameters],
 ) -> xr.Dataset:
     """Compute the settled response at every speed, damping and clearance.
 
     Parameters
     ----------
-    omega, zeta, delta0 : array_like, shape (n,) or scalar
-        The parameters to combine [1].
-    shaft_stiffness, contact_exponent, contact_damping, load, friction : array_like or scalar
-        Optional parameters to combine [1], numbers or of shape (n,). An array becomes a dimension
-        of the result; a number other than the default becomes a scalar coordinate.
-    disc_radius : array_like, shape (n,) or scalar, optional
-        The radius of the disc [1], required with friction; likewise.
+    rotor : Rotor or DimensionalRotor, optional
+        The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given.
     starts : array_like, shape (n, 4), Dataset, or sequence of these
         Starts ``(x, y, vx, vy)`` [1], or results that end in one, as for `simulate`.
     direction : {"up", "down", "both"}, optional
         Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
         the starts, and each other from the end of the one before, so that jumps and their
         hysteresis appear. By default each speed begins from the starts.
+    along : str, optional
+        Name of the parameter that rises or falls with a direction, in increasing order. Default:
+        ``"omega"`` if the speed varies, else the only parameter that does. The other parameters
+        are combined with it.
     events : bool
         Whether to keep the contact events of all runs, in one table beside the points.
     rtol, atol, flight, backend
@@ -148,18 +146,25 @@ def sweep(
         the same sweep, begun with the same versions of the software.
     progress : callable or bool, optional
         Called with the number of points done and their total; True shows a bar on standard error.
+    **varied : float or array_like, shape (n,)
+        Parameters of `Rotor` by name [1], in place of those of `rotor`; all are combined. An array
+        becomes a dimension of the result, with each value once. ``omega``, ``zeta`` and ``delta0``
+        always are dimensions; of the others, a number other than the default becomes a scalar
+        coordinate.
 
     Returns
     -------
     Dataset
-        On ``(omega, zeta, delta0, start, direction)``: ``response`` (its kind, as a flag),
+        On ``(omega, zeta, delta0, start, direction)``, with any other axes before ``start``:
+        ``response`` (its kind, as a flag),
         ``amplitude`` and ``phase_lag`` of the motion at the spin speed, ``radius_min``,
         ``radius_max``, ``period`` (on the rotating axes, of bouncing and full-contact motions, and
         under a load whole revolutions; else NaN), ``lyapunov_exponent`` and ``lyapunov_error``
         (the largest; NaN where not needed), ``status``, ``message``, ``event_count``, the final
         window and the state at its end on the rotating axes. ``to_dataframe`` returns one row for
         each point. With `events` also the events of all runs in one table, ``event_count`` rows
-        each.
+        each. With a direction the attribute
+        ``along`` is the parameter that rises or falls.
 
     Raises
     ------
@@ -223,27 +228,30 @@ def sweep(
     True
     >>> len(responses.to_dataframe())
     2
+    >>> from rotor_ida import Rotor
+    >>> rotor = Rotor(omega=1.5, zeta=0.07, delta0=0.5)
+    >>> both = sweep(rotor, delta0=[0.0, 0.5, 1.5], direction="both")
+    >>> both.amplitude.squeeze().sel(direction=1).values.round(4)
+    array([6.408 , 7.48  , 9.4107])
+    >>> both.amplitude.squeeze().sel(direction=-1).values.round(4)
+    array([6.408 , 1.3259, 0.9957])
     """
-    rotors = rotors_of(
-        {
-            "omega": omega, "zeta": zeta, "delta0": delta0, "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent, "contact_damping": contact_damping, "load": load,
-            "friction": friction, "disc_radius": disc_radius,
-        }
-    )  # fmt: skip
+    asked = varied_of(sweep, rotor, varied)
     options = options_of_study(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
     progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=options.backend != "python")
     check_flag("events", events)
-    return sweep_rotors(
-        rotors, starts, direction, options, chosen, events=events, study=study, progress=progress
-    )
+    return sweep_varied(
+        asked, starts, direction, along, options, chosen, events=events, study=study,
+        progress=progress,
+    )  # fmt: skip
 
 
-def sweep_rotors(
-    rotors: Rotors,
+def sweep_varied(
+    varied: Varied,
     starts: Starts,
     direction: Direction | None,
+    along: str | None,
     options: Options,
     workers: Workers,
     *,
@@ -253,39 +261,43 @@ def sweep_rotors(
 ) -> xr.Dataset:
     """Follow rotors until they have settled, as `sweep` does."""
     states = states_of("starts", starts)
-    check_direction(direction, "omega", rotors.axes["omega"])
+    way = check_direction(direction, along, varied.axes)
     directions = np.array(DIRECTIONS[direction], dtype=np.int8)
-    grid = Grid(rotors, {"start": np.arange(len(states)), "direction": directions}, states)
-    grid.check_size(study)
-    _check_can_be_followed(grid)
+    varied = varied.over(start=np.arange(len(states)), direction=directions)
+    check_size(varied, study)
+    _check_can_be_followed(varied, states)
+    told = {"along": way} if way else {}
     how = {name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")}
     question = Question("sweep", {
-        **rotors.values, "starts": states, "direction": direction, **how, "events": events,
+        **varied.design, "starts": states, "direction": direction, **told, **how, "events": events,
     })  # fmt: skip
+    plan = Ramps(varied, states, options, varied.dims.index(way or "omega"))
     event = EVENT if events else NO_COLUMNS
     form = form_of("points of a sweep", "points", POINT, event)
     task = Task(settle_along, lost, rows_of if events else points_of, form, POINT, event)
-    columns = run_study(
-        Ramps(grid, options), task, question, study=study, workers=workers, progress=progress
-    )
-    variables = grid.labelled(columns.points)
+    columns = run_study(plan, task, question, study=study, workers=workers, progress=progress)
+    variables = labelled_points(varied, columns.points)
     if events:
         table = columns.events
         variables |= counted("event_count", variables["event_count"], "event")
         variables |= {name: labelled(name, "event", column) for name, column in table.items()}
-        variables |= event_columns(table["event_time"], table["event_kind"], *rotors.extremes())
+        variables |= event_columns(table["event_time"], table["event_kind"], *varied.extremes())
+    coordinates = varied.coordinates | start_coordinates(states)
     title = "Rotor in a clearance: responses over a range of speeds"
-    return labelled_dataset(
-        title, variables, grid.coordinates, provenance(options.attributes()), kind="sweep"
-    )
+    attributes = provenance(options.attributes()) | told
+    swept = labelled_dataset(title, variables, coordinates, attributes, kind="sweep")
+    if way not in {"", "omega"}:
+        words = f"direction in which the {OF_ROTOR[way].label} is swept"
+        swept["direction"].attrs["long_name"] = words
+    return swept
 
 
-def _check_can_be_followed(grid: Grid) -> None:
+def _check_can_be_followed(varied: Varied, starts: Sequence[State]) -> None:
     """Check each speed, each clearance and each start once, and the largest damping."""
-    rotors = grid.rotors.extremes()
+    rotors = varied.extremes()
     for rotor in rotors:
-        check_can_be_followed(rotor, grid.starts[0], settling=True)
-    for start in grid.starts[1:]:
+        check_can_be_followed(rotor, starts[0], settling=True)
+    for start in starts[1:]:
         check_can_be_followed(rotors[0], start, settling=True)
 
 
@@ -304,20 +316,26 @@ class Ramps:
 
     Parameters
     ----------
-    grid : Grid
-        The points. Its last axis is the direction: 1 up, -1 down; 0 where each point is a ramp of
-        its own.
+    varied : Varied
+        The points. Behind the parameters are the axes ``start`` and ``direction``: 1 up, -1 down; 0
+        where each point is a ramp of its own.
+    starts : sequence of tuple of float
+        The starts ``(x, y, vx, vy)`` [1].
     options : Options
         How to simulate.
+    axis : int
+        The dimension along which a ramp leads.
     """
 
-    grid: Grid
+    varied: Varied
+    starts: Sequence[State]
     options: Options
+    axis: int
 
     @property
     def order(self) -> RampOrder:
         """How the points form ramps."""
-        return RampOrder(self.grid.shape, self.grid.axes["direction"])
+        return RampOrder(self.varied.shape, self.varied.axes["direction"], self.axis)
 
     @property
     def length(self) -> int:
@@ -338,19 +356,17 @@ class Ramps:
 
     def job(self, number: int) -> RampJob:
         """Return what a worker needs to follow a ramp."""
-        omegas, others = self.order.indices(number)
-        rotors = [self.grid.rotor((omega, *others)) for omega in omegas.tolist()]
-        *_, start, _ = others
-        return RampJob(rotors, self.grid.starts[start], self.options)
+        places = np.transpose(np.unravel_index(self.places(number), self.varied.shape))
+        rotors = [self.varied.rotor(place) for place in places.tolist()]
+        return RampJob(rotors, self.starts[places[0, -2]], self.options)
 
     def slowest_first(self) -> Places:
         """Return the numbers of the ramps, the longest ones first.
 
         Ramps with a large clearance take longest, as the rotor bounces there.
         """
-        within = np.unravel_index(np.arange(len(self)), self.order.counted)
-        rotors = self.grid.rotors
-        clearances = rotors.axes["delta0"][within[rotors.dims.index("delta0")]]
+        firsts = self.order.firsts(np.arange(len(self)))
+        clearances = self.varied.axes["delta0"][firsts[self.varied.dims.index("delta0")]]
         return np.argsort(-clearances, kind="stable")
 
 

@@ -197,7 +197,7 @@ def _checked_speeds(speed: object, direction: Direction | None) -> Values:
     speeds = checked_speeds(speed)
     if not speeds.all():
         raise InputError("speed must not be 0 in a sweep of a rotor system, got 0.0")
-    check_direction(direction, "speed", speeds)
+    check_direction(direction, None, {"speed": speeds}, "speed")
     return speeds
 
 
@@ -320,7 +320,7 @@ class SystemRamps:
 
     def job(self, number: int) -> SystemRampJob:
         """Return what a worker needs to follow a ramp."""
-        speeds, (start, _) = self.order.indices(number)
+        speeds, (start, *_), _ = np.unravel_index(self.places(number), self.order.shape)
         return SystemRampJob(
             self.problem, self.speeds[speeds].tolist(), self.starts[start], self.point
         )

@@ -6,6 +6,8 @@ periodic motion with the limit cycle that Newton's method finds from its end.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
@@ -217,7 +219,7 @@ def _check_is_sweep(dataset: xr.Dataset) -> None:
 
 def _exact_whirls(dataset: xr.Dataset) -> xr.Dataset:
     """Return the exact whirls of all rotors of a sweep."""
-    given = {
+    given: dict[str, Any] = {
         name: dataset[name].values[()]
         for name in ALL_PARAMETERS
         if name in dataset.variables and name not in {"load", "disc_radius"}

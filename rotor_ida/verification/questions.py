@@ -95,7 +95,7 @@ def _direction_in(dataset: xr.Dataset) -> dict[str, Any]:
     """Return the direction of a sweep, in the word by which it was asked for."""
     turns = tuple(dataset["direction"].values.tolist())
     word = next((word for word, each in DIRECTIONS.items() if each == turns), "unknown")
-    return {"direction": word}
+    return {"direction": word, **_told_in(dataset, "along")}
 
 
 def _change_in(dataset: xr.Dataset) -> dict[str, Any]:

@@ -12,7 +12,6 @@ from typing import Any
 import pytest
 
 import rotor_ida
-from rotor_ida.cli.machines import Units
 from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
 from rotor_ida.model.parameters import FRICTIONLESS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
@@ -92,7 +91,7 @@ MISTAKES = [
         "without dimensions or in SI units, got delta0 and mass",
     ),
     ({**IN_SI_UNITS, "contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
-    ({**IN_SI_UNITS, "load": -1.0}, "load must be zero or positive, got -1.0"),
+    ({**IN_SI_UNITS, "load": -1.0}, "load must be zero or positive, got -1 N"),
     ({**ROTOR, "delta0": 0.0, "contact_damping": 1.0}, "contact_damping must be 0 without"),
     ({**ROTOR, "friction": 0.1}, "disc_radius must be given with friction, got None"),
 ]
@@ -213,7 +212,7 @@ def test_whirls_and_folds_of_machines_are_listed(program: Program):
     assert sorted(told) == sorted(there.tolist())
     refused = program(*line.replace("--folds", "--load 0.1").split())
     assert refused.status == 2
-    assert refused.err.startswith("rotor-ida: load must be 0 for exact whirls")
+    assert refused.err.startswith("rotor-ida: load must be 0 for synchronous_response")
 
 
 def test_an_atlas_goes_over_the_parameters_of_machines(program: Program):
@@ -242,8 +241,8 @@ def test_under_a_load_a_cycle_with_a_period_of_its_own_is_not_followed(
 
 def test_a_sweep_that_is_given_nothing_of_it_is_of_the_papers_rotor():
     papers = {"omega": [1.2, 1.3], "zeta": [0.07], "delta0": [0.5]}
-    assert RotorsOptions(**papers).given_and_units() == (papers, Units())
-    given, _ = RotorsOptions(**papers, load=[0.1], shaft_stiffness=[0.0, 0.5]).given_and_units()
+    assert RotorsOptions(**papers).asked() == (None, papers)
+    _, given = RotorsOptions(**papers, load=[0.1], shaft_stiffness=[0.0, 0.5]).asked()
     assert given == {**papers, "load": 0.1, "shaft_stiffness": [0.0, 0.5]}
 
 

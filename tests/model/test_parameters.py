@@ -6,11 +6,13 @@ import inspect
 import re
 from dataclasses import MISSING, fields
 from pathlib import Path
+from typing import get_type_hints
 
+import numpy.typing as npt
 import pytest
 
 from rotor_ida import DimensionalRotor, InputError, Rotor
-from rotor_ida.model.parameters import OF_MACHINE, OF_ROTOR, Parameter
+from rotor_ida.model.parameters import OF_MACHINE, OF_ROTOR, Parameter, Parameters
 from rotor_ida.schema import QUANTITIES
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -27,6 +29,15 @@ def test_a_rotor_takes_the_parameters_of_the_table(kind: type):
     table = {name: MISSING if each.needed else each.default for name, each in TABLES[kind].items()}
     assert given == table
     assert list(given) == list(table)
+
+
+def test_keywords_of_studies_are_typed_by_the_table():
+    keywords = get_type_hints(Parameters)
+    assert list(keywords) == list(OF_ROTOR)
+    for name, kind in keywords.items():
+        may_be_left_out = not OF_ROTOR[name].needed and OF_ROTOR[name].default is None
+        assert (kind == npt.ArrayLike | None) == may_be_left_out
+        assert may_be_left_out or kind == npt.ArrayLike
 
 
 @EACH

@@ -68,6 +68,12 @@ _MAKERS: dict[str, Callable[[], xr.Dataset]] = {
     "sweep": lambda: sweep(omega=[0.4, 0.8], **OF_CURVE),
     "over_clearance": lambda: clearance_curve(omega=0.8, zeta=ROTOR.zeta, limits=(0.0, 1.0)),
     "at_clearance": lambda: sweep(omega=[0.8], zeta=ROTOR.zeta, delta0=[0.5]),
+    "along_friction": lambda: sweep(
+        WHIPPED, friction=[0.0, 0.1], zeta=0.5, direction="both", method="taylor"
+    ),
+    "whirls_of_friction": lambda: synchronous_response(
+        WHIPPED, friction=np.linspace(0.0, 0.1, 11), zeta=0.5
+    ),
     "backbone": lambda: free_periods(amplitude=np.linspace(0.6, 20.0, 50), delta0=0.5),
     "by_clearance": lambda: folds(zeta=0.07, delta0=[0.5, 1.0]),
     "field": lambda: restoring_field(x=[-1, 0, 1], y=[0, 2], delta0=0.5),
@@ -136,6 +142,8 @@ PICTURES = (
     Picture(plot.plot_phase, "curve", SPEED, LAG, ON_CURVE),
     Picture(plot.plot_over_clearance, "over_clearance", ("delta0", NUMBER), AMPLITUDE,
             {"simulated": "at_clearance"}),
+    Picture(plot.plot_along, "along_friction", ("friction", NUMBER), AMPLITUDE,
+            {"whirls": "whirls_of_friction"}),
     Picture(plot.plot_backbone, "backbone", SPEED, AMPLITUDE),
     Picture(plot.plot_by_clearance, "by_clearance", ("delta0", NUMBER), AMPLITUDE,
             options={"names": {"fold_amplitude": "folds"}, "label": "amplitude $A$"}),

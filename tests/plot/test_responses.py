@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgba
 
-from rotor_ida import InputError, folds, hopf_points, sweep, synchronous_response
+from rotor_ida import InputError, Rotor, folds, hopf_points, sweep, synchronous_response
 from rotor_ida.closed_forms import clearance_curve, response_curve
 from rotor_ida.plot import panels, plot_amplitude, plot_over_clearance, plot_phase, shared_legend
+from rotor_ida.plot.figures import figure_of
 from rotor_ida.plot.labels import KIND_WORDS
 from rotor_ida.plot.responses import DOTS, KINDS
 from rotor_ida.schema import RESPONSE
@@ -204,8 +205,9 @@ def test_over_clearance_responses_off_the_whirls_are_bars(whirls_over_clearance,
     ax = plot_over_clearance(whirls_over_clearance, simulated=moved)
     (bars,) = ax.collections
     np.testing.assert_allclose(bars.get_segments()[0][:, 1], [0.2, 2.2])
-    marks = [line for line in ax.lines if line.get_marker() == "o"]
+    marks = [line for line in ax.lines if line.get_marker() == "s"]
     assert {line.get_label() for line in marks} == {"synchronous response", "contact-free response"}
+    assert line(ax, "speed going up").get_marker() == "^"
     assert bars.get_label() == "bouncing: range of $|z|$"
 
 
@@ -279,3 +281,22 @@ def test_rolling_and_quasi_periodic_responses_have_bars_marks_and_a_legend(simul
     ends = np.array([segment[:, 1] for segment in bars.get_segments()])
     np.testing.assert_allclose(ends[:, 1] - ends[:, 0], 0.5)
     assert {each.get_marker() for each in ax.lines if each.get_color() != "none"} >= {"^", "v"}
+
+
+def test_a_sweep_along_friction_is_drawn_over_friction_by_direction():
+    rotor = Rotor(omega=1.6, zeta=0.07, delta0=0.5, friction=0.0, disc_radius=10.0)
+    frictions, high = [0.0, 0.02, 0.05], [(6.0, 0.0, 0.0, 6.0)]
+    both = sweep(rotor, friction=frictions, starts=high, direction="both", method="taylor")
+    (ax,) = figure_of(both).axes
+    assert ax.get_xlabel() == r"friction $\mu$"
+    up, down = (
+        np.concatenate([line.get_xydata() for line in ax.lines if line.get_marker() == marker])
+        for marker in "^v"
+    )
+    for drawn, way in ((up, 1), (down, -1)):
+        points = np.column_stack([frictions, both.amplitude.sel(direction=way).squeeze()])
+        assert {tuple(row) for row in points} <= {tuple(row) for row in drawn}
+    assert line(ax, "friction going up").get_marker() == "^"
+    whirls = synchronous_response(rotor, friction=frictions).amplitude.values
+    dots = np.concatenate([each.get_ydata() for each in ax.lines if each.get_marker() == "o"])
+    assert np.isin(whirls[np.isfinite(whirls)], dots).all()

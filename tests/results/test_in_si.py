@@ -45,7 +45,8 @@ def machine_of(rotor):
     )  # fmt: skip
 
 
-# Each verb: its rotor, then each argument without dimensions, and its scale where it has one.
+# Each verb: its rotor, then each argument without dimensions, and its scale where it has one, after
+# its name for a machine where that is another.
 VERBS = {
     "simulate": (ROTOR, {"start": (START, STATE), "duration": (20.0, 1 / W)}),
     "simulate at times": (
@@ -87,6 +88,33 @@ VERBS = {
         ROTOR, {"x": ((-5.0, 5.0), D), "y": ((-5.0, 5.0), D), "starts": (40, None),
                 "shocks": (0, None)},
     ),
+    "sweep": (ROTOR, {
+        "omega": (np.array([1.6, 2.0]), ("speed", W)), "zeta": (0.1, ("damping", 2 * M * W)),
+        "starts": (np.array([START, 2 * START]), STATE),
+    }),
+    "sweep up": (ROTOR, {
+        "delta0": (np.array([1.9, 2.0]), ("clearance", D)), "direction": ("up", None),
+        "along": ("delta0", "clearance"),
+    }),
+    "run_ups": (LOADED, {
+        "omega": (0.3, ("speed", W)), "to": (0.6, W), "rate": (np.array([0.05, 0.1]), W**2),
+        "load": (np.array([0.0, 0.1]), F), "zeta": (0.2, ("damping", 2 * M * W)),
+    }),
+    "bifurcation_diagram": (ROTOR, {
+        "omega": (np.array([1.6, 2.0]), ("speed", W)), "zeta": (0.2, ("damping", 2 * M * W)),
+        "extrema_time": (20.0, 1 / W), "starts": (2, None),
+    }),
+    "continue_attractors": (ROTOR, {
+        "omega": (np.array([1.6, 2.0]), ("speed", W)), "x": ((-5.0, 5.0), D), "y": (1.0, D),
+        "starts": (20, None),
+    }),
+    "synchronous_response": (ROTOR, {
+        "omega": (np.array([1.7, 2.0]), ("speed", W)),
+        "contact_damping": (np.array([0.0, 0.2]), 1 / (D * W)),
+        "shaft_stiffness": (0.1, M * W**2),
+    }),
+    "folds": (ROTOR, {"delta0": (np.array([0.5, 1.0]), ("clearance", D))}),
+    "hopf_points": (RUBBING, {"friction": (np.array([0.1, 0.2]), 1.0)}),
     "rest": (LOADED, {}),
     "backward_whirl": (RUBBING, {}),
 }  # fmt: skip
@@ -106,7 +134,11 @@ def test_a_machine_is_its_rotor_in_si_units(name):
     rotor, asked = VERBS[name]
     verb = getattr(rotor_ida, name.split()[0])
     plain = verb(rotor, **{each: value for each, (value, _) in asked.items()})
-    in_si = verb(machine_of(rotor), **{each: scaled(*both) for each, both in asked.items()})
+    named = {
+        each: (scale[0], value, scale[1]) if isinstance(scale, tuple) else (each, value, scale)
+        for each, (value, scale) in asked.items()
+    }
+    in_si = verb(machine_of(rotor), **{each: scaled(*both) for each, *both in named.values()})
     assert set(in_si.variables) == set(plain.variables)
     for each, variable in in_si.variables.items():
         if variable.dtype.kind != "f":
@@ -118,7 +150,7 @@ def test_a_machine_is_its_rotor_in_si_units(name):
         if each.endswith(("error", "residual", "defect")):  # of rounding
             continue
         np.testing.assert_allclose(here, there, rtol=0, atol=1e-7 * size, err_msg=each)
-    for each, (value, scale) in asked.items():
+    for each, value, scale in named.values():
         if each in in_si.attrs and scale is not None and not isinstance(scale, str):
             expected = np.ravel(np.multiply(value, scale))
             np.testing.assert_allclose(in_si.attrs[each], expected, rtol=1e-12)

@@ -1,12 +1,15 @@
 """Sweeps: every point where it belongs, hysteresis, failures that stop nothing."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import SimulationError, compare, sweep
+from rotor_ida import InputError, Rotor, SimulationError, compare, sweep, synchronous_response
+from rotor_ida.checks import COMPONENTS
 from rotor_ida.parallel import FailedJob
-from rotor_ida.schema import EXACT, RESPONSE, flags_of, words_of
+from rotor_ida.schema import EXACT, RESPONSE, STABILITY, flags_of, words_of
 from rotor_ida.steady import grid as grid_module
 from rotor_ida.steady import sweep as sweep_module
 from tests.rotors import KNOCKED
@@ -23,6 +26,74 @@ def test_up_and_down_show_the_hysteresis_of_the_jump():
     assert np.abs(up - down).where(~inside, 0.0).max() < 1e-7
     assert both.amplitude.sel(direction=1, omega=1.7).item() == pytest.approx(9.4872069457)
     assert both.amplitude.sel(direction=-1, omega=1.7).item() == pytest.approx(1.8796312367)
+
+
+def test_a_ramp_over_the_clearance_shows_the_hysteresis_of_its_folds():
+    """Below 2.1 the whirl of resonance exists; the contact-free one only from 0.996 on."""
+    rotor, clearances = Rotor(omega=1.55, zeta=0.07, delta0=0.5), [0.0, 0.5, 1.25, 2.0, 2.5]
+    both = sweep(rotor, delta0=clearances, direction="both", method="taylor").squeeze()
+    assert both.attrs["along"] == "delta0"
+    assert both.amplitude.dims == ("delta0", "direction")
+    exact = synchronous_response(rotor, delta0=clearances).squeeze()
+    lasting = exact.amplitude.where(exact.stability != STABILITY["unstable"])
+    highest, lowest = lasting.max("branch").values, lasting.min("branch").values
+    assert (highest[1:4] > 4.0 * lowest[1:4]).all()
+    np.testing.assert_allclose(both.amplitude.sel(direction=1), highest, rtol=1e-7)
+    np.testing.assert_allclose(both.amplitude.sel(direction=-1), lowest, rtol=1e-7)
+
+
+def test_a_ramp_over_friction_is_a_chain_of_sweeps_of_one_point():
+    """The large whirl lasts up to a friction beyond 0.04; from above only the small one is met.
+
+    A second axis varies with it.
+    """
+    rotor = Rotor(omega=1.6, zeta=0.07, delta0=0.5, friction=0.0, disc_radius=10.0)
+    frictions, start = [0.0, 0.02, 0.05], (6.0, 0.0, 0.0, 6.0)
+    both = sweep(
+        rotor, friction=frictions, zeta=[0.07, 0.075], starts=[REST, start], direction="both",
+        along="friction", method="taylor",
+    )  # fmt: skip
+    assert both.attrs["along"] == "friction"
+    assert both.amplitude.dims == ("omega", "zeta", "delta0", "friction", "start", "direction")
+    up, down = (both.amplitude.sel(direction=way, friction=0.02, start=1) for way in (1, -1))
+    assert (up > 5.0 * down).all()
+    for zeta, way in product(both.zeta.values, (1, -1)):
+        state = start
+        for friction in frictions[::way]:
+            one = sweep(rotor, friction=friction, zeta=zeta, starts=[state], method="taylor")
+            here = both.sel(friction=friction, zeta=zeta, start=1, direction=way).squeeze()
+            for name in ("response", "amplitude", "radius_max", "end_x", "end_vy"):
+                assert here[name].item() == one[name].item(), (zeta, friction, name)
+            state = tuple(one[f"end_{name}"].item() for name in COMPONENTS)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"direction": "up"}, "omega must be two values or more in a sweep up or down, got 1.2"),
+        ({"along": "omega"}, "along must be left out without a direction, got 'omega'"),
+        (
+            {"direction": "up", "delta0": [0.5, 1.0], "zeta": [0.1, 0.2]},
+            "along must be given with a direction, as zeta and delta0 vary",
+        ),
+        (
+            {"direction": "up", "delta0": [1.0, 0.5]},
+            "delta0 must increase in a sweep up or down, got 0.5 after 1.0",
+        ),
+        (
+            {"direction": "up", "delta0": [0.5, 1.0], "along": "delta"},
+            "along must be one of 'omega', 'zeta', 'delta0', got 'delta'; did you mean 'delta0'?",
+        ),
+        (
+            {"direction": "up", "delta0": [0.5, 1.0], "along": "zeta"},
+            "zeta must be two values or more in a sweep up or down, got 0.1",
+        ),
+    ],
+)
+def test_a_direction_leads_along_one_axis_that_varies(changes, message):
+    with pytest.raises(InputError) as caught:
+        sweep(Rotor(omega=1.2, zeta=0.1, delta0=0.5), **changes)
+    assert str(caught.value) == message
 
 
 def test_dimensions_labels_and_events():

@@ -92,6 +92,9 @@ RESULTS = {
         omega=[1.2, 1.7, 2.2], zeta=0.3, delta0=[0.5, 1.0], starts=[(0, 0, 0, 0), (3, 0, 0, 1)]
     ),
     "up and down": lambda: sweep(omega=[1.2, 1.7], zeta=0.3, delta0=0.5, direction="both"),
+    "up and down in clearance": lambda: sweep(
+        ROTOR, zeta=[0.3, 0.5], delta0=[0.5, 1.0], direction="both", along="delta0"
+    ),
     "other kinds": lambda: sweep(omega=[0.5, 2.0], zeta=0.07, delta0=2.0, workers=1),
     "machines": lambda: sweep(
         omega=[1.2, 2.0],

@@ -6,6 +6,7 @@ import os
 from collections.abc import Mapping
 from contextlib import closing
 from operator import attrgetter
+from typing import Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -24,15 +25,17 @@ from rotor_ida.checks import (
     check_between,
     check_count,
     check_increasing,
-    check_points,
     check_progress,
     check_seed,
     is_scalar,
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotors import Rotors, rotors_of
+from rotor_ida.model.parameters import Parameters
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.varied import Varied, varied_of
 from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_all, shows_progress
+from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Results, open_results
 from rotor_ida.simulation.options import LARGEST
@@ -44,18 +47,11 @@ MOST_AXES = 2
 MOST_ROTORS = 100_000
 
 
+@varies_in_si
 @shows_progress
 def continue_attractors(
+    rotor: Rotor | DimensionalRotor | None = None,
     *,
-    omega: npt.ArrayLike,
-    zeta: npt.ArrayLike,
-    delta0: npt.ArrayLike,
-    shaft_stiffness: npt.ArrayLike = 0.0,
-    contact_exponent: npt.ArrayLike = 1.5,
-    contact_damping: npt.ArrayLike = 0.0,
-    load: npt.ArrayLike = 0.0,
-    friction: npt.ArrayLike = 0.0,
-    disc_radius: npt.ArrayLike | None = None,
     x: npt.ArrayLike = 0.0,
     y: npt.ArrayLike = 0.0,
     vx: npt.ArrayLike = 0.0,
@@ -68,23 +64,14 @@ def continue_attractors(
     executor: str = "auto",
     study: str | os.PathLike[str] | None = None,
     progress: Progress | bool | None = None,
+    **varied: Unpack[Parameters],
 ) -> xr.Dataset:
     """Compute the attractors over speed, damping or clearance, and their basin fractions.
 
     Parameters
     ----------
-    omega, zeta, delta0 : float or array_like, shape (n,)
-        Parameters [1]. In total one or two parameters are increasing arrays, the others numbers.
-        zeta must be above 0.
-    shaft_stiffness, contact_exponent, contact_damping : float or array_like, shape (n,)
-        As for `Rotor` [1]. An array becomes a dimension; a number other than the default becomes
-        a coordinate.
-    load : float
-        Must be 0: under a load there is no synchronous whirl.
-    friction : float or array_like, shape (n,)
-        Coefficient of friction in the contact [1]; likewise.
-    disc_radius : float or array_like, shape (n,), optional
-        Radius of the disc [1], required with friction; likewise.
+    rotor : Rotor or DimensionalRotor, optional
+        The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given.
     x, y, vx, vy : float or array_like, shape (2,)
         Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn
         independently and uniformly.
@@ -100,6 +87,11 @@ def continue_attractors(
         Error allowed per step, relative to the size of the state and of the eccentricity [1].
     workers, executor, study, progress
         As for `rotor_ida.basin`, but rotors are counted and stored instead of batches.
+    **varied : float or array_like, shape (n,)
+        Parameters of `Rotor` by name [1], in place of those of `rotor`. In total one or two
+        are increasing arrays, the others numbers. An array becomes a dimension; a number other
+        than the default becomes a coordinate. ``zeta`` must be above 0, and ``load`` must be 0:
+        under a load there is no synchronous whirl.
 
     Returns
     -------
@@ -146,25 +138,21 @@ def continue_attractors(
     >>> found.amplitude.squeeze().sel(omega=1.7).values.round(4)
     array([1.8796, 9.4872])
     """
-    grid = _check_grid(rotors_of({
-        "omega": omega, "zeta": zeta, "delta0": delta0, "shaft_stiffness": shaft_stiffness,
-        "contact_exponent": contact_exponent, "contact_damping": contact_damping, "load": load,
-        "friction": friction, "disc_radius": disc_radius,
-    }))  # fmt: skip
-    rotors = [grid.rotor(place) for place in np.ndindex(grid.sizes)]
-    for rotor in rotors:
-        check_rotor(rotor, "an atlas")
+    grid = _check_grid(varied_of(continue_attractors, rotor, varied))
+    rotors = list(grid.rotors())
+    for each in rotors:
+        check_rotor(each, "an atlas")
     progress = check_progress(progress)
     states, drawn = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
     tolerance = RTOL if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
     place, several = choose(executor, workers, compiled=True)
-    asked = {**grid.values, **drawn, "rtol": tolerance, "shocks": tried}
+    asked = {**grid.design, **drawn, "rtol": tolerance, "shocks": tried}
     design = Question("continue_attractors", asked).design()
     with open_results(study, design, len(rotors), FORM) as kept:
-        jobs = [CellJob(rotor, states, tolerance, tried) for rotor in rotors]
+        jobs = [CellJob(each, states, tolerance, tried) for each in rotors]
         reason = _fill(jobs, kept, place, several, progress)
-        cells = [Cell(rotor, not_computed=states.shape[1]) for rotor in rotors]
+        cells = [Cell(each, not_computed=states.shape[1]) for each in rotors]
         for number, cell in kept.results():
             cells[number] = cell
     interruptible(lambda stop: identify(cells, _lines(grid), stop))
@@ -199,17 +187,16 @@ def _fill(
     return reason
 
 
-def _check_grid(rotors: Rotors) -> Rotors:
-    """Return rotors of which at most two parameters vary, each along a rising axis."""
-    for name, axis in rotors.axes.items():
+def _check_grid(grid: Varied) -> Varied:
+    """Return a grid if at most two parameters vary, each along a rising axis."""
+    for name, axis in grid.axes.items():
         check_increasing(name, axis)
-    longer = [name for name, axis in rotors.axes.items() if axis.size > 1]
-    if len(longer) > MOST_AXES:
+    if len(grid.varying) > MOST_AXES:
         raise InputError(
-            f"two of the parameters at most may be arrays, got {len(longer)}: {', '.join(longer)}"
+            f"two of the parameters at most may be arrays, got {len(grid.varying)}: "
+            f"{', '.join(grid.varying)}"
         )
-    check_points(*rotors.axes.values(), most=MOST_ROTORS)
-    return rotors
+    return grid.check_size(MOST_ROTORS)
 
 
 def _states(
@@ -234,14 +221,14 @@ def _states(
     return np.ascontiguousarray(given.T), {"starts": given.tolist()}
 
 
-def _lines(rotors: Rotors) -> list[list[int]]:
+def _lines(grid: Varied) -> list[list[int]]:
     """Return the numbers of the cells along each line of the grid.
 
     Attractors cannot be followed from one contact law to the other.
     """
-    numbers = np.arange(rotors.points).reshape(rotors.sizes)
+    numbers = np.arange(grid.points).reshape(grid.shape)
     lines = []
-    for axis, (name, size) in enumerate(zip(rotors.dims, rotors.sizes, strict=True)):
+    for axis, (name, size) in enumerate(zip(grid.dims, grid.shape, strict=True)):
         if size > 1 and name != "contact_exponent":
             lines += np.moveaxis(numbers, axis, -1).reshape(-1, size).tolist()
     return lines

@@ -16,7 +16,7 @@ from rotor_ida.basins.atlas.shocks import KINDS
 from rotor_ida.basins.attractors import NUMBERS
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of, followed_by, labelled_how
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.model.rotors import Rotors
+from rotor_ida.model.varied import Varied
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import (
     END,
@@ -42,17 +42,17 @@ FLAGS = {
 
 
 def atlas_dataset(
-    rotors: Rotors, cells: Sequence[Cell], starts: int, attributes: Mapping[str, object]
+    grid: Varied, cells: Sequence[Cell], starts: int, attributes: Mapping[str, object]
 ) -> xr.Dataset:
     """Return the attractors over the parameters; `starts` is the number of starts of each rotor."""
     members = [each for cell in cells for each in cell.members]
     count = 1 + max((each.identity for each in members), default=-1)
     columns = _columns(cells, count, starts)
-    coordinates = {**rotors.coordinates, "attractor": ("attractor", np.arange(count))}
+    coordinates = {**grid.coordinates, "attractor": ("attractor", np.arange(count))}
     if any(each.resilience is not None for each in members):
         columns |= _shocks(cells, count)
         coordinates["target"] = ("target", np.arange(count))
-    over = (*rotors.dims, "attractor", "target")
+    over = (*grid.dims, "attractor", "target")
     of_cell: dict[str, npt.ArrayLike] = {
         "undecided_fraction": [
             each.undecided / max(starts - each.not_computed, 1) for each in cells
@@ -67,8 +67,8 @@ def atlas_dataset(
     variables: dict[str, Column] = {}
     for name, column in columns.items():
         own = column.shape[1:]  # along the attractors, and of shocks along their targets
-        dims = over[: len(rotors.dims) + len(own)]
-        variables[name] = (dims, column.reshape(*rotors.sizes, *own))
+        dims = over[: len(grid.dims) + len(own)]
+        variables[name] = (dims, column.reshape(*grid.shape, *own))
     variables["missed_fraction"] = ((), missed_fraction(starts))
     title = "Rotor in a clearance: attractors and the fractions of starts on each"
     return labelled_dataset(title, variables, coordinates, _flat(attributes), kind="atlas")

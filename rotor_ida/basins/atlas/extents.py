@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from operator import itemgetter
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -25,7 +26,6 @@ from scipy.optimize import brentq
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.closed_forms import (
     clearance_curve,
-    eigenvalues,
     folds,
     response_curve,
     synchronous_response,
@@ -36,13 +36,14 @@ from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.fold_locus import LocusSide, fold_locus, locus_points
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
+from rotor_ida.closed_forms.stability import eigenvalues_of
 from rotor_ida.cycles.branch import BORN, CONTACT_FREE, HALVED, LIMITS, Side, advance
 from rotor_ida.cycles.guess import DOUBLING, Guess
 from rotor_ida.cycles.problems import FOLD, PLACE, SLIDING, TORUS, branch_through
 from rotor_ida.cycles.special_points import DISCONTINUOUS
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import PARAMETERS
-from rotor_ida.model.rotor import Rotor, without
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import STABILITY, WITH_EXTENTS
 from rotor_ida.simulation.neighbours import Shot
 
@@ -147,7 +148,7 @@ def extent_of_whirl(rotor: Rotor, amplitude: float, parameter: str) -> tuple[End
         return _extent_over_damping(rotor, amplitude)
     value = getattr(rotor, parameter)
     if parameter == "omega":
-        last_turn = folds(zeta=rotor.zeta, delta0=rotor.delta0)["fold_omega"].max().item()
+        last_turn = folds(rotor)["fold_omega"].max().item()
         lowest, highest = AT_ZERO * value, 2.0 * float(np.fmax(value, last_turn))
     else:  # the clearance is less than the amplitude, and that at most omega/(2 zeta)
         lowest, highest = 0.0, rotor.omega / rotor.zeta
@@ -164,8 +165,8 @@ def amplitudes_along(rotor: Rotor, amplitude: float, parameter: str, values: Val
 
     A branch has ended at a fold if the nearest other whirl is farther off than it can have moved.
     """
-    given = _of_whirls(rotor)
-    whirls = synchronous_response(**given | {parameter: values})
+    asked: dict[str, Any] = {"load": 0.0, parameter: values}
+    whirls = synchronous_response(rotor, **asked)
     stands = (whirls["stability"] == STABILITY["stable"]) & (whirls["in_contact"] == 1)
     sizes = whirls["amplitude"].where(stands).transpose(parameter, ..., "branch").values
     found = np.full(values.size, math.nan)
@@ -175,11 +176,6 @@ def amplitudes_along(rotor: Rotor, amplitude: float, parameter: str, values: Val
             break
         found[place] = amplitude = float(row[np.nanargmin(apart)])
     return found
-
-
-def _of_whirls(rotor: Rotor) -> dict[str, float]:
-    """Return the parameters that exact whirls depend on: neither load nor disc radius."""
-    return without(without(rotor.given, "load"), "disc_radius")
 
 
 def _end_of_steps(rotor: Rotor, amplitude: float, parameter: str, values: Values) -> End:
@@ -221,8 +217,7 @@ def _how_whirl_ends(rotor: Rotor, amplitude: float) -> str:
     """Return how a stable whirl ends that does so near a rotor."""
     if amplitude - rotor.delta0 <= AT_RING * rotor.delta0:
         return "touch"
-    given = _of_whirls(rotor)
-    rates = eigenvalues(amplitude, **given)
+    rates = eigenvalues_of(np.array(amplitude), RotorColumns.of(rotor.given))
     slowest = rates[np.argmax(rates.real)]
     return "fold" if slowest.imag == 0.0 else "hopf"
 
@@ -289,9 +284,9 @@ def _end_along_curve(rotor: Rotor, amplitude: float, parameter: str, limit: floa
     value = getattr(rotor, parameter)
     limits = (min(value, limit), max(value, limit))
     if parameter == "omega":
-        curve = response_curve(zeta=rotor.zeta, delta0=rotor.delta0, limits=limits, points=2)
+        curve = response_curve(rotor, limits=limits, points=2)
     else:
-        curve = clearance_curve(omega=rotor.omega, zeta=rotor.zeta, limits=limits, points=2)
+        curve = clearance_curve(rotor, limits=limits, points=2)
     columns = (parameter, "amplitude", "stability", "in_contact", "piece")
     values, sizes, stability, touching, piece = (curve[name].values.ravel() for name in columns)
     # the curve is cut at the given rotor, so that a piece of it begins or ends with the whirl

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import COMPONENTS, MOST_SHOCKS
+from rotor_ida.checks import MOST_SHOCKS
 from rotor_ida.cli import options, parsing
-from rotor_ida.cli.machines import Units
 from rotor_ida.cli.option_types import STUDY, count_option
 from rotor_ida.cli.output import Output, answer, answer_whole, check_varies, working
 from rotor_ida.cli.parsing import MOST_POINTS, check_points
@@ -52,11 +51,6 @@ class DrawnOptions:
     starts: options.StartCount = 1000
     seed: options.Seed = 0
     rtol: options.RtolOrNone = None
-
-    def of(self, units: Units) -> dict[str, Any]:
-        """Return it without dimensions."""
-        given = asdict(self)
-        return given | units.components({name: given[name] for name in COMPONENTS})
 
 
 def basin(
@@ -164,18 +158,18 @@ def continue_attractors(
     output.check()
     if output.figure is not None:
         check_varies(rotors.panels())
-    given, units = rotors.given_and_units()
-    units.keep(study)
-    with working("atlas", study) as progress, units.told():
+    rotor, given = rotors.asked()
+    with working("atlas", study) as progress:
         dataset = rotor_ida.continue_attractors(
+            rotor,
             **given,
-            **drawn.of(units),
+            **asdict(drawn),
             shocks=shocks,
             **asdict(jobs),
             study=study,
             progress=progress,
         )
-        return answer_whole(units.shown(dataset), output, study)
+        return answer_whole(dataset, output, study)
 
 
 def touchdown_report(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -28,7 +28,8 @@ from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
 from rotor_ida.cli.systems import run_up_file, simulate_file, sweep_file
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.scales import BECOMES
 
 # Number of random initial states of a bifurcation diagram.
 STARTS = 8
@@ -78,6 +79,14 @@ Direction = Annotated[
     Parameter(help="Quasi-static sweep: start each speed where the one before ended."),
 ]
 Events = Annotated[bool, flag_option("Keep the contact events of all runs, in one table.")]
+Along = Annotated[
+    options.OfRotor | None,
+    Parameter(
+        help="Parameter that rises or falls with --direction; for a machine speed, damping or "
+        "clearance replace omega, zeta or delta0. Default: the speed, or else the only one with "
+        "several values."
+    ),
+]
 Quick = Annotated[bool, flag_option("Compute coarser results, faster.")]
 Studies = Annotated[
     bool, flag_option("Compute the studies as well as the figures of the paper.", name="--all")
@@ -197,6 +206,7 @@ def sweep(
     start: options.Starts = [AT_REST],  # noqa: B006 - never changed
     direction: Direction = None,
     events: Events = False,
+    along: Along = None,
     jobs: options.JobOptions = options.JobOptions(),
     solver: options.SweepSolverOptions = options.SweepSolverOptions(),
     study: options.Study = None,
@@ -214,6 +224,11 @@ def sweep(
         rotor-ida sweep --omega 0.5:3:6 --zeta 0.1 --delta0 1 --direction both \
             --shaft-stiffness 0.25 --load 0 0.3 --figure machine
 
+    Up and down in clearance, at one speed:
+
+        rotor-ida sweep --omega 1.5 --zeta 0.07 --delta0 0:2:5 --direction both \
+            --figure clearance
+
     A rotor of any size with several contacts, from a system file:
 
         rotor-ida sweep rotor.toml --speed 1000rpm:5000rpm:9 --out map.nc
@@ -221,24 +236,29 @@ def sweep(
     if system is not None:
         if events:
             raise InputError("events must be of one disc: sweeps of a rotor system keep none")
+        if along is not None:
+            raise InputError(f"along must be left out with a rotor system, got {along}")
         given = {"direction": direction, "study": study, **jobs.on_every_core()}
         return sweep_file(system, rotors, start, solver, output, given)
     check_points(*rotors.axes(), start, in_study=study is not None)
-    output.check(panels=rotors.panels(over="omega"))
-    given, units = rotors.given_and_units()
-    units.keep(study)
-    with working("sweep", study) as progress, units.told():
+    several = [name for name, each in rotors.values.items() if len(each) > 1]
+    over = along or (several[0] if direction and len(several) == 1 else "omega")
+    output.check(panels=rotors.panels(over=BECOMES.get(over, over)))
+    rotor, given = rotors.asked()
+    with working("sweep", study) as progress:
         dataset = rotor_ida.sweep(
+            rotor,
             **given,
-            starts=list(map(units.start, start)),
+            starts=start,
             direction=direction,
             events=events,
+            along=along,
             **asdict(solver),
             **jobs.on_every_core(),
             study=study,
             progress=progress,
         )
-        return answer_whole(units.shown(dataset), output, study)
+        return answer_whole(dataset, output, study)
 
 
 def bifurcation_diagram(
@@ -253,6 +273,7 @@ def bifurcation_diagram(
     vy: options.RangeOrNone = None,
     extrema_time: ExtremaTime = None,
     direction: Direction = None,
+    along: Along = None,
     rate: RateOrNone = None,
     rtol: options.Rtol = 1e-10,
     atol: options.Atol = 1e-12,
@@ -278,25 +299,27 @@ def bifurcation_diagram(
     output.check()
     if output.figure is not None:
         check_one_varies([name for name, each in rotors.values.items() if len(each) > 1])
-    given, units = rotors.given_and_units()
+    rotor, given = rotors.asked()
     box = {"x": x, "y": y, "vx": vx, "vy": vy}
-    given |= units.components({name: each for name, each in box.items() if each is not None})
+    given |= {name: each for name, each in box.items() if each is not None}
     if extrema_time is not None:
-        given["extrema_time"] = units.time(extrema_time)
-    with working("diagram") as progress, units.told():
+        given["extrema_time"] = extrema_time
+    with working("diagram") as progress:
         dataset = rotor_ida.bifurcation_diagram(
+            rotor,
             **given,
-            starts=starts if start is None else list(map(units.start, start)),
+            starts=starts if start is None else start,
             seed=seed,
             direction=direction,
-            rate=None if rate is None else units.rate(rate),
+            along=along,
+            rate=rate,
             rtol=rtol,
             atol=atol,
             method=method,
             **jobs.on_every_core(),
             progress=progress,
         )
-        return answer_whole(units.shown(dataset), output, None)
+        return answer_whole(dataset, output, None)
 
 
 def run_ups(
@@ -326,30 +349,32 @@ def run_ups(
     """
     check_points(*rotors.axes(), rate, phase, start or [AT_REST], in_study=study is not None)
     output.check(panels=rotors.panels())
-    given, units = rotors.given_and_units()
-    units.keep(study)
-    with working("run-ups", study) as progress, units.told():
+    rotor, given = rotors.asked()
+    with working("run-ups", study) as progress:
         dataset = rotor_ida.run_ups(
+            rotor,
             **given,
-            to=units.speed(to),
-            rate=list(map(units.rate, rate)),
+            to=to,
+            rate=rate,
             phase=phase,
-            starts=_hanging(given) if start is None else list(map(units.start, start)),
+            starts=_hanging(rotor, given) if start is None else start,
             **asdict(solver),
             **jobs.on_every_core(),
             study=study,
             progress=progress,
         )
-        return answer_whole(units.shown(dataset), output, study)
+        return answer_whole(dataset, output, study)
 
 
-def _hanging(given: Mapping[str, Any]) -> list[State]:
+def _hanging(machine: DimensionalRotor | None, given: Mapping[str, Any]) -> list[State]:
     """Return the one place in which all rotors of run-ups hang at rest under their load."""
     axes = {name: each if isinstance(each, list) else [each] for name, each in given.items()}
-    if not any(axes.get("load", [])):
+    if not any(axes.get("load", [machine.load if machine else 0.0])):
         return [AT_REST]
-    rotors = (Rotor(**dict(zip(axes, values, strict=True))) for values in product(*axes.values()))
-    places = {begun(None, each) for each in rotors}
+    several = (dict(zip(axes, values, strict=True)) for values in product(*axes.values()))
+    places = {
+        begun(None, replace(machine, **each) if machine else Rotor(**each)) for each in several
+    }
     if len(places) > 1:
         raise InputError(
             "start must be given for rotors that hang in different places under their load, got "

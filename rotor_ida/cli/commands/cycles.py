@@ -11,7 +11,7 @@ from cyclopts import Parameter
 import rotor_ida
 from rotor_ida.checks import COMPONENTS, MOST_NUMBERS, State, shown
 from rotor_ida.cli import options, parsing
-from rotor_ida.cli.machines import begun, check_limits, plain
+from rotor_ida.cli.machines import begun, check_limits
 from rotor_ida.cli.option_types import count_option, path_option, quantity_option
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
@@ -58,19 +58,15 @@ SpecialNumber = Annotated[
 PointCount = Annotated[
     int, count_option("Largest number of points in each direction.", 2, MOST_NUMBERS)
 ]
-Continued = Literal[
-    "omega", "zeta", "delta0", "speed", "damping", "clearance", "shaft_stiffness",
-    "contact_damping", "load", "friction", "disc_radius",
-]  # fmt: skip
 OneParameter = Annotated[
-    Continued,
+    options.OfRotor,
     Parameter(
         help="Parameter to vary; for a machine speed, damping or clearance replace omega, "
         "zeta or delta0."
     ),
 ]
 TwoParameters = Annotated[
-    tuple[Continued, Continued],
+    tuple[options.OfRotor, options.OfRotor],
     Parameter(
         help="The two parameters to vary, from the choices of continue-cycle.",
         metavar="NAME NAME",
@@ -136,9 +132,14 @@ class Origin(RotorOptions):
         A point of a bifurcation curve of `curve_kind` starts exactly that bifurcation.
         """
         if self.from_ is not None:
-            dataset, units = plain(read(self.from_))
-            rotor, found = _in_archive(dataset, self, curve_kind)
-            return units.machine or rotor, found
+            from rotor_ida.results.si_units import (  # noqa: PLC0415 - heavy, not for --help
+                dimensionless,
+                machine_of,
+            )
+
+            archived = read(self.from_)
+            rotor, found = _in_archive(dimensionless(archived), self, curve_kind)
+            return machine_of(archived) or rotor, found
         chosen = self.chosen()
         start = begun(self.start, chosen)
         return chosen, start if self.period is None else _closed(chosen, start, self.period)

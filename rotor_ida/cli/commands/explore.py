@@ -11,7 +11,7 @@ from typing import Annotated
 
 from rotor_ida.checks import COMPONENTS, State, shown
 from rotor_ida.cli import options
-from rotor_ida.cli.machines import begun, plain
+from rotor_ida.cli.machines import begun
 from rotor_ida.cli.option_types import (
     IN_OUTPUT,
     count_option,
@@ -143,17 +143,18 @@ def _beginning(
     if given or start is not None:
         raise InputError("file must be given alone: the archive contains the rotor and the start")
     from rotor_ida.results.run import check_one_speed, rotor_of  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.results.si_units import dimensionless, machine_of  # noqa: PLC0415
 
     archived = read(file)
     if "event_time" not in archived or "duration" not in archived.attrs:
         raise InputError(f"file must be an archive of a run, got {shown(file)}")
-    run, units = plain(archived)
+    run = dimensionless(archived)
     check_one_speed(run, "the explorer")
     found = rotor_of(run)
     x, y, vx, vy = map(float, run.attrs["start"])
     turns = float(run.attrs["duration"]) * (found.omega or 1.0) / (2.0 * math.pi)
     revolutions = min(max(round(turns), 1), MOST_REVOLUTIONS)
-    return units.machine or found, (x, y, vx, vy), revolutions
+    return machine_of(archived) or found, (x, y, vx, vy), revolutions
 
 
 def _checked_start(rotor: Rotor | DimensionalRotor, start: State) -> State:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import check_axis
 from rotor_ida.cli import machines, options
-from rotor_ida.cli.machines import Units
 from rotor_ida.cli.option_types import ROTOR, flag_option
 from rotor_ida.cli.output import Output, answer
 from rotor_ida.cli.parsing import check_points
@@ -30,6 +28,8 @@ from rotor_ida.model.parameters import OPTIONAL
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rotor_ida.model.rotor import DimensionalRotor
+
 # More rows are for programs, with --json or --out.
 MOST_ROWS = 1000
 # The speed of a rotor, without dimensions and in SI units.
@@ -39,47 +39,31 @@ WithFolds = Annotated[bool, flag_option("List the folds too.")]
 
 @Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
-class WhirlsOptions(RotorsOptions):
-    """Rotors for lists of whirls."""
-
-    def without_load(self, known: Mapping[str, list[float]] = {}) -> tuple[dict[str, Any], Units]:
-        """Return the given parameters that affect exact whirls, and their units."""
-        given, units = self.given_and_units(known)
-        if given.pop("load", 0.0) != 0.0:
-            raise InputError("load must be 0 for exact whirls: under a load there are none")
-        radii = given.pop("disc_radius", None)  # it moves no whirl
-        if radii is not None:
-            check_axis("disc_radius", radii)
-        return given, units
-
-
-@Parameter(name="*", group=ROTOR)
-@dataclass(frozen=True, kw_only=True)
 @with_parameters(
     {name: Annotated[SEVERAL[name], Parameter(show=False)] for name in SPEEDS},
     dict.fromkeys(SPEEDS),
 )
-class AllSpeedsOptions(WhirlsOptions):
+class AllSpeedsOptions(RotorsOptions):
     """Rotors for lists of folds or Hopf points, which are found at all speeds."""
 
-    def without_speed(self) -> tuple[dict[str, Any], Units]:
-        """Return the given parameters that affect these points, and their units."""
+    def without_speed(self) -> tuple[DimensionalRotor | None, dict[str, Any]]:
+        """Return the machine, if it is one, and the given parameters that affect these points."""
         for name in SPEEDS:
             if name in self.values:
                 raise InputError(f"{name} must be left out: all speeds are searched")
         speed = "speed" if self.in_si else "omega"
         if self.machine is None:
             machines.check_complete(self.values, OPTIONAL, known=(speed,))
-        given, units = self.without_load({speed: [ANY_SPEED]} if self.machine is None else {})
-        del given["omega"]
-        return given, units
+        machine, given = self.asked({speed: [ANY_SPEED]} if self.machine is None else {})
+        given.pop("omega", None)
+        return machine, given
 
 
 def synchronous_response(
     system: options.System = None,
     /,
     *,
-    rotors: WhirlsOptions = WhirlsOptions(),
+    rotors: RotorsOptions = RotorsOptions(),
     folds: WithFolds = False,
     without_gravity: options.WithoutGravity = False,
     output: Output = Output(),
@@ -107,14 +91,15 @@ def synchronous_response(
         raise InputError("without_gravity must be left out without a rotor system")
     check_points(*rotors.axes())
     output.check(panels=rotors.panels(over="omega"))
-    given, units = rotors.without_load()
-    whirls = rotor_ida.synchronous_response(**given)
+    machine, given = rotors.asked()
+    whirls = rotor_ida.synchronous_response(machine, **given)
     if folds:
         of_folds = {name: each for name, each in given.items()
-                    if name not in {"omega", "contact_damping"}}  # fmt: skip
-        found = rotor_ida.folds(**of_folds)
+                    if name not in {*SPEEDS, "contact_damping"}}  # fmt: skip
+        undamped = None if machine is None else replace(machine, contact_damping=0.0)
+        found = rotor_ida.folds(undamped, **of_folds)
         whirls = whirls.assign({name: found[name] for name in ("fold_omega", "fold_amplitude")})
-    return answer(units.shown(whirls), output, most=MOST_ROWS)
+    return answer(whirls, output, most=MOST_ROWS)
 
 
 def folds(*, rotors: AllSpeedsOptions = AllSpeedsOptions(), output: Output = Output()) -> Report:
@@ -148,10 +133,8 @@ def _at_all_speeds(
     """Return the answer with the special points of whirls, which are at any speeds."""
     check_points(*rotors.axes())
     output.check(panels=rotors.panels())
-    given, units = rotors.without_speed()
-    with units.told():
-        found = compute(**given)
-    return answer(units.shown(found), output, most=MOST_ROWS)
+    machine, given = rotors.without_speed()
+    return answer(compute(machine, **given), output, most=MOST_ROWS)
 
 
 def backward_whirl(*, rotor: RotorOptions = RotorOptions(), output: Output = Output()) -> Report:

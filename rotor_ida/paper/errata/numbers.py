@@ -140,7 +140,7 @@ def with_clearance() -> Numbers:
     """Eqs (29) and (31) at omega = 1.2, delta0 = 0.5: amplitudes and phases."""
     given = {"omega": 1.2, "zeta": DAMPING, "delta0": 0.5}
     (printed,) = amplitudes_29(**given)
-    whirl = synchronous_response(**given)
+    whirl = synchronous_response(Rotor(**given))
     A = whirl["amplitude"].item()
     return {
         "amplitude": A,

@@ -42,7 +42,7 @@ KINDS = {
     ),
     "ramps of machines": lambda **more: sweep(
         omega=[0.9, 1.2, 1.7], zeta=0.3, delta0=1.0, shaft_stiffness=0.25, contact_exponent=[1.0],
-        load=[0.0, 0.3], direction="both", **more
+        load=[0.0, 0.3], direction="both", along="load", **more
     ),
     "run-ups": lambda **more: run_ups(
         omega=0.3, to=1.6, rate=[0.2, 0.3, 0.4], zeta=0.1, delta0=[1.0, 2.0], shaft_stiffness=1.0,
