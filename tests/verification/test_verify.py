@@ -93,6 +93,7 @@ RESULTS = {
     "up and down": lambda: sweep(omega=[1.2, 1.7], zeta=0.3, delta0=0.5, direction="both"),
     "other kinds": lambda: sweep(omega=[0.5, 2.0], zeta=0.07, delta0=2.0, workers=1),
     "machines": lambda: sweep(
+        events=True,
         omega=[1.2, 2.0],
         zeta=0.1,
         delta0=[0.5, 2.0],
