@@ -122,6 +122,8 @@ def options_of_study(
     ('taylor', 'adams')
     """
     if method is None:
+        check_choice("flight", flight, FLIGHTS)
+        check_choice("backend", backend, BACKENDS)
         loose = isinstance(rtol, float) and rtol > LOOSEST_RTOL_OF_TAYLOR
         fits = flight == "exact" and backend != "python" and not loose
         method = "taylor" if fits else "adams"

@@ -129,7 +129,10 @@ def test_a_load_and_unequal_directions_need_whole_revolutions(point):
 def test_a_result_of_another_kind_or_size_is_refused(cycle):
     exact = synchronous_response(omega=1.7, zeta=0.07, delta0=0.5)
     run = simulate(SYSTEM, **AROUND, duration=1.0)
-    for start, kind in ((exact, "exact whirls"), (run, "run of a rotor system")):
+    none = limit_cycle(Rotor(omega=0.5, zeta=0.5, delta0=2.0))
+    for start, kind in (
+        (exact, "exact whirls"), (run, "run of a rotor system"), (none, "limit cycle")
+    ):  # fmt: skip
         with pytest.raises(InputError, match=rf"point of a sweep of one disc does, got a {kind}$"):
             simulate(BOUNCING, start=start, duration=1.0)
     with pytest.raises(InputError, match=r"of a rotor system does, got a limit cycle$"):

@@ -97,6 +97,7 @@ RESULTS = {
     ),
     "other kinds": lambda: sweep(omega=[0.5, 2.0], zeta=0.07, delta0=2.0, workers=1),
     "machines": lambda: sweep(
+        events=True,
         omega=[1.2, 2.0],
         zeta=0.1,
         delta0=[0.5, 2.0],

@@ -38,7 +38,8 @@ KINDS = {
         starts=[(0, 0, 0, 0), (3, 0, 0, 1)], **more,
     ),
     "ramps": lambda **more: sweep(
-        omega=[0.9, 1.2, 1.7], zeta=[0.3, 0.5], delta0=[0.0, 0.5, 1.0], direction="both", **more
+        omega=[0.9, 1.2, 1.7], zeta=[0.3, 0.5], delta0=[0.0, 0.5, 1.0], direction="both",
+        events=True, **more,
     ),
     "ramps of machines": lambda **more: sweep(
         omega=[0.9, 1.2, 1.7], zeta=0.3, delta0=1.0, shaft_stiffness=0.25, contact_exponent=[1.0],
