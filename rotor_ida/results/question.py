@@ -70,14 +70,14 @@ class Question:
 
     def design(self) -> dict[str, Any]:
         """Return the key of a study: the question, and what else determines the bits."""
-        return {"kind": self.verb, **self.plain(), **computing()}
+        return {"verb": self.verb, **self.plain(), **computing()}
 
     @classmethod
     def of_design(cls, design: Mapping[str, Any]) -> Question:
         """Return the question in the key of a study."""
         program = program_of(design)
         plain = {name: each for name, each in design.items() if name not in program}
-        return cls(plain.pop("kind"), arguments_from(plain))
+        return cls(plain.pop("verb"), arguments_from(plain))
 
     def text(self) -> str:
         """Return the arguments as the text that a dataset keeps."""

@@ -42,7 +42,8 @@ def test_it_comes_back_from_json(name):
     assert Question(question.verb, again).text() == text
     assert again.keys() == question.arguments.keys()
     design = json.loads(json.dumps(question.design(), allow_nan=False))
-    assert Question.of_design(design) == Question(question.verb, again) or "rotor" in again
+    found = Question.of_design(design)
+    assert (found.verb, found.text()) == (question.verb, text)
 
 
 def test_numbers_keep_all_their_bits():
@@ -68,7 +69,7 @@ def test_a_stator_of_its_own_stays_apart_from_one_that_is_shared():
 def test_a_study_is_resumed_to_the_same_bits(kind, tmp_path):
     found = STUDIES[kind](study=tmp_path / "study")
     xr.testing.assert_identical(resume(tmp_path / "study"), found)
-    assert design_of(tmp_path / "study")["kind"] in rotor_ida.__all__
+    assert design_of(tmp_path / "study")["verb"] in rotor_ida.__all__
 
 
 @pytest.mark.parametrize("text", ["{", "[1]", '{"rotor": {"type": "Path"}}', '{"x": {"type": "R'])

@@ -165,12 +165,12 @@ def _panels(folder: Path) -> int:
     from rotor_ida.results.studies import design_of  # noqa: PLC0415 - heavy, and not for --help
 
     design = design_of(folder)
-    if design.get("kind") == "basin_fractions":
+    if design.get("verb") == "basin_fractions":
         raise InputError("figure must be of a sweep or basin, got a study of basin fractions")
-    over_speed = design.get("kind") not in {"run_ups", "continue_attractors"}
+    over_speed = design.get("verb") not in {"run_ups", "continue_attractors"}
     axes = (design.get(name) for name in ALL_PARAMETERS[over_speed:])
     points = math.prod(len(axis) for axis in axes if isinstance(axis, list))
-    if design.get("kind") == "continue_attractors":
+    if design.get("verb") == "continue_attractors":
         check_varies(points)
         return 1
     return points

@@ -199,7 +199,7 @@ def status(folder: str | os.PathLike[str]) -> dict[str, object]:
         raise damaged(place, "the number of points of a piece")
     rate = _rate(session)
     return {
-        "kind": design.get("kind", ""),
+        "kind": design.get("verb", ""),
         "points": points,
         "done": done,
         "failed": failed,

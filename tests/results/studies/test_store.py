@@ -17,7 +17,7 @@ from rotor_ida.results.studies import Piece, design_of, opened, status, store
 from rotor_ida.results.studies.database import FILE
 from rotor_ida.results.studies.store import LOCK
 
-DESIGN = {"kind": "sweep", "omega": [1.2, 1.7], "rtol": 1e-10, "direction": None, "vx": 0.0}
+DESIGN = {"verb": "sweep", "omega": [1.2, 1.7], "rtol": 1e-10, "direction": None, "vx": 0.0}
 
 
 def piece(number, content=b"content", failed=0, reason=""):
