@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rotor_ida.basins.atlas import continue_attractors
+from rotor_ida.basins.atlas.continue_attractors import continue_attractors
 from rotor_ida.basins.basin import basin, basin_fractions
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.continue_cycle import branch_from
@@ -125,8 +125,7 @@ def resume_drops(design: Design, jobs: Jobs) -> Resumed:
 
 def resume_basin(design: Design, jobs: Jobs) -> Resumed:
     """Return the function that resumes a basin."""
-    given = {**_given(design, *COMPONENTS, "rtol"), **jobs}
-    return lambda **how: basin(_rotor(design), **given, **how)
+    return partial(basin, _rotor(design), **_given(design, *COMPONENTS, "rtol"), **jobs)
 
 
 def resume_fractions(design: Design, jobs: Jobs) -> Resumed:
