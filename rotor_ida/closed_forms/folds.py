@@ -25,11 +25,11 @@ from rotor_ida.closed_forms.fold_locus_with_friction import friction_cusp
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Parameters
+from rotor_ida.model.parameters import ALL_PARAMETERS, Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Varied
 from rotor_ida.results.in_si import varies_in_si
-from rotor_ida.schema import STABILITY, labelled, labelled_dataset
+from rotor_ida.schema import STABILITY, labelled, labelled_dataset, spread
 
 # Beyond these values the locus leaves the range of doubles.
 _RANGE = (1e-20, 1e6)
@@ -157,14 +157,10 @@ def jumps(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Datase
     """
     found = folds_of(whirls_asked(jumps, rotor, varied, RANGES, ALL_SPEEDS))
     dims, speeds = found["fold_omega"].dims, found["fold_omega"].values
-    names = [str(name) for name in found.coords if name != "fold"]
+    given = spread(found, ALL_PARAMETERS, found["fold_omega"])
     landing = np.full(speeds.shape, np.nan)
     for place in zip(*np.nonzero(np.isfinite(speeds)), strict=True):
-        at = dict(zip(dims, place, strict=True))
-        parameters = {
-            name: found[name].values[at[name]] if name in at else found[name].item()
-            for name in names
-        }
+        parameters = {name: each[place] for name, each in given.items()}
         here = synchronous_response(omega=speeds[place], **parameters)
         amplitude = here["amplitude"].values.ravel()
         fold = found["fold_amplitude"].values[place]

@@ -13,7 +13,14 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_points, check_real
+from rotor_ida.checks import (
+    LARGEST_NUMBER,
+    check_axis,
+    check_distinct,
+    check_nonnegative,
+    check_points,
+    check_real,
+)
 from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.contacting_whirls import root_between
 from rotor_ida.errors import InputError
@@ -278,8 +285,10 @@ def free_periods(
     >>> periods.circular_period.values.round(5)
     array([[5.28351, 3.736  ]])
     """
-    sizes = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
-    clearances = check_axis("delta0", delta0, largest=LARGEST_NUMBER)
+    sizes, clearances = (
+        check_distinct(name, check_axis(name, values, largest=LARGEST_NUMBER))
+        for name, values in (("amplitude", amplitude), ("delta0", delta0))
+    )
     check_points(clearances, sizes)
     given = {"shaft_stiffness": shaft_stiffness, "contact_exponent": contact_exponent}
     coordinates = RestoringLaw.checked(given).coordinates

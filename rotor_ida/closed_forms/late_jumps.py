@@ -38,9 +38,9 @@ from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.stability import eigenvalues_of
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
-from rotor_ida.model.parameters import Parameters
+from rotor_ida.model.parameters import ALL_PARAMETERS, Parameters
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.schema import labelled
+from rotor_ida.schema import labelled, spread
 
 # The solution of ``x' = t + x**2`` that begins on the whirl is at infinity at this time.
 AIRY = 2.338107410459767  # the first zero of Ai(-t)
@@ -106,12 +106,8 @@ def late_jumps(
     found = folds_of(whirls_asked(late_jumps, rotor, varied, RANGES, ALL_SPEEDS))
     speeds = found["fold_omega"]
     dims, exists = speeds.dims, np.isfinite(speeds.values)
-    coordinates = {
-        str(name): each.broadcast_like(speeds).transpose(*dims).values[exists]
-        for name, each in found.coords.items()
-        if name != "fold"
-    }
-    rotors = RotorColumns.of({"omega": speeds.values[exists], **coordinates})
+    given = {"omega": speeds.values, **spread(found, ALL_PARAMETERS, speeds)}
+    rotors = RotorColumns.of(given)[exists]
     amplitude = found["fold_amplitude"].values[exists]
     none = (np.empty(0),) * 3, np.empty(0, np.bool_)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):

@@ -38,9 +38,9 @@ from rotor_ida.closed_forms.folds import RANGES
 from rotor_ida.closed_forms.response_curve import BETWEEN_LIMITS, curve_over_speed
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Parameters, check_exponent
+from rotor_ida.model.parameters import ALL_PARAMETERS, Parameters, check_exponent
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.schema import STABILITY, labelled
+from rotor_ida.schema import STABILITY, labelled, spread
 
 SMALLEST_INERTIA, LARGEST_INERTIA = 1e-12, 1e15
 # Below this fraction of the largest eigenvalue a growth rate is rounding.
@@ -199,12 +199,7 @@ def sommerfeld_curve(
         rho = check_nonnegative("disc_radius", disc_radius, LARGEST_NUMBER)
     curve = curve_over_speed(asked, limits, points)
     dims = curve["amplitude"].dims
-    coordinates = {
-        str(name): each.broadcast_like(curve["amplitude"]).transpose(*dims).values
-        for name, each in curve.coords.items()
-        if name != "point"
-    }
-    rotors = RotorColumns.of({"omega": curve["omega"].values, **coordinates})
+    rotors = RotorColumns.of(spread(curve, ALL_PARAMETERS, curve["amplitude"]))
     if disc_radius is None and rotors.friction.any():
         raise InputError(
             f"disc_radius must be given with friction {rotors.friction.max().item()!r}, got None"

@@ -20,7 +20,7 @@ from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.results.in_si import keeps_si
-from rotor_ida.schema import EXACT, check_as_computed
+from rotor_ida.schema import EXACT, check_as_computed, spread
 
 NEEDED = ("lies_on", "exact_period", "exact_radius_max", *(f"end_{name}" for name in COMPONENTS))
 # Two cycles of one rotor are the same if period and largest radius differ by less than this.
@@ -78,14 +78,11 @@ def branches_through(
         raise InputError(f"compared must be a comparison of a sweep; it lacks {', '.join(missing)}")
     lies_on = compared["lies_on"]
     parameters = [name for name in ALL_PARAMETERS if name in compared.variables]
-    spread = {
-        name: compared[name].broadcast_like(lies_on).transpose(*lies_on.dims).values
-        for name in (*NEEDED, *parameters)
-    }
+    given = spread(compared, (*NEEDED, *parameters), lies_on)
     places = np.argwhere(lies_on.values == EXACT["cycle"])
     branches: list[xr.Dataset] = []
     for number, place in enumerate(map(tuple, places), start=1):
-        here = {name: float(values[place]) for name, values in spread.items()}
+        here = {name: float(values[place]) for name, values in given.items()}
         rotor = Rotor(**{name: here[name] for name in parameters})
         period, radius = here["exact_period"], here["exact_radius_max"]
         if not any(holds_cycle(branch, rotor, period, radius) for branch in branches):

@@ -101,10 +101,9 @@ class Varied:
 
     @property
     def columns(self) -> dict[str, Axis]:
-        """The value of each parameter at every point, the last dimension varying fastest."""
-        given = self.parameters
-        grid = np.meshgrid(*given.values(), indexing="ij")
-        return {name: part.ravel() for name, part in zip(given, grid, strict=True)}
+        """All values at every point, the last dimension varying fastest."""
+        grid = np.meshgrid(*self.given.values(), indexing="ij")
+        return {name: part.ravel() for name, part in zip(self.given, grid, strict=True)}
 
     def over(self, **axes: Axis) -> Varied:
         """Return the same with these axes, in place of those of the same names or behind all."""

@@ -12,6 +12,7 @@ from rotor_ida.schema.datasets import (
     labelled,
     labelled_dataset,
     origin_of,
+    spread,
 )  # fmt: skip
 from rotor_ida.schema.flags import (
     DAMPED_EVENT_KIND,
@@ -53,5 +54,5 @@ __all__ = [
     "QUANTITIES", "RESPONSE", "RESULT_KIND", "SPECIAL", "STABILITY", "STATUS", "TRAPPING",
     "VERDICT", "WHIRL_DIRECTION", "WHIRL_KIND", "WITH_EXTENTS", "Column", "Quantity",
     "by_number", "check_as_computed", "decode_flags", "flags_of", "labelled",
-    "labelled_dataset", "origin_of", "unit_of", "words_of",
+    "labelled_dataset", "origin_of", "spread", "unit_of", "words_of",
 ]  # fmt: skip

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -83,6 +84,17 @@ def labelled_dataset(
     except (AttributeError, TypeError):  # another version of xarray
         plain = {name: variable for name, variable in held.items() if name not in names}
         return xr.Dataset(plain, {name: held[name] for name in names}, told)
+
+
+def spread(
+    dataset: xr.Dataset, names: Iterable[str], like: xr.DataArray
+) -> dict[str, npt.NDArray[Any]]:
+    """Return those of the named variables that there are, by name, on the dimensions of another."""
+    return {
+        name: dataset[name].broadcast_like(like).transpose(*like.dims).values
+        for name in names
+        if name in dataset.variables
+    }
 
 
 def origin_of(dataset: xr.Dataset) -> dict[str, object]:

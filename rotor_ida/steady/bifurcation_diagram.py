@@ -35,7 +35,7 @@ from rotor_ida.model.varied import Varied, varied_of
 from rotor_ida.parallel import FailedJob, Progress, Stop, Workers, choose, run_all
 from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.results.rows import counted
-from rotor_ida.schema import STATUS, labelled
+from rotor_ida.schema import STATUS, labelled, spread
 from rotor_ida.simulation.extrema import Extrema, check_knots, radius_extrema
 from rotor_ida.simulation.options import LARGEST, Method, Options
 from rotor_ida.simulation.run_up import MOST_RADIANS
@@ -265,14 +265,10 @@ def _followed_on(
 def _jobs(settled: xr.Dataset, numbers: npt.NDArray[np.intp]) -> Iterator[tuple[Rotor, State]]:
     """Yield rotor and final state, on the rotating axes, of the points with these numbers."""
     status = settled["status"]
-    of = {
-        name: settled[name].broadcast_like(status).transpose(*status.dims).values.ravel()
-        for name in ALL_PARAMETERS
-        if name in settled.coords
-    }
+    given = spread(settled, ALL_PARAMETERS, status)
     ends = np.stack([settled[f"end_{name}"].values.ravel() for name in COMPONENTS], axis=-1)
     for number in numbers.tolist():
-        rotor = Rotor(**{name: float(values[number]) for name, values in of.items()})
+        rotor = Rotor(**{name: float(values.flat[number]) for name, values in given.items()})
         x, y, vx, vy = ends[number].tolist()
         yield rotor, (x, y, vx, vy)
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -24,6 +23,7 @@ from rotor_ida.arrays import Column, Stop, Values
 from rotor_ida.checks import (
     check_axis,
     check_count,
+    check_distinct,
     check_nonnegative,
     check_positive,
     check_progress,
@@ -33,6 +33,7 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support, Unbalance
+from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import Progress, choose
 from rotor_ida.results.provenance import computing, provenance
 from rotor_ida.results.studies.results import Folder
@@ -253,11 +254,10 @@ def _axes(given: Mapping[str, object]) -> dict[str, Values]:
 def _grid(axes: dict[str, Values]) -> dict[str, Values]:
     """Return the value of what varies in each drop of a grid."""
     axes.setdefault("phase", np.zeros(1))
-    count = math.prod(each.size for each in axes.values())
-    if count > MOST_DROPS:
-        raise InputError(f"drops must be at most {MOST_DROPS} on the grid, got {count}")
-    rows = np.array(list(product(*axes.values())))
-    return dict(zip(axes, rows.T, strict=True))
+    grid = Varied({name: check_distinct(name, axis) for name, axis in axes.items()})
+    if grid.points > MOST_DROPS:
+        raise InputError(f"drops must be at most {MOST_DROPS} on the grid, got {grid.points}")
+    return grid.columns
 
 
 def _random(

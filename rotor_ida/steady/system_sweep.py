@@ -18,6 +18,7 @@ from rotor_ida.checks import (
     MOST_POINTS_OF_STUDY,
     check_between,
     check_direction,
+    check_distinct,
     check_points,
     check_progress,
     shown,
@@ -193,6 +194,7 @@ def _checked_speeds(speed: object, direction: Direction | None) -> Values:
     speeds = checked_speeds(speed)
     if not speeds.all():
         raise InputError("speed must not be 0 in a sweep of a rotor system, got 0.0")
+    check_distinct("speed", speeds)
     check_direction(direction, None, {"speed": speeds}, "speed")
     return speeds
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Values
-from rotor_ida.checks import check_axis, check_count
+from rotor_ida.checks import check_axis, check_count, check_distinct
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact
@@ -89,7 +89,7 @@ def campbell(
     array([[-2.    ,  2.    , -4.    ,  4.    ],
            [-2.    ,  2.    , -3.1231,  5.1231]])
     """
-    speeds = checked_speeds(speed)
+    speeds = check_distinct("speed", checked_speeds(speed))
     springs = _springs(contact_stiffness, contacts)
     assembly = assemble(system, contacts, [], None, None)
     most = None if modes is None else check_count("modes", modes, maximum=2 * assembly.size)

@@ -30,6 +30,7 @@ from rotor_ida.schema import (
     labelled,
     labelled_dataset,
     origin_of,
+    spread,
 )
 
 NEEDED = ("response", "amplitude", "phase_lag")
@@ -261,13 +262,9 @@ def _under_load(exact: xr.Dataset, load: xr.DataArray) -> xr.Dataset:
 def _rest_beside(exact: xr.Dataset) -> None:
     """Add rest under a load to the whirls, as the first branch where the rotor does not rotate."""
     of_parameters = exact["amplitude"].isel(branch=0)
-    spread = {
-        name: exact[name].broadcast_like(of_parameters).transpose(*of_parameters.dims).values
-        for name in ALL_PARAMETERS
-        if name in exact.variables
-    }
-    for place in zip(*np.nonzero((spread["omega"] == 0.0) & (spread["load"] > 0.0)), strict=True):
-        at = {name: float(values[place]) for name, values in spread.items()}
+    given = spread(exact, ALL_PARAMETERS, of_parameters)
+    for place in zip(*np.nonzero((given["omega"] == 0.0) & (given["load"] > 0.0)), strict=True):
+        at = {name: float(values[place]) for name, values in given.items()}
         if at.pop("friction", 0.0) > 0.0:  # which holds it wherever it is
             continue
         rotor = Rotor(**at)
@@ -318,19 +315,16 @@ def _cycles_beside(dataset: xr.Dataset) -> dict[str, npt.NDArray[np.generic]]:
     if any(name not in dataset for name in (*OF_CYCLES, *ENDS)):
         return table
     parameters = [name for name in ALL_PARAMETERS if name in dataset.variables]
-    spread = {
-        name: dataset[name].broadcast_like(response).transpose(*response.dims).values
-        for name in (*OF_CYCLES, *ENDS, *parameters)
-    }
-    for place in zip(*np.nonzero(np.isfinite(spread["period"])), strict=True):
-        rotor = Rotor(**{name: float(spread[name][place]) for name in parameters})
-        end = np.array([spread[name][place] for name in ENDS])
-        cycle = _cycle_near(rotor, end, float(spread["period"][place]))
+    given = spread(dataset, (*OF_CYCLES, *ENDS, *parameters), response)
+    for place in zip(*np.nonzero(np.isfinite(given["period"])), strict=True):
+        rotor = Rotor(**{name: float(given[name][place]) for name in parameters})
+        end = np.array([given[name][place] for name in ENDS])
+        cycle = _cycle_near(rotor, end, float(given["period"][place]))
         if cycle is None:
             continue
         stability[place] = STABILITY["stable" if is_stable(cycle.shot) else "unstable"]
         exact = np.array([getattr(cycle, name) for name in OF_CYCLES])
-        simulated = np.array([spread[name][place] for name in OF_CYCLES])
+        simulated = np.array([given[name][place] for name in OF_CYCLES])
         # a rotor that passes near the centre has a tiny smallest radius
         sizes = np.array([cycle.period, cycle.radius_max, cycle.radius_max])
         distance[place] = (np.abs(simulated - exact) / sizes).max()

@@ -15,6 +15,8 @@ from rotor_ida import DimensionalRotor, InputError, Rotor
 from rotor_ida.closed_forms import (
     clearance_curve,
     cusp,
+    free_periods,
+    impact,
     jumps,
     late_jumps,
     peaks,
@@ -188,6 +190,26 @@ def test_wrong_arguments_get_one_line(name: str):
             verb(name)(*first, **of, **given)
         assert message in str(caught.value)
         assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_value_given_twice_on_any_axis_is_refused():
+    rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.5)
+    system, contacts, unbalance = rotor.system()
+    around: dict[str, Any] = {"contacts": contacts, "unbalance": unbalance}
+    calls: list[tuple[str, Callable[[], object]]] = [
+        ("rate", lambda: rotor_ida.run_ups(rotor, to=1.5, rate=[0.1, 0.2, 0.1])),
+        ("phase", lambda: rotor_ida.run_ups(rotor, to=1.5, rate=0.1, phase=[0.0, 0.0])),
+        ("rate", lambda: late_jumps(rotor, rate=[1e-4, 1e-4])),
+        ("entry_speed", lambda: impact(entry_speed=[1.0, 1.0], contact_damping=0.1)),
+        ("amplitude", lambda: free_periods(amplitude=[2.0, 2.0], delta0=0.5)),
+        ("speed", lambda: rotor_ida.sweep(system, **around, speed=[1.2, 1.2])),
+        ("speed", lambda: rotor_ida.campbell(system, contacts=contacts, speed=[1.2, 1.2])),
+        ("friction", lambda: rotor_ida.drop_ensemble(
+            system, bearings=contacts, speed=1.2, duration=1.0, friction=[0.1, 0.1])),
+    ]  # fmt: skip
+    for name, call in calls:
+        with pytest.raises(InputError, match=rf"^{name} must have each value once, got .* twice$"):
+            call()
 
 
 def test_a_misspelt_option_is_named_too():

@@ -122,8 +122,6 @@ def test_a_run_is_not_a_sweep():
         compare(one.squeeze())
     with pytest.raises(InputError, match="got words in response: give the result from before"):
         compare(decode_flags(one))
-    with pytest.raises(InputError, match=r"write sweep\(omega=1.2, zeta=0.5, delta0=0\)"):
-        sweep(Rotor(omega=1.2, zeta=0.5, delta0=0.0))
     with pytest.raises(InputError, match="dataset must be a Dataset, got"):
         compare("run.nc")
 
