@@ -378,7 +378,7 @@ FRICTION = [
     ("0.5", "--friction 0.1", "disc_radius must be given with friction, got None with friction"),
     ("0.5", "--friction -0.1 --disc-radius 10", "friction must be zero or positive, got -0.1"),
     ("0.5", "--friction nan --disc-radius 10", "friction must be a finite real number, got nan"),
-    ("0.5", "--friction 0.1 --disc-radius -1", "disc_radius must be zero or positive, got -1.0"),
+    ("0.5", "--friction 0.1 --disc-radius -1", "disc_radius must be zero or positive, got -1"),
     ("0.5", "--friction 0.1 --disc-radius nan", "radius must be a finite real number, got nan"),
     ("0.5", "--friction 0.1 --disc-radius wide", "radius must be a finite real number, got 'wide'"),
     ("0", "--friction 0.1 --disc-radius 10", "friction must be 0 without clearance, where the "),

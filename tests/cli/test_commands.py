@@ -293,7 +293,7 @@ def test_a_sweep_with_failed_points_keeps_them_and_says_so(
     swept["status"][1] = 1
     swept["message"] = swept["message"].astype("<U20")
     swept["message"][1] = "the solver gave up"
-    monkeypatch.setattr("rotor_ida.sweep", lambda **_: swept)
+    monkeypatch.setattr("rotor_ida.sweep", lambda *_, **__: swept)
     answer = program("sweep", *SWEEP, "--out", "sweep.nc")
     assert answer.status == 1
     assert answer.err == "rotor-ida: 2 of 4 points failed; the first: the solver gave up\n"
