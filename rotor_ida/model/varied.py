@@ -192,10 +192,10 @@ def varied_of(
     (('omega', 'zeta', 'delta0', 'shaft_stiffness'), (1, 1, 1, 2), ('shaft_stiffness', 'load'))
     >>> varied.rotor((0, 0, 0, 1))
     Rotor(omega=1.2, zeta=0.07, delta0=0.5, shaft_stiffness=0.25, load=0.1)
-    >>> varied_of(sweep, rotor, {"fricton": 0.1})
+    >>> varied_of(sweep, rotor, {"frictionn": 0.1})
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: sweep has no argument 'fricton'; did you mean 'friction'?
+    rotor_ida.errors.InputError: sweep has no argument 'frictionn'; did you mean 'friction'?
     """
     asked = _asked(verb, rotor, given, left_out)
     found: dict[str, Axis] = {}

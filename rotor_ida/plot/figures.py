@@ -198,7 +198,7 @@ def _whirls_beside(curve: xr.Dataset) -> xr.Dataset | None:
     if beyond or set(of) != {"omega", "delta0"}:
         return None
     delta0, (low, high) = curve["delta0"].values, of["omega"]
-    clearances = np.linspace(delta0.min(), delta0.max(), CLEARANCES)
+    clearances = np.unique(np.linspace(delta0.min(), delta0.max(), CLEARANCES))
     whirls = folds(zeta=curve["zeta"].item(), delta0=clearances)
     within = (whirls["fold_omega"] >= low) & (whirls["fold_omega"] <= high)
     return whirls.where(within) if within.any() else None

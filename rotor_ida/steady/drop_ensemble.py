@@ -249,9 +249,11 @@ def _axes(given: Mapping[str, object]) -> dict[str, Values]:
 def _grid(axes: dict[str, Values]) -> dict[str, Values]:
     """Return the value of what varies in each drop of a grid."""
     axes.setdefault("phase", np.zeros(1))
-    grid = Varied({name: check_distinct(name, axis) for name, axis in axes.items()})
+    grid = Varied(axes)
     if grid.points > MOST_DROPS:
         raise InputError(f"drops must be at most {MOST_DROPS} on the grid, got {grid.points}")
+    for name, axis in axes.items():
+        check_distinct(name, axis)
     return grid.columns
 
 

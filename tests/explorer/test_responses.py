@@ -299,8 +299,8 @@ def test_a_run_that_shows_what_is_settled_on_is_not_said_to_end_too_early(
 
 
 def test_a_run_that_fails_is_told_of_and_not_looked_at_further(monkeypatch: pytest.MonkeyPatch):
-    def fail(**given: object) -> object:
-        found = rotor_ida.sweep(**given)
+    def fail(rotor: rotor_ida.Rotor, **given: object) -> object:
+        found = rotor_ida.sweep(rotor, **given)
         lost = {name: found[name] * np.nan for name in found if str(name).startswith("end_")}
         said = found["message"].copy(data=np.full(found["message"].shape, "too much work"))
         return found.assign(

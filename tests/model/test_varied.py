@@ -173,7 +173,8 @@ def test_keywords_override_the_rotor_and_are_axes(name: str):
 def test_wrong_arguments_get_one_line(name: str):
     rotor, of = Rotor(omega=1.2, zeta=0.07, delta0=0.5), VERBS[name]
     wrong: list[tuple[tuple[object, ...], dict[str, Any], str]] = [
-        ((rotor,), {"fricton": 0.1}, f"{name} has no argument 'fricton'; did you mean 'friction'?"),
+        ((rotor,), {"frictionn": 0.1},
+         f"{name} has no argument 'frictionn'; did you mean 'friction'?"),
         ((rotor,), {"qqq": 0.1}, f"{name} has no argument 'qqq'"),
         ((1.2,), {}, f"rotor must be a Rotor, got 1.2: write {name}(rotor, ...), or {name}("),
         ((rotor,), {"friction": [0.1, 0.2, 0.1], "disc_radius": 5.0},
@@ -214,8 +215,8 @@ def test_a_value_given_twice_on_any_axis_is_refused():
 
 def test_a_misspelt_option_is_named_too():
     rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.5)
-    with pytest.raises(InputError, match="no argument 'direcion'; did you mean 'direction'"):
-        rotor_ida.sweep(rotor, direcion="up")
+    with pytest.raises(InputError, match="no argument 'directionn'; did you mean 'direction'"):
+        rotor_ida.sweep(rotor, directionn="up")
 
 
 @pytest.mark.parametrize("name", [each for each in VERBS if each in OWN or "_" in each])

@@ -165,10 +165,11 @@ def amplitudes_along(rotor: Rotor, amplitude: float, parameter: str, values: Val
 
     A branch has ended at a fold if the nearest other whirl is farther off than it can have moved.
     """
-    asked: dict[str, Any] = {"load": 0.0, parameter: values}
+    distinct, back = np.unique(values, return_inverse=True)
+    asked: dict[str, Any] = {"load": 0.0, parameter: distinct}
     whirls = synchronous_response(rotor, **asked)
     stands = (whirls["stability"] == STABILITY["stable"]) & (whirls["in_contact"] == 1)
-    sizes = whirls["amplitude"].where(stands).transpose(parameter, ..., "branch").values
+    sizes = whirls["amplitude"].where(stands).transpose(parameter, ..., "branch").values[back]
     found = np.full(values.size, math.nan)
     for place, row in enumerate(sizes.reshape(values.size, -1)):
         apart = np.abs(row - amplitude)
