@@ -135,7 +135,7 @@ def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
     ("change", "message"),
     [
         ({"rtol": 1e-9}, "begun with rtol 1e-10, got 1e-09"),
-        ({"method": "bdf"}, "begun with method 'adams', got 'bdf'"),
+        ({"method": "bdf"}, "begun with method 'taylor', got 'bdf'"),
         ({"starts": [(0, 0, 0, 0)]}, "begun with starts"),
     ],
 )
