@@ -18,11 +18,7 @@ from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
-<<<<<<< HEAD
 from rotor_ida.parallel import Progress, shows_progress
-=======
-from rotor_ida.parallel import Progress
->>>>>>> units
 from rotor_ida.results.in_si import keeps_si
 from rotor_ida.schema import EXACT, check_as_computed, spread
 
