@@ -35,14 +35,9 @@ class OfBoth(Protocol[OfDisc, OfSystem]):
 def of_both(
     disc: Callable[OfDisc, xr.Dataset], system: Callable[OfSystem, xr.Dataset], module: str
 ) -> OfBoth[OfDisc, OfSystem]:
-    """Return the function that hands one disc to the first, and a rotor system to the second.
-
-    Where that of one disc takes its parameters by name, a rotor gives those that are not given.
-    """
-    by_name = not any(
-        each.kind is each.POSITIONAL_OR_KEYWORD
-        for each in inspect.signature(disc).parameters.values()
-    )
+    """Return the function that hands one disc to the first, and a rotor system to the second."""
+    first = next(iter(inspect.signature(disc).parameters.values()))
+    is_optional = first.default is None  # its parameters may be given by name
 
     @wraps(disc)
     def either(*given: object, **options: Any) -> xr.Dataset:
@@ -51,16 +46,13 @@ def of_both(
             given = (options.pop(named),)
         if not given:  # parameters by name, or Python's own error
             return disc(**options)  # type: ignore[call-arg]
-        rotor, chosen = given[0], cast("Callable[..., xr.Dataset]", disc)
+        rotor = given[0]
         if isinstance(rotor, RotorSystem):
             return cast("Callable[..., xr.Dataset]", system)(*given, **options)
-        if isinstance(rotor, Rotor) and by_name:
-            return chosen(*given[1:], **{**rotor.given, **options})
-        if not isinstance(rotor, Rotor | DimensionalRotor):
+        is_disc = isinstance(rotor, Rotor | DimensionalRotor)
+        if not is_disc and not (rotor is None and is_optional):
             refuse_first(either, KINDS, rotor)
-        if by_name:
-            refuse_first(either, "a Rotor or RotorSystem", rotor)
-        return chosen(*given, **options)
+        return cast("Callable[..., xr.Dataset]", disc)(*given, **options)
 
     either.__module__ = module  # where it can be found, by pickle too
     either.__doc__ = joined_docstring(disc, system)
@@ -74,8 +66,7 @@ def joined_signature(disc: Callable[..., Any], system: Callable[..., Any]) -> in
     first = next(iter(own.values()))
     rotor = inspect.Parameter(
         "rotor", inspect.Parameter.POSITIONAL_OR_KEYWORD,
-        default=None if first.kind is first.KEYWORD_ONLY else first.default,
-        annotation="Rotor | DimensionalRotor | RotorSystem",
+        default=first.default, annotation="Rotor | DimensionalRotor | RotorSystem",
     )  # fmt: skip
     found: dict[str, inspect.Parameter] = {}
     for name, each in (other | own).items():
@@ -85,8 +76,8 @@ def joined_signature(disc: Callable[..., Any], system: Callable[..., Any]) -> in
         default = None if each.default is each.empty and not is_needed else each.default
         found[name] = each.replace(default=default)
     names = [*(name for name in own if name in found), *(name for name in found if name not in own)]
-    changed = [each for each in other.values() if each.kind is each.VAR_KEYWORD]
-    return inspect.Signature([rotor, *(found[name] for name in names), *changed],
+    others = [each for each in (*own.values(), *other.values()) if each.kind is each.VAR_KEYWORD]
+    return inspect.Signature([rotor, *(found[name] for name in names), *others[:1]],
                              return_annotation="xr.Dataset")  # fmt: skip
 
 

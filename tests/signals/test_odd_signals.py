@@ -181,6 +181,6 @@ def test_runs_whose_values_are_no_finite_numbers_are_refused(name, kind):
     for variable in needed:
         values = ODD[kind](RUN[variable].values.astype(float))
         odd = RUN.assign_coords if variable in RUN.coords else RUN.assign
-        with pytest.raises(InputError, match=f"{variable} of run must "):
+        with pytest.raises(InputError, match=f"{variable} of run must |got words in {variable}:"):
             function(odd({variable: (RUN[variable].dims, values)}))
     plt.close("all")

@@ -39,12 +39,13 @@ def test_turning_back_gives_the_run_and_events_stay_on_the_ring():
     assert seen.x.identical(run.x)
 
 
-def test_what_is_no_dimensionless_run_is_refused():
+def test_a_run_in_si_units_is_answered_in_si_units_and_others_are_refused():
     machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
                                eccentricity=1e-6, clearance=2e-6, speed=600.0)  # fmt: skip
     run = simulate(machine.rotor(), start=REST, duration=5.0, samples=21)
-    with pytest.raises(InputError, match="run must be dimensionless"):
-        rotating(dimensional(run, machine))
+    seen = rotating(dimensional(run, machine))
+    np.testing.assert_allclose(seen.rotating_x, 1e-6 * rotating(run).rotating_x, rtol=1e-12)
+    assert seen.rotating_x.attrs["units"] == "m"
     with pytest.raises(InputError, match="it lacks x"):
         rotating(run.drop_vars("x"))
     with pytest.raises(InputError, match="run must be a Dataset, got 3"):
