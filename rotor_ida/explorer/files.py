@@ -34,13 +34,13 @@ NAME = "run"
 LINES = '''\
 """The run that the explorer showed: its archive and its figure."""
 
-from rotor_ida import {names}
+from rotor_ida import {rotor}, save, simulate
 from rotor_ida.plot import {plot}, save_figure
 
 machine = {machine}
 run = {call}
-save({shown}, "{name}.nc", overwrite=True)
-save_figure({plot}({shown}), "{name}", overwrite=True)
+save(run, "{name}.nc", overwrite=True)
+save_figure({plot}(run), "{name}", overwrite=True)
 '''
 
 # Order of the speeds: each from the start, or each from the end of the previous one.
@@ -105,19 +105,19 @@ def command_of(question: Question) -> str:
     >>> command_of(example("sh", (1.7, 0.07, 0.5))).partition(" --start")[0]
     'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 0.5'
     """
-    asked, machine = asked_in(question), question.machine
-    if isinstance(machine, DimensionalRotor):
-        length, velocity = machine.length_scale, machine.velocity_scale
-        start = np.array(question.start) * (length, length, velocity, velocity)
-        in_si = {"start": start, "duration": duration_of(question) * machine.time_scale}
-        asked = Asked(asked.verb, {**asked.arguments, **in_si})
-    return f"{asked.command()} --out {NAME}.nc --figure {NAME}"
+    return f"{asked_in(question).command()} --out {NAME}.nc --figure {NAME}"
 
 
 def asked_in(question: Question) -> Asked:
-    """Return the question whose answer is the run shown, its numbers without dimensions."""
+    """Return the question whose answer is the run shown, of a machine in SI units."""
+    machine, start = question.machine, np.array(question.start)
+    duration = duration_of(question)
+    if isinstance(machine, DimensionalRotor):
+        length, velocity = machine.length_scale, machine.velocity_scale
+        start = start * (length, length, velocity, velocity)
+        duration *= machine.time_scale
     return Asked("simulate", {
-        "rotor": question.machine, "start": question.start, "duration": duration_of(question),
+        "rotor": machine, "start": start, "duration": duration,
         "samples": run_of(question).sizes["t"], "method": METHOD,
     })  # fmt: skip
 
@@ -133,12 +133,11 @@ def lines_of(question: Question) -> str:
     """
     in_si = isinstance(question.machine, DimensionalRotor)
     return LINES.format(
-        names="DimensionalRotor, dimensional, save, simulate" if in_si else "Rotor, save, simulate",
+        rotor="DimensionalRotor" if in_si else "Rotor",
         plot="plot_machine" if in_si else "plot_run",
         machine=written(question.machine),
-        call=asked_in(question).python("machine.rotor()" if in_si else "machine"),
+        call=asked_in(question).python("machine"),
         name=NAME,
-        shown="dimensional(run, machine)" if in_si else "run",
     )
 
 

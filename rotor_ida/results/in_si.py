@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from functools import wraps
-from inspect import signature
+from inspect import Parameter, signature
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
@@ -16,6 +16,7 @@ from rotor_ida.checks import check_array, shown
 from rotor_ida.errors import Amount, InputError, RotorError, SimulationError
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import refuse_first
 from rotor_ida.model.scales import (
     BECOMES,
     IS_OF_MACHINE,
@@ -49,14 +50,19 @@ def takes_si(
     Arguments become dimensionless by their names (`rotor_ida.model.scales`), and the result gets SI
     units. A start that is a dataset has its own units.
     """
+    parameters = signature(verb).parameters
     defaults = {
-        name: each.default for name, each in signature(verb).parameters.items()
+        name: each.default for name, each in parameters.items()
         if name in {"parameter", "parameters"}
     }  # fmt: skip
+    is_needed = "rotor" in parameters and parameters["rotor"].default is Parameter.empty
 
     @wraps(verb)
     def either(*given: Any, **options: Any) -> xr.Dataset:
+        is_given = bool(given) or "rotor" in options
         rotor = given[0] if given else options.get("rotor")
+        if is_given and is_needed and not isinstance(rotor, Rotor | DimensionalRotor):
+            refuse_first(verb, "a Rotor or DimensionalRotor", rotor)
         if not isinstance(rotor, DimensionalRotor):
             if isinstance(start := options.get("start"), xr.Dataset):
                 options["start"] = dimensionless(start)

@@ -203,7 +203,10 @@ def test_an_interrupt_of_the_confirmation_keeps_the_labels(monkeypatch, figure_7
         ({"rtol": 0.1}, "rtol must lie from 1e-12 to 0.0001, got 0.1"),
         ({"workers": 0}, "workers must be at least 1, got 0"),
         ({"executor": "gpu"}, "executor must be one of 'auto', 'serial', .*, got 'gpu'"),
-        ({"rotor": "mine"}, "rotor must be a Rotor, got 'mine'"),
+        (
+            {"rotor": "mine"},
+            "takes a Rotor or DimensionalRotor first, as in basin\\w*\\(rotor.*, got 'mine'",
+        ),
         ({"rotor": Rotor(omega=1.0, zeta=0.0, delta0=1.0)}, "zeta must be above 0 .* got 0.0"),
         ({"rotor": Rotor(omega=1.0, zeta=50.0, delta0=1.0)}, "zeta must be .* got 50.0"),
         (

@@ -288,5 +288,5 @@ def test_odd_rotors_are_refused(given, says):
 
 
 def test_only_a_rotor_has_whirls():
-    with pytest.raises(InputError, match="rotor must be a Rotor"):
+    with pytest.raises(InputError, match="backward_whirl takes a Rotor or DimensionalRotor first"):
         backward_whirl(1.0)

@@ -127,7 +127,7 @@ def test_without_damping_rest_is_neutral():
 
 
 def test_what_is_no_rotor_or_too_large_is_refused():
-    with pytest.raises(InputError, match="rotor must be a Rotor"):
+    with pytest.raises(InputError, match="rest takes a Rotor or DimensionalRotor first"):
         rest(1.0)
     with pytest.raises(InputError, match="load must be at most 1e\\+15, got 1e\\+16"):
         rest(Rotor(omega=0.0, zeta=0.0, delta0=0.5, load=1e16))

@@ -131,7 +131,7 @@ def test_running_mean_ends_near_the_exponent():
 def test_bad_input_is_refused(wrong, message):
     with pytest.raises(InputError, match=message):
         lyapunov_exponent(BOUNCING, **{"start": REST, **wrong})
-    with pytest.raises(InputError, match="rotor must be a Rotor, got 2"):
+    with pytest.raises(InputError, match=r"as in lyapunov_exponent\(rotor\), got 2"):
         lyapunov_exponent(2, start=REST)
 
 
