@@ -157,7 +157,7 @@ def test_bands_cover_the_whole_branch(branch):
 
 def test_stable_edges_are_solid_and_unstable_ones_dashed(branch):
     lines = lines_of(plot_branch(branch))
-    for word, flag in (("stable cycle", 0), ("unstable cycle", 1)):
+    for word, flag in (("stable cycle", 1), ("unstable cycle", 0)):
         points = lines[word].get_xydata()
         here = branch.isel(point=branch.stability.values == flag)
         for omega, radius in zip(here.omega.values, here.radius_max.values, strict=True):
