@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+import sys
+import warnings
 from collections.abc import Callable, Mapping
 from copy import copy
 from functools import partial
@@ -16,6 +18,7 @@ from rotor_ida.texts import printable
 DIGITS, DIGITS_OF_BOUNDS = 12, 6
 # Longer sequences are cut.
 LONGEST_SEQUENCE = 6
+PACKAGE = __name__.partition(".")[0]
 
 
 class Amount(float):
@@ -222,3 +225,15 @@ def _changed(value: object, changed: Callable[[int, float], float], place: int =
     if isinstance(value, (list, tuple)):
         return type(value)(_changed(each, changed, at) for at, each in enumerate(value))
     return changed(place, value) if isinstance(value, float) else value
+
+
+def warn(words: str) -> None:
+    """Give a warning at the line outside this package that led to it."""
+    frame, level = sys._getframe(), 1
+    while frame.f_back is not None and _is_own(frame.f_globals.get("__name__")):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(words, stacklevel=level)
+
+
+def _is_own(module: object) -> bool:
+    return isinstance(module, str) and module.partition(".")[0] == PACKAGE

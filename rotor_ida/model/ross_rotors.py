@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_real, shown
-from rotor_ida.errors import InputError
+from rotor_ida.errors import InputError, warn
 from rotor_ida.units import SPEED_UNITS
 
 # Coefficients that differ by less than this part of them are constant.
@@ -47,7 +46,7 @@ def system_of_ross(rotor: Any, *, speed: float) -> dict[str, Any]:
     positions = dict(zip(nodes, along, strict=True)) if len(along) == len(nodes) else None
     note = _frozen(rotor, omega)
     if note:
-        warnings.warn(note, stacklevel=3)
+        warn(note)
     return {**found, "nodes": nodes, "positions": positions, "note": note}
 
 

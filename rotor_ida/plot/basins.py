@@ -149,7 +149,9 @@ def plot_attractor_fractions(dataset: xr.Dataset, *, ax: Axes | None = None) -> 
     needed = (*PARAMETERS, "kind", "fraction", "fraction_error", "amplitude", "radius_min",
               "radius_max")  # fmt: skip
     dataset = check_dataset("dataset", dataset, needed)
-    shares = table_of("dataset", dataset, "fraction", ("attractor",)).values
+    for name in needed[len(PARAMETERS) :]:
+        table_of("dataset", dataset, name, ("attractor",))
+    shares = dataset["fraction"].values
     shades = _shades(dataset["kind"])
     names = [_name(dataset.isel(attractor=number)) for number in range(shares.size)]
     errors = dataset["fraction_error"].values.tolist()

@@ -40,7 +40,9 @@ from rotor_ida.steady.response import CONTACT_FREE
 from rotor_ida.steady.run_up_outcome import RUB, WHIP, Outcome, ending_at, failed
 from rotor_ida.units import SPEED_UNITS
 
-NEEDED = ("t", "speed", "angle", *COMPONENTS, "event_speed", "peak_force", "peak_time")
+NEEDED = (
+    "t", "speed", "angle", *COMPONENTS, "event_speed", "event_kind", "peak_force", "peak_time",
+)  # fmt: skip
 # Attributes of a run-up that its summary omits.
 OF_CHANGE = ("to", "rate", "speeds", "torque", "inertia")
 # Allowed distance of the last sample from the end, relative to the duration.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Unpack
@@ -24,7 +23,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.core.runs import NO_STOP
-from rotor_ida.errors import InputError
+from rotor_ida.errors import InputError, warn
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.provenance import provenance
@@ -226,11 +225,10 @@ def warn_if_long(problem: SettlingProblem, speeds: Values, times: int) -> None:
     if work <= LONG or 2 * modes > size:
         return
     unit = " rad/s" if problem.assembly.system.units == "SI" else ""
-    warnings.warn(
+    warn(
         f"the sweep takes some {math.ceil(work / WORK_A_MINUTE)} minutes on one core, as {size} "
         f"degrees of freedom move at up to {fastest:.3g}{unit}: modes={modes} takes less, and "
         f"keeps natural frequencies up to {KEPT:g} times the largest speed",
-        stacklevel=4,
     )
 
 

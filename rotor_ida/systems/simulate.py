@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -28,7 +27,7 @@ from rotor_ida.checks import (
     is_scalar,
 )
 from rotor_ida.core.systems import SystemRequest, SystemResult
-from rotor_ida.errors import InputError, InstallationError
+from rotor_ida.errors import InputError, InstallationError, warn
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, interruptible, shows_progress
 from rotor_ida.simulation.spin import SpeedProfile, steady
@@ -317,7 +316,7 @@ def _simulate(
         change=change,
     )  # fmt: skip
     for words in stability_words(run.attrs, system.units):
-        warnings.warn(words, stacklevel=4)
+        warn(words)
     return run
 
 
