@@ -160,7 +160,7 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
         "workers": 1,
     },
     "touchdown_report": lambda _: {
-        "machine": MACHINE,
+        "rotor": MACHINE,
         "x": (0.0, 1e-6),
         "y": (0.0, 1e-6),
         "starts": 2,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from rotor_ida.arrays import Values
 from rotor_ida.model.parameters import OF_MACHINE
 
@@ -60,9 +62,10 @@ def scale_of(machine: DimensionalRotor, unit: str) -> float:
 
 def without_units(machine: DimensionalRotor, unit: str, values: Values) -> Values:
     """Return dimensionless values, to the last bit as `DimensionalRotor.rotor` makes them."""
-    if unit == "s m-1":
-        return values * machine.velocity_scale
-    return values / scale_of(machine, unit)
+    with np.errstate(over="ignore"):  # what is infinite then is refused
+        if unit == "s m-1":
+            return values * machine.velocity_scale
+        return values / scale_of(machine, unit)
 
 
 def unit_of(name: str, place: int = 0) -> str | None:

@@ -97,12 +97,16 @@ def keeps_si(
     >>> contact_summary(simulate(machine, duration=0.1)).largest_force.attrs["units"]
     'N'
     """
+    first = next(iter(signature(analysis).parameters))
 
     @wraps(analysis)
-    def either(result: xr.Dataset, *given: Any, **options: Any) -> Any:
+    def either(*given: Any, **options: Any) -> Any:
+        result = given[0] if given else options.get(first)
         machine = machine_of(result) if isinstance(result, xr.Dataset) else None
-        if machine is None:
-            return analysis(result, *given, **options)
+        if machine is None or result is None:
+            return analysis(*given, **options)
+        options.pop(first, None)
+        given = given[1:]
         try:
             found = analysis(dimensionless(result), *given, **without_dimensions(machine, options))
         except (InputError, SimulationError) as error:
@@ -200,7 +204,7 @@ def _plain(machine: DimensionalRotor, name: str, value: Any) -> Any:
     if isinstance(value, (list, tuple)) and any(isinstance(each, xr.Dataset) for each in value):
         return [_plain(machine, "start", each) for each in value]
     units = (unit_of_parameter(name),) if name in OF_MACHINE else UNITS_OF_ARGUMENTS.get(name)
-    is_count = name in {"samples", "starts"} and np.ndim(value) == 0
+    is_count = name in {"samples", "starts"} and _is_number(value)
     if units is None or value is None or is_count or isinstance(value, str):
         return value
     numbers = check_array(name, value)
@@ -211,6 +215,11 @@ def _plain(machine: DimensionalRotor, name: str, value: Any) -> Any:
         return value  # the function refuses it, as it was given
     columns = [without_units(machine, unit, numbers[..., at]) for at, unit in enumerate(units)]
     return np.stack(columns, axis=-1)
+
+
+def _is_number(value: Any) -> bool:
+    """Return whether a value is no array or sequence."""
+    return getattr(value, "ndim", 0 if not hasattr(value, "__len__") else 1) == 0
 
 
 def _plain_name(parameter: Any) -> Any:

@@ -187,7 +187,8 @@ def _plain(value: Any, stators: list[Stator]) -> Any:
     if isinstance(value, np.ndarray | np.generic | xr.DataArray):
         numbers = np.asarray(value)
         return (numbers.astype(float) if numbers.dtype == object else numbers).tolist()
-    return value
+    # fractions and decimals are numbers too
+    return value if value is None or isinstance(value, str | float | int) else float(value)
 
 
 def _plain_fields(value: Any, stators: list[Stator]) -> dict[str, Any]:

@@ -69,8 +69,9 @@ def address(workplace):
 
 def test_a_sweep_finds_the_same_bits(address):
     calls = []
-    there = sweep(**SPEEDS, executor=address, progress=lambda *call: calls.append(call))
-    assert sweep(**SPEEDS, executor="serial").identical(there)
+    how = {**SPEEDS, "events": True}
+    there = sweep(**how, executor=address, progress=lambda *call: calls.append(call))
+    assert sweep(**how, executor="serial").identical(there)
     assert there.sizes["event"] > 0
     assert calls == [(number, 10) for number in range(1, 11)]
 
