@@ -63,10 +63,10 @@ def drop_figure(run: xr.Dataset) -> Figure:
     Examples
     --------
     >>> from rotor_ida import Contact, RotorSystem, drop
-    >>> system = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)),
-    ...                      nodes={"disc": (0, 1)})
     >>> bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0)
-    >>> run = drop(system, bearings=[bearing], speed=500.0, duration=0.1)
+    >>> system = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)),
+    ...                      nodes={"disc": (0, 1)}, contacts=[bearing])
+    >>> run = drop(system, speed=500.0, duration=0.1)
     >>> [ax.get_ylabel() for ax in drop_figure(run).axes]
     ['radius over clearance', 'normal force $N$ [N]']
     """
@@ -156,10 +156,10 @@ def drops_figure(drops: xr.Dataset) -> Figure:
     Examples
     --------
     >>> from rotor_ida import Contact, RotorSystem, drop_ensemble
-    >>> system = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)),
-    ...                      nodes={"disc": (0, 1)})
     >>> bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0)
-    >>> drops = drop_ensemble(system, bearings=[bearing], speed=500.0, duration=0.05, drops=4,
+    >>> system = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)),
+    ...                      nodes={"disc": (0, 1)}, contacts=[bearing])
+    >>> drops = drop_ensemble(system, speed=500.0, duration=0.05, drops=4,
     ...                       workers=1)
     >>> len(drops_figure(drops).axes)
     4

@@ -66,7 +66,7 @@ class Kind:
             if optional and name not in dataset.variables:
                 continue
             found = {*dataset[name].dims} if name in dataset.variables else {None}
-            axes = {*self.dims, *ALL_PARAMETERS, *COMPONENTS}
+            axes = {*self.dims, *ALL_PARAMETERS, *COMPONENTS, "direction"}
             if found != {*along.split()} if bracket else not found <= axes:
                 return f"{name} along {listed(along.split())}" if along else str(name)
         return ""

@@ -138,9 +138,10 @@ def arguments_from(plain: Mapping[str, Any]) -> dict[str, Any]:
     Examples
     --------
     >>> shared = Stator(mass=1.0, stiffness=2.0)
-    >>> touch = Contact(node="disc", clearance=0.5, stiffness=4.0, stator=shared)
+    >>> touches = [Contact(node="disc", clearance=gap, stiffness=4.0, stator=shared)
+    ...            for gap in (0.5, 0.6)]
     >>> system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
-    ...                      contacts=[touch, touch])
+    ...                      contacts=touches)
     >>> asked = Question("drop", {"rotor": system, "speed": 2.0})
     >>> again = arguments_from(asked.plain())
     >>> one, other = again["rotor"].contacts

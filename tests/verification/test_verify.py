@@ -258,14 +258,18 @@ def test_another_kind_of_dataset_cannot_be_verified():
         (
             "sweep",
             lambda of: of.drop_vars("start_y"),
-            "this sweep cannot be verified: it lacks start_y",
+            "it lacks start_y along start",
         ),
         (
             "sweep",
             lambda of: of.drop_vars("amplitude"),
             "this sweep cannot be verified: it lacks amplitude",
         ),
-        ("sweep", lambda of: of.assign(amplitude=of.amplitude.astype(str)), "amplitude must be nu"),
+        (
+            "sweep",
+            lambda of: of.assign(amplitude=of.amplitude.astype(str)),
+            "amplitude of this sweep must be real nu",
+        ),
         (
             "basin",
             lambda of: of.drop_vars("vy"),
