@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import wraps
 from inspect import Parameter, signature
 from pathlib import Path
@@ -34,6 +35,7 @@ from rotor_ida.results.si_units import (
     machine_of,
     rescaled,
 )
+from rotor_ida.results.studies.database import FILE
 from rotor_ida.results.studies.store import MACHINE_FILE
 
 Asked = ParamSpec("Asked")
@@ -55,6 +57,7 @@ def takes_si(
         name: each.default for name, each in parameters.items()
         if name in {"parameter", "parameters"}
     }  # fmt: skip
+    takes_all = any(each.kind is Parameter.VAR_KEYWORD for each in parameters.values())
     is_needed = "rotor" in parameters and parameters["rotor"].default is Parameter.empty
 
     @wraps(verb)
@@ -63,15 +66,17 @@ def takes_si(
         rotor = given[0] if given else options.get("rotor")
         if is_given and is_needed and not isinstance(rotor, Rotor | DimensionalRotor):
             refuse_first(verb, "a Rotor or DimensionalRotor", rotor)
-        if not isinstance(rotor, DimensionalRotor):
+        if not isinstance(rotor, DimensionalRotor) or (given and "rotor" in options):
             if isinstance(start := options.get("start"), xr.Dataset):
                 options["start"] = dimensionless(start)
             return verb(*given, **options)
         options.pop("rotor", None)
+        if not takes_all and (unknown := [name for name in options if name not in parameters]):
+            raise TypeError(f"{verb.__name__}() got an unexpected keyword argument {unknown[0]!r}")
         plain = without_dimensions(rotor, defaults | options)
-        keep_machine(options.get("study"), rotor)
         try:
-            found = verb(rotor.rotor(), *given[1:], **plain)
+            with kept_machine(options.get("study"), rotor):
+                found = verb(rotor.rotor(), *given[1:], **plain)
         except (InputError, SimulationError) as error:
             raise in_si(error, rotor) from error
         return dimensional(found, rotor)
@@ -178,17 +183,26 @@ def in_si(error: Failure, machine: DimensionalRotor) -> Failure:
     return error.with_numbers(amount, IS_OF_MACHINE)
 
 
-def keep_machine(study: object, machine: DimensionalRotor) -> None:
-    """Write a machine into the folder of a study, so that it continues in SI units."""
+@contextmanager
+def kept_machine(study: object, machine: DimensionalRotor) -> Iterator[None]:
+    """Write a machine into the folder of a study that begins, so that it continues in SI units."""
     if not isinstance(study, (str, os.PathLike)) or not os.fspath(study):
+        yield
         return
-    place = Path(study) / MACHINE_FILE
-    if place.exists():
-        if load_machine(place) != machine:
-            raise InputError(f"study must be of this machine, got {shown(study)} of another")
-        return
-    place.parent.mkdir(parents=True, exist_ok=True)
-    save_machine(machine, place)
+    folder, place = Path(study), Path(study) / MACHINE_FILE
+    if place.exists() and load_machine(place) != machine:
+        raise InputError(f"study must be of this machine, got {shown(study)} of another")
+    if not place.exists() and (folder / FILE).exists():
+        raise InputError(f"study must be of a machine, got {shown(study)} without dimensions")
+    is_new = not place.exists() and not (folder.is_dir() and any(folder.iterdir()))
+    if is_new:
+        folder.mkdir(parents=True, exist_ok=True)
+        save_machine(machine, place)
+    try:
+        yield
+    finally:
+        if is_new and not (folder / FILE).exists():  # it was refused
+            place.unlink(missing_ok=True)
 
 
 def in_units_of_study(dataset: xr.Dataset, study: str | os.PathLike[str]) -> xr.Dataset:
@@ -199,7 +213,7 @@ def in_units_of_study(dataset: xr.Dataset, study: str | os.PathLike[str]) -> xr.
 
 def _plain(machine: DimensionalRotor, name: str, value: Any) -> Any:
     """Return an argument without dimensions; a word, a count or a wrong value as it is."""
-    if name == "start" and isinstance(value, xr.Dataset):
+    if name in {"start", "starts"} and isinstance(value, xr.Dataset):
         return rescaled(value, machine)
     if isinstance(value, (list, tuple)) and any(isinstance(each, xr.Dataset) for each in value):
         return [_plain(machine, "start", each) for each in value]
@@ -217,6 +231,10 @@ def _plain(machine: DimensionalRotor, name: str, value: Any) -> Any:
     return np.stack(columns, axis=-1)
 
 
+def _is_name(parameter: Any) -> bool:
+    return isinstance(parameter, str)
+
+
 def _is_number(value: Any) -> bool:
     """Return whether a value is no array or sequence."""
     return getattr(value, "ndim", 0 if not hasattr(value, "__len__") else 1) == 0
@@ -229,7 +247,8 @@ def _plain_name(parameter: Any) -> Any:
 
 def _limits(machine: DimensionalRotor, parameter: Any, limits: Any) -> Any:
     """Return limits of a parameter without dimensions."""
-    if not isinstance(parameter, str) or IS_OF_MACHINE.get(parameter, parameter) not in OF_MACHINE:
+    known = OF_MACHINE.get(IS_OF_MACHINE.get(parameter, parameter)) if _is_name(parameter) else None
+    if known is None or known.sets_scales:
         return limits  # the function refuses the parameter
     values = check_array("limits", limits)
     return without_units(machine, unit_of_parameter(parameter), values).tolist()
@@ -243,7 +262,7 @@ def _several(machine: DimensionalRotor, options: Mapping[str, Any]) -> tuple[Any
     plain = tuple(map(_plain_name, names))
     if isinstance(limits, Mapping):
         return plain, {_plain_name(each): _limits(machine, each, limits[each]) for each in limits}
-    if np.ndim(limits) == 0 or len(limits) != len(names):  # type: ignore[arg-type]
+    if not isinstance(limits, (tuple, list, np.ndarray)) or len(limits) != len(names):
         return plain, limits
-    pairs = zip(names, limits, strict=True)  # type: ignore[arg-type]
+    pairs = zip(names, limits, strict=True)
     return plain, [_limits(machine, name, each) for name, each in pairs]

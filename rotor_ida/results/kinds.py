@@ -155,7 +155,7 @@ KINDS = {
         Kind(
             name="system_cycle", meaning="limit cycle of a rotor system",
             variables="multiplier_real(multiplier) node_radius_max(node) " + _CONTACTS,
-            dims=("t", "contact"),
+            dims=("contact",),  # t is empty where there is no cycle
             shown=f"{_SYSTEM_WHIRLS}:SYSTEM_CYCLE", drawn="rotor_ida.plot:system_cycle_figure",
         ),
         Kind(

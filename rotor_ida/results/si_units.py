@@ -10,7 +10,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_between, check_instance, shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import OF_MACHINE
+from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.model.scales import UNITS_OF_ARGUMENTS, unit_of_parameter
 from rotor_ida.model.scales import scale_of as scale_in
@@ -193,10 +193,16 @@ def rescaled(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
     scales = dimensional(plain, machine).attrs
     ratios = {kind: dimensional(plain, own).attrs[f"{kind}_scale"] / scales[f"{kind}_scale"]
               for kind in UNITS}  # fmt: skip
-    return plain.assign({
-        name: variable.copy(data=variable.data * ratios[quantity.scale])
-        for name, variable in plain.variables.items()
+    units = {name: unit_of_parameter(name) for name in ALL_PARAMETERS if name in plain.variables}
+    factors = {name: scale_in(own, unit) / scale_in(machine, unit) for name, unit in units.items()}
+    factors |= {
+        str(name): ratios[quantity.scale]
+        for name in plain.variables
         if (quantity := QUANTITIES.get(str(name))) is not None and quantity.scale
+    }
+    return plain.assign({
+        name: plain.variables[name].copy(data=plain.variables[name].data * factor)
+        for name, factor in factors.items()
     })  # fmt: skip
 
 

@@ -150,7 +150,7 @@ def lyapunov_exponent(
     array([-0.07, -0.07, -0.07, -0.07])
     """
     check_instance("rotor", rotor, Rotor)
-    first = state_of("start", start)
+    first = state_of("start", start, loaded=rotor.load > 0.0)
     check_can_be_followed(rotor, first)
     lead = check_positive("transient", transient, LONGEST)
     length = check_positive("duration", duration, LONGEST)

@@ -191,7 +191,7 @@ def run_up(
     """
     check_instance("rotor", rotor, Rotor)
     progress = check_progress(progress)
-    first = state_of("start", start)
+    first = state_of("start", start, loaded=rotor.load > 0.0)
     options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
     if ramp_time is not None:
         rate = _rate_of(rotor, to, rate, ramp_time)

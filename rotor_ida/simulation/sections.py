@@ -120,7 +120,7 @@ def poincare_section(
     array([-1.40959, -1.40959, -1.40959, -1.40959])
     """
     check_instance("rotor", rotor, Rotor)
-    first = state_of("start", start)
+    first = state_of("start", start, loaded=rotor.load > 0.0)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
         raise InputError(

@@ -128,7 +128,7 @@ def simulate(
     """
     check_instance("rotor", rotor, Rotor)
     progress = check_progress(progress)
-    first = state_of("start", start)
+    first = state_of("start", start, loaded=rotor.load > 0.0)
     check_can_be_followed(rotor, first)
     end = check_duration("duration", duration, rotor.omega)
     times = sample_times(samples, end, rotor, rotor.omega)

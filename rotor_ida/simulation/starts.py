@@ -30,7 +30,7 @@ Starts = npt.ArrayLike | xr.Dataset | Sequence[npt.ArrayLike | xr.Dataset]
 IN_STEP = 1e-6
 
 
-def state_of(name: str, start: object) -> State:
+def state_of(name: str, start: object, *, loaded: bool = False) -> State:
     """Return a start, ``(x, y, vx, vy)`` with the unbalance along x, or raise `InputError`.
 
     Parameters
@@ -73,12 +73,12 @@ def state_of(name: str, start: object) -> State:
     # a cycle is stored from its start on, with the unbalance along x
     last = 0 if "period" in found else -1
     x, y, vx, vy = (float(found[each].values.flat[last]) for each in names)
-    turn = np.exp(-1j * _angle_in(name, found, prefix, last))
+    turn = np.exp(-1j * _angle_in(name, found, prefix, last, loaded=loaded))
     place, velocity = complex(x, y) * turn, complex(vx, vy) * turn
     return check_state(name, (place.real, place.imag, velocity.real, velocity.imag))
 
 
-def _angle_in(name: str, found: xr.Dataset, prefix: str, last: int) -> float:
+def _angle_in(name: str, found: xr.Dataset, prefix: str, last: int, *, loaded: bool) -> float:
     """Return the angle of the unbalance at the end of a result, less whole revolutions."""
     if f"{prefix}angle" in found:
         angle = float(found[f"{prefix}angle"].values.flat[last])
@@ -87,7 +87,7 @@ def _angle_in(name: str, found: xr.Dataset, prefix: str, last: int) -> float:
     else:
         angle = float(found["omega"]) * float(found["t"].values.flat[last])
     angle = math.remainder(angle, math.tau)
-    if "load" in found and float(found["load"]) != 0.0:
+    if loaded or ("load" in found and float(found["load"]) != 0.0):
         if abs(angle) > IN_STEP:
             raise InputError(
                 f"{name} must end after whole revolutions under a load, got a run that ends with "
@@ -97,12 +97,12 @@ def _angle_in(name: str, found: xr.Dataset, prefix: str, last: int) -> float:
     return angle
 
 
-def states_of(name: str, starts: object) -> list[State]:
+def states_of(name: str, starts: object, *, loaded: bool = False) -> list[State]:
     """Return starts, each as for `state_of`; a result alone is one start."""
     if isinstance(starts, xr.Dataset):
-        return [state_of(name, starts)]
+        return [state_of(name, starts, loaded=loaded)]
     if isinstance(starts, list | tuple) and any(isinstance(each, xr.Dataset) for each in starts):
-        return [state_of("start", each) for each in starts]
+        return [state_of("start", each, loaded=loaded) for each in starts]
     return check_states(name, starts)
 
 

@@ -260,7 +260,7 @@ def sweep_varied(
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Follow rotors until they have settled, as `sweep` does."""
-    states = states_of("starts", starts)
+    states = states_of("starts", starts, loaded=bool(varied.values("load").any()))
     way = check_direction(direction, along, varied.axes)
     directions = np.array(DIRECTIONS[direction], dtype=np.int8)
     varied = varied.over(start=np.arange(len(states)), direction=directions)

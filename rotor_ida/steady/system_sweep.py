@@ -170,6 +170,10 @@ def sweep_system(
     taken = [in_modes(system, modes, start) for start in begun]
     assembly = assemble(taken[0][0])
     first = [state_at_end(assembly, start) for _, start in taken]
+    asked = [end if isinstance(given, xr.Dataset) else given
+             for given, end in zip(begun, first, strict=True)]  # fmt: skip
+    if modes is not None and any(isinstance(each, xr.Dataset) for each in begun):
+        raise InputError(f"starts must be (q, velocity) with modes, got a result and {modes!r}")
     problem = SettlingProblem.of(assembly, tolerance)
     check_slowest(problem, speeds)
     directions = np.array(DIRECTIONS[direction], dtype=np.int8)
@@ -182,7 +186,7 @@ def sweep_system(
     held = problem_variables(assembly, states)
     held["node"] = ("node", np.array(list(assembly.system.nodes), str))
     question = Question("sweep", {
-        "rotor": system, "starts": begun, "modes": modes, "speed": speeds, "direction": direction,
+        "rotor": system, "starts": asked, "modes": modes, "speed": speeds, "direction": direction,
         "rtol": tolerance,
     })  # fmt: skip
     task = Task(settle_along, lost, rows_of, ramps.form, ramps.point)

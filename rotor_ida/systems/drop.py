@@ -157,13 +157,16 @@ def drop(
     )
     check_modes(modes, more_modes)
     fails = check_failing(system.supports, failing)
-    if system.gravity is None and system.units == "SI":
+    has_weight = system.gravity is not None or system.gravity_in_static_force is not None
+    if not has_weight and system.units == "SI":
         system = replace(system, gravity=(0.0, -GRAVITY))
     placed = [replace(each, phase=each.phase + turned) for each in system.unbalance]
     free = replace(system, unbalance=placed, supports=())
     if isinstance(start, xr.Dataset):
         if modes is not None:
             raise InputError(f"start must be (q, velocity) with modes, got a result and {modes!r}")
+        if turned:
+            raise InputError(f"phase must be left out with a result as the start, got {phase!r}")
         start = state_at_end(assemble(free), start)  # type: ignore[assignment]
     numbers = {"modes": modes, "more_modes": more_modes}
     all_modes = [modes] if more_modes is None else [modes, more_modes]

@@ -10,7 +10,6 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.results.kinds import KINDS, kind_of
-from rotor_ida.schema import RESULT_KIND
 from rotor_ida.systems.assembly import Assembly, canonical
 from rotor_ida.systems.axisymmetric import check_axisymmetric_parts, forward_motions
 from rotor_ida.systems.starts import Start
@@ -34,6 +33,10 @@ def state_at_end(assembly: Assembly, start: Start | xr.Dataset) -> Start:
             'start must be (q, velocity), "settled", "rest", or end as a run, a limit cycle or one '
             f"point of a sweep of a rotor system does, got a {KINDS[kind_of(start)].meaning}"
         )
+    in_si = "t" in start and start["t"].attrs.get("units") == "s"
+    if "t" in start and in_si != (assembly.system.units == "SI"):
+        units = "SI units" if assembly.system.units == "SI" else "no units"
+        raise InputError(f"start must have {units}, as the system has, got one in others")
     speeds = [each.speed for each in dict.fromkeys(assembly.races) if each is not None]
     values, size = np.asarray(start["final_state"].values, float), assembly.size
     if values.size != 2 * size + len(speeds) or not np.isfinite(values).all():
@@ -53,7 +56,7 @@ def state_at_end(assembly: Assembly, start: Start | xr.Dataset) -> Start:
 
 def _angle_at_end(start: xr.Dataset) -> float:
     """Return the angle of the unbalance at the end of a result, less whole revolutions."""
-    if start.attrs.get(RESULT_KIND) not in RUNS:
+    if kind_of(start) not in RUNS:
         return 0.0
     phase = start.attrs.get("phase", 0.0)
     if "angle" not in start:

@@ -10,6 +10,7 @@ from typing import Any, ParamSpec, Protocol, cast, overload
 
 import xarray as xr
 
+from rotor_ida.checks import listed
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, name_of, refuse_first
 
@@ -37,6 +38,8 @@ def of_both(
 ) -> OfBoth[OfDisc, OfSystem]:
     """Return the function that hands one disc to the first, and a rotor system to the second."""
     first = next(iter(inspect.signature(disc).parameters.values()))
+    needed = [name for name, each in inspect.signature(system).parameters.items()
+              if each.kind is each.KEYWORD_ONLY and each.default is each.empty]  # fmt: skip
     is_optional = first.default is None  # its parameters may be given by name
 
     @wraps(disc)
@@ -48,6 +51,8 @@ def of_both(
             return disc(**options)  # type: ignore[call-arg]
         rotor = given[0]
         if isinstance(rotor, RotorSystem):
+            if missing := [name for name in needed if name not in options]:
+                raise TypeError(f"{name_of(system)}() of a RotorSystem needs {listed(missing)}")
             return cast("Callable[..., xr.Dataset]", system)(*given, **options)
         is_disc = isinstance(rotor, Rotor | DimensionalRotor)
         if not is_disc and not (rotor is None and is_optional):

@@ -3,15 +3,26 @@
 The scales are those of the paper's Eq. (9), computed here: ``omega_0**2 = k sqrt(D)/m``.
 """
 
+import dataclasses
 import math
 import pickle
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import rotor_ida
-from rotor_ida import DimensionalRotor, Rotor
+from rotor_ida import (
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    continue_cycle,
+    resume,
+    simulate,
+    sweep,
+)
 from rotor_ida.results.si_units import rescaled
 from rotor_ida.verification.verify import differences, rerun
 
@@ -268,3 +279,42 @@ def test_an_old_archive_in_si_units_gets_its_attributes_in_them(tmp_path):
     assert (loaded.attrs["duration"], loaded.attrs["duration_units"]) == (0.02, "s")
     again = rerun(loaded)
     assert differences(again, loaded)["agrees"]
+
+
+MACHINE = machine_of(Rotor(omega=1.2, zeta=0.07, delta0=2.0))
+
+
+def test_a_start_from_another_machine_is_turned_back_by_its_own_angle():
+    run = simulate(MACHINE, duration=0.1)
+    stiffer = dataclasses.replace(MACHINE, contact_stiffness=2e9, eccentricity=2e-6)
+    end = complex(run.x[-1].item(), run.y[-1].item()) * np.exp(-0.1j * MACHINE.speed)
+    begun = simulate(stiffer, start=run, duration=0.01).attrs["start"]
+    np.testing.assert_allclose(begun[:2], [end.real, end.imag], rtol=1e-9)
+
+
+def test_a_study_keeps_its_units(tmp_path: Path):
+    plain = sweep(MACHINE.rotor(), study=tmp_path / "plain")
+    with pytest.raises(InputError, match=r"study must be of a machine, got .* without dimensions"):
+        sweep(MACHINE, study=tmp_path / "plain")
+    assert resume(tmp_path / "plain").identical(plain)
+    with pytest.raises(InputError, match="speed must be zero or positive, got -1 rad/s"):
+        sweep(MACHINE, speed=[-1.0], study=tmp_path / "refused")
+    assert not [*(tmp_path / "refused").iterdir()]
+    sweep(MACHINE, study=tmp_path / "refused")
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "line"),
+    [
+        (lambda: sweep(MACHINE, rotor=MACHINE), TypeError, "multiple values"),
+        (lambda: simulate(MACHINE, speed=1.0, duration=0.1), TypeError, "argument 'speed'"),
+        (lambda: continue_cycle(MACHINE, parameter="mass", limits=(3.0, 5.0)), InputError,
+         "parameter must be one of"),
+        (lambda: sweep(MACHINE, starts=[(0, 0, 0, 0), None]), InputError, "starts must be"),
+        (lambda: simulate(MACHINE, duration=0.1, samples=[0, [1]]), InputError, "samples must be"),
+        (lambda: simulate(MACHINE.system(), duration=0.1), TypeError, "needs speed"),
+    ],
+)  # fmt: skip
+def test_wrong_calls_get_one_line(call: Callable[[], object], error: type[Exception], line: str):
+    with pytest.raises(error, match=line):
+        call()

@@ -7,7 +7,6 @@ from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
-from rotor_ida.systems.drop_design import case_from, plain_case
 
 import rotor_ida
 from rotor_ida import (
@@ -186,14 +185,14 @@ def test_keywords_override_a_rotor_whose_parameters_are_axes():
 
 
 def test_the_help_of_one_name_describes_both_kinds():
-    verbs = [each for each in ASKED if hasattr(getattr(rotor_ida, each), "__wrapped__")]
-    assert len(verbs) == 5
+    verbs = ["simulate", "run_up", "sweep", "lyapunov_exponent", "synchronous_response"]
     for verb in [*verbs, "limit_cycle", "continue_cycle"]:
         function = getattr(rotor_ida, verb)
         assert pickle.loads(pickle.dumps(function)) is function
         signature = inspect.signature(function)
         assert next(iter(signature.parameters)) == "rotor"
-        assert {"speed", "changed"} <= set(signature.parameters)
+        assert "speed" in signature.parameters
+        assert list(signature.parameters)[-1] in {"changed", "varied"}
         told = inspect.getdoc(function)
         assert told.index("\nrotor : Rotor, DimensionalRotor or RotorSystem\n") > 0
         assert "contacts, unbalance, supports, gravity, static_force : optional" in told
@@ -201,14 +200,3 @@ def test_the_help_of_one_name_describes_both_kinds():
         titles = re.findall(r"(\w+)\n---", told)
         assert "Parameters" in titles
         assert len(titles) == len(set(titles))
-
-
-def test_designs_of_drops_that_kept_a_static_force_apart_are_read():
-    """Archives of 0.1.0 before the fields have one in the system and one beside it."""
-    system = replace(BARE, **HEAVY)
-    plain = plain_case({"system": system, "speed": 1.2, "failing": ["end"]})
-    assert plain["static_force"] is None
-    plain["static_force"] = [1.0, 0.0, 0.0, 0.0]
-    again = case_from(plain)
-    np.testing.assert_array_equal(again["system"].static_force, [1.0, 0.0, 0.05, 0.0])
-    assert (again["system"].gravity, again["failing"]) == ((0.0, -0.1), ["end"])

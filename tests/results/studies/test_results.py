@@ -11,9 +11,10 @@ from rotor_ida.results.studies import Piece, opened
 from rotor_ida.results.studies.arrays import packed
 from rotor_ida.results.studies.results import open_results
 from rotor_ida.steady import run_ups, sweep
+from rotor_ida.steady.grid import form_of
 
 FORMS = {
-    "points of a sweep": sweep.FORM,
+    "points of a sweep": form_of("points of a sweep", "points", sweep.POINT, sweep.EVENT),
     "run-up": run_ups.FORM,
     "batch of starts": following.FORM,
     "stretch of a branch": continue_cycle.FORM,
