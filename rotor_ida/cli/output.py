@@ -197,7 +197,8 @@ def working(name: str, study: Path | None = None) -> Iterator[Callable[[int, int
     except SimulationError as error:
         raise RotorError(f"{error}{going_on(study)}") from error
     except (ArchiveError, MemoryError) as error:
-        raise RotorError(f"{error or 'not enough memory'}{going_on(study)}") from error
+        said = str(error) or "not enough memory for this much data"
+        raise RotorError(f"{said}{going_on(study)}") from error
 
 
 def going_on(study: Path | None) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterable, Mapping, Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -134,10 +135,18 @@ def check_variables(name: str, dataset: xr.Dataset) -> None:
                 f"{name} must have its flags as numbers, got words in {each}: give the result from "
                 "before decode_flags"
             )
-        elif variable.dtype.kind not in "iuf":
+        elif variable.dtype.kind not in "iuf" and not _is_real(variable):
             raise InputError(f"{what} must be real numbers, got {variable.dtype}")
         elif "flag_meanings" in variable.attrs:
             check_flags(what, variable)
+
+
+def _is_real(variable: xr.Variable) -> bool:
+    """Return whether objects are real numbers, such as fractions."""
+    return variable.dtype.kind == "O" and all(
+        isinstance(value, Real) and not isinstance(value, bool)
+        for value in variable.values.ravel().tolist()
+    )
 
 
 def _is_text(variable: xr.Variable) -> bool:

@@ -15,6 +15,7 @@ import rotor_ida
 from rotor_ida.cli.commands import cycles
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.studies.database import FILE
+from rotor_ida.schema import STABILITY
 
 Program = Callable[..., Any]
 
@@ -160,7 +161,7 @@ def test_what_was_forged_does_not_verify(
 
 def test_a_forged_stability_does_not_verify(program: Program, archives: Path):
     dataset = rotor_ida.load(archives / "cycle.nc")
-    dataset["stability"].values[...] = 1
+    dataset["stability"].values[...] = STABILITY["unstable"]
     rotor_ida.save(dataset, "forged.nc")
     answer = program("verify", "forged.nc")
     assert "the first: stable computed again, unstable archived" in answer.err
@@ -201,7 +202,7 @@ def test_a_study_of_a_branch_goes_on(
     assert "points are saved in study; continue with rotor-ida resume study" in answer.err
     assert os.listdir("study") == [FILE]
     found = json.loads(program("status", "study", "--json").out)
-    assert found["kind"] == "branch"
+    assert found["kind"] == "continue_cycle"
     assert 0 < found["done"] < found["points"]
     resumed = program("resume", "study", "--json", "--figure", "branch")
     assert (resumed.status, resumed.err) == (0, "")

@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
 import rotor_ida
 from rotor_ida import Rotor, plot
@@ -88,7 +89,7 @@ def test_every_kind_of_plot_has_what_is_exact_of_every_rotor(kind: str, name: st
 
 
 def artists_of(drawn) -> list[object]:
-    axes = drawn if isinstance(drawn, list) else [drawn]
+    axes = drawn.axes if isinstance(drawn, Figure) else [drawn]
     return [each for ax in axes for each in ax.lines]
 
 

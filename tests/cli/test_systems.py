@@ -325,7 +325,7 @@ MISTAKES = [
     ("simulate gone.toml --duration 1", "cannot read 'gone.toml': No such file or directory"),
     ("simulate rotor.npz --duration 1", "unexpected argument 'rotor.npz'; a rotor system must be"),
     ("simulate rotor.toml", "--duration must be given"),
-    ("simulate rotor.toml --duration 0", "duration must be positive, got 0.0"),
+    ("simulate rotor.toml --duration 0", "duration must be positive, got 0 s"),
     ("simulate rotor.toml --duration 1 --omega 2", "omega must be left out with a rotor system"),
     ("simulate rotor.toml --duration 1 --machine a.toml", "machine must be left out with a rotor"),
     ("simulate rotor.toml --duration 1 --start 0 0 0 0", "start must be left out with a rotor"),

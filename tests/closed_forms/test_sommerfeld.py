@@ -63,9 +63,9 @@ def test_whirls_are_equilibria_of_a_rigid_body_with_a_drive_and_as_stable(machin
         )
         growth = np.linalg.eigvals(jacobian).real.max()
         if abs(growth) > 1e-5:
-            assert int(flag) == int(growth > 0.0)
+            assert int(flag) == STABILITY["unstable" if growth > 0.0 else "stable"]
             seen.add(int(flag))
-    assert seen == {0, 1}
+    assert seen == {STABILITY["stable"], STABILITY["unstable"]}
 
 
 def test_the_last_eigenvalue_passes_zero_where_the_curve_falls_as_the_drive_does():
@@ -133,7 +133,7 @@ def test_limited_power_settles_on_the_curve_and_jumps_beyond_its_stable_part():
     curve = sommerfeld_curve(**machine, limits=(0.1, 9.0), inertia=inertia, slope=slope)
     A, omega, lag, touches, torque, flag = points_of(curve, 1).T
     drive = torque + slope * omega
-    held = np.flatnonzero((flag == 0) & (touches == 1) & (A > 1.5))
+    held = np.flatnonzero((flag == STABILITY["stable"]) & (touches == 1) & (A > 1.5))
     highest = drive[held].max()
     begin = held[np.abs(drive[held] - 0.98 * highest).argmin()]
     z = A[begin] * np.exp(-1j * lag[begin])
@@ -148,7 +148,7 @@ def test_limited_power_settles_on_the_curve_and_jumps_beyond_its_stable_part():
         speed = found.speed.values[-1]
         radius = np.hypot(found.x.values[-1], found.y.values[-1])
         near = np.hypot(A - radius, omega - speed).argmin()
-        assert flag[near] == 0
+        assert flag[near] == STABILITY["stable"]
         speeds.append(speed)
         if share < 1.0:
             taken = whirl_torque(radius, omega=speed, zeta=0.2, delta0=0.5)
