@@ -79,9 +79,8 @@ def main(settings: Settings) -> None:
         )  # fmt: skip
     settings.keep(up_down, "fig11_up_down")
 
-    # Tables of events cannot be joined by direction; they stay in the archives of the sweeps.
     simulated = xr.concat(
-        [from_rest.drop_dims("event"), up_down.drop_dims("event")], "direction",
+        [from_rest, up_down], "direction",
         data_vars="minimal", coords="minimal", compat="equals", join="exact",
         combine_attrs="override",
     ).sortby("direction")  # fmt: skip
