@@ -71,9 +71,9 @@ def takes_si(
                 options["start"] = dimensionless(start)
             return verb(*given, **options)
         options.pop("rotor", None)
+        plain = without_dimensions(rotor, defaults | options)
         if not takes_all and (unknown := [name for name in options if name not in parameters]):
             raise TypeError(f"{verb.__name__}() got an unexpected keyword argument {unknown[0]!r}")
-        plain = without_dimensions(rotor, defaults | options)
         try:
             with kept_machine(options.get("study"), rotor):
                 found = verb(rotor.rotor(), *given[1:], **plain)
