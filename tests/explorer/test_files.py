@@ -97,8 +97,11 @@ def test_the_lines_make_the_run_and_its_figure_again(
     runpy.run_path(str(lines))
     run = si_units.dimensionless(rotor_ida.load("run.nc"))
     shown = shown_run(machine=machine, revolutions=20)
+    # the script has the start in SI units, which rounds it once more; the rub makes this grow
+    rounded = 0.0 if machine is ROTOR else 1e-12
     for name in SHOWN:
-        np.testing.assert_allclose(run[name].values, shown[name], rtol=1e-14, err_msg=name)
+        np.testing.assert_allclose(run[name].values, shown[name], rtol=1e-14, atol=rounded,
+                                   err_msg=name)  # fmt: skip
     assert sorted(each.name for each in tmp_path.iterdir()) == [
         "run.nc", "run.png", "run.py", "run.svg",
     ]  # fmt: skip
