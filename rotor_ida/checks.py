@@ -279,7 +279,7 @@ def check_flag(name: str, value: object) -> bool:
 def check_progress(
     progress: Callable[[int, int], None] | bool | None,
 ) -> Callable[[int, int], None] | None:
-    """Return the function that is told of progress, or raise `InputError`.
+    """Return the function to call with the progress, or raise `InputError`.
 
     True is a bar on standard error, which `rotor_ida.parallel.shows_progress` puts in its place.
     """

@@ -59,7 +59,7 @@ COLUMNS = {
     "first_touch": "entry_time", "largest_r_over_clearance": "", "largest_force": "peak_force",
     "rolling_time": "rolling_time", "ends": "",
 }  # fmt: skip
-# What is told of each figure of a bearing in a sample and on a grid.
+# Statistics of each figure of a bearing: of a random sample, and of a grid.
 OF_SAMPLE = ("mean", "mean_low", "mean_high", "quantile", "quantile_low", "quantile_high")
 OF_GRID = ("min", "min_drop", "max", "max_drop", "mean", "mean_change")
 OF_RUN = ("method", "rtol", "modes", "more_modes")

@@ -24,7 +24,7 @@ UNITS_OF_ARGUMENTS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("duration", "ramp_time", "transient", "extrema_time", "period"), ("s",)),
     **dict.fromkeys(("samples", "start_period", "record_length"), ("s",)),
     **{f"range_{name}": (unit,) for name, unit in zip(("x", "y", "vx", "vy"), _STATE, strict=True)},
-    "reach": ("m",), "to": ("rad s-1",), "rate": ("rad s-2",), "speeds": ("s", "rad s-1"),
+    "to": ("rad s-1",), "rate": ("rad s-2",), "speeds": ("s", "rad s-1"),
     "torque": ("N m", "N m s"), "inertia": ("kg m2",),
 }  # fmt: skip
 # The same with what messages name beside arguments; those of a parameter that sets the scales, and
@@ -61,7 +61,7 @@ def scale_of(machine: DimensionalRotor, unit: str) -> float:
 
 
 def without_units(machine: DimensionalRotor, unit: str, values: Values) -> Values:
-    """Return dimensionless values, to the last bit as `DimensionalRotor.rotor` makes them."""
+    """Return dimensionless values, with the same bits as those of `DimensionalRotor.rotor`."""
     with np.errstate(over="ignore"):  # what is infinite then is refused
         if unit == "s m-1":
             return values * machine.velocity_scale

@@ -10,12 +10,11 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.results.kinds import KINDS, kind_of
+from rotor_ida.simulation.starts import IN_STEP
 from rotor_ida.systems.assembly import Assembly, canonical
 from rotor_ida.systems.axisymmetric import check_axisymmetric_parts, forward_motions
 from rotor_ida.systems.starts import Start
 
-# The unbalance must be where it is at time 0, to this part of a radian.
-IN_STEP = 1e-6
 # Kinds of results that end at any angle of the unbalance; other states have it at angle 0.
 RUNS = ("system_run", "drop")
 

@@ -124,7 +124,7 @@ def _compare(
     told: npt.NDArray[np.bool_],
     tolerance: float,
 ) -> None:
-    """Compare one variable where its numbers are told, and add what differs to what was found."""
+    """Compare one variable where it is reproducible, and add the differences to those found."""
     here, there = again.variables[name], archived.variables[name]
     found.values += there.size
     if dict(here.sizes) != dict(there.sizes):
