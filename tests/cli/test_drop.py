@@ -284,6 +284,17 @@ unbalance_factor = { from = 1, to = 2, count = 3 }"""
     assert "drops must be left out with the drop.grid" in capfd.readouterr().err
 
 
+@pytest.mark.usefixtures("here")
+def test_many_drops_with_a_start_are_refused_before_anything_is_computed(capfd):
+    Path("rotor.toml").write_text(FILE)
+    size = rotor_ida.load_system("rotor.toml").size
+    zeros = [0.0] * size
+    Path("rotor.toml").write_text(f"start = {{ q = {zeros}, velocity = {zeros} }}\n{FILE}")
+    assert main(["drop", "rotor.toml", "--drops", "2", "--out", "report"]) == 2
+    assert "start must be left out of rotor.toml for many drops" in capfd.readouterr().err
+    assert not Path("report").exists()
+
+
 def test_pages_of_the_pdf_hold_all_that_is_written_on_them():
     heads, cell = ["", *(f"bearing {number}" for number in range(30))], "1234.5 (12 to 13)"
     sheets = Sheets("foot")

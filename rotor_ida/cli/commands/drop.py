@@ -149,6 +149,10 @@ def _asked(
         vary["drops"] = drops
     if not (course.grid or "drops" in vary):
         return given, {}
+    if "start" in given:
+        raise InputError(
+            f"start must be left out of {system} for many drops, which start levitated"
+        )
     varied = {name: each for name, each in vary.items() if name not in {"drops", "seed"}}
     design_of(varied, vary.get("drops"), vary.get("seed", 0))
     return given, vary
